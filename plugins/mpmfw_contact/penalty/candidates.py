@@ -1,0 +1,109 @@
+"""Arrays of the search: candidate pairs with their history, and linked lists on the background grid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mpmfw.api import Field, FloatArray, IndexArray, IntArray, Setup
+
+
+@dataclass
+class Candidates:
+    """Up to ``slots`` candidate segments for every surface node, each of another body, and the contact history.
+
+    The tangential force of a node is kept with the body that it touches, so that it survives a change of segment.
+    """
+
+    slots: int
+    master: IntArray  #: (n_s, slots) index of the body touched; −1 without contact
+    segment: IntArray  #: (n_s, slots) first node of the segment; −1 if none is near
+    coordinate: FloatArray  #: (n_s, slots) ξ
+    gap: FloatArray  #: (n_s, slots) g_n [m]
+    normal: FloatArray  #: (n_s, slots, 2) e_n
+    stiffness: FloatArray  #: (n_s, slots) k [N/m^2]
+    damping: FloatArray  #: (n_s, slots) dashpot over the last step, c / Δt [N/m^2]
+    tangential: FloatArray  #: (n_s, slots) f_t [N/m]
+    old_master: IntArray
+    old_tangential: FloatArray
+
+    @classmethod
+    def allocate(cls, setup: Setup, owner: str, slots: int) -> Candidates:
+        """Allocate and list the arrays."""
+
+        def array(name: str, unit: str, meaning: str, dtype: str = "f8", dims: tuple[str, ...] = ()) -> np.ndarray:
+            field = Field(name, ("surface_node", "slot", *dims), unit, meaning, "surface", dtype)
+            return setup.allocate(owner, field, slot=slots)
+
+        candidates = cls(
+            slots=slots,
+            master=array("master", "1", "body touched", "i8"),
+            segment=array("segment", "1", "closest segment", "i8"),
+            coordinate=array("coordinate", "1", "natural coordinate on the segment"),
+            gap=array("gap", "m", "normal gap"),
+            normal=array("normal", "1", "direction of the normal force", dims=("axis",)),
+            stiffness=array("stiffness", "N m-2", "spring stiffness"),
+            damping=array("damping", "N m-2", "dashpot over the last step, c / dt"),
+            tangential=array("tangential", "N m-1", "tangential force"),
+            old_master=array("old_master", "1", "body touched in the last step", "i8"),
+            old_tangential=array("old_tangential", "N m-1", "tangential force of the last step"),
+        )
+        candidates.forget()
+        return candidates
+
+    def swap(self) -> None:
+        """What was found in the last step becomes the history."""
+        self.master, self.old_master = self.old_master, self.master
+        self.tangential, self.old_tangential = self.old_tangential, self.tangential
+
+    def forget(self) -> None:
+        """No contact, no history."""
+        self.segment.fill(-1)
+        self.master.fill(-1)
+        self.old_master.fill(-1)
+        self.tangential.fill(0.0)
+        self.old_tangential.fill(0.0)
+
+
+@dataclass
+class SearchGrid:
+    """Marks and linked lists on the background grid; stamps that grow spare clearing them."""
+
+    owner: IntArray  #: (n_nodes,) stamp and body of the first surface that reached the node
+    shared: IntArray  #: (n_nodes,) stamp of the last step in which two surfaces reached it
+    head: IntArray  #: (n_nodes,) first entry of the cell's list
+    head_stamp: IntArray  #: (n_nodes,)
+    link: IndexArray  #: (n_entries,) next entry
+    link_segment: IndexArray  #: (n_entries,) segment
+    box_lower: FloatArray  #: (n_bodies, 2) [m]
+    box_upper: FloatArray  #: (n_bodies, 2) [m]
+    stamp: int = 0
+
+    @classmethod
+    def allocate(cls, setup: Setup, owner: str) -> SearchGrid:
+        """Allocate and list the arrays."""
+        nodes = int(np.prod(setup.state.grid.nodes))
+        surface = setup.state.surface
+        entries = 4 * (0 if surface is None else surface.count)
+
+        def array(name: str, dims: tuple[str, ...], meaning: str, dtype: str, unit: str = "1") -> np.ndarray:
+            sizes = {"grid_node": nodes, "entry": entries}
+            return setup.allocate(owner, Field(name, dims, unit, meaning, "contact", dtype), **sizes)
+
+        node, entry, body = ("grid_node",), ("entry",), ("body", "axis")
+        return cls(
+            owner=array("owner", node, "first body whose surface reached the node", "i8"),
+            shared=array("shared", node, "stamp of nodes reached by two surfaces", "i8"),
+            head=array("head", node, "first entry of the cell's list of segments", "i8"),
+            head_stamp=array("head_stamp", node, "stamp of the list", "i8"),
+            link=array("link", entry, "next entry of the list", "i4"),
+            link_segment=array("link_segment", entry, "segment of the entry", "i4"),
+            box_lower=array("box_lower", body, "lower corner of the body's bounding box", "f8", "m"),
+            box_upper=array("box_upper", body, "upper corner of the body's bounding box", "f8", "m"),
+        )
+
+    def grow(self, entries: int) -> None:
+        """Make room for more entries; the lists are filled anew afterwards."""
+        self.link = np.zeros(entries, dtype=np.int32)
+        self.link_segment = np.zeros(entries, dtype=np.int32)

@@ -1,0 +1,163 @@
+"""The force between a slave node and a master segment (eq. 3-9 of [H17])."""
+
+from __future__ import annotations
+
+import math
+
+from mpmfw.kernels import device, kernel
+from mpmfw.kernels.types import Float, Floats, Ints
+
+
+@device
+def normal_rows(e_x: Float, e_y: Float, xi: Float, out: Floats) -> None:
+    """N = [e_n, −(1−ξ) e_n, −ξ e_n] on the degrees of freedom (u_s, u_1, u_2), (3, 2): the exact δg_n."""
+    for d in range(2):
+        e = e_x if d == 0 else e_y
+        out[0, d], out[1, d], out[2, d] = e, -(1.0 - xi) * e, -xi * e
+
+
+@device
+def tangential_rows(e_x: Float, e_y: Float, xi: Float, gap: Float, lever: Float, out: Floats) -> None:
+    """C_t = T + (g_n / l) P, (3, 2): exact l δξ; without P the pair would leave the moment g_n f_t.
+
+    e_t = (−e_n,y, e_n,x). ``lever`` is (x_2 − x_1)·e_t: the length l, or its share along e_t where the closest point is a
+    vertex and e_n is not the segment's normal; so the moment balances there too.
+    """
+    for d in range(2):
+        e_n = e_x if d == 0 else e_y
+        e_t = -e_y if d == 0 else e_x
+        couple = gap / lever * e_n
+        out[0, d], out[1, d], out[2, d] = e_t, -(1.0 - xi) * e_t - couple, -xi * e_t + couple
+
+
+@device
+def tangent_rows(e_x: Float, e_y: Float, out: Floats) -> None:
+    """Q = [0, −e_t, e_t], (3, 2)."""
+    for d in range(2):
+        e_t = -e_y if d == 0 else e_x
+        out[0, d], out[1, d], out[2, d] = 0.0, -e_t, e_t
+
+
+@kernel
+def contact_forces(
+    slots: int,
+    master: Ints,
+    segment: Ints,
+    coordinate: Floats,
+    gap: Floats,
+    normal: Floats,
+    old_master: Ints,
+    tangential: Floats,
+    old_tangential: Floats,
+    body: Ints,
+    pair_of: Ints,
+    pair_first: Ints,
+    position: Floats,
+    displacement: Floats,
+    following: Ints,
+    previous: Ints,
+    stiffness: Floats,
+    damping: Floats,
+    friction: Floats,
+    tangential_ratio: float,
+    keep_q: bool,
+    literal_friction: bool,
+    dt: float,
+    rows: Floats,
+    force: Floats,
+    pair_impulse: Floats,
+    frictional_work: Floats,
+    damping_work: Floats,
+    energy: Floats,
+    count: Floats,
+) -> None:
+    """Forces of all slave nodes in contact, added to ``force`` (n_s, 2) of slaves and segment ends.
+
+    Every slave node has ``slots`` places; ``segment`` −1 or ``gap`` ≥ 0 is no contact. ``stiffness`` k [N/m²] and
+    ``damping`` c / Δt [N/m²] are (n_s, slots). Return mapping: f_t ← clip(f_t − k_t Δg_t, ±μ f_n) with Δg_t = C_tᵀ Δu on the present segment; at first
+    contact Δg_t is scaled by the part of the step that was spent in penetration. ``rows`` is scratch, (3, 3, 2).
+    """
+    n, c_t, q = rows[0], rows[1], rows[2]
+    energy[:] = 0.0
+    count[:] = 0.0
+    for s in range(len(body)):
+        for j in range(slots):
+            tangential[s, j] = 0.0
+            m = segment[s, j]
+            if m < 0 or gap[s, j] >= 0.0:
+                master[s, j] = -1
+                continue
+            g, xi = gap[s, j], coordinate[s, j]
+            e_x, e_y = normal[s, j, 0], normal[s, j, 1]
+            if xi == 0.0 or xi == 1.0:
+                m, xi = better_segment(m, xi, e_x, e_y, position, following, previous)
+            end = following[m]
+            lever = -e_y * (position[end, 0] - position[m, 0]) + e_x * (position[end, 1] - position[m, 1])
+            normal_rows(e_x, e_y, xi, n)
+            tangential_rows(e_x, e_y, xi, g, lever, c_t)
+            # How far the pair moved in the last step, along C_t and N.
+            slip, approach = 0.0, 0.0
+            for d in range(2):
+                u_s, u_1, u_2 = displacement[s, d], displacement[m, d], displacement[end, d]
+                slip += c_t[0, d] * u_s + c_t[1, d] * u_1 + c_t[2, d] * u_2
+                approach += n[0, d] * u_s + n[1, d] * u_1 + n[2, d] * u_2
+            pair = pair_of[body[s], body[m]]
+            k = stiffness[s, j]
+            f_n = -k * g
+            if damping[s, j] > 0.0:
+                dashpot = min(max(-damping[s, j] * approach, -f_n), 2.0 * k * abs(approach))
+                f_n += dashpot
+                damping_work[pair] += max(-dashpot * approach, 0.0)
+            f_t = 0.0
+            k_t = tangential_ratio * k
+            if literal_friction:
+                if friction[pair] > 0.0:
+                    f_t = -k_t * slip
+                    frictional_work[pair] += k_t * slip * slip
+            else:
+                stored, known = 0.0, False
+                for i in range(slots):
+                    if old_master[s, i] == body[m]:
+                        stored, known = old_tangential[s, i], True
+                if not known and approach < 0.0:
+                    slip *= min(1.0, g / approach)
+                trial = stored - k_t * slip
+                limit = friction[pair] * f_n
+                f_t = min(max(trial, -limit), limit)
+                frictional_work[pair] += abs(f_t) * abs(trial - f_t) / k_t
+                energy[pair] += 0.5 * f_t * f_t / k_t
+            master[s, j] = body[m]
+            tangential[s, j] = f_t
+            energy[pair] += 0.5 * k * g * g
+            count[pair] += 1.0
+            if keep_q:
+                tangent_rows(e_x, e_y, q)
+            sign = 1.0 if body[s] == pair_first[pair] else -1.0
+            for d in range(2):
+                for row in range(3):
+                    value = f_n * n[row, d] + f_t * c_t[row, d]
+                    if keep_q:
+                        value -= f_n * g / lever * q[row, d]
+                    force[s if row == 0 else m if row == 1 else end, d] += value
+                pair_impulse[pair, d] += sign * dt * (f_n * n[0, d] + f_t * c_t[0, d])
+
+
+@device
+def better_segment(
+    m: int, xi: Float, e_x: Float, e_y: Float, position: Floats, following: Ints, previous: Ints
+) -> tuple[int, Float]:
+    """Of the two segments that meet at the closest vertex, the one whose tangent is nearer to e_t."""
+    other = previous[m] if xi == 0.0 else following[m]
+    best = 0.0
+    chosen, chosen_xi = m, xi
+    for a in (m, other):
+        b = following[a]
+        tx, ty = position[b, 0] - position[a, 0], position[b, 1] - position[a, 1]
+        along = (-e_y * tx + e_x * ty) / math.sqrt(tx * tx + ty * ty)
+        if along > best:
+            best = along
+            chosen = a
+            chosen_xi = xi if a == m else 1.0 - xi
+    return chosen, chosen_xi
+
+

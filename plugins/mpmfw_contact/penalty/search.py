@@ -1,0 +1,215 @@
+"""Search of slave nodes and master segments in three steps ([H17] section 3.2)."""
+
+from __future__ import annotations
+
+import math
+
+from mpmfw.kernels import device, kernel
+from mpmfw.kernels.polyline import segment_coordinate, signed_distance
+from mpmfw.kernels.types import Float, Floats, Indices, Ints
+
+
+@kernel
+def boxes_touch(first: Ints, second: Ints, lower: Floats, upper: Floats, reach: float) -> bool:
+    """Whether any pair of bodies has bounding boxes closer than ``reach``: if not, there is nothing to search."""
+    for c in range(len(first)):
+        a, b = first[c], second[c]
+        apart = False
+        for d in range(2):
+            if lower[a, d] - upper[b, d] > reach or lower[b, d] - upper[a, d] > reach:
+                apart = True
+        if not apart:
+            return True
+    return False
+
+
+@device
+def cell_of(x: Float, lower: Float, h: Float, nodes: int) -> int:
+    """Index of the cell that holds x, limited to the grid."""
+    return min(max(int(math.floor((x - lower) / h)), 0), nodes - 2)
+
+
+@kernel
+def mark_shared_nodes(
+    stamp: int,
+    n_bodies: int,
+    position: Floats,
+    following: Ints,
+    body: Ints,
+    lower: Floats,
+    spacing: tuple[float, ...],
+    grid_nodes: Ints,
+    owner: Ints,
+    shared: Ints,
+) -> bool:
+    """Step 1: mark the grid nodes that the surfaces of two bodies reach; return whether there are any.
+
+    A segment reaches the nodes of all cells that its bounding box touches. ``owner`` holds stamp * n_bodies + body of the
+    first to arrive; since the stamp grows, nothing needs clearing.
+    """
+    found = False
+    base = stamp * n_bodies
+    for s in range(len(body)):
+        e = following[s]
+        i0 = cell_of(min(position[s, 0], position[e, 0]), lower[0], spacing[0], grid_nodes[0])
+        i1 = cell_of(max(position[s, 0], position[e, 0]), lower[0], spacing[0], grid_nodes[0])
+        j0 = cell_of(min(position[s, 1], position[e, 1]), lower[1], spacing[1], grid_nodes[1])
+        j1 = cell_of(max(position[s, 1], position[e, 1]), lower[1], spacing[1], grid_nodes[1])
+        for i in range(i0, i1 + 2):
+            for j in range(j0, j1 + 2):
+                node = i * grid_nodes[1] + j
+                if owner[node] < base:
+                    owner[node] = base + body[s]
+                elif owner[node] != base + body[s]:
+                    shared[node] = stamp
+                    found = True
+    return found
+
+
+@device
+def tagged(i: int, j: int, stamp: int, columns: int, shared: Ints) -> bool:
+    """Whether a corner of cell (i, j) is shared."""
+    node = i * columns + j
+    return (
+        shared[node] == stamp
+        or shared[node + 1] == stamp
+        or shared[node + columns] == stamp
+        or shared[node + columns + 1] == stamp
+    )
+
+
+@kernel
+def list_segments(
+    stamp: int,
+    position: Floats,
+    following: Ints,
+    lower: Floats,
+    spacing: tuple[float, ...],
+    grid_nodes: Ints,
+    shared: Ints,
+    head: Ints,
+    head_stamp: Ints,
+    link: Indices,
+    link_segment: Indices,
+) -> int:
+    """Step 2: linked lists of the segments in every tagged cell; return the number of entries, stored or not."""
+    count = 0
+    columns = grid_nodes[1]
+    for s in range(len(following)):
+        e = following[s]
+        i0 = cell_of(min(position[s, 0], position[e, 0]), lower[0], spacing[0], grid_nodes[0])
+        i1 = cell_of(max(position[s, 0], position[e, 0]), lower[0], spacing[0], grid_nodes[0])
+        j0 = cell_of(min(position[s, 1], position[e, 1]), lower[1], spacing[1], grid_nodes[1])
+        j1 = cell_of(max(position[s, 1], position[e, 1]), lower[1], spacing[1], grid_nodes[1])
+        for i in range(i0, i1 + 1):
+            for j in range(j0, j1 + 1):
+                if tagged(i, j, stamp, columns, shared):
+                    if count < len(link):
+                        cell = i * columns + j
+                        link[count] = head[cell] if head_stamp[cell] == stamp else -1
+                        link_segment[count] = s
+                        head[cell] = count
+                        head_stamp[cell] = stamp
+                    count += 1
+    return count
+
+
+@device
+def keep_nearest(
+    s: int, m: int, other: int, gap: Float, xi: Float, e_x: Float, e_y: Float,
+    master: Ints, segment: Ints, coordinate: Floats, gaps: Floats, normal: Floats,
+) -> None:  # fmt: skip
+    """Keep the closest segment of each other body; of equally close ones that with the lower index."""
+    for j in range(master.shape[1]):
+        free = segment[s, j] < 0
+        if free or master[s, j] == other:
+            nearer = abs(gap) < abs(gaps[s, j]) or (abs(gap) == abs(gaps[s, j]) and m < segment[s, j])
+            if free or nearer:
+                master[s, j], segment[s, j], coordinate[s, j], gaps[s, j] = other, m, xi, gap
+                normal[s, j, 0], normal[s, j, 1] = e_x, e_y
+            return
+
+
+@kernel
+def find_pairs(
+    stamp: int,
+    radius: float,
+    literal: bool,
+    position: Floats,
+    following: Ints,
+    previous: Ints,
+    body: Ints,
+    is_slave: Ints,
+    lower: Floats,
+    spacing: tuple[float, ...],
+    grid_nodes: Ints,
+    shared: Ints,
+    head: Ints,
+    head_stamp: Ints,
+    link: Indices,
+    link_segment: Indices,
+    master: Ints,
+    segment: Ints,
+    coordinate: Floats,
+    gap: Floats,
+    normal: Floats,
+) -> int:
+    """Step 3: for every slave node in a tagged cell the closest point of each other body within ``radius``.
+
+    ``literal`` takes instead, as [H17] writes it, every segment with g_n < 0 and 0 ≤ ξ ≤ 1 one of whose ends lies within
+    the radius, up to the number of slots. ``is_slave[a, b]`` tells whether nodes of body a are slaves to segments of b.
+    Return the number of candidates.
+    """
+    count = 0
+    columns = grid_nodes[1]
+    segment[:] = -1
+    for s in range(len(body)):
+        x, y = position[s, 0], position[s, 1]
+        ci = cell_of(x, lower[0], spacing[0], grid_nodes[0])
+        cj = cell_of(y, lower[1], spacing[1], grid_nodes[1])
+        if not tagged(ci, cj, stamp, columns, shared):
+            continue
+        for i in range(max(ci - 1, 0), min(ci + 2, grid_nodes[0] - 1)):
+            for j in range(max(cj - 1, 0), min(cj + 2, columns - 1)):
+                cell = i * columns + j
+                entry = head[cell] if head_stamp[cell] == stamp else -1
+                while entry >= 0:
+                    m = link_segment[entry]
+                    entry = link[entry]
+                    other = body[m]
+                    if other == body[s] or is_slave[body[s], other] == 0:
+                        continue
+                    if literal:
+                        keep_literal(s, m, other, radius, position, following, master, segment, coordinate, gap, normal)
+                    else:
+                        g, xi, e_x, e_y = signed_distance(x, y, m, position, following, previous)
+                        if abs(g) < radius:
+                            keep_nearest(s, m, other, g, xi, e_x, e_y, master, segment, coordinate, gap, normal)
+        for j in range(master.shape[1]):
+            if segment[s, j] >= 0:
+                count += 1
+    return count
+
+
+@device
+def keep_literal(
+    s: int, m: int, other: int, radius: Float, position: Floats, following: Ints,
+    master: Ints, segment: Ints, coordinate: Floats, gap: Floats, normal: Floats,
+) -> None:  # fmt: skip
+    """Eq. 10: g_n < 0 and 0 ≤ ξ ≤ 1, with an end of the segment within the radius; each segment once."""
+    e = following[m]
+    x, y = position[s, 0], position[s, 1]
+    near_start = (x - position[m, 0]) ** 2 + (y - position[m, 1]) ** 2 < radius * radius
+    near_end = (x - position[e, 0]) ** 2 + (y - position[e, 1]) ** 2 < radius * radius
+    if not (near_start or near_end):
+        return
+    xi, g, _, tx, ty = segment_coordinate(x, y, position[m, 0], position[m, 1], position[e, 0], position[e, 1])
+    if g >= 0.0 or xi < 0.0 or xi > 1.0:
+        return
+    for j in range(master.shape[1]):
+        if segment[s, j] == m:
+            return
+        if segment[s, j] < 0:
+            master[s, j], segment[s, j], coordinate[s, j], gap[s, j] = other, m, xi, g
+            normal[s, j, 0], normal[s, j, 1] = ty, -tx
+            return

@@ -1,0 +1,79 @@
+"""Largest eigenvalue of the contact operator, bounded from above, for the stable time step."""
+
+from __future__ import annotations
+
+from mpmfw.kernels import kernel
+from mpmfw.kernels.types import Floats, Indices, Ints
+
+
+@kernel
+def contact_frequency(
+    slots: int,
+    segment: Ints,
+    coordinate: Floats,
+    stiffness: Floats,
+    following: Ints,
+    row: Ints,
+    nodes: Indices,
+    weight: Floats,
+    node_mass: Floats,
+    node_stiffness: Floats,
+) -> float:
+    """Gershgorin bound of ω² = λ_max(B M⁻¹ Bᵀ K) over all candidate pairs [1/s²].
+
+    Row c of B maps nodal displacement to the gap of pair c; its entries are N_i(x_s) on the slave's field and
+    (1−ξ) N_i(x_1) + ξ N_i(x_2) on the master's. Σ_d |(B M⁻¹ Bᵀ K)_cd| ≤ Σ_i |b_ci| (Σ_d k_d |b_di|) / m_i, so that two
+    passes over the pairs suffice. ``node_stiffness`` is scratch, zero on entry and on return.
+    """
+    largest = 0.0
+    for phase in range(3):
+        for s in range(len(segment)):
+            for j in range(slots):
+                m = segment[s, j]
+                if m < 0:
+                    continue
+                k, xi = stiffness[s, j], coordinate[s, j]
+                total = 0.0
+                for end in range(3):
+                    point = s if end == 0 else m if end == 1 else following[m]
+                    share = 1.0 if end == 0 else 1.0 - xi if end == 1 else xi
+                    for entry in range(row[point], row[point + 1]):
+                        i = nodes[entry]
+                        b = share * weight[entry]
+                        if phase == 0:
+                            node_stiffness[i] += k * b
+                        elif phase == 1:
+                            if node_mass[i] > 0.0:
+                                total += b * node_stiffness[i] / node_mass[i]
+                        else:
+                            node_stiffness[i] = 0.0
+                largest = max(largest, total)
+    return largest
+
+
+@kernel
+def map_to_grid(row: Ints, nodes: Indices, weight: Floats, force: Floats, node_force: Floats) -> None:
+    """f_i^cont = Σ_s N_i(x_s) f_s (eq. 11 of [H17])."""
+    for s in range(len(force)):
+        if force[s, 0] != 0.0 or force[s, 1] != 0.0:
+            for k in range(row[s], row[s + 1]):
+                for d in range(2):
+                    node_force[nodes[k], d] += weight[k] * force[s, d]
+
+
+@kernel
+def add_interface_mass(
+    row: Ints,
+    nodes: Indices,
+    weight: Floats,
+    mass: Floats,
+    velocity: Floats,
+    node_mass: Floats,
+    node_momentum: Floats,
+) -> None:
+    """m_i += Σ N_i m_s and (m v)_i += Σ N_i m_s v_s: the surface layer's inertia ([H17] section 3.1)."""
+    for s in range(len(mass)):
+        for k in range(row[s], row[s + 1]):
+            node_mass[nodes[k]] += weight[k] * mass[s]
+            for d in range(2):
+                node_momentum[nodes[k], d] += weight[k] * mass[s] * velocity[s, d]

@@ -1,0 +1,287 @@
+"""The penalty contact as a plug-in: search, force, map, and its own stable time step."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from mpmfw.api import (
+    AnyArray,
+    ContactStrategy,
+    Field,
+    FloatArray,
+    Grid,
+    SceneError,
+    Setup,
+    State,
+    Stencil,
+    hookimpl,
+)
+from mpmfw.kernels.nodal import velocity_of_momentum
+from mpmfw.kernels.polyline import bounding_boxes
+from mpmfw_contact.penalty import search
+from mpmfw_contact.penalty.candidates import Candidates, SearchGrid
+from mpmfw_contact.penalty.options import PenaltyOptions
+from mpmfw_contact.penalty.pair_force import contact_forces
+from mpmfw_contact.penalty.stability import add_interface_mass, contact_frequency, map_to_grid
+from mpmfw_contact.records import PairRecords
+
+FORCE = Field("force", ("surface_node", "axis"), "N m-1", "contact force on the surface node", "surface", output=True)
+
+
+class Penalty(ContactStrategy):
+    """Surfaces of two-node segments; a node inside another body is pushed out, and held by friction, by springs.
+
+    Spring stiffness of a slave node is k = κ M l_trib / h with M the softer body's K + 4 G / 3, halved where both bodies
+    are slaves (two-pass). The forces are mapped to each body's own velocity field with shape functions at the surface
+    nodes (eq. 11). A step must resolve the springs: ω² from the nodal masses bounds it together with the bulk's.
+    """
+
+    name = "penalty"
+    Options = PenaltyOptions
+    options: PenaltyOptions
+    velocity_fields = "per_body"
+    needs_surface = True
+    uses_friction = True
+    dimensions = (2,)
+    stage = "contact"
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self.surface_map = self.options.map
+
+    @hookimpl
+    def declare_fields(self) -> list[Field]:
+        """Force of the surface nodes, and the pairs' series."""
+        return [FORCE, *PairRecords.declarations()]
+
+    @hookimpl
+    def setup(self, setup: Setup) -> None:
+        """Laws of the pairs as arrays."""
+        if setup.state.surface is None:
+            raise SceneError("contact 'penalty' needs bodies with outlines")
+        self._check_options(setup)
+        self.state, self.surface = setup.state, setup.state.surface
+        self.records = PairRecords(setup, self.name)
+        literal = self.options.detection == "hamad2017"
+        slots = 8 if literal else min(max(len(setup.bodies) - 1, 1), 3)
+        self.candidates = Candidates.allocate(setup, self.name, slots)
+        self.force: FloatArray = setup.allocate(self.name, FORCE)
+        self.grid = SearchGrid.allocate(setup, self.name)
+        self._pair_laws(setup)
+        self._interface(setup)
+        self.radius = self.options.search_radius * setup.cell_size
+        self.safety, self.bulk_frequency = setup.safety, setup.bulk_frequency
+        self.node_stiffness = np.zeros(0)
+        self.omega_squared = 0.0
+        self.count = 0
+        self.searched = False
+        self.rows = np.zeros((3, 3, 2))
+
+    def _check_options(self, setup: Setup) -> None:
+        given = self.options.model_fields_set
+        if "tangential_ratio" in given and all(pair.friction == 0.0 for pair in setup.pairs):
+            raise SceneError("contact.penalty.tangential_ratio has no effect: every pair has friction = 0")
+        master = self.options.master
+        if master is not None and master not in [body.name for body in setup.bodies]:
+            names = ", ".join(body.name for body in setup.bodies)
+            raise SceneError(f"contact.penalty.master: no body '{master}'; expected one of {names}")
+
+    def _pair_laws(self, setup: Setup) -> None:
+        bodies, pairs = setup.bodies, setup.pairs
+        n = len(bodies)
+        self.first = np.array([pair.first for pair in pairs], dtype=np.int64)
+        self.second = np.array([pair.second for pair in pairs], dtype=np.int64)
+        self.friction = np.array([pair.friction for pair in pairs])
+        self.pair_of = np.full((n, n), -1, dtype=np.int64)
+        self.is_slave = np.zeros((n, n), dtype=np.int64)
+        self.modulus = np.zeros((n, n))
+        for pair in pairs:
+            a, b = bodies[pair.first], bodies[pair.second]
+            for i, j in ((a.index, b.index), (b.index, a.index)):
+                self.pair_of[i, j] = pair.index
+                self.modulus[i, j] = min(a.p_wave_modulus, b.p_wave_modulus)
+                self.is_slave[i, j] = 1
+            if self.options.passes == "one":
+                master = a if a.p_wave_modulus >= b.p_wave_modulus else b
+                if self.options.master in (a.name, b.name):
+                    master = a if self.options.master == a.name else b
+                slave = b if master is a else a
+                self.is_slave[master.index, slave.index] = 0
+        share = 0.5 if self.options.passes == "two" else 1.0
+        # k = κ M l_trib / h of every surface node, up to M, which depends on the body that it meets.
+        self.node_factor = share * self.options.kappa * self.surface.tributary / setup.cell_size
+
+    def _interface(self, setup: Setup) -> None:
+        thickness = self.options.interface_thickness
+        if thickness > 0.0:
+            density = np.array([body.density for body in setup.bodies])
+            declaration = Field("interface_mass", ("surface_node",), "kg m-1", "mass of the surface layer", "surface")
+            self.mass: FloatArray | None = setup.allocate(self.name, declaration)
+            self.mass[:] = thickness * density[self.surface.body] * self.surface.tributary
+        else:
+            self.mass = None
+
+    @hookimpl
+    def after_momentum_projection(self, grid: Grid) -> None:
+        """Inertia of the surface layer, where it has a thickness."""
+        phi = self.surface.stencil
+        if self.mass is not None and phi is not None:
+            dt = self.state.dt
+            velocity = self.surface.displacement / dt if dt > 0.0 else np.zeros_like(self.surface.displacement)
+            add_interface_mass(phi.row, phi.nodes, phi.weight, self.mass, velocity, grid.mass, grid.momentum)
+            velocity_of_momentum(grid.mass, grid.momentum, grid.start_velocity, grid.spacing)
+
+    @hookimpl
+    def add_nodal_force(self, grid: Grid, dt: float) -> None:
+        """Search at x_s(tⁿ), form the pair forces, map them (eq. 9, 11)."""
+        phi = self.surface.stencil
+        if phi is None:
+            raise RuntimeError("the surface's table was not filled")
+        self.count = self._search(grid)
+        if self.count == 0:
+            return
+        self._stiffness(grid, phi)
+        self._forces(dt)
+        map_to_grid(phi.row, phi.nodes, phi.weight, self.force, grid.force)
+
+    def _search(self, grid: Grid) -> int:
+        surface, found = self.surface, self.candidates
+        self.searched = True
+        boxes = self.grid
+        bounding_boxes(surface.body_first, surface.position, boxes.box_lower, boxes.box_upper)
+        count = 0
+        if search.boxes_touch(self.first, self.second, boxes.box_lower, boxes.box_upper, self.radius):
+            count = self._search_near(grid)
+        if count == 0 and self.count > 0:
+            found.forget()
+            self.force.fill(0.0)
+            self.records.count.fill(0.0)
+            self.records.energy.fill(0.0)
+        return count
+
+    def _search_near(self, grid: Grid) -> int:
+        s, c, g = self.surface, self.candidates, self.grid
+        g.stamp += 1
+        where = (grid.lower, grid.spacing, grid.nodes)
+        if not search.mark_shared_nodes(
+            g.stamp, len(self.state.bodies), s.position, s.next, s.body, *where, g.owner, g.shared
+        ):
+            return 0
+        arguments = (g.stamp, s.position, s.next, *where, g.shared, g.head, g.head_stamp)
+        entries = search.list_segments(*arguments, g.link, g.link_segment)
+        if entries > len(g.link):
+            g.grow(2 * entries)
+            g.stamp += 1
+            search.mark_shared_nodes(
+                g.stamp, len(self.state.bodies), s.position, s.next, s.body, *where, g.owner, g.shared
+            )
+            search.list_segments(g.stamp, *arguments[1:], g.link, g.link_segment)
+        c.swap()
+        return search.find_pairs(
+            g.stamp,
+            self.radius,
+            self.options.detection == "hamad2017",
+            s.position,
+            s.next,
+            s.previous,
+            s.body,
+            self.is_slave,
+            *where,
+            g.shared,
+            g.head,
+            g.head_stamp,
+            g.link,
+            g.link_segment,
+            c.master,
+            c.segment,
+            c.coordinate,
+            c.gap,
+            c.normal,
+        )
+
+    def _stiffness(self, grid: Grid, phi: Stencil) -> None:
+        """Spring stiffness of every candidate, and the highest frequency that they give the grid."""
+        c, s = self.candidates, self.surface
+        near = c.segment >= 0
+        c.stiffness[...] = np.where(near, self.node_factor[:, None] * self.modulus[s.body[:, None], c.master], 0.0)
+        if len(self.node_stiffness) != len(grid.mass):
+            self.node_stiffness = np.zeros(len(grid.mass))
+            self.state.arrays[f"{self.name}/node_stiffness"] = self.node_stiffness
+        stiffest = max(1.0, self.options.tangential_ratio) if self.friction.any() else 1.0
+        self.omega_squared = stiffest * contact_frequency(
+            c.slots,
+            c.segment,
+            c.coordinate,
+            c.stiffness,
+            s.next,
+            phi.row,
+            phi.nodes,
+            phi.weight,
+            grid.mass,
+            self.node_stiffness,
+        )
+        if self.options.damping > 0.0 and self.omega_squared > 0.0 and self.state.dt > 0.0:
+            # c = ζ 2 sqrt(k m) with the mass k / ω² that goes with the highest frequency; per length of the last step
+            period = math.sqrt(self.omega_squared) * self.state.dt
+            c.damping[...] = 2.0 * self.options.damping * c.stiffness / period
+
+    def _forces(self, dt: float) -> None:
+        c, s, r = self.candidates, self.surface, self.records
+        self.force.fill(0.0)
+        contact_forces(
+            c.slots,
+            c.master,
+            c.segment,
+            c.coordinate,
+            c.gap,
+            c.normal,
+            c.old_master,
+            c.tangential,
+            c.old_tangential,
+            s.body,
+            self.pair_of,
+            self.first,
+            s.position,
+            s.displacement,
+            s.next,
+            s.previous,
+            c.stiffness,
+            c.damping,
+            self.friction,
+            self.options.tangential_ratio,
+            self.options.normal_variation == "hamad2017",
+            self.options.friction_law == "hamad2017",
+            dt,
+            self.rows,
+            self.force,
+            r.impulse,
+            r.frictional_work,
+            r.damping_work,
+            r.energy,
+            r.count,
+        )
+
+    @hookimpl
+    def stable_timestep(self) -> tuple[float, str] | None:
+        """2 / sqrt(ω_bulk² + ω²): bulk and springs act together. Before the first search, ω² = 4 κ (c / h)² (equal bodies)."""
+        if not self.searched:
+            omega_squared = self.options.kappa * self.bulk_frequency**2
+        elif self.count:
+            omega_squared = self.omega_squared
+        else:
+            return None
+        return 2.0 / math.sqrt(self.bulk_frequency**2 + omega_squared), "penalty springs and bulk"
+
+    def restart(self) -> None:
+        """Forget impulse and work of the settling; springs stay loaded."""
+        self.records.restart()
+
+    @hookimpl
+    def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:  # noqa: ARG002
+        """The pairs' series and the surface nodes' forces."""
+        return {"force": self.force, **self.records.series(interval)}
+
+

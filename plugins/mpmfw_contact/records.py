@@ -1,0 +1,49 @@
+"""Records that every contact strategy keeps for each pair: impulse, work, energy, count."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mpmfw.api import CONTACT_SERIES, AnyArray, Field, FloatArray, Setup
+
+
+class PairRecords:
+    """Accumulators of all pairs, written by kernels and read at outputs.
+
+    Work and impulse are those since time zero; ``restart`` forgets what happened while the scene settled.
+    """
+
+    def __init__(self, setup: Setup, owner: str) -> None:
+        def own(name: str, dims: tuple[str, ...], unit: str, meaning: str) -> AnyArray:
+            return setup.allocate(owner, Field(name, dims, unit, meaning, "contact"))
+
+        pair = ("pair",)
+        self.impulse: FloatArray = own("impulse", ("pair", "axis"), "N s m-1", "impulse on the pair's first body")
+        self.frictional_work: FloatArray = own("frictional_work", pair, "J m-1", "energy dissipated by friction")
+        self.damping_work: FloatArray = own("damping_work", pair, "J m-1", "energy dissipated by dashpots")
+        self.energy: FloatArray = own("energy", pair, "J m-1", "energy stored in contact springs")
+        self.count: FloatArray = own("count", pair, "1", "nodes in contact")
+        self._last_impulse = np.zeros_like(self.impulse)
+
+    def restart(self) -> None:
+        """Set the accumulators to zero."""
+        for array in (self.impulse, self.frictional_work, self.damping_work):
+            array.fill(0.0)
+        self._last_impulse.fill(0.0)
+
+    @staticmethod
+    def declarations() -> list[Field]:
+        """The series made from the records."""
+        return list(CONTACT_SERIES)
+
+    def series(self, interval: float) -> dict[str, AnyArray]:
+        """Values at an output; the force is the mean over the ``interval`` [s] since the last one."""
+        force = (self.impulse - self._last_impulse) / interval if interval > 0.0 else np.zeros_like(self.impulse)
+        self._last_impulse = self.impulse.copy()
+        return {
+            "contact_force": force,
+            "contact_count": self.count.copy(),
+            "frictional_work": self.frictional_work.copy(),
+            "contact_energy": self.energy.copy(),
+            "damping_work": self.damping_work.copy(),
+        }

@@ -1,0 +1,128 @@
+"""Linear elasticity at small strain, with rotation taken out by the polar decomposition of F; plane strain in 2D."""
+
+from __future__ import annotations
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from mpmfw.api import FloatArray, Material, Particles, Setup, hookimpl
+from mpmfw.kernels import device, kernel, scratch
+from mpmfw.kernels.small_matrix import invert
+from mpmfw.kernels.types import Floats
+from mpmfw.units import Pressure
+from mpmfw_material.neo_hookean import pad_plane_strain
+
+MAX_ITERATIONS = 30
+
+
+@device
+def rotation_of(f: Floats, rotation: Floats, inverse: Floats, spacing: tuple[float, ...]) -> None:
+    """R of F = R U by Newton's iteration R ← (R + R^−T) / 2 (Higham 1986), which converges quadratically."""
+    dim = len(spacing)
+    for d in range(dim):
+        for e in range(dim):
+            rotation[d, e] = f[d, e]
+    change = 1.0
+    iteration = 0
+    while change > 1e-28 and iteration < MAX_ITERATIONS:
+        invert(rotation, inverse, spacing)
+        change = 0.0
+        for d in range(dim):
+            for e in range(dim):
+                value = 0.5 * (rotation[d, e] + inverse[e, d])
+                change += (value - rotation[d, e]) ** 2
+                rotation[d, e] = value
+        iteration += 1
+
+
+@kernel
+def linear_elastic_stress(
+    deformation_gradient: Floats, stress: Floats, bulk: float, shear: float, spacing: tuple[float, ...]
+) -> None:
+    """σ = R [λ tr(U − 1) 1 + 2 G (U − 1)] Rᵀ, U = Rᵀ F, λ = K − 2 G / 3; U_zz = 1 in 2D."""
+    dim = len(spacing)
+    lame = bulk - 2.0 * shear / 3.0
+    f = scratch.matrix(spacing, spacing)
+    rotation = scratch.matrix(spacing, spacing)
+    inverse = scratch.matrix(spacing, spacing)
+    stretch = scratch.matrix(spacing, spacing)
+    for p in range(len(stress)):
+        for d in range(dim):
+            for e in range(dim):
+                f[d, e] = deformation_gradient[p, d, e]
+        rotation_of(f, rotation, inverse, spacing)
+        trace = 0.0
+        for d in range(dim):
+            for e in range(dim):
+                stretch[d, e] = -1.0 if d == e else 0.0
+                for a in range(dim):
+                    stretch[d, e] += rotation[a, d] * f[a, e]
+            trace += stretch[d, d]
+        for d in range(dim):
+            for e in range(dim):
+                value = lame * trace if d == e else 0.0
+                for a in range(dim):
+                    for b in range(dim):
+                        value += 2.0 * shear * rotation[d, a] * stretch[a, b] * rotation[e, b]
+                stress[p, d, e] = value
+
+
+class LinearElasticOptions(BaseModel):
+    """Moduli at small strain."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    bulk_modulus: Pressure = Field(gt=0, description="bulk modulus K")
+    shear_modulus: Pressure = Field(gt=0, description="shear modulus G")
+
+
+class LinearElastic(Material):
+    """σ = R C:(U − 1) Rᵀ: Cauchy stress linear in the Biot strain, objective, for small strain and any rotation."""
+
+    name = "linear_elastic"
+    Options = LinearElasticOptions
+    options: LinearElasticOptions
+
+    @property
+    def bulk_modulus(self) -> float:
+        """K [Pa]."""
+        return self.options.bulk_modulus
+
+    @property
+    def shear_modulus(self) -> float:
+        """G [Pa]."""
+        return self.options.shear_modulus
+
+    @hookimpl
+    def setup(self, setup: Setup) -> None:
+        """Remember the dimension."""
+        self.spacing = setup.state.grid.spacing
+
+    @hookimpl
+    def update_stress(self, particles: Particles) -> None:
+        """σ(F) of this material's bodies."""
+        for own in self.slices:
+            linear_elastic_stress(
+                particles.deformation_gradient[own],
+                particles.stress[own],
+                self.bulk_modulus,
+                self.shear_modulus,
+                self.spacing,
+            )
+
+    def energy_density(self, deformation_gradient: FloatArray) -> FloatArray:
+        """W = λ/2 tr²(U − 1) + G |U − 1|², (n,) [J/m^3]; exact to second order in the strain."""
+        f = pad_plane_strain(deformation_gradient)
+        values, vectors = np.linalg.eigh(np.swapaxes(f, 1, 2) @ f)
+        strain = np.einsum("nia,na,nja->nij", vectors, np.sqrt(values) - 1.0, vectors)  # U − 1 from U² = Fᵀ F
+        lame = self.bulk_modulus - 2.0 * self.shear_modulus / 3.0
+        trace = np.einsum("nii->n", strain)
+        energy: FloatArray = 0.5 * lame * trace**2 + self.shear_modulus * np.einsum("nij,nij->n", strain, strain)
+        return energy
+
+    def cauchy_stress(self, deformation_gradient: FloatArray) -> FloatArray:
+        """σ, (n, 3, 3) [Pa]."""
+        f = pad_plane_strain(deformation_gradient)
+        stress = np.empty_like(f)
+        linear_elastic_stress(f, stress, self.bulk_modulus, self.shear_modulus, (1.0, 1.0, 1.0))
+        return stress

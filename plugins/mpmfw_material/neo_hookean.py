@@ -1,0 +1,150 @@
+"""Compressible Neo-Hookean solid in two energies; plane strain in 2D."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from mpmfw.api import FloatArray, Material, Particles, Setup, hookimpl
+from mpmfw.kernels import kernel, scratch
+from mpmfw.kernels.small_matrix import determinant
+from mpmfw.kernels.types import Floats
+from mpmfw.units import Pressure
+
+
+@kernel
+def neo_hookean_split(
+    deformation_gradient: Floats, stress: Floats, bulk: float, shear: float, spacing: tuple[float, ...]
+) -> None:
+    """σ = K/2 (J − 1/J) 1 + G J^(−5/3) (b − tr b / 3), b = F Fᵀ; in 2D b_zz = 1 enters the trace.
+
+    From W = K/2 [(J² − 1)/2 − ln J] + G/2 [J^(−2/3) tr b − 3].
+    """
+    dim = len(spacing)
+    f = scratch.matrix(spacing, spacing)
+    b = scratch.matrix(spacing, spacing)
+    for p in range(len(stress)):
+        for d in range(dim):
+            for e in range(dim):
+                f[d, e] = deformation_gradient[p, d, e]
+        jacobian = determinant(f, spacing)
+        trace = 1.0 if dim == 2 else 0.0
+        for d in range(dim):
+            for e in range(dim):
+                b[d, e] = 0.0
+                for a in range(dim):
+                    b[d, e] += f[d, a] * f[e, a]
+            trace += b[d, d]
+        factor = shear * math.exp(-5.0 / 3.0 * math.log(jacobian))
+        pressure = 0.5 * bulk * (jacobian - 1.0 / jacobian) - factor * trace / 3.0
+        for d in range(dim):
+            for e in range(dim):
+                stress[p, d, e] = factor * b[d, e] + (pressure if d == e else 0.0)
+
+
+@kernel
+def neo_hookean_log(
+    deformation_gradient: Floats, stress: Floats, bulk: float, shear: float, spacing: tuple[float, ...]
+) -> None:
+    """σ = [G (b − 1) + λ ln J 1] / J, λ = K − 2 G / 3.
+
+    From W = G/2 (tr b − 3) − G ln J + λ/2 ln² J.
+    """
+    dim = len(spacing)
+    f = scratch.matrix(spacing, spacing)
+    lame = bulk - 2.0 * shear / 3.0
+    for p in range(len(stress)):
+        for d in range(dim):
+            for e in range(dim):
+                f[d, e] = deformation_gradient[p, d, e]
+        jacobian = determinant(f, spacing)
+        pressure = lame * math.log(jacobian)
+        for d in range(dim):
+            for e in range(dim):
+                b = 0.0
+                for a in range(dim):
+                    b += f[d, a] * f[e, a]
+                stress[p, d, e] = (shear * (b - (1.0 if d == e else 0.0)) + (pressure if d == e else 0.0)) / jacobian
+
+
+class NeoHookeanOptions(BaseModel):
+    """Moduli at small strain, and which of two energies."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    bulk_modulus: Pressure = Field(gt=0, description="bulk modulus K")
+    shear_modulus: Pressure = Field(gt=0, description="shear modulus G")
+    energy: Literal["split", "log"] = Field(
+        "split",
+        description="split: K/2 [(J^2-1)/2 - ln J] + G/2 [J^(-2/3) tr b - 3]; log: G/2 (tr b - 3) - G ln J + l/2 ln^2 J",
+    )
+
+
+def pad_plane_strain(deformation_gradient: FloatArray) -> FloatArray:
+    """F as (n, 3, 3): plane strain adds F_zz = 1."""
+    n, dim = deformation_gradient.shape[:2]
+    padded = np.tile(np.eye(3), (n, 1, 1))
+    padded[:, :dim, :dim] = deformation_gradient
+    return padded
+
+
+class NeoHookean(Material):
+    """Neo-Hookean solid; ``energy = "split"`` is the one of the rings' finite-element reference."""
+
+    name = "neo_hookean"
+    Options = NeoHookeanOptions
+    options: NeoHookeanOptions
+
+    @property
+    def bulk_modulus(self) -> float:
+        """K [Pa]."""
+        return self.options.bulk_modulus
+
+    @property
+    def shear_modulus(self) -> float:
+        """G [Pa]."""
+        return self.options.shear_modulus
+
+    @hookimpl
+    def setup(self, setup: Setup) -> None:
+        """Remember the dimension."""
+        self.spacing = setup.state.grid.spacing
+
+    @hookimpl
+    def update_stress(self, particles: Particles) -> None:
+        """σ(F) of this material's bodies."""
+        evaluate = neo_hookean_split if self.options.energy == "split" else neo_hookean_log
+        for own in self.slices:
+            evaluate(
+                particles.deformation_gradient[own],
+                particles.stress[own],
+                self.options.bulk_modulus,
+                self.options.shear_modulus,
+                self.spacing,
+            )
+
+    def energy_density(self, deformation_gradient: FloatArray) -> FloatArray:
+        """W(F), (n,) [J/m^3]."""
+        bulk, shear = self.bulk_modulus, self.shear_modulus
+        f = pad_plane_strain(deformation_gradient)
+        jacobian = np.linalg.det(f)
+        trace = np.einsum("nij,nij->n", f, f)
+        log = np.log(jacobian)
+        if self.options.energy == "split":
+            volumetric = 0.5 * bulk * (0.5 * (jacobian**2 - 1.0) - log)
+            energy: FloatArray = volumetric + 0.5 * shear * (jacobian ** (-2.0 / 3.0) * trace - 3.0)
+        else:
+            lame = bulk - 2.0 * shear / 3.0
+            energy = 0.5 * shear * (trace - 3.0) - shear * log + 0.5 * lame * log**2
+        return energy
+
+    def cauchy_stress(self, deformation_gradient: FloatArray) -> FloatArray:
+        """σ, (n, 3, 3) [Pa]."""
+        f = pad_plane_strain(deformation_gradient)
+        stress = np.empty_like(f)
+        evaluate = neo_hookean_split if self.options.energy == "split" else neo_hookean_log
+        evaluate(f, stress, self.bulk_modulus, self.shear_modulus, (1.0, 1.0, 1.0))
+        return stress

@@ -1,0 +1,39 @@
+"""Contact algorithms of the Material Point Method, side by side.
+
+The names below are imported at their first use, so that ``import mpmfw`` costs nothing.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from mpmfw._version import __version__
+
+if TYPE_CHECKING:
+    from mpmfw.compare import compare
+    from mpmfw.results import open
+    from mpmfw.runs import run
+    from mpmfw.scene import load_scene
+
+_MODULES = {
+    "compare": "mpmfw.compare",
+    "load_scene": "mpmfw.scene",
+    "open": "mpmfw.results",
+    "run": "mpmfw.runs",
+}
+
+__all__ = ["__version__", "compare", "load_scene", "open", "run"]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name at its first use."""
+    if name not in _MODULES:
+        raise AttributeError(f"module 'mpmfw' has no attribute {name!r}")
+    value = getattr(importlib.import_module(_MODULES[name]), name)
+    globals()[name] = value  # also undoes that importing mpmfw.compare binds the module to that name
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

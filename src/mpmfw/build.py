@@ -1,0 +1,273 @@
+"""From a scene to the state and the plug-ins that act on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mpmfw.discovery import load
+from mpmfw.effect import Effect
+from mpmfw.errors import SceneError
+from mpmfw.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, FloatArray
+from mpmfw.geometry import Layout, discretise
+from mpmfw.setup import Setup
+from mpmfw.state import Body, Pair, Particles, State
+from mpmfw.transfer import Transfer, make_transfer
+from mpmfw.windows import make_grid
+
+if TYPE_CHECKING:
+    from mpmfw.api import ContactStrategy, Material, ShapeFunction
+    from mpmfw.scene import Scene
+
+
+@dataclass
+class Build:
+    """What a simulation is made of, before its plug-ins are set up."""
+
+    scene: Scene
+    layouts: tuple[Layout, ...]
+    state: State
+    shape: ShapeFunction
+    contact: ContactStrategy | None
+    materials: dict[str, Material]
+    scheme: str
+    transfer: Transfer
+    effects: list[Effect] = field(default_factory=list)
+    plugins: list[Any] = field(default_factory=list)  #: in the order of registration
+
+    @property
+    def bulk_frequency(self) -> float:
+        """Largest 2 c / h over the bodies [1/s]."""
+        return max(2.0 * body.wave_speed / self.state.grid.cell_size for body in self.state.bodies)
+
+    def material_of(self, body: Body) -> Material:
+        """The material of a body."""
+        return self.materials[self.scene.bodies[body.name].material]
+
+    def note(self, name: str, on: bool, reason: str) -> bool:
+        """Record an effect in the plan; return whether it is on."""
+        self.effects.append(Effect(name, on, reason))
+        return on
+
+
+def build(scene: Scene, contact: ContactStrategy | None = None, shape: ShapeFunction | None = None) -> Build:
+    """Discretise the bodies and make the plug-ins that the scene names; strategy objects take the scene's place.
+
+    Raises
+    ------
+    SceneError
+        A body is outside the grid, bodies overlap, or a method cannot run this scene.
+    """
+    chosen_shape = shape or _plugin("shape", scene.shape.method, scene.shape.options)
+    chosen_contact = contact
+    if chosen_contact is None and scene.contact is not None:
+        chosen_contact = _plugin("contact", scene.contact.method, scene.contact.options)
+    if len(scene.bodies) == 1:
+        chosen_contact = None
+    _check_dimension(scene, chosen_shape, chosen_contact)
+    layouts = _layouts(scene)
+    materials = {
+        name: _plugin("material", scene.materials[name].model, scene.materials[name].options)
+        for name in dict.fromkeys(body.material for body in scene.bodies.values())
+    }
+    per_body = chosen_contact is not None and chosen_contact.velocity_fields == "per_body"
+    bodies = _bodies(scene, layouts, materials, per_body=per_body)
+    _check_inside(scene, layouts, bodies)
+    if not scene.allow_overlap:
+        _check_overlap(bodies)
+    scheme = chosen_shape.auto_scheme if scene.stepping.scheme == "auto" else scene.stepping.scheme
+    name = chosen_shape.auto_transfer if scene.stepping.transfer == "auto" else scene.stepping.transfer
+    transfer = make_transfer(
+        name,
+        singular_spread=chosen_shape.singular_spread,
+        transported=scene.stepping.transported,
+        pic_fraction=scene.stepping.pic_fraction,
+    )
+    n_fields = len(bodies) if per_body else 1
+    grid = make_grid(scene.grid.cell_size, np.array(scene.grid.lower), np.array(scene.grid.upper), n_fields)
+    particles = _particles(scene, layouts, bodies, transfer, n_fields)
+    pairs = tuple(
+        Pair(i, _index(bodies, a), _index(bodies, b), f"{a}-{b}", mu) for i, (a, b, mu) in enumerate(scene.pairs)
+    )
+    for body in bodies:
+        material = materials[scene.bodies[body.name].material]
+        material.slices = (*material.slices, body.particles)
+    state = State(particles, grid, bodies, pairs)
+    return Build(scene, layouts, state, chosen_shape, chosen_contact, materials, scheme, transfer)
+
+
+def make_setup(made: Build) -> Setup:
+    """What plug-ins are told."""
+    return Setup(
+        state=made.state,
+        layouts=made.layouts,
+        cell_size=made.state.grid.cell_size,
+        shape=made.shape.name,
+        massless_boundary=made.shape.massless_boundary,
+        scheme=made.scheme,
+        transfer=made.transfer.name,
+        bulk_frequency=made.bulk_frequency,
+        safety=made.scene.time.safety,
+        allow_unstable=made.scene.allow_unstable,
+    )
+
+
+def _plugin(kind: Any, name: str, options: Any) -> Any:
+    """Import and make one plug-in."""
+    plugin = load(kind, name)
+    if options is None or not hasattr(plugin, "from_options"):
+        return plugin()
+    return plugin.from_options(options)
+
+
+def _check_dimension(scene: Scene, shape: ShapeFunction, contact: ContactStrategy | None) -> None:
+    for kind, plugin in (("shape", shape), ("contact", contact)):
+        if plugin is not None and scene.dim not in plugin.dimensions:
+            works = " and ".join(f"{d}D" for d in plugin.dimensions)
+            raise SceneError(f"{kind} '{plugin.name}' works in {works}; the scene's grid is {scene.dim}D")
+    if scene.dim == 3:
+        for name, body in scene.bodies.items():
+            if any(side.pressure is not None for side in body.sides):
+                raise SceneError(f"bodies.{name}.sides: a pressure needs a tracked outline, which exists in 2D only")
+
+
+def _layouts(scene: Scene) -> tuple[Layout, ...]:
+    made = []
+    for name, body in scene.bodies.items():
+        segment = body.segment_length(scene.grid.cell_size) if scene.dim == 2 else None
+        try:
+            made.append(discretise(body.geometry, body.particles, segment))
+        except ValueError as error:
+            raise SceneError(f"bodies.{name}: {error}") from error
+    return tuple(made)
+
+
+def _bodies(
+    scene: Scene, layouts: tuple[Layout, ...], materials: dict[str, Material], *, per_body: bool
+) -> tuple[Body, ...]:
+    bodies, start = [], 0
+    for index, (name, model) in enumerate(scene.bodies.items()):
+        layout, material = layouts[index], materials[model.material]
+        count = len(layout.volume)
+        corners = np.concatenate([layout.position, *layout.outlines])
+        reach = np.abs(layout.half_edges).sum(axis=2)
+        lower = np.minimum(corners.min(axis=0), (layout.position - reach).min(axis=0))
+        upper = np.maximum(corners.max(axis=0), (layout.position + reach).max(axis=0))
+        if layout.outlines:  # the true outline, not the particles' bulge beyond it
+            nodes = np.concatenate(layout.outlines)
+            lower, upper = nodes.min(axis=0), nodes.max(axis=0)
+        bodies.append(
+            Body(
+                name=name,
+                index=index,
+                particles=slice(start, start + count),
+                field=index if per_body else 0,
+                density=scene.materials[model.material].density,
+                bulk_modulus=material.bulk_modulus,
+                shear_modulus=material.shear_modulus,
+                lower=tuple(lower.tolist()),
+                upper=tuple(upper.tolist()),
+                outlines=layout.outlines,
+            )
+        )
+        start += count
+    return tuple(bodies)
+
+
+def _index(bodies: tuple[Body, ...], name: str) -> int:
+    return next(body.index for body in bodies if body.name == name)
+
+
+def _check_inside(scene: Scene, layouts: tuple[Layout, ...], bodies: tuple[Body, ...]) -> None:
+    lower, upper = np.array(scene.grid.lower), np.array(scene.grid.upper)
+    for body, layout in zip(bodies, layouts, strict=True):
+        low = np.minimum(layout.position.min(axis=0), body.lower)
+        high = np.maximum(layout.position.max(axis=0), body.upper)
+        if (low < lower).any() or (high > upper).any():
+            raise SceneError(
+                f"bodies.{body.name}: the body from {_point(low)} to {_point(high)} m is not inside the grid from "
+                f"{_point(lower)} to {_point(upper)} m; expected a larger grid.lower … grid.upper"
+            )
+
+
+def _point(x: FloatArray) -> str:
+    return "(" + ", ".join(f"{value:.6g}" for value in x) + ")"
+
+
+def _check_overlap(bodies: tuple[Body, ...]) -> None:
+    """Refuse bodies whose outlines overlap by more than rounding (2D; in 3D no contact exists yet)."""
+    if len(bodies) < 2 or any(not body.outlines for body in bodies):
+        return
+    import shapely
+
+    areas = [_area(body, shapely) for body in bodies]
+    for i, a in enumerate(bodies):
+        for b in bodies[i + 1 :]:
+            common = shapely.intersection(areas[i], areas[b.index]).area
+            if common > 1e-6 * min(areas[i].area, areas[b.index].area):
+                raise SceneError(
+                    f"bodies.{a.name} and bodies.{b.name} overlap by {common:.3g} m² at the start; move them apart, or "
+                    "say allow_overlap = true"
+                )
+
+
+def _area(body: Body, shapely: Any) -> Any:
+    """The body's region as a shapely geometry; loops that run clockwise are holes."""
+    region = shapely.MultiPolygon()
+    loops = [shapely.Polygon(loop) for loop in body.outlines]
+    for loop, polygon in zip(body.outlines, loops, strict=True):
+        if shapely.LinearRing(loop).is_ccw:
+            region = shapely.union(region, polygon)
+    for loop, polygon in zip(body.outlines, loops, strict=True):
+        if not shapely.LinearRing(loop).is_ccw:
+            region = shapely.difference(region, polygon)
+    return region
+
+
+def _particles(
+    scene: Scene, layouts: tuple[Layout, ...], bodies: tuple[Body, ...], transfer: Transfer, n_fields: int
+) -> Particles:
+    volume = np.concatenate([layout.volume for layout in layouts])
+    sizes = {"particle": len(volume), "axis": scene.dim, "axis2": scene.dim}
+    arrays = {declared.name: declared.allocate(sizes) for declared in PARTICLE_FIELDS}
+    arrays["position"][:] = np.concatenate([layout.position for layout in layouts])
+    arrays["initial_volume"][:] = arrays["volume"][:] = volume
+    arrays["deformation_gradient"][:] = np.eye(scene.dim)
+    for body in bodies:
+        arrays["mass"][body.particles] = body.density * volume[body.particles]
+    starts = [body.particles.start for body in bodies] if n_fields == len(bodies) else [0]
+    return Particles(
+        **arrays,
+        affine=AFFINE_FIELD.allocate(sizes) if transfer.affine is not None else None,
+        moment=MOMENT_FIELD.allocate(sizes) if transfer.affine == "moment" else None,
+        first=np.array([*starts, len(volume)], dtype=np.int64),
+    )
+
+
+def initial_velocity(scene: Scene, state: State) -> None:
+    """Set v = v_0 + ω × (x − c), and the affine field that goes with it, on every body."""
+    p = state.particles
+    for body in state.bodies:
+        model, own = scene.bodies[body.name], body.particles
+        if model.velocity is not None:
+            p.velocity[own] += np.array(model.velocity)
+        if model.angular_velocity is not None:
+            spin = _spin_matrix(np.atleast_1d(np.array(model.angular_velocity, dtype=float)), scene.dim)
+            centre = p.mass[own] @ p.position[own] / p.mass[own].sum()
+            p.velocity[own] += (p.position[own] - centre) @ spin.T
+            if p.affine is not None:
+                p.affine[own] = spin
+            if p.moment is not None:
+                # B = C D with D of the first stencil; until that is known, D of a point in mid-cell
+                p.moment[own] = 0.25 * state.grid.cell_size**2 * spin
+
+
+def _spin_matrix(omega: FloatArray, dim: int) -> FloatArray:
+    """W with W r = ω × r."""
+    if dim == 2:
+        return np.array([[0.0, -omega[0]], [omega[0], 0.0]])
+    x, y, z = omega
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+

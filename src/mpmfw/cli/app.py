@@ -1,0 +1,47 @@
+"""The commands, collected. Exit status: 0 done, 1 the run failed, 2 the request was wrong."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from mpmfw._version import __version__
+from mpmfw.cli.compare import compare
+from mpmfw.cli.errors import exit_status
+from mpmfw.cli.explain import explain
+from mpmfw.cli.plot import plot
+from mpmfw.cli.plugins import plugins
+from mpmfw.cli.run import run
+from mpmfw.cli.schema import schema
+
+app = typer.Typer(
+    name="mpmfw",
+    help="Contact algorithms of the Material Point Method, side by side: error, noise and cost.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+for command in (run, compare, plot, explain, schema, plugins):
+    app.command()(exit_status(command))
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(__version__)
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Contact algorithms of the Material Point Method, side by side: error, noise and cost."""
+
+
+def main() -> None:
+    """Run the command line; the entry point of the script ``mpmfw``."""
+    app(prog_name="mpmfw")

@@ -1,0 +1,124 @@
+"""Arguments that several commands take, and how their text is read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+
+import typer
+
+from mpmfw.discovery import Kind, available, did_you_mean
+from mpmfw.errors import SceneError
+
+if TYPE_CHECKING:
+    from mpmfw.scene import Scene
+
+SceneArgument: TypeAlias = Annotated[
+    str,
+    typer.Argument(metavar="SCENE", help="A TOML file, or the name of a shipped scene.", show_default=False),
+]
+ContactOption: TypeAlias = Annotated[
+    str | None, typer.Option("--contact", metavar="NAME", help="Contact strategy, instead of the scene's.")
+]
+ShapeOption: TypeAlias = Annotated[
+    str | None, typer.Option("--shape", metavar="NAME", help="Shape function, instead of the scene's.")
+]
+SetOption: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="KEY=VALUE", help="Set a key of the scene, such as grid.cell_size=0.2; repeatable."
+    ),
+]
+OutputOption: TypeAlias = Annotated[
+    Path | None, typer.Option("-o", "--output", metavar="FILE", help="File to write.", show_default=False)
+]
+
+
+def assignments(texts: list[str] | None, option: str = "--set") -> dict[str, str]:
+    """``KEY=VALUE`` texts by key.
+
+    Raises
+    ------
+    SceneError
+        A text has no key or no equals sign, or a key is given twice.
+    """
+    found: dict[str, str] = {}
+    for text in texts or []:
+        key, equals, value = (part.strip() for part in text.partition("="))
+        if not key or not equals:
+            raise SceneError(f"{option} {text}: expected KEY=VALUE, such as grid.cell_size=0.2")
+        if key in found:
+            raise SceneError(f"{option} {key}: given twice, as {found[key]} and as {value}")
+        found[key] = value
+    return found
+
+
+def chosen_scene(scene: str, contact: str | None, shape: str | None, set_: list[str] | None) -> Scene:
+    """The scene with what the options choose over it.
+
+    Raises
+    ------
+    SceneError
+        The scene or an option is wrong, or two options choose the same thing.
+    """
+    from mpmfw.scene import load_scene
+
+    overrides = assignments(set_)
+    choices: tuple[tuple[Kind, str | None], ...] = (("contact", contact), ("shape", shape))
+    for kind, name in choices:
+        if name is None:
+            continue
+        if f"{kind}.method" in overrides:
+            raise SceneError(
+                f"--{kind} {name}: --set {kind}.method chooses another one; leave one of them out"
+            )
+        overrides[f"{kind}.method"] = installed(kind, name)
+    return load_scene(scene, set=overrides)
+
+
+def installed(kind: Kind, name: str) -> str:
+    """The name, if there is such a plug-in.
+
+    Raises
+    ------
+    SceneError
+        There is none.
+    """
+    if name not in available(kind):
+        raise SceneError(f"--{kind} {name}: no such {kind} plug-in; {did_you_mean(name, available(kind))}")
+    return name
+
+
+def names(text: str | None, kind: Kind) -> list[str] | None:
+    """Names of plug-ins between commas, or None if the option is absent.
+
+    Raises
+    ------
+    SceneError
+        A name is empty, unknown or given twice.
+    """
+    if text is None:
+        return None
+    found = [name.strip() for name in text.split(",")]
+    if not all(found):
+        raise SceneError(f"--{kind} {text}: expected names with a comma between them")
+    if len(set(found)) < len(found):
+        raise SceneError(f"--{kind} {text}: a name is given twice")
+    return [installed(kind, name) for name in found]
+
+
+def variations(texts: list[str] | None) -> dict[str, list[Any]]:
+    """``KEY=A,B,…`` as values by key; commas within brackets and quotes belong to a value."""
+    from mpmfw.scene.override import parse_value
+
+    found: dict[str, list[Any]] = {}
+    for key, text in assignments(texts, "--vary").items():
+        values = parse_value(f"[{text}]")
+        if not isinstance(values, list):  # bare words and quantities: 2 mm, 1 mm
+            values = [parse_value(part.strip()) for part in text.split(",")]
+        if not values or "" in values:
+            raise SceneError(
+                f"--vary {key}: expected values with a comma between them, such as {key}=0.4,0.2"
+            )
+        found[key] = values
+    return found

@@ -1,0 +1,48 @@
+"""Errors as messages and exit statuses."""
+
+from __future__ import annotations
+
+import functools
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from mpmfw.errors import MpmfwError, SceneError
+
+
+def exit_status(command: Callable[..., Any]) -> Callable[..., None]:
+    """The command, with errors on stderr as one message and 1 or 2 as the exit status."""
+
+    @functools.wraps(command)
+    def guarded(*args: Any, **kwargs: Any) -> None:
+        try:
+            command(*args, **kwargs)
+        except SceneError as error:
+            typer.echo(str(error), err=True)
+            raise typer.Exit(2) from error
+        except MpmfwError as error:
+            typer.echo(str(error), err=True)
+            raise typer.Exit(1) from error
+
+    return guarded
+
+
+def check_writable(path: Path) -> Path:
+    """The path, if a file can be written there; asked before long work.
+
+    Raises
+    ------
+    SceneError
+        The folder does not exist or does not let files be written.
+    """
+    folder = path.parent
+    if path.is_dir():
+        raise SceneError(f"{path}: is a folder; give the name of a file")
+    if not folder.is_dir():
+        raise SceneError(f"{path}: the folder {folder} does not exist")
+    if not os.access(path if path.exists() else folder, os.W_OK):
+        raise SceneError(f"{path}: cannot be written")
+    return path

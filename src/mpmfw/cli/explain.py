@@ -1,0 +1,111 @@
+"""``mpmfw explain``: what a scene would run, before it runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import typer
+from rich.console import Console
+from rich.text import Text
+
+from mpmfw.cli.arguments import ContactOption, SceneArgument, SetOption, ShapeOption, chosen_scene
+from mpmfw.cli.tables import print_rows
+
+if TYPE_CHECKING:
+    from mpmfw.simulation import Simulation
+
+
+def explain(
+    scene: SceneArgument, contact: ContactOption = None, shape: ShapeOption = None, set_: SetOption = None
+) -> None:
+    """Print what SCENE would run: effects, hooks, arrays, the time step, and facts that are not used."""
+    loaded = chosen_scene(scene, contact, shape, set_)
+
+    from mpmfw.simulation import Simulation
+
+    simulation = Simulation(loaded)
+    _print_head(simulation)
+    _print_effects(simulation)
+    _print_hooks(simulation)
+    _print_arrays(simulation)
+    _print_step(simulation)
+    _print_unused(simulation)
+
+
+def _print_head(simulation: Simulation) -> None:
+    scene, state = simulation.scene, simulation.state
+    typer.echo(scene.title or scene.name)
+    method = "none needed" if scene.contact is None else scene.contact.method
+    typer.echo(
+        f"{scene.dim}D, {len(state.bodies)} bodies, {state.particles.count} material points, "
+        f"contact {method}, shape {scene.shape.method}\n"
+    )
+
+
+def _print_effects(simulation: Simulation) -> None:
+    rows = [{"effect": e.name, "": "on" if e.on else "off", "because": e.reason} for e in simulation.effects]
+    print_rows(rows, "Effects")
+
+
+def _print_hooks(simulation: Simulation) -> None:
+    callers = simulation.hook_callers()
+    print_rows(
+        [{"hook": hook, "implemented by": ", ".join(who)} for hook, who in callers.items() if who], "Hooks"
+    )
+
+
+def _print_arrays(simulation: Simulation) -> None:
+    arrays = list(named_arrays(simulation.state))
+    rows = [{"array": name, "shape": str(a.shape), "bytes": f"{a.nbytes:,}"} for name, a in arrays]
+    total = sum(array.nbytes for _, array in arrays)
+    print_rows([*rows, {"array": "all", "shape": "", "bytes": f"{total:,}"}], "Arrays")
+
+
+def named_arrays(state: Any) -> Iterable[tuple[str, Any]]:
+    """Arrays of material points, grid, surface and plug-ins by name."""
+    from dataclasses import fields
+
+    for group in ("particles", "grid", "surface"):
+        struct = getattr(state, group)
+        for entry in () if struct is None else fields(struct):
+            value = getattr(struct, entry.name)
+            if hasattr(value, "nbytes"):
+                yield f"{group}/{entry.name}", value
+    yield from state.arrays.items()
+
+
+def _print_step(simulation: Simulation) -> None:
+    limits = sorted(simulation.limits())
+    rows = [{"limit [s]": f"{seconds:.6g}", "set by": owner} for seconds, owner in limits]
+    print_rows(rows, "Limits of the time step: the least rules")
+    time = simulation.scene.time
+    why = "fixed by time.step" if time.step is not None else f"{time.safety:g} of the stability limit"
+    typer.echo(f"dt = {simulation.stable_step():.6g} s: {why}\n")
+
+
+def _print_unused(simulation: Simulation) -> None:
+    unused = unused_facts(simulation)
+    console = Console()
+    console.print(Text("Facts of the scene that are not used", style="bold"))
+    for line in unused or ["none"]:
+        console.print(Text(f"  {line}"))
+
+
+def unused_facts(simulation: Simulation) -> list[str]:
+    """Facts of the scene that the chosen methods do not look at, one line each."""
+    from mpmfw.discovery import load
+
+    scene = simulation.scene
+    method = None if scene.contact is None else scene.contact.method
+    strategy: Any = None if method is None else load("contact", method)
+    found = []
+    if scene.contact is not None and not getattr(strategy, "uses_friction", False):
+        with_friction = [f"{first}-{second}" for first, second, friction in scene.pairs if friction]
+        found += [f"friction of {pair}: contact '{method}' has none" for pair in with_friction]
+    if simulation.state.surface is None:
+        given = [name for name, body in scene.bodies.items() if body.segment is not None]
+        found += [f"bodies.{name}.segment: no surface is tracked" for name in given]
+    materials = {body.material for body in scene.bodies.values()}
+    found += [f"materials.{name}: no body is made of it" for name in scene.materials if name not in materials]
+    return found

@@ -1,0 +1,36 @@
+"""``mpmfw run``: one scene, one file of results."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import typer
+
+from mpmfw.cli.arguments import (
+    ContactOption,
+    OutputOption,
+    SceneArgument,
+    SetOption,
+    ShapeOption,
+    chosen_scene,
+)
+from mpmfw.cli.errors import check_writable
+from mpmfw.cli.progress import run_progress
+
+
+def run(
+    scene: SceneArgument,
+    contact: ContactOption = None,
+    shape: ShapeOption = None,
+    set_: SetOption = None,
+    output: OutputOption = None,
+) -> None:
+    """Run SCENE and write its results, by default to a file named as the scene."""
+    loaded = chosen_scene(scene, contact, shape, set_)
+    path = check_writable(Path(f"{loaded.name}.nc") if output is None else output)
+
+    from mpmfw.runs import run as run_scene
+
+    with run_progress(loaded.time.end) as progress:
+        run_scene(loaded, output=path, progress=progress)
+    typer.echo(str(path))

@@ -1,0 +1,63 @@
+"""Stage clock: seconds per stage of the step, at the price of one timer read a stage."""
+
+from __future__ import annotations
+
+import time
+
+#: Stages of a step and of a run, in the order of the tables.
+STAGES = ("shape", "projection", "force", "contact", "gather", "material", "gap", "output")
+
+#: Stages that count as the cost of the method; ``gap`` (surfaces tracked for the diagnostic alone) and ``output`` do not.
+STEP_STAGES = STAGES[:6]
+
+
+class Clock:
+    """Attributes time to the stage that is running.
+
+    Wall time is read at every change of stage. CPU time is read only in :meth:`flush`, once a frame, and shared out in
+    proportion to the wall time in between: one CPU-timer read costs as much as a small kernel.
+    """
+
+    __slots__ = ("_cpu_mark", "_mark", "_stage", "_wall_frame", "cpu", "wall")
+
+    def __init__(self) -> None:
+        self.wall: dict[str, float] = dict.fromkeys(STAGES, 0.0)
+        self.cpu: dict[str, float] = dict.fromkeys(STAGES, 0.0)
+        self._wall_frame: dict[str, float] = dict.fromkeys(STAGES, 0.0)
+        self._stage = "output"
+        self._mark = time.perf_counter()
+        self._cpu_mark = time.process_time()
+
+    def __call__(self, stage: str) -> str:
+        """Say that ``stage`` begins; return the one that ends."""
+        now = time.perf_counter()
+        previous = self._stage
+        self._wall_frame[previous] += now - self._mark
+        self._stage = stage
+        self._mark = now
+        return previous
+
+    def flush(self) -> None:
+        """Add what was measured since the last flush to :attr:`wall` and :attr:`cpu` [s]."""
+        self(self._stage)
+        cpu_now = time.process_time()
+        elapsed = sum(self._wall_frame.values())
+        ratio = (cpu_now - self._cpu_mark) / elapsed if elapsed > 0.0 else 0.0
+        for stage, seconds in self._wall_frame.items():
+            self.wall[stage] += seconds
+            self.cpu[stage] += seconds * ratio
+            self._wall_frame[stage] = 0.0
+        self._cpu_mark = cpu_now
+
+    def exclude(self, wall: float, cpu: float) -> None:
+        """Take out seconds that are not the method's, such as those of compilation, from the stage that runs."""
+        self._mark += wall
+        self._cpu_mark += cpu
+
+    def restart(self) -> None:
+        """Forget everything measured so far, so that settling and compilation do not count."""
+        self.wall = dict.fromkeys(STAGES, 0.0)
+        self.cpu = dict.fromkeys(STAGES, 0.0)
+        self._wall_frame = dict.fromkeys(STAGES, 0.0)
+        self._mark = time.perf_counter()
+        self._cpu_mark = time.process_time()

@@ -1,0 +1,186 @@
+"""Run a scene with several methods and join the results on new dimensions."""
+
+from __future__ import annotations
+
+import itertools
+import logging
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import xarray as xr
+
+from mpmfw.discovery import Kind, available, did_you_mean
+from mpmfw.errors import MpmfwError, SceneError, SimulationError
+from mpmfw.joining import Outcome, join
+
+_log = logging.getLogger("mpmfw")
+
+
+@dataclass(frozen=True)
+class _Method:
+    label: str
+    value: Any  # a name or a configured strategy object
+
+
+def compare(
+    scene: Any,
+    contact: Sequence[Any],
+    shape: Sequence[Any],
+    vary: Mapping[str, Sequence[Any]] | None = None,
+    *,
+    output: str | os.PathLike[str] | None = None,
+    progress: Any = None,
+    set: Mapping[str, Any] | None = None,
+    runner: Callable[..., xr.DataTree] | None = None,
+) -> xr.Dataset:
+    """Run a scene with every combination of contact and shape (and varied keys) and join what they give.
+
+    Parameters
+    ----------
+    scene
+        A file, the name of a shipped scene, or a mapping.
+    contact, shape
+        Methods: names of plug-ins or configured strategy objects. An object is labelled by its ``label``,
+        else its ``name``; a label that occurs again gets ``#2``, ``#3`` …
+    vary
+        Scene keys and their values, such as ``{"grid.cell_size": [0.4, 0.2]}``; the key's last part names the
+        dimension.
+    output
+        NetCDF file to write. It is brought up to date after every run, so that a comparison that is broken
+        off keeps what it has.
+    progress
+        Handed to every run.
+    set
+        Scene keys that all runs share. Particle frames are off unless ``output.particles`` is set here: a
+        comparison keeps the series and the first and last outlines.
+    runner
+        Stands in for ``mpmfw.run``, with its signature.
+
+    Returns
+    -------
+    xarray.Dataset
+        Series with dims (contact, shape, *vary, time, body | pair, axis), costs with dims (contact, shape,
+        *vary[, stage]), ``status`` ("ok", "failed: …" or "refused: …"). A failing method does not stop the
+        others; what it did not reach is NaN.
+
+    Raises
+    ------
+    SceneError
+        The request as a whole is wrong: a misspelt plug-in, a scene that no combination can run.
+    MpmfwError
+        The output cannot be written.
+    """
+    methods = {"contact": _methods("contact", contact), "shape": _methods("shape", shape)}
+    varied = dict(vary or {})
+    if any(len(values) == 0 for values in varied.values()):
+        raise SceneError(
+            f"vary: {next(key for key, values in varied.items() if len(values) == 0)} has no values"
+        )
+    names = _dimension_names(varied)
+    coords = {kind: [method.label for method in chosen] for kind, chosen in methods.items()}
+    coords |= {names[key]: list(values) for key, values in varied.items()}
+    path = None if output is None else _writable(os.fspath(output))
+    run = runner or _run()
+    shared = {"output.particles": False, **(set or {})}
+    outcomes: dict[tuple[int, ...], Outcome] = {}
+    refusals: list[SceneError] = []
+    for index in itertools.product(*(range(len(values)) for values in coords.values())):
+        chosen_values = {key: values[i] for (key, values), i in zip(varied.items(), index[2:], strict=True)}
+        choice = (methods["contact"][index[0]].value, methods["shape"][index[1]].value)
+        outcome = _outcome(run, scene, choice, {**shared, **chosen_values}, progress, refusals)
+        outcomes[index] = outcome
+        if path is not None and outcome.tree is not None:
+            _save(join(coords, outcomes), path)
+    if len(refusals) == len(outcomes):
+        raise refusals[0]
+    dataset = join(coords, outcomes)
+    if path is not None:
+        _save(dataset, path)
+    return dataset
+
+
+def _outcome(
+    run: Callable[..., xr.DataTree],
+    scene: Any,
+    choice: tuple[Any, Any],
+    overrides: Mapping[str, Any],
+    progress: Any,
+    refusals: list[SceneError],
+) -> Outcome:
+    """Run one combination and say how it went; only what the user broke off is raised."""
+    contact, shape = choice
+    try:
+        tree = run(scene, contact=contact, shape=shape, output=None, progress=progress, set=overrides)
+    except SceneError as error:
+        refusals.append(error)
+        return Outcome(f"refused: {error}")
+    except SimulationError as error:
+        return Outcome(f"failed: {error}", getattr(error, "results", None))
+    except Exception as error:  # a stranger's method may raise anything, hours into a comparison
+        _log.exception("contact %r with shape %r failed", contact, shape)
+        return Outcome(f"failed: {type(error).__name__}: {error}")
+    return Outcome(str(tree.attrs.get("status", "ok")), tree)
+
+
+def _methods(kind: Kind, chosen: Sequence[Any]) -> list[_Method]:
+    """Label methods uniquely; a name that is not installed is an error at once."""
+    if isinstance(chosen, str) or len(chosen) == 0:
+        raise SceneError(f"{kind}: expected a list of at least one method, got {chosen!r}")
+    methods: list[_Method] = []
+    for method in chosen:
+        if isinstance(method, str) and method not in available(kind):
+            raise SceneError(f"unknown {kind} plug-in '{method}'; {did_you_mean(method, available(kind))}")
+        base = method if isinstance(method, str) else _label(method)
+        label, count = base, 1
+        while any(other.label == label for other in methods):
+            count += 1
+            label = f"{base}#{count}"
+        methods.append(_Method(label, method))
+    return methods
+
+
+def _label(method: Any) -> str:
+    return str(getattr(method, "label", None) or getattr(method, "name", None) or type(method).__name__)
+
+
+def _dimension_names(varied: Mapping[str, Sequence[Any]]) -> dict[str, str]:
+    """Name each varied key's dimension by its last part, or by the whole where that is taken."""
+    last = [key.rpartition(".")[2] for key in varied]
+    taken = {"contact", "shape", "time", "body", "pair", "axis", "rotation", "stage", "frame"}
+    return {
+        key: name if last.count(name) == 1 and name not in taken else key.replace(".", "_")
+        for key, name in zip(varied, last, strict=True)
+    }
+
+
+def _run() -> Callable[..., xr.DataTree]:
+    from mpmfw.runs import run  # here, so that the import of one does not need the other
+
+    return run
+
+
+def _writable(path: str) -> str:
+    """Say before the first run that a file cannot be written."""
+    folder = os.path.dirname(path) or "."
+    if not os.path.isdir(folder):
+        raise MpmfwError(f"cannot create '{path}': there is no folder '{folder}'")
+    if not os.access(folder, os.W_OK) or os.path.isdir(path):
+        raise MpmfwError(f"cannot create '{path}': not writable")
+    return path
+
+
+def _save(dataset: xr.Dataset, path: str) -> None:
+    """Replace the file in one step: readers see the old one or the new one, whole."""
+    growing = f"{path}.part"
+    packed = {
+        str(name): {"zlib": True, "complevel": 1}
+        for name, array in dataset.data_vars.items()
+        if array.dtype.kind == "f"
+    }
+    try:
+        dataset.to_netcdf(growing, engine="netcdf4", encoding=packed)
+        os.replace(growing, path)
+    except OSError as error:
+        raise MpmfwError(f"cannot write '{path}': {error}") from error

@@ -1,0 +1,79 @@
+"""Plug-ins by name: entry points say what is installed, and only what a scene names is imported."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any, Literal, TypeAlias, get_args
+
+from mpmfw.errors import SceneError
+
+Kind: TypeAlias = Literal["contact", "shape", "material"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
+
+
+def nearest(name: str, valid: Iterable[str]) -> str | None:
+    """The valid name that is closest to ``name``, or None if none is close."""
+    by_lower = {candidate.lower(): candidate for candidate in valid}
+    found = difflib.get_close_matches(name.lower(), by_lower, n=1, cutoff=0.6)
+    return by_lower[found[0]] if found else None
+
+
+def did_you_mean(name: str, valid: Iterable[str]) -> str:
+    """``did you mean 'x'?`` where a name is close, followed by all valid names."""
+    names = sorted(valid)
+    close = nearest(name, names)
+    listed = f"one of {', '.join(names)}" if names else "none is installed"
+    return f"did you mean '{close}'? ({listed})" if close else listed
+
+
+def distribution_of(entry: EntryPoint) -> str:
+    """Name of the distribution that announces the plug-in."""
+    return "unknown distribution" if entry.dist is None else entry.dist.name
+
+
+def available(kind: Kind) -> dict[str, EntryPoint]:
+    """Installed plug-ins of one kind by name, sorted; nothing is imported.
+
+    Raises
+    ------
+    SceneError
+        Two distributions announce the same name for different objects.
+    """
+    found: dict[str, EntryPoint] = {}
+    for entry in sorted(entry_points(group=f"mpmfw.{kind}"), key=lambda entry: entry.name):
+        other = found.setdefault(entry.name, entry)
+        # The same distribution may be seen twice on the search path (an installation and its source tree)
+        if other.value != entry.value or distribution_of(other) != distribution_of(entry):
+            raise SceneError(
+                f"two distributions announce a {kind} plug-in '{entry.name}': {distribution_of(other)} "
+                f"({other.value}) and {distribution_of(entry)} ({entry.value}); uninstall one of them"
+            )
+    return found
+
+
+def load(kind: Kind, name: str) -> type[Any]:
+    """Import the plug-in ``name`` and no other.
+
+    Raises
+    ------
+    SceneError
+        No such plug-in is installed, or it fails to import.
+    """
+    entries = available(kind)
+    if name not in entries:
+        raise SceneError(f"unknown {kind} plug-in '{name}'; {did_you_mean(name, entries)}")
+    entry = entries[name]
+    try:
+        plugin = entry.load()
+    except Exception as error:  # a stranger's module may raise anything while it is imported
+        raise SceneError(
+            f"{kind} plug-in '{name}' of distribution {distribution_of(entry)} cannot be imported "
+            f"from {entry.value}: {type(error).__name__}: {error}"
+        ) from error
+    if not isinstance(plugin, type):
+        raise SceneError(
+            f"{kind} plug-in '{name}' of distribution {distribution_of(entry)}: {entry.value} is not a class"
+        )
+    return plugin

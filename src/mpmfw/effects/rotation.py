@@ -1,0 +1,159 @@
+"""Rotational inertia correction: a free body turns with the inertia of its material, not of its lumped nodes.
+
+Lumping the mass at the nodes gives the grid body an inertia I_grid = Σ m_i |x_i − c|² that exceeds the true one, I, by
+m (h² + l_p²)/3 under CPDI: at R/h = 4 a rolling disc is 5 % too slow in its spin. Each body's acceleration is given the
+missing part, a_i += (1/I − 1/I_grid) τ × (x_i − c), τ being the torque of the step's whole momentum change about c. That is
+the inverse of a symmetric positive-definite rank-one change of the lumped mass matrix; it holds linear momentum exactly since
+Σ m_i (x_i − c) = 0.
+"""
+
+from __future__ import annotations
+
+from mpmfw.hookspecs import hookimpl
+from mpmfw.kernels import device, kernel, scratch
+from mpmfw.kernels.small_matrix import invert
+from mpmfw.kernels.types import Floats
+from mpmfw.setup import Setup
+from mpmfw.state import Body, Grid, Particles
+
+
+@device
+def inertia_of(second_moment: Floats, out: Floats, spacing: tuple[float, ...]) -> None:
+    """I = tr(S) 1 − S of S = Σ m x xᵀ in 3D; in 2D the single number tr(S) in ``out[0, 0]``."""
+    dim = len(spacing)
+    trace = 0.0
+    for d in range(dim):
+        trace += second_moment[d, d]
+    for d in range(dim):
+        for e in range(dim):
+            out[d, e] = (trace if d == e else 0.0) - (second_moment[d, e] if dim == 3 else 0.0)
+
+
+@device
+def spin_change(true: Floats, lumped: Floats, torque: Floats, spin: Floats, spacing: tuple[float, ...]) -> None:
+    """Antisymmetric W = Δω× with Δω = (I⁻¹ − I_grid⁻¹) τ; ``torque`` is Σ r ⊗ f, whose antisymmetric part is τ."""
+    a = scratch.matrix(spacing, spacing)
+    b = scratch.matrix(spacing, spacing)
+    inertia_of(true, a, spacing)
+    inertia_of(lumped, b, spacing)
+    if len(spacing) == 2:
+        alpha = (torque[0, 1] - torque[1, 0]) * (1.0 / a[0, 0] - 1.0 / b[0, 0])
+        spin[0, 0], spin[0, 1], spin[1, 0], spin[1, 1] = 0.0, -alpha, alpha, 0.0
+    else:
+        c = scratch.matrix(spacing, spacing)
+        d = scratch.matrix(spacing, spacing)
+        invert(a, c, spacing)
+        invert(b, d, spacing)
+        for i in range(3):
+            alpha = 0.0
+            for j in range(3):
+                k, m = (j + 1) % 3, (j + 2) % 3
+                alpha += (c[i, j] - d[i, j]) * (torque[k, m] - torque[m, k])
+            k, m = (i + 1) % 3, (i + 2) % 3
+            spin[i, i], spin[m, k], spin[k, m] = 0.0, alpha, -alpha
+
+
+@kernel
+def correct_rotation(
+    first_particle: int,
+    last_particle: int,
+    first_node: int,
+    last_node: int,
+    mass: Floats,
+    position: Floats,
+    deformation_gradient: Floats,
+    half_edges: Floats,
+    node_position: Floats,
+    node_mass: Floats,
+    node_start_velocity: Floats,
+    node_momentum: Floats,
+    spacing: tuple[float, ...],
+) -> None:
+    """(m v)_i += m_i W (x_i − c), W from the torque of this step's momentum change (times Δt) about the centre c.
+
+    True second moment: Σ m ((x_p − c)(x_p − c)ᵀ + Σ_a r_a r_aᵀ / 3), r_a the half-edge vectors of the deformed domain.
+    """
+    dim = len(spacing)
+    centre = scratch.vector(spacing)
+    r = scratch.vector(spacing)
+    change = scratch.vector(spacing)
+    true = scratch.matrix(spacing, spacing)
+    lumped = scratch.matrix(spacing, spacing)
+    torque = scratch.matrix(spacing, spacing)
+    spin = scratch.matrix(spacing, spacing)
+    total = 0.0
+    for d in range(dim):
+        centre[d] = 0.0
+        for e in range(dim):
+            true[d, e], lumped[d, e], torque[d, e] = 0.0, 0.0, 0.0
+    for i in range(first_node, last_node):
+        total += node_mass[i]
+        for d in range(dim):
+            centre[d] += node_mass[i] * node_position[i, d]
+    for d in range(dim):
+        centre[d] /= total
+    for i in range(first_node, last_node):
+        m = node_mass[i]
+        for d in range(dim):
+            r[d] = node_position[i, d] - centre[d]
+            change[d] = node_momentum[i, d] - m * node_start_velocity[i, d]
+        for d in range(dim):
+            for e in range(dim):
+                lumped[d, e] += m * r[d] * r[e]
+                torque[d, e] += r[d] * change[e]
+    for p in range(first_particle, last_particle):
+        for d in range(dim):
+            r[d] = position[p, d] - centre[d]
+        for d in range(dim):
+            for e in range(dim):
+                true[d, e] += mass[p] * r[d] * r[e]
+        for a in range(dim):
+            for d in range(dim):
+                r[d] = 0.0
+                for e in range(dim):
+                    r[d] += deformation_gradient[p, d, e] * half_edges[p, e, a]
+            for d in range(dim):
+                for e in range(dim):
+                    true[d, e] += mass[p] / 3.0 * r[d] * r[e]
+    spin_change(true, lumped, torque, spin, spacing)
+    for i in range(first_node, last_node):
+        for d in range(dim):
+            for e in range(dim):
+                node_momentum[i, d] += node_mass[i] * spin[d, e] * (node_position[i, e] - centre[e])
+
+
+class ExactRotation:
+    """The correction for every body that asks for it; velocity-correcting contact is part of the momentum change."""
+
+    name = "rotation"
+
+    def __init__(self, bodies: tuple[Body, ...]) -> None:
+        self.bodies = bodies
+
+    @hookimpl
+    def setup(self, setup: Setup) -> None:
+        """Take the domains from the layout."""
+        self.half_edges = setup.half_edges
+
+    @hookimpl
+    def correct_inertia(self, grid: Grid, particles: Particles) -> None:
+        """Correct each body's own velocity field."""
+        for body in self.bodies:
+            nodes = grid.field_nodes(body.field)
+            correct_rotation(
+                body.particles.start,
+                body.particles.stop,
+                nodes.start,
+                nodes.stop,
+                particles.mass,
+                particles.position,
+                particles.deformation_gradient,
+                self.half_edges,
+                grid.position,
+                grid.mass,
+                grid.start_velocity,
+                grid.momentum,
+                grid.spacing,
+            )
+
+

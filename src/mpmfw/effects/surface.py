@@ -1,0 +1,174 @@
+"""Tracked outlines: polylines whose nodes move with exactly the grid velocity that moves the body's material points."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from mpmfw.fields import MIN_GAP, AnyArray, Field
+from mpmfw.hookspecs import hookimpl
+from mpmfw.kernels import kernel
+from mpmfw.kernels.polyline import minimum_gap
+from mpmfw.kernels.types import Floats, Indices, Ints
+from mpmfw.setup import Setup
+from mpmfw.state import Body, Grid, State, Surface
+
+SurfaceMap = Literal["plain", "mass_weighted"]
+
+#: Mass m_c of the mass-weighted map, as a fraction of a full cell's mass ρ h².
+CRITICAL_MASS = 0.1
+
+
+def make_surface(bodies: tuple[Body, ...], n_fields: int, stage: str) -> Surface:
+    """Join the bodies' outlines; stage ``gap`` marks a surface that serves the diagnostic alone."""
+    loops = [(body, loop) for body in bodies for loop in body.outlines]
+    position = np.ascontiguousarray(np.concatenate([loop for _, loop in loops]))
+    following, previous, owner = [], [], []
+    start = 0
+    for body, loop in loops:
+        index = np.arange(len(loop))
+        following.append(start + np.roll(index, -1))
+        previous.append(start + np.roll(index, 1))
+        owner.append(np.full(len(loop), body.index))
+        start += len(loop)
+    after, before, of_body = (np.concatenate(part).astype(np.int64) for part in (following, previous, owner))
+    length = np.linalg.norm(position[after] - position, axis=1)
+    body_first = np.searchsorted(of_body, np.arange(len(bodies) + 1))
+    return Surface(
+        position=position,
+        displacement=np.zeros_like(position),
+        tributary=0.5 * (length + length[before]),
+        next=after,
+        previous=before,
+        body=of_body,
+        first=body_first if n_fields == len(bodies) else np.array([0, len(position)]),
+        body_first=body_first,
+        stage=stage,
+    )
+
+
+@kernel
+def weigh_plain(row: Ints, nodes: Indices, weight: Floats, node_mass: Floats) -> None:
+    """Nodes without mass get no weight, and the others' sum stays 1; untouched where all nodes carry mass."""
+    for s in range(len(row) - 1):
+        lost, kept = 0.0, 0.0
+        for k in range(row[s], row[s + 1]):
+            if node_mass[nodes[k]] > 0.0:
+                kept += weight[k]
+            else:
+                lost += weight[k]
+        if lost > 0.0 and kept > 0.0:
+            for k in range(row[s], row[s + 1]):
+                weight[k] = weight[k] / kept if node_mass[nodes[k]] > 0.0 else 0.0
+
+
+@kernel
+def weigh_by_mass(row: Ints, nodes: Indices, weight: Floats, critical: Floats, node_mass: Floats) -> None:
+    """N_i ← N_i m_i / (m_i + m_c), scaled to the sum 1."""
+    for s in range(len(row) - 1):
+        total = 0.0
+        for k in range(row[s], row[s + 1]):
+            m = node_mass[nodes[k]]
+            weight[k] *= m / (m + critical[s])
+            total += weight[k]
+        if total > 0.0:
+            for k in range(row[s], row[s + 1]):
+                weight[k] /= total
+
+
+@kernel
+def move_points(
+    row: Ints, nodes: Indices, weight: Floats, node_velocity: Floats, position: Floats, displacement: Floats, dt: float
+) -> None:
+    """x_s += Δt Σ N_i v_i."""
+    for s in range(len(position)):
+        for d in range(position.shape[1]):
+            motion = 0.0
+            for k in range(row[s], row[s + 1]):
+                motion += weight[k] * node_velocity[nodes[k], d]
+            displacement[s, d] = dt * motion
+            position[s, d] += dt * motion
+
+
+class SurfaceTracker:
+    """Weighs the surface's table with the nodal masses, and moves the surface.
+
+    Parameters
+    ----------
+    surface_map
+        ``plain`` keeps N_i, which matches the boundary basis of CPDI and B-splines, renormalised only where a touched node
+        carries no mass; ``mass_weighted`` keeps the surface with linear and GIMP particles, whose boundary nodes may be
+        empty, at the price of boundary stress.
+    """
+
+    name = "surface"
+
+    def __init__(self, surface_map: SurfaceMap, stage: str) -> None:
+        self.map, self.stage = surface_map, stage
+
+    @hookimpl
+    def setup(self, setup: Setup) -> None:
+        """Critical mass of every surface node."""
+        surface = setup.state.surface
+        if surface is None:
+            raise RuntimeError("no surface to track")
+        self.surface = surface
+        if self.map == "mass_weighted":
+            density = np.array([body.density for body in setup.bodies])
+            declaration = Field("critical_mass", ("surface_node",), "kg m-1", "m_c of the mass-weighted map", "surface")
+            self.critical = setup.allocate(self.name, declaration)
+            self.critical[:] = CRITICAL_MASS * density[surface.body] * setup.cell_size**setup.dim
+
+    @hookimpl(tryfirst=True)
+    def after_momentum_projection(self, grid: Grid) -> None:
+        """Fit N_i(x_s) to the nodal masses before anyone maps a force."""
+        phi = self.surface.stencil
+        if phi is None:
+            raise RuntimeError("the surface's table was not filled")
+        if self.map == "plain":
+            weigh_plain(phi.row, phi.nodes, phi.weight, grid.mass)
+        else:
+            weigh_by_mass(phi.row, phi.nodes, phi.weight, self.critical, grid.mass)
+
+    @hookimpl
+    def advect(self, grid: Grid, dt: float) -> None:
+        """Move the nodes with their body's grid velocity."""
+        surface = self.surface
+        phi = surface.stencil
+        if phi is not None:
+            move_points(
+                phi.row, phi.nodes, phi.weight, grid.velocity, surface.position, surface.displacement, dt
+            )
+
+
+class GapDiagnostic:
+    """``min_gap``: measured between the outlines in the same way for every method."""
+
+    name = "gap"
+    stage = "gap"
+
+    @hookimpl
+    def declare_fields(self) -> list[Field]:
+        """The series."""
+        return [MIN_GAP]
+
+    @hookimpl
+    def diagnostics(self, state: State) -> dict[str, AnyArray]:
+        """Least of both bodies' node-to-outline distances, (pair,) [m]."""
+        surface = state.surface
+        if surface is None:
+            raise RuntimeError("no surface to measure")
+        gaps = np.array([self._gap(surface, pair.first, pair.second) for pair in state.pairs])
+        return {"min_gap": gaps}
+
+    @staticmethod
+    def _gap(surface: Surface, a: int, b: int) -> float:
+        first, second = surface.of(a), surface.of(b)
+        ways = ((first, second), (second, first))
+        return min(
+            minimum_gap(p.start, p.stop, q.start, q.stop, surface.position, surface.next, surface.previous)
+            for p, q in ways
+        )
+
+

@@ -1,0 +1,58 @@
+"""Errors that a user meets: each carries one message that says what is wrong, where, and what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+
+class MpmfwError(Exception):
+    """Base of all errors that mpmfw raises on purpose."""
+
+
+class SceneError(MpmfwError):
+    """The request was wrong: the scene, an option, a plug-in's name. Exit status 2."""
+
+
+class SimulationError(MpmfwError):
+    """The run failed after it began; what was written so far is intact. Exit status 1.
+
+    Parameters
+    ----------
+    what
+        What happened.
+    body, index, position, time
+        Where and when: the body's name, the point's index within it, its position [m], the time [s].
+    advice
+        What to try.
+    """
+
+    def __init__(
+        self,
+        what: str,
+        *,
+        body: str | None = None,
+        index: int | None = None,
+        position: Sequence[float] | None = None,
+        time: float | None = None,
+        advice: str | None = None,
+    ) -> None:
+        self.what, self.body, self.index, self.time, self.advice = what, body, index, time, advice
+        #: What the run wrote before it failed (an xarray DataTree), set by :func:`mpmfw.run`.
+        self.results: Any = None
+        self.position = None if position is None else tuple(float(x) for x in position)
+        where = []
+        if body is not None:
+            where.append(f"body '{body}'")
+        if index is not None:
+            where.append(f"point {index}")
+        if self.position is not None:
+            where.append("at (" + ", ".join(f"{x:.6g}" for x in self.position) + ") m")
+        if time is not None:
+            where.append(f"at time {time:.6g} s")
+        message = what + (": " + ", ".join(where) if where else "")
+        super().__init__(message + (f". Try: {advice}" if advice else ""))
+
+
+class ResultsWarning(UserWarning):
+    """A run went through, with something that its reader must know."""

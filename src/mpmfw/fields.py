@@ -1,0 +1,160 @@
+"""Field declarations: name, dims, unit and meaning of every array, said once.
+
+Allocation, the results' file, ``explain`` and the documentation all read these declarations; nothing else in mpmfw states a
+unit or a long name a second time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray: TypeAlias = npt.NDArray[np.float64]
+IntArray: TypeAlias = npt.NDArray[np.int64]
+IndexArray: TypeAlias = npt.NDArray[np.int32]
+AnyArray: TypeAlias = npt.NDArray[Any]
+Group: TypeAlias = Literal["particles", "grid", "surface", "contact", "series"]
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """One array: what it is called, what it means, how it is laid out.
+
+    Parameters
+    ----------
+    name
+        Identifier, the same in the code, the file and the documentation.
+    dims
+        Names of the dimensions, such as ``("particle", "axis")``.
+    unit
+        SI unit as CF writes it (``"m s-1"``); ``"1"`` if dimensionless.
+    long_name
+        Meaning, with the symbol of the formulation where there is one.
+    group
+        Group of the results' file that the field belongs to.
+    dtype
+        NumPy type code.
+    output
+        Whether frames of the results' file hold the field.
+    """
+
+    name: str
+    dims: tuple[str, ...]
+    unit: str
+    long_name: str
+    group: Group = "particles"
+    dtype: str = "f8"
+    output: bool = False
+
+    def allocate(self, sizes: Mapping[str, int]) -> AnyArray:
+        """Return a zero array of shape ``[sizes[dim] for dim in dims]``."""
+        return np.zeros(tuple(sizes[dim] for dim in self.dims), dtype=self.dtype)
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """CF attributes of the variable."""
+        return {"units": self.unit, "long_name": self.long_name}
+
+
+_P = ("particle",)
+_PA = ("particle", "axis")
+_PAA = ("particle", "axis", "axis2")
+
+PARTICLE_FIELDS: tuple[Field, ...] = (
+    Field("position", _PA, "m", "position x_p", output=True),
+    Field("velocity", _PA, "m s-1", "velocity v_p", output=True),
+    Field("mass", _P, "kg m-1", "mass m_p (per metre of thickness in 2D)", output=True),
+    Field("initial_volume", _P, "m2", "volume V_p in the reference state (area in 2D)"),
+    Field("volume", _P, "m2", "volume V_p = J V_p0 (area in 2D)", output=True),
+    Field("deformation_gradient", _PAA, "1", "deformation gradient F_p", output=True),
+    Field("velocity_gradient", _PAA, "s-1", "velocity gradient L_p of the last step"),
+    Field("stress", _PAA, "Pa", "in-plane Cauchy stress sigma_p", output=True),
+)
+
+AFFINE_FIELD = Field("affine", _PAA, "s-1", "affine velocity gradient C_p")
+MOMENT_FIELD = Field("moment", _PAA, "m2 s-1", "affine moment B_p = sum phi v q^T (apic)")
+
+_N = ("node",)
+_NA = ("node", "axis")
+
+GRID_FIELDS: tuple[Field, ...] = (
+    Field("position", _NA, "m", "node position x_i", "grid"),
+    Field("mass", _N, "kg m-1", "nodal mass m_i of one velocity field", "grid"),
+    Field("momentum", _NA, "kg m s-1 m-1", "nodal momentum (m v)_i", "grid"),
+    Field("start_velocity", _NA, "m s-1", "nodal velocity as projected, before any force or correction", "grid"),
+    Field("force", _NA, "N m-1", "nodal force f_i", "grid"),
+    Field("velocity", _NA, "m s-1", "nodal velocity at the end of the step", "grid"),
+)
+
+SURFACE_FIELDS: tuple[Field, ...] = (
+    Field("position", ("surface_node", "axis"), "m", "surface node position x_s", "surface", output=True),
+    Field("displacement", ("surface_node", "axis"), "m", "motion of x_s over the last step", "surface"),
+    Field("tributary", ("surface_node",), "m", "tributary length of the surface node at the start", "surface"),
+)
+
+_B = ("body",)
+_BA = ("body", "axis")
+_BR = ("body", "rotation")
+
+SERIES_FIELDS: tuple[Field, ...] = (
+    Field("centre_of_mass", _BA, "m", "centre of mass of the material points", "series", output=True),
+    Field("mean_velocity", _BA, "m s-1", "linear momentum over mass", "series", output=True),
+    Field(
+        "angular_velocity",
+        _BR,
+        "rad s-1",
+        "sum m (x-c) x (v-v_c) / sum m |x-c|^2 over material points, counter-clockwise positive",
+        "series",
+        output=True,
+    ),
+    Field("linear_momentum", _BA, "kg m s-1 m-1", "linear momentum", "series", output=True),
+    Field(
+        "angular_momentum",
+        _BR,
+        "kg m2 s-1 m-1",
+        "angular momentum of the material points about the centre of mass",
+        "series",
+        output=True,
+    ),
+    Field("kinetic_energy", _B, "J m-1", "kinetic energy sum m v^2 / 2 of the material points", "series", output=True),
+    Field("strain_energy", _B, "J m-1", "stored elastic energy", "series", output=True),
+    Field("total_energy", _B, "J m-1", "kinetic and strain energy", "series", output=True),
+)
+
+AFFINE_ENERGY = Field(
+    "affine_energy", _B, "J m-1", "kinetic energy of the affine motion within the material points", "series", output=True
+)
+
+_PAIR = ("pair",)
+
+CONTACT_SERIES: tuple[Field, ...] = (
+    Field(
+        "contact_force",
+        ("pair", "axis"),
+        "N m-1",
+        "force on the pair's first body, mean over the output interval (its integral is the impulse)",
+        "series",
+        output=True,
+    ),
+    Field("contact_count", _PAIR, "1", "surface or grid nodes in contact at the output", "series", output=True),
+    Field("frictional_work", _PAIR, "J m-1", "energy dissipated by friction since time zero", "series", output=True),
+    Field(
+        "contact_energy", _PAIR, "J m-1", "energy stored in contact springs (zero without springs)", "series", output=True
+    ),
+    Field(
+        "damping_work", _PAIR, "J m-1", "energy dissipated by contact dashpots since time zero", "series", output=True
+    ),
+)
+
+MIN_GAP = Field(
+    "min_gap",
+    _PAIR,
+    "m",
+    "least distance between the bodies' surfaces; negative where they penetrate",
+    "series",
+    output=True,
+)

@@ -1,0 +1,85 @@
+"""Frames of output: what the fields' declarations and the plug-ins' diagnostics say, sorted by group and body."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from mpmfw.fields import PARTICLE_FIELDS, SURFACE_FIELDS, AnyArray, Field
+from mpmfw.results import Frame, RunHeader, provenance
+from mpmfw.state import State
+
+if TYPE_CHECKING:
+    from mpmfw.scene import Scene
+
+
+class Recorder:
+    """Makes the header and the frames of one run."""
+
+    def __init__(self, scene: Scene, state: State, declared: tuple[Field, ...], hook: Any) -> None:
+        self.state, self.hook = state, hook
+        core = (*(PARTICLE_FIELDS if scene.output.particles else ()), *self._surface_fields(scene))
+        groups = {"series": True, "contact": True, "particles": scene.output.particles, "surface": scene.output.surface}
+        wanted = [field for field in (*core, *declared) if field.output and groups.get(field.group, False)]
+        self.fields = {field.name + "/" + field.group: field for field in wanted}
+        self._by_name = {field.name: field for field in declared}
+
+    def _surface_fields(self, scene: Scene) -> tuple[Field, ...]:
+        return SURFACE_FIELDS if scene.output.surface and self.state.surface is not None else ()
+
+    def header(self, attributes: Mapping[str, Any]) -> RunHeader:
+        """All that is known before the first step."""
+        state, surface = self.state, self.state.surface
+        names = tuple(body.name for body in state.bodies)
+        with_surface = surface is not None and any(field.group == "surface" for field in self.fields.values())
+        counts, following = {}, {}
+        if with_surface and surface is not None:
+            for body in state.bodies:
+                own = surface.of(body.index)
+                counts[body.name] = own.stop - own.start
+                following[body.name] = surface.next[own] - own.start
+        return RunHeader(
+            dim=state.grid.dim,
+            bodies=names,
+            pairs=tuple(pair.label for pair in state.pairs),
+            particle_count={b.name: b.particles.stop - b.particles.start for b in state.bodies},
+            fields=tuple(self.fields.values()),
+            surface_count=counts,
+            connectivity=following,
+            attributes={**attributes, **provenance()},
+        )
+
+    def frame(self, interval: float) -> Frame:
+        """Arrays of this moment; ``interval`` [s] since the last frame, 0 at the first."""
+        state = self.state
+        found: dict[str, dict[str, AnyArray]] = {"particles": {}, "surface": {}, "series": {}, "contact": {}}
+        for answer in self.hook.diagnostics(state=state, interval=interval) or []:
+            for name, values in answer.items():
+                found[self._by_name[name].group][name] = values
+        for group, struct in (("particles", state.particles), ("surface", state.surface)):
+            for field in self.fields.values():
+                if field.group == group and field.name not in found[group]:
+                    found[group][field.name] = getattr(struct, field.name)
+        wanted = {
+            group: {name: values for name, values in arrays.items() if f"{name}/{group}" in self.fields}
+            for group, arrays in found.items()
+        }
+        return Frame(
+            time=state.time,
+            particles=self._split(wanted["particles"], {b.name: b.particles for b in state.bodies}),
+            surface=self._split(wanted["surface"], self._surface_slices()),
+            series=wanted["series"],
+            contact={
+                pair.label: {name: values[pair.index] for name, values in wanted["contact"].items()}
+                for pair in state.pairs
+            },
+        )
+
+    def _surface_slices(self) -> dict[str, slice]:
+        surface = self.state.surface
+        return {} if surface is None else {b.name: surface.of(b.index) for b in self.state.bodies}
+
+    @staticmethod
+    def _split(arrays: Mapping[str, AnyArray], slices: Mapping[str, slice]) -> dict[str, dict[str, AnyArray]]:
+        """Each body's part of the arrays."""
+        return {body: {name: values[own] for name, values in arrays.items()} for body, own in slices.items()}

@@ -1,0 +1,96 @@
+"""The lattice layout of a plane body: square cells clipped by its outline."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import shapely
+
+from mpmfw.geometry.layout import FloatArray, Layout, layout_of_boxes
+from mpmfw.geometry.merging import merge_small_pieces
+
+# Pieces below this fraction of a cell would make light particles, with large accelerations
+SMALLEST_PIECE = 0.25
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Square lattice cells: cell (i, j) has its lower left corner at origin + edge (i, j).
+
+    Attributes
+    ----------
+    origin : (2,)
+        Lower left corner of the lattice [m].
+    edge
+        Edge of a cell [m].
+    counts : (2,)
+        Number of cells along each axis.
+    """
+
+    origin: FloatArray
+    edge: float
+    counts: tuple[int, int]
+
+    def corner(self, index: npt.NDArray[np.intp]) -> FloatArray:
+        """Lattice nodes (..., 2) [m]; one formula for all, so that neighbours share them exactly."""
+        corner: FloatArray = self.origin + self.edge * index
+        return corner
+
+
+def covering_cells(bounds: FloatArray, size: float, offset: tuple[float, ...]) -> Cells:
+    """The lattice that covers a bounding box (4,) [m], symmetric about its centre for zero ``offset``."""
+    lower, upper = bounds[:2], bounds[2:]
+    counts = np.ceil((upper - lower) / size - 1e-9).astype(int)
+    origin = 0.5 * (lower + upper) - 0.5 * size * counts
+    # A shifted lattice needs one more cell on the side it leaves
+    shifted = np.array(offset) > 0
+    origin = origin + size * (np.array(offset) - shifted)
+    counts = counts + shifted
+    return Cells(origin, size, (int(counts[0]), int(counts[1])))
+
+
+def clipped_lattice(region: Any, size: float, offset: tuple[float, ...]) -> Layout:
+    """Square cells of edge ``size`` [m], shifted by ``offset`` (fractions), clipped by a shapely polygon.
+
+    A particle has the area and the centroid of its clipped piece, and a square domain of that area. Pieces
+    below a quarter of a cell join the neighbour with which they share the longest edge, so that the total
+    area is kept.
+    """
+    cells = covering_cells(np.array(region.bounds), size, offset)
+    index = np.stack(np.meshgrid(*(np.arange(n) for n in cells.counts), indexing="ij"), axis=-1).reshape(
+        -1, 2
+    )
+    area, centroid = _clip(region, cells, index)
+    kept = area > 1e-12 * size**2
+    index, area, centroid = index[kept], area[kept], centroid[kept]
+    small = np.flatnonzero(area < SMALLEST_PIECE * size**2)
+    shared = _shared_edges(region, cells, index[small])
+    area, centroid = merge_small_pieces(index, area, centroid, small, shared, SMALLEST_PIECE * size**2)
+    return layout_of_boxes(centroid, np.repeat(np.sqrt(area)[:, np.newaxis], 2, axis=1))
+
+
+def _clip(region: Any, cells: Cells, index: npt.NDArray[np.intp]) -> tuple[FloatArray, FloatArray]:
+    """Areas (n,) [m^2] and centroids (n, 2) [m] of the parts of the cells (n, 2) inside the region."""
+    lower, upper = cells.corner(index), cells.corner(index + 1)
+    boxes = shapely.box(lower[:, 0], lower[:, 1], upper[:, 0], upper[:, 1])
+    shapely.prepare(region)
+    covered = shapely.covers(region, boxes)
+    area = np.where(covered, cells.edge**2, 0.0)
+    centroid = 0.5 * (lower + upper)
+    crossed = np.flatnonzero(~covered & shapely.intersects(region, boxes))
+    pieces = shapely.intersection(boxes[crossed], region)
+    area[crossed] = shapely.area(pieces)
+    crossed, pieces = crossed[area[crossed] > 0], pieces[area[crossed] > 0]
+    centroid[crossed] = shapely.get_coordinates(shapely.centroid(pieces))
+    return area, centroid
+
+
+def _shared_edges(region: Any, cells: Cells, index: npt.NDArray[np.intp]) -> FloatArray:
+    """Lengths (k, 4) [m] inside the region of the left, right, lower and upper edges of cells (k, 2)."""
+    ends = np.array([[[0, 0], [0, 1]], [[1, 0], [1, 1]], [[0, 0], [1, 0]], [[0, 1], [1, 1]]])
+    edges = shapely.linestrings(cells.corner(index[:, np.newaxis, np.newaxis, :] + ends))
+    lengths: FloatArray = shapely.length(shapely.intersection(edges, region))
+    return lengths

@@ -1,0 +1,44 @@
+"""Disc."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+import shapely
+
+from mpmfw.geometry.disc_mesh import disc_mesh
+from mpmfw.geometry.layout import FloatArray, Layout, layout_of_quadrilaterals
+from mpmfw.geometry.plane import PlaneGeometry, Point2D, PositiveLength
+from mpmfw.geometry.polylines import circle_outline, clipping_circle
+
+
+class Disc(PlaneGeometry):
+    """A full circle [m]."""
+
+    type: Literal["disc"] = "disc"
+    centre: Point2D
+    radius: PositiveLength
+
+    @property
+    def exact_volume(self) -> float:
+        """π R² [m^2]."""
+        return float(np.pi * self.radius**2)
+
+    @property
+    def centroid(self) -> FloatArray:
+        """The centre (2,) [m]."""
+        return np.array(self.centre)
+
+    @property
+    def region(self) -> Any:
+        """A fine polygon of the disc's area."""
+        return shapely.Polygon(clipping_circle(self.centre, self.radius))
+
+    def outlines(self, segment: float) -> tuple[FloatArray, ...]:
+        """One polyline with its nodes on the circle, the first at angle 0."""
+        return (circle_outline(self.centre, self.radius, segment),)
+
+    def fitted(self, size: float) -> Layout:
+        """A central block and four blocks around it, of the exact area."""
+        return layout_of_quadrilaterals(np.array(self.centre) + self.radius * disc_mesh(size / self.radius))

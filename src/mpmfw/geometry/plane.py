@@ -1,0 +1,56 @@
+"""What every plane body answers, and the quantities the geometries share."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Annotated, Any, ClassVar
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from mpmfw.geometry.clipped_lattice import clipped_lattice
+from mpmfw.geometry.layout import FloatArray, Layout
+from mpmfw.units import Length
+
+PositiveLength = Annotated[Length, Field(gt=0)]
+Point2D = tuple[Length, Length]
+Point3D = tuple[Length, Length, Length]
+
+
+class PlaneGeometry(BaseModel):
+    """A plane body: its region, outlines and layouts."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    dim: ClassVar[int] = 2
+
+    @property
+    @abstractmethod
+    def exact_volume(self) -> float:
+        """Area of the true shape [m^2]."""
+
+    @property
+    @abstractmethod
+    def centroid(self) -> FloatArray:
+        """Centroid of the true shape (2,) [m]."""
+
+    @property
+    @abstractmethod
+    def region(self) -> Any:
+        """The body as a shapely polygon [m], of the exact area."""
+
+    @abstractmethod
+    def outlines(self, segment: float) -> tuple[FloatArray, ...]:
+        """Closed polylines (m, 2) [m] on the true outline, with segments no longer than ``segment`` [m]."""
+
+    @abstractmethod
+    def fitted(self, size: float) -> Layout:
+        """Quadrilaterals of edges up to ``size`` [m] that follow the outline."""
+
+    @property
+    def is_connected(self) -> bool:
+        """Whether the body is of one piece."""
+        return True
+
+    def lattice(self, size: float, offset: tuple[float, ...]) -> Layout:
+        """Square cells of edge ``size`` [m], shifted by ``offset`` (fractions), clipped by the outline."""
+        return clipped_lattice(self.region, size, offset)

@@ -1,0 +1,90 @@
+"""Quadrilaterals that fill a polygon, made by gmsh."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from mpmfw.geometry.layout import FloatArray
+
+ATTEMPTS = 10
+
+
+def polygon_mesh(loops: tuple[FloatArray, ...], size: float) -> FloatArray:
+    """Quadrilaterals (n, 4, 2) [m], counter-clockwise, with edges of at most ``size`` [m].
+
+    Parameters
+    ----------
+    loops : tuple of (k, 2)
+        The outer ring and the holes [m].
+
+    Raises
+    ------
+    ValueError
+        gmsh is not installed, or makes no mesh of that size.
+    """
+    with _gmsh() as gmsh:
+        # In units of the size, far from gmsh's absolute tolerances; the last subdivision halves edges
+        scaled = tuple(loop / size for loop in loops)
+        wanted = 2.0
+        for _ in range(ATTEMPTS):
+            corners = _mesh(gmsh, scaled, wanted)
+            largest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
+            if largest <= 1.0:
+                return size * corners
+            # gmsh takes a size as an average: ask for less until the largest edge fits
+            wanted *= max(0.5, 0.98 / largest)
+    raise ValueError(f"gmsh made no quadrilaterals with edges below {size} m: choose layout = 'lattice'")
+
+
+@contextmanager
+def _gmsh() -> Iterator[Any]:
+    """gmsh, started silently; left running where somebody else had started it."""
+    try:
+        import gmsh  # type: ignore[import-untyped, import-not-found, unused-ignore]
+    except (ImportError, OSError) as error:  # OSError: a system library of gmsh is missing
+        raise ValueError(
+            "a fitted layout of a polygon needs gmsh: pip install 'mpmfw[mesh]', or choose layout = 'lattice'"
+        ) from error
+    running = gmsh.isInitialized()
+    if not running:
+        gmsh.initialize(readConfigFiles=False, interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        yield gmsh
+    finally:
+        if not running:
+            gmsh.finalize()
+
+
+def _mesh(gmsh: Any, loops: tuple[FloatArray, ...], wanted: float) -> FloatArray:
+    """One attempt: quadrilaterals (n, 4, 2) of the region within ``loops``, counter-clockwise."""
+    gmsh.model.add("polygon")
+    try:
+        geo = gmsh.model.geo
+        curves = []
+        for loop in loops:
+            nodes = [geo.addPoint(x, y, 0.0, wanted) for x, y in loop]
+            lines = [geo.addLine(a, b) for a, b in zip(nodes, nodes[1:] + nodes[:1], strict=True)]
+            curves.append(geo.addCurveLoop(lines))
+        geo.addPlaneSurface(curves)
+        geo.synchronize()
+        for option, value in (("RecombineAll", 1), ("SubdivisionAlgorithm", 1), ("MeshSizeMax", wanted)):
+            gmsh.option.setNumber(f"Mesh.{option}", value)
+        gmsh.model.mesh.generate(2)
+        return _quadrilaterals(gmsh)
+    finally:
+        gmsh.model.remove()
+
+
+def _quadrilaterals(gmsh: Any) -> FloatArray:
+    """Corners (n, 4, 2) of the quadrilaterals of the present model, counter-clockwise."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    row = np.zeros(int(tags.max()) + 1, dtype=int)
+    row[tags.astype(int)] = np.arange(len(tags))
+    _, connectivity = gmsh.model.mesh.getElementsByType(gmsh.model.mesh.getElementType("quadrangle", 1))
+    corners: FloatArray = coordinates.reshape(-1, 3)[row[connectivity.astype(int)], :2].reshape(-1, 4, 2)
+    return corners

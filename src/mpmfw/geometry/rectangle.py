@@ -1,0 +1,77 @@
+"""Rectangle."""
+
+from __future__ import annotations
+
+from typing import Any, Literal, Self
+
+import numpy as np
+import shapely
+from pydantic import model_validator
+
+from mpmfw.geometry.layout import FloatArray, Layout, layout_of_quadrilaterals
+from mpmfw.geometry.plane import PlaneGeometry, Point2D
+from mpmfw.geometry.polylines import subdivided
+from mpmfw.geometry.tiling import tiling
+from mpmfw.units import Angle
+
+
+class Rectangle(PlaneGeometry):
+    """A rectangle between two corners [m], turned by ``angle`` [rad] counter-clockwise about its centre."""
+
+    type: Literal["rectangle"] = "rectangle"
+    lower: Point2D
+    upper: Point2D
+    angle: Angle = 0.0
+
+    @model_validator(mode="after")
+    def _lower_below_upper(self) -> Self:
+        if not all(a < b for a, b in zip(self.lower, self.upper, strict=True)):
+            raise ValueError(f"lower {self.lower} must be below upper {self.upper} in every direction")
+        return self
+
+    @property
+    def exact_volume(self) -> float:
+        """Width times height [m^2]."""
+        return float(np.prod(np.subtract(self.upper, self.lower)))
+
+    @property
+    def centroid(self) -> FloatArray:
+        """The centre (2,) [m]."""
+        return 0.5 * np.add(self.lower, self.upper)
+
+    @property
+    def corners(self) -> FloatArray:
+        """The four corners (4, 2) [m], counter-clockwise."""
+        (x0, y0), (x1, y1) = self.lower, self.upper
+        return self._turned(np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]]))
+
+    @property
+    def region(self) -> Any:
+        """The rectangle as a shapely polygon."""
+        return shapely.Polygon(self.corners)
+
+    def outlines(self, segment: float) -> tuple[FloatArray, ...]:
+        """One polyline with the corners among its nodes."""
+        return (subdivided(self.corners, segment),)
+
+    def lattice(self, size: float, offset: tuple[float, ...]) -> Layout:
+        """The tiling where the rectangle is aligned with the axes, else clipped cells."""
+        if self.angle == 0:
+            return tiling(self.lower, self.upper, size, offset)
+        return super().lattice(size, offset)
+
+    def fitted(self, size: float) -> Layout:
+        """The tiling, turned with the rectangle."""
+        cells = tiling(self.lower, self.upper, size, (0.0, 0.0))
+        if self.angle == 0:
+            return cells
+        assert cells.corners is not None
+        return layout_of_quadrilaterals(self._turned(cells.corners))
+
+    def _turned(self, points: FloatArray) -> FloatArray:
+        """Points (..., 2) [m] turned by the angle about the centre."""
+        if self.angle == 0:
+            return points
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        turned: FloatArray = self.centroid + (points - self.centroid) @ np.array([[c, s], [-s, c]])
+        return turned

@@ -1,0 +1,130 @@
+"""Hook specifications: every place in the algorithm where a plug-in may act.
+
+Hooks are named by their place, not by a method. None of them receives the simulation: what a plug-in needs beyond the
+arguments it takes from :class:`~mpmfw.setup.Setup`, once, and keeps itself. An implementation may leave out arguments that it
+does not use (pluggy passes those it names).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pluggy
+
+from mpmfw.fields import AnyArray, Field, FloatArray, IntArray
+from mpmfw.state import Grid, Particles, State, Stencil
+
+if TYPE_CHECKING:
+    from mpmfw.setup import Setup
+
+hookspec = pluggy.HookspecMarker("mpmfw")
+hookimpl = pluggy.HookimplMarker("mpmfw")
+
+
+class HookSpecs:
+    """The hooks, in the order in which a run calls them."""
+
+    @hookspec
+    def declare_fields(self) -> list[Field]:
+        """Once, before allocation: declare the arrays and series that the plug-in owns.
+
+        Returns
+        -------
+        Declarations; arrays are then allocated with :meth:`mpmfw.setup.Setup.allocate`.
+        """
+        raise NotImplementedError
+
+    @hookspec
+    def setup(self, setup: Setup) -> None:
+        """Once, after the bodies are discretised: read facts of the scene, allocate declared arrays.
+
+        May change the plug-in alone, and the material points' initial state.
+        """
+
+    @hookspec(firstresult=True)
+    def particle_reach(self, particles: Particles) -> FloatArray:
+        """When a window of the grid is laid: half the extent of every particle's domain, (n, dim) [m].
+
+        Implemented by the shape function. May change nothing.
+        """
+        raise NotImplementedError
+
+    @hookspec(firstresult=True)
+    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
+        """Step 1: φ_ip and ∇φ_ip of every material point. Implemented by the shape function.
+
+        May change nothing but its own table.
+
+        Raises
+        ------
+        mpmfw.state.OutsideGrid
+            A support leaves its window; the core lays the window anew, or stops if the grid ends there.
+        """
+        raise NotImplementedError
+
+    @hookspec(firstresult=True)
+    def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
+        """N_i at points on the boundary: the basis that matches the particles', Σ V ∇S = ∮ N n dS.
+
+        Implemented by the shape function; asked only where a surface is tracked. Parameters: ``position`` (n, dim) [m],
+        ``first`` (n_fields + 1,) ranges of the points by velocity field. May change nothing but its own table.
+
+        Raises
+        ------
+        mpmfw.state.OutsideGrid
+            As :meth:`interpolate`.
+        """
+        raise NotImplementedError
+
+    @hookspec
+    def after_momentum_projection(self, grid: Grid, phi: Stencil, particles: Particles, dt: float) -> None:
+        """After step 2: m_i and (m v)_i of every velocity field are complete. May change ``grid.momentum``."""
+
+    @hookspec
+    def add_nodal_force(self, grid: Grid, state: State, dt: float) -> None:
+        """Step 3: f_ext and f_cont (eq. 12 of [H17]). May add to ``grid.force``."""
+
+    @hookspec
+    def after_momentum_update(self, grid: Grid, phi: Stencil, particles: Particles, dt: float) -> None:
+        """After step 4: (m v)_i is integrated. May change ``grid.momentum``."""
+
+    @hookspec
+    def correct_inertia(self, grid: Grid, phi: Stencil, particles: Particles, dt: float) -> None:
+        """After all contact corrections of step 4: mend the inertia of the lumped mass. May change ``grid.momentum``."""
+
+    @hookspec
+    def constrain_momentum(self, grid: Grid, time: float) -> None:
+        """Boundary conditions, the last word on ``grid.momentum``; ``time`` [s] is that at the end of the step."""
+
+    @hookspec
+    def advect(self, grid: Grid, dt: float) -> None:
+        """Step 5: whatever else rides on the grid's final velocity ``grid.velocity``, such as surface nodes."""
+
+    @hookspec
+    def update_particle_domains(self, particles: Particles, grid: Grid, dt: float) -> None:
+        """Step 6: GIMP lengths or CPDI corners follow the deformation. May change the shape function's own arrays."""
+
+    @hookspec
+    def update_stress(self, particles: Particles, dt: float) -> None:
+        """Step 6: σ of the material's own bodies from their F. May change ``particles.stress`` of its slices."""
+
+    @hookspec
+    def end_step(self, state: State) -> None:
+        """After the step: records and guards. May change the plug-in alone."""
+
+    @hookspec
+    def stable_timestep(self, state: State) -> tuple[float, str] | None:
+        """Before a step: the largest stable step [s] and its owner, or None if nothing limits it now.
+
+        The least of all answers rules. Asked before the first step and before every step for which the plug-in may answer
+        anew.
+        """
+
+    @hookspec
+    def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
+        """At outputs only: values of the plug-in's declared series and output fields.
+
+        Parameters: ``interval`` [s] since the last output (0 at the first). May change nothing but accumulators that restart
+        at outputs.
+        """
+        raise NotImplementedError

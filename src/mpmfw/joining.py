@@ -1,0 +1,208 @@
+"""Join the trees of several runs into one dataset; where a run has nothing to say stands NaN."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from mpmfw.clock import STAGES
+from mpmfw.fields import AnyArray, FloatArray, IntArray
+
+#: Root attributes of a run that become variables: name, unit, meaning.
+COSTS: tuple[tuple[str, str, str], ...] = (
+    ("steps", "1", "time steps"),
+    ("material_points", "1", "material points"),
+    ("cpu_time", "s", "CPU time of the steps, without compilation, settling, gap diagnostic and output"),
+    ("wall_time", "s", "wall time of the steps"),
+    ("peak_memory", "B", "largest resident memory of the process"),
+    ("settle_time", "s", "CPU time of settling"),
+    ("output_time", "s", "CPU time of output"),
+    ("gap_time", "s", "CPU time of the gap diagnostic"),
+    ("compile_time", "s", "time of compilation or of loading compiled code"),
+)
+
+#: Attributes that differ between the runs of a comparison and say nothing of the whole.
+_OF_ONE_RUN = {"contact", "shape", "scheme", "transfer", "effects", "plugins", "status", "kind"}
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How one combination went, and what it wrote, if anything."""
+
+    status: str
+    tree: xr.DataTree | None = None
+
+
+def join(coords: Mapping[str, Sequence[Any]], outcomes: Mapping[tuple[int, ...], Outcome]) -> xr.Dataset:
+    """Join the outcomes of a grid of runs.
+
+    Parameters
+    ----------
+    coords
+        Values of the new dimensions, in their order.
+    outcomes
+        For each index into them how it went; combinations that are not there have the status "not run".
+
+    Returns
+    -------
+    xarray.Dataset
+        Series, costs, costs by stage, status and first and last outlines over the new dimensions.
+    """
+    trees = {index: outcome.tree for index, outcome in outcomes.items() if outcome.tree is not None}
+    lead, shape = tuple(coords), tuple(len(values) for values in coords.values())
+    status = np.full(shape, "not run", dtype=object)
+    for index, outcome in outcomes.items():
+        status[index] = outcome.status
+    dataset = xr.Dataset(coords={name: list(values) for name, values in coords.items()})
+    dataset["status"] = (lead, status, {"long_name": "ok, or why there is no complete result"})
+    dataset = dataset.assign(_series(lead, shape, trees))
+    dataset = dataset.assign(_costs(lead, shape, trees)).assign(_outlines(lead, shape, trees))
+    attributes = next((tree.attrs for tree in trees.values()), {})
+    own = {name for name, _, _ in COSTS} | {
+        f"{clock}_{stage}" for clock in ("cpu", "wall") for stage in STAGES
+    }
+    kept = {name: value for name, value in attributes.items() if name not in own | _OF_ONE_RUN}
+    methods = {
+        "/".join(map(str, _choice(coords, index))): {
+            name: str(tree.attrs[name]) for name in ("scheme", "transfer", "effects") if name in tree.attrs
+        }
+        for index, tree in trees.items()
+    }
+    dataset.attrs = {**kept, "kind": "compare", "methods": json.dumps(methods)}
+    return dataset
+
+
+def _choice(coords: Mapping[str, Sequence[Any]], index: tuple[int, ...]) -> list[Any]:
+    return [values[i] for values, i in zip(coords.values(), index, strict=True)]
+
+
+def union_of_times(times: Sequence[FloatArray]) -> FloatArray:
+    """Sorted union of output times; times that differ by round-off are one."""
+    if not times:
+        return np.empty(0)
+    together = np.unique(np.concatenate(times))
+    if len(together) < 2:
+        return together
+    new = np.diff(together, prepend=-np.inf) > 1e-9 * (together[-1] - together[0])
+    return np.asarray(together[new])
+
+
+def _series(
+    lead: tuple[str, ...], shape: tuple[int, ...], trees: Mapping[tuple[int, ...], xr.DataTree]
+) -> dict[str, xr.DataArray]:
+    series = {index: tree["series"].to_dataset() for index, tree in trees.items()}
+    times = union_of_times([data["time"].values for data in series.values() if "time" in data.coords])
+    joined: dict[str, xr.DataArray] = {}
+    for index, data in series.items():
+        if "time" not in data.coords:
+            continue
+        at = np.abs(times[:, None] - data["time"].values[None, :]).argmin(axis=0)
+        for name, array in data.data_vars.items():
+            rest = array.transpose("time", ...)
+            if str(name) not in joined:
+                joined[str(name)] = _empty(lead, shape, times, rest)
+            joined[str(name)].values[index][at] = rest.values
+    return joined
+
+
+def _empty(
+    lead: tuple[str, ...], shape: tuple[int, ...], times: FloatArray, model: xr.DataArray
+) -> xr.DataArray:
+    values = np.full((*shape, len(times), *model.shape[1:]), np.nan)
+    coords = {name: model.coords[name] for name in model.dims[1:] if name in model.coords}
+    time = xr.DataArray(times, dims="time", attrs=dict(model.coords["time"].attrs))
+    return xr.DataArray(values, dims=(*lead, *model.dims), coords={**coords, "time": time}, attrs=model.attrs)
+
+
+def _costs(
+    lead: tuple[str, ...], shape: tuple[int, ...], trees: Mapping[tuple[int, ...], xr.DataTree]
+) -> dict[str, xr.DataArray]:
+    def gathered(names: Sequence[str]) -> FloatArray:
+        values = np.full((*shape, len(names)), np.nan)
+        for index, tree in trees.items():
+            values[index] = [float(tree.attrs.get(name, np.nan)) for name in names]
+        return values
+
+    costs = {
+        name: xr.DataArray(gathered([name])[..., 0], dims=lead, attrs={"units": unit, "long_name": meaning})
+        for name, unit, meaning in COSTS
+    }
+    for clock, meaning in (("cpu", "CPU"), ("wall", "wall")):
+        costs[f"{clock}_stage"] = xr.DataArray(
+            gathered([f"{clock}_{stage}" for stage in STAGES]),
+            dims=(*lead, "stage"),
+            coords={"stage": list(STAGES)},
+            attrs={"units": "s", "long_name": f"{meaning} time by stage of the step"},
+        )
+    return costs
+
+
+def _outlines(
+    lead: tuple[str, ...], shape: tuple[int, ...], trees: Mapping[tuple[int, ...], xr.DataTree]
+) -> dict[str, xr.DataArray]:
+    """First and last outlines as closed polylines, NaN between the loops of a body and after its last."""
+    found: dict[tuple[int, ...], dict[str, AnyArray]] = {}
+    for index, tree in trees.items():
+        surfaces = tree["surface"].children if "surface" in tree.children else {}
+        lines = {body: _outline(node.to_dataset()) for body, node in surfaces.items()}
+        found[index] = {str(body): line for body, line in lines.items() if line is not None}
+    bodies = list(dict.fromkeys(body for lines in found.values() for body in lines))
+    if not bodies:
+        return {}
+    longest = max(line.shape[1] for lines in found.values() for line in lines.values())
+    values = np.full((*shape, 2, len(bodies), longest, 2), np.nan)
+    times = np.full((*shape, 2), np.nan)
+    for index, drawn in found.items():
+        for body, line in drawn.items():
+            values[index][:, bodies.index(body), : line.shape[1]] = line
+            times[index] = trees[index].to_dataset()["time"].values[[0, -1]]
+    frame = {"frame": ["first", "last"]}
+    return {
+        "outline": xr.DataArray(
+            values,
+            dims=(*lead, "frame", "outlined_body", "outline_node", "axis"),
+            coords={**frame, "outlined_body": bodies, "axis": ["x", "y"]},
+            attrs={
+                "units": "m",
+                "long_name": "surface of the body at the first and last output; NaN parts its loops",
+            },
+        ),
+        "outline_time": xr.DataArray(
+            times,
+            dims=(*lead, "frame"),
+            coords=frame,
+            attrs={"units": "s", "long_name": "time of the outline"},
+        ),
+    }
+
+
+def _outline(surface: xr.Dataset) -> AnyArray | None:
+    """Return (2, outline_node, 2), the first and last frame of a surface in the order of its segments."""
+    if not {"position", "next"} <= surface.keys() or surface.sizes.get("time", 0) == 0:
+        return None
+    ends = surface["position"].values[[0, -1]]
+    parted = np.full((2, 1, ends.shape[2]), np.nan)
+    return np.concatenate(
+        [part for loop in loops(surface["next"].values) for part in (ends[:, loop], parted)], axis=1
+    )
+
+
+def loops(following: IntArray) -> list[IntArray]:
+    """Split the segments of a surface into closed loops of nodes, the first node repeated at the end."""
+    left = dict.fromkeys(range(len(following)))
+    found = []
+    while left:
+        start = next(iter(left))
+        loop, node = [start], int(following[start])
+        left.pop(start)
+        while node in left:
+            left.pop(node)
+            loop.append(node)
+            node = int(following[node])
+        found.append(np.array([*loop, start]))
+    return found

@@ -1,0 +1,190 @@
+"""Kernels from the grid to material points (steps 5 and 6 of the time step)."""
+
+from __future__ import annotations
+
+from mpmfw.kernels import scratch
+from mpmfw.kernels._jit import device, kernel
+from mpmfw.kernels.rows import add_scaled_row, set_scaled_row
+from mpmfw.kernels.small_matrix import determinant, invert
+from mpmfw.kernels.table import entries
+from mpmfw.kernels.types import Floats, Indices, Ints
+
+
+@kernel
+def gather(
+    row: Ints,
+    nodes: Indices,
+    weight: Floats,
+    gradient: Floats,
+    node_position: Floats,
+    node_velocity: Floats,
+    node_start_velocity: Floats,
+    velocity: Floats,
+    position: Floats,
+    velocity_gradient: Floats,
+    affine: Floats | None,
+    least_squares: bool,
+    flip: float,
+    dt: float,
+    spacing: tuple[float, ...],
+) -> None:
+    """Velocity, position, velocity gradient and affine field of every material point, in one pass over the table.
+
+    v_p ← flip (v_p + Σ φ (v_i − v_i⁰)) + (1 − flip) Σ φ v_i,  x_p ← x_p + Δt Σ φ v_i,  L_p = Σ v_i ∇φᵀ.
+    v_i⁰ is the velocity as projected, so that forces, contact, inertia correction and boundary conditions all reach v_p.
+    With q = x_i − x_p at the old position, B_p = Σ φ v_i qᵀ and D_p = Σ φ q qᵀ, the affine field becomes B_p D_p⁻¹ if
+    ``least_squares``, else B_p; it is left out where ``affine`` is None.
+    """
+    dim = len(spacing)
+    x = scratch.vector(spacing)
+    v = scratch.matrix((0.0,), spacing)
+    q = scratch.matrix((0.0,), spacing)
+    new = scratch.matrix((0.0,), spacing)
+    start = scratch.matrix((0.0,), spacing)
+    l = scratch.matrix(spacing, spacing)
+    moment = scratch.matrix(spacing, spacing)
+    spread = scratch.matrix(spacing, spacing)
+    for p in range(len(position)):
+        for d in range(dim):
+            x[d] = position[p, d]
+            new[0, d] = 0.0
+            start[0, d] = 0.0
+            for e in range(dim):
+                l[d, e] = 0.0
+                moment[d, e] = 0.0
+                spread[d, e] = 0.0
+        for k in entries(row, p):
+            i = nodes[k]
+            phi = weight[k]
+            set_scaled_row(v, 0, 1.0, node_velocity, i, spacing)
+            add_scaled_row(new, 0, phi, v, 0, spacing)
+            add_scaled_row(start, 0, phi, node_start_velocity, i, spacing)
+            for d in range(dim):
+                add_scaled_row(l, d, v[0, d], gradient, k, spacing)
+            if affine is not None:
+                for d in range(dim):
+                    q[0, d] = node_position[i, d] - x[d]
+                for d in range(dim):
+                    add_scaled_row(moment, d, phi * v[0, d], q, 0, spacing)
+                    add_scaled_row(spread, d, phi * q[0, d], q, 0, spacing)
+        for d in range(dim):
+            increment = new[0, d] - start[0, d]
+            velocity[p, d] = flip * (velocity[p, d] + increment) + (1.0 - flip) * new[0, d]
+            position[p, d] = x[d] + dt * new[0, d]
+            for e in range(dim):
+                velocity_gradient[p, d, e] = l[d, e]
+        if affine is not None:
+            _store_affine(moment, spread, least_squares, affine, p, spacing)
+
+
+@device
+def _store_affine(
+    moment: Floats, spread: Floats, least_squares: bool, affine: Floats, p: int, spacing: tuple[float, ...]
+) -> None:
+    """affine[p] = B D⁻¹ if ``least_squares``, else B."""
+    dim = len(spacing)
+    inverse = scratch.matrix(spacing, spacing)
+    if least_squares:
+        invert(spread, inverse, spacing)
+    for d in range(dim):
+        for e in range(dim):
+            c = moment[d, e]
+            if least_squares:
+                c = 0.0
+                for a in range(dim):
+                    c += moment[d, a] * inverse[a, e]
+            affine[p, d, e] = c
+
+
+@kernel
+def gather_velocity_gradient(
+    row: Ints,
+    nodes: Indices,
+    gradient: Floats,
+    node_velocity: Floats,
+    velocity_gradient: Floats,
+    spacing: tuple[float, ...],
+) -> None:
+    """L_p = Σ_i v_i ∇φ_ipᵀ alone, from the velocity that MUSL and USF take the strain from."""
+    dim = len(spacing)
+    l = scratch.matrix(spacing, spacing)
+    for p in range(len(velocity_gradient)):
+        for d in range(dim):
+            for e in range(dim):
+                l[d, e] = 0.0
+        for k in entries(row, p):
+            i = nodes[k]
+            for d in range(dim):
+                add_scaled_row(l, d, node_velocity[i, d], gradient, k, spacing)
+        for d in range(dim):
+            for e in range(dim):
+                velocity_gradient[p, d, e] = l[d, e]
+
+
+@device
+def _add_identity_scaled(a: Floats, factor: float, out: Floats, spacing: tuple[float, ...]) -> None:
+    """out = 1 + factor a."""
+    dim = len(spacing)
+    for d in range(dim):
+        for e in range(dim):
+            out[d, e] = factor * a[d, e] + (1.0 if d == e else 0.0)
+
+
+@kernel
+def transport_affine(affine: Floats, dt: float, spacing: tuple[float, ...]) -> None:
+    """C ← C (1 + Δt C)⁻¹: the gradient of the same material velocity field after the points moved.
+
+    A field v(x) = C x carried along x ← (1 + Δt C) x has, at the new positions, the gradient C (1 + Δt C)⁻¹. Without it a
+    spinning disc loses angular momentum at second order in Δt every step.
+    """
+    dim = len(spacing)
+    c = scratch.matrix(spacing, spacing)
+    motion = scratch.matrix(spacing, spacing)
+    inverse = scratch.matrix(spacing, spacing)
+    for p in range(len(affine)):
+        for d in range(dim):
+            for e in range(dim):
+                c[d, e] = affine[p, d, e]
+        _add_identity_scaled(c, dt, motion, spacing)
+        invert(motion, inverse, spacing)
+        for d in range(dim):
+            for e in range(dim):
+                value = 0.0
+                for a in range(dim):
+                    value += c[d, a] * inverse[a, e]
+                affine[p, d, e] = value
+
+
+@kernel
+def update_deformation(
+    velocity_gradient: Floats,
+    deformation_gradient: Floats,
+    initial_volume: Floats,
+    volume: Floats,
+    dt: float,
+    spacing: tuple[float, ...],
+) -> int:
+    """F ← (1 + Δt L) F and V = det(F) V_0; return the first point whose det F is not positive (NaN included), or −1."""
+    dim = len(spacing)
+    f = scratch.matrix(spacing, spacing)
+    motion = scratch.matrix(spacing, spacing)
+    l = scratch.matrix(spacing, spacing)
+    bad = -1
+    for p in range(len(volume)):
+        for d in range(dim):
+            for e in range(dim):
+                f[d, e] = deformation_gradient[p, d, e]
+                l[d, e] = velocity_gradient[p, d, e]
+        _add_identity_scaled(l, dt, motion, spacing)
+        for d in range(dim):
+            for e in range(dim):
+                value = 0.0
+                for a in range(dim):
+                    value += motion[d, a] * f[a, e]
+                l[d, e] = value
+                deformation_gradient[p, d, e] = value
+        jacobian = determinant(l, spacing)
+        volume[p] = jacobian * initial_volume[p]
+        if bad < 0 and not jacobian > 0.0:
+            bad = p
+    return bad

@@ -1,0 +1,158 @@
+"""Kernels from material points to the grid (steps 2 and 3 of the time step)."""
+
+from __future__ import annotations
+
+from mpmfw.kernels import scratch
+from mpmfw.kernels._jit import device, kernel
+from mpmfw.kernels.rows import add_scaled_row, set_scaled_row
+from mpmfw.kernels.small_matrix import invert
+from mpmfw.kernels.table import entries
+from mpmfw.kernels.types import Floats, Indices, Ints
+
+
+@device
+def _velocity_at_origin(
+    velocity: Floats,
+    position: Floats,
+    affine: Floats | None,
+    p: int,
+    v: Floats,
+    columns: Floats,
+    spacing: tuple[float, ...],
+) -> None:
+    """v[0] = v_p − C_p x_p and columns = C_pᵀ, so that v_p + C_p (x − x_p) = v[0] + Σ_e x_e columns[e]."""
+    dim = len(spacing)
+    for d in range(dim):
+        v[0, d] = velocity[p, d]
+        if affine is not None:
+            for e in range(dim):
+                columns[e, d] = affine[p, d, e]
+                v[0, d] -= columns[e, d] * position[p, e]
+
+
+@kernel
+def project_mass_momentum(
+    row: Ints,
+    nodes: Indices,
+    weight: Floats,
+    mass: Floats,
+    velocity: Floats,
+    position: Floats,
+    affine: Floats | None,
+    node_position: Floats,
+    node_mass: Floats,
+    node_momentum: Floats,
+    spacing: tuple[float, ...],
+) -> None:
+    """m_i += Σ_p φ_ip m_p and (m v)_i += Σ_p φ_ip m_p (v_p + C_p (x_i − x_p)); C_p is left out where ``affine`` is None."""
+    dim = len(spacing)
+    v = scratch.matrix((0.0,), spacing)
+    v_i = scratch.matrix((0.0,), spacing)
+    columns = scratch.matrix(spacing, spacing)
+    for p in range(len(mass)):
+        m = mass[p]
+        _velocity_at_origin(velocity, position, affine, p, v, columns, spacing)
+        for k in entries(row, p):
+            i = nodes[k]
+            phi_m = weight[k] * m
+            set_scaled_row(v_i, 0, 1.0, v, 0, spacing)
+            if affine is not None:
+                for e in range(dim):
+                    add_scaled_row(v_i, 0, node_position[i, e], columns, e, spacing)
+            node_mass[i] += phi_m
+            add_scaled_row(node_momentum, i, phi_m, v_i, 0, spacing)
+
+
+@kernel
+def project_momentum(
+    row: Ints,
+    nodes: Indices,
+    weight: Floats,
+    mass: Floats,
+    velocity: Floats,
+    position: Floats,
+    affine: Floats | None,
+    node_position: Floats,
+    node_momentum: Floats,
+    spacing: tuple[float, ...],
+) -> None:
+    """(m v)_i += Σ_p φ_ip m_p (v_p + C_p (x_i − x_p)) alone: the second projection of MUSL."""
+    dim = len(spacing)
+    v = scratch.matrix((0.0,), spacing)
+    v_i = scratch.matrix((0.0,), spacing)
+    columns = scratch.matrix(spacing, spacing)
+    for p in range(len(mass)):
+        m = mass[p]
+        _velocity_at_origin(velocity, position, affine, p, v, columns, spacing)
+        for k in entries(row, p):
+            i = nodes[k]
+            set_scaled_row(v_i, 0, 1.0, v, 0, spacing)
+            if affine is not None:
+                for e in range(dim):
+                    add_scaled_row(v_i, 0, node_position[i, e], columns, e, spacing)
+            add_scaled_row(node_momentum, i, weight[k] * m, v_i, 0, spacing)
+
+
+@kernel
+def add_internal_force(
+    row: Ints,
+    nodes: Indices,
+    gradient: Floats,
+    volume: Floats,
+    stress: Floats,
+    node_force: Floats,
+    spacing: tuple[float, ...],
+) -> None:
+    """f_i −= Σ_p V_p σ_p · ∇φ_ip."""
+    dim = len(spacing)
+    columns = scratch.matrix(spacing, spacing)
+    force = scratch.matrix((0.0,), spacing)
+    for p in range(len(volume)):
+        for d in range(dim):
+            for e in range(dim):
+                columns[e, d] = -volume[p] * stress[p, d, e]
+        for k in entries(row, p):
+            set_scaled_row(force, 0, gradient[k, 0], columns, 0, spacing)
+            for e in range(1, dim):
+                add_scaled_row(force, 0, gradient[k, e], columns, e, spacing)
+            add_scaled_row(node_force, nodes[k], 1.0, force, 0, spacing)
+
+
+@kernel
+def affine_from_moment(
+    row: Ints,
+    nodes: Indices,
+    weight: Floats,
+    position: Floats,
+    moment: Floats,
+    node_position: Floats,
+    affine: Floats,
+    spacing: tuple[float, ...],
+) -> None:
+    """C_p = B_p D_p⁻¹ with D_p = Σ_i φ_ip q qᵀ, q = x_i − x_p, at the present stencil (APIC).
+
+    An axis along which a point sits on its node has no spread; D and B vanish there together and so does C.
+    """
+    dim = len(spacing)
+    x = scratch.vector(spacing)
+    q = scratch.matrix((0.0,), spacing)
+    spread = scratch.matrix(spacing, spacing)
+    inverse = scratch.matrix(spacing, spacing)
+    tiny = 1e-10 * spacing[0] * spacing[0]
+    for p in range(len(position)):
+        for d in range(dim):
+            x[d] = position[p, d]
+            for e in range(dim):
+                spread[d, e] = tiny if d == e else 0.0
+        for k in entries(row, p):
+            for d in range(dim):
+                q[0, d] = node_position[nodes[k], d] - x[d]
+            for d in range(dim):
+                add_scaled_row(spread, d, weight[k] * q[0, d], q, 0, spacing)
+        invert(spread, inverse, spacing)
+        for d in range(dim):
+            for e in range(dim):
+                c = 0.0
+                for a in range(dim):
+                    c += moment[p, d, a] * inverse[a, e]
+                affine[p, d, e] = c

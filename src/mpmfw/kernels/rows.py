@@ -1,0 +1,91 @@
+"""Arithmetic on short rows: ``out[i, :] += factor other[j, :]`` as one operation.
+
+Written as a loop over ``range(dim)``, the same sum costs 1.3 to 2 times as much: numba multiplies by a row length that is known
+at run time alone, asks of every index whether it counts from the end, and leaves neighbouring components in separate registers.
+Here the row length is that of a tuple and therefore known to the compiler, indices are taken as they are (no negative ones),
+and rows of two components are one vector register; rows of three stay scalars, which is faster than a padded vector.
+
+``out`` and ``other`` are C-contiguous, of shape ``(n, len(spacing))``.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from llvmlite import ir
+from numba.core import types
+from numba.extending import intrinsic
+from numba.np.arrayobj import make_array
+
+#: Row length that is one vector register.
+VECTOR = 2
+
+
+def _row_pointer(context: Any, builder: Any, array_type: Any, array: Any, index_type: Any, index: Any, width: int) -> Any:
+    """Address of row ``index``: as one vector, or as its first component."""
+    data = make_array(array_type)(context, builder, array).data
+    first = builder.mul(context.cast(builder, index, index_type, types.intp), ir.Constant(ir.IntType(64), width))
+    pointer = builder.gep(data, [first])
+    if width != VECTOR:
+        return pointer
+    return builder.bitcast(pointer, ir.VectorType(ir.DoubleType(), width).as_pointer())
+
+
+def _repeated(builder: Any, value: Any, width: int) -> Any:
+    """``value`` in every component of a vector."""
+    vector = ir.Constant(ir.VectorType(ir.DoubleType(), width), ir.Undefined)
+    for lane in range(width):
+        vector = builder.insert_element(vector, value, ir.Constant(ir.IntType(32), lane))
+    return vector
+
+
+def _emit(context: Any, builder: Any, signature: Any, args: Any, *, accumulate: bool) -> Any:
+    """Code of both operations."""
+    width = len(signature.args[5])
+    target = _row_pointer(context, builder, signature.args[0], args[0], signature.args[1], args[1], width)
+    source = _row_pointer(context, builder, signature.args[3], args[3], signature.args[4], args[4], width)
+    factor = context.cast(builder, args[2], signature.args[2], types.float64)
+    lanes = [(target, source)]
+    if width == VECTOR:
+        factor = _repeated(builder, factor, width)
+    else:
+        steps = [ir.Constant(ir.IntType(64), lane) for lane in range(width)]
+        lanes = [(builder.gep(target, [step]), builder.gep(source, [step])) for step in steps]
+    for to, origin in lanes:
+        value = builder.fmul(factor, builder.load(origin, align=8))
+        if accumulate:
+            value = builder.fadd(builder.load(to, align=8), value)
+        builder.store(value, to, align=8)
+    return context.get_dummy_value()
+
+
+def _check(out: Any, other: Any) -> None:
+    """Refuse arrays whose rows are not contiguous doubles."""
+    for array in (out, other):
+        if not (isinstance(array, types.Array) and array.layout == "C" and array.dtype == types.float64):
+            raise TypeError(f"rows of {array}: expected a C-contiguous array of float64")
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def add_scaled_row(typingctx: Any, out: Any, i: Any, factor: Any, other: Any, j: Any, spacing: Any) -> Any:
+    """``out[i, :] += factor * other[j, :]``; the length of ``spacing`` is that of a row."""
+    _check(out, other)
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return _emit(context, builder, signature, args, accumulate=True)
+
+    return types.void(out, i, factor, other, j, spacing), codegen
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def set_scaled_row(typingctx: Any, out: Any, i: Any, factor: Any, other: Any, j: Any, spacing: Any) -> Any:
+    """``out[i, :] = factor * other[j, :]``; the length of ``spacing`` is that of a row."""
+    _check(out, other)
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return _emit(context, builder, signature, args, accumulate=False)
+
+    return types.void(out, i, factor, other, j, spacing), codegen
+
+
+__all__ = ["add_scaled_row", "set_scaled_row"]

@@ -1,0 +1,74 @@
+"""Small scratch arrays on the stack of a kernel.
+
+``np.empty`` within a loop over particles allocates on the heap and, since numba cannot tell LLVM that arrays do not overlap,
+keeps sums in memory. An array on the stack whose address never escapes is promoted to registers once its loops are unrolled,
+so that loops over ``range(dim)`` cost what hand-written scalars do.
+
+The shape is given by tuples, whose length is part of their type and therefore known to the compiler. The contents are
+undefined until written. The arrays must not be returned or stored.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba.core import types
+from numba.extending import intrinsic
+from numba.np.arrayobj import make_array, populate_array
+
+
+def _stack_array(context: Any, builder: Any, array_type: Any, shape: tuple[int, ...]) -> Any:
+    """Emit an ``alloca`` of 8-byte items in the entry block and wrap it as a numba array."""
+    count = int(np.prod(shape))
+    item, intp = context.get_data_type(array_type.dtype), context.get_value_type(types.intp)
+    with builder.goto_entry_block():
+        data = builder.alloca(ir.ArrayType(item, count))
+    array = make_array(array_type)(context, builder)
+    strides = [8 * int(np.prod(shape[axis + 1 :])) for axis in range(len(shape))]
+    populate_array(
+        array,
+        data=builder.bitcast(data, item.as_pointer()),
+        shape=[ir.Constant(intp, extent) for extent in shape],
+        strides=[ir.Constant(intp, stride) for stride in strides],
+        itemsize=ir.Constant(intp, 8),
+        meminfo=None,
+    )
+    return array._getvalue()
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def vector(typingctx: Any, like: Any) -> Any:
+    """Scratch vector of shape ``(len(like),)``."""
+    array_type = types.Array(types.float64, 1, "C")
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return _stack_array(context, builder, signature.return_type, (len(signature.args[0]),))
+
+    return array_type(like), codegen
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def integers(typingctx: Any, like: Any) -> Any:
+    """Scratch vector of int64, of shape ``(len(like),)``."""
+    array_type = types.Array(types.int64, 1, "C")
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return _stack_array(context, builder, signature.return_type, (len(signature.args[0]),))
+
+    return array_type(like), codegen
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def matrix(typingctx: Any, rows: Any, columns: Any) -> Any:
+    """Scratch matrix of shape ``(len(rows), len(columns))``."""
+    array_type = types.Array(types.float64, 2, "C")
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return _stack_array(context, builder, signature.return_type, tuple(len(arg) for arg in signature.args))
+
+    return array_type(rows, columns), codegen
+
+
+__all__ = ["integers", "matrix", "vector"]

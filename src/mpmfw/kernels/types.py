@@ -1,0 +1,13 @@
+"""Names of array types in the signatures of kernels."""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+Floats: TypeAlias = npt.NDArray[np.float64]
+Ints: TypeAlias = npt.NDArray[np.int64]
+Indices: TypeAlias = npt.NDArray[np.int32]
+Float: TypeAlias = Any  #: a compiled scalar: numpy's and Python's float at once

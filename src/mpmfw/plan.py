@@ -1,0 +1,202 @@
+"""The effect plan: each effect is imported and registered only if the scene calls for it, and says why or why not."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mpmfw.build import Build
+from mpmfw.errors import SceneError
+from mpmfw.series import BodySeries, VonMises
+from mpmfw.state import Body
+
+if TYPE_CHECKING:
+    from mpmfw.scene.tables import Side
+
+AXIS = {"left": 0, "right": 0, "bottom": 1, "top": 1, "back": 2, "front": 2}
+UPPER = frozenset({"right", "top", "front"})
+
+
+def plan(made: Build) -> None:
+    """Decide every effect; fill ``made.effects`` and ``made.plugins``, and make the surface if something needs it."""
+    made.plugins += [*made.materials.values(), made.shape]
+    _transfer(made)
+    _contact(made)
+    _surface(made)
+    _gravity(made)
+    _sides(made)
+    _rotation(made)
+    _outputs(made)
+
+
+def _transfer(made: Build) -> None:
+    transfer = made.transfer
+    chosen = "as auto for" if made.scene.stepping.transfer == "auto" else "given, with"
+    made.note("affine field", transfer.affine is not None, f"transfer {transfer.name}, {chosen} shape {made.shape.name}")
+    if transfer.affine is not None:
+        how = "C is carried along with the motion" if transfer.transported else "C stays as gathered"
+        made.note("transported affine gradient", transfer.transported, how)
+
+
+def _contact(made: Build) -> None:
+    count = len(made.state.bodies)
+    if made.contact is None:
+        made.note("contact", False, "one body" if count == 1 else "not named")
+        return
+    acts = type(made.contact).__name__
+    made.note("contact", True, f"{made.contact.name} ({acts}), {len(made.state.pairs)} pairs")
+    per_body = made.contact.velocity_fields == "per_body"
+    made.note("velocity field per body", per_body, f"contact '{made.contact.name}' asks for {made.contact.velocity_fields}")
+    frictional = [pair.label for pair in made.state.pairs if pair.friction > 0.0]
+    if not made.contact.uses_friction:
+        made.note("friction", False, f"contact '{made.contact.name}' does not use it")
+    else:
+        made.note("friction", bool(frictional), ", ".join(frictional) or "μ = 0 in every pair")
+    made.plugins.append(made.contact)
+
+
+def _surface(made: Build) -> None:
+    """Outlines are tracked if the contact, a pressure or the gap diagnostic needs them."""
+    contact, scene, state = made.contact, made.scene, made.state
+    pressed = any(side.pressure is not None for body in scene.bodies.values() for side in body.sides)
+    measured = scene.output.gap and len(state.pairs) > 0 and scene.dim == 2
+    by_contact = contact is not None and contact.needs_surface
+    users = [
+        *([f"contact '{contact.name}'"] if by_contact and contact is not None else []),
+        *(["pressure"] if pressed else []),
+        *(["min_gap"] if measured else []),
+    ]
+    if not made.note("surfaces", bool(users), "for " + ", ".join(users) if users else "nothing needs outlines"):
+        return
+    from mpmfw.effects.surface import GapDiagnostic, SurfaceTracker, make_surface
+
+    stage = "contact" if by_contact else "force" if pressed else "gap"
+    state.surface = make_surface(state.bodies, state.grid.n_fields, stage)
+    chosen = contact.surface_map if by_contact and contact is not None else "auto"
+    if chosen == "auto":
+        chosen = "mass_weighted" if made.shape.massless_boundary else "plain"
+    made.note(f"surface map {chosen}", True, f"shape {made.shape.name}")
+    made.plugins.append(SurfaceTracker(chosen, stage))
+    if measured:
+        made.plugins.append(GapDiagnostic())
+
+
+def _gravity(made: Build) -> None:
+    gravity = made.scene.gravity
+    if not made.note("gravity", gravity is not None, "no [gravity]" if gravity is None else "[gravity]"):
+        return
+    from mpmfw.effects.gravity import Gravity
+
+    if gravity is None or gravity.is_constant:
+        times, values = np.zeros(1), np.array([gravity.at(0.0)] if gravity is not None else [])
+    else:
+        rows = np.array(gravity.table)
+        times, values = rows[:, 0], rows[:, 1:]
+    made.plugins.append(Gravity(times, values))
+
+
+def _sides(made: Build) -> None:
+    given = [
+        (body, side) for body in made.state.bodies for side in made.scene.bodies[body.name].sides
+    ]
+    prescribed = [(body, side) for body, side in given if side.pressure is None]
+    pressed = [(body, side) for body, side in given if side.pressure is not None]
+    names = ", ".join(f"{body.name} {side.side}" for body, side in prescribed)
+    if made.note("prescribed sides", bool(prescribed), names or "no fixed or moving side"):
+        from mpmfw.effects.constraint import Constraint, PrescribedSide
+
+        made.plugins.append(
+            Constraint(
+                tuple(
+                    PrescribedSide(body, AXIS[side.side], side.side in UPPER, _velocity(side, made.scene.dim))
+                    for body, side in prescribed
+                )
+            )
+        )
+    names = ", ".join(f"{body.name} {side.side}" for body, side in pressed)
+    if made.note("pressure", bool(pressed), names or "no side under pressure"):
+        made.plugins.append(_pressure(made, pressed))
+
+
+def _velocity(side: Side, dim: int) -> Any:
+    """Prescribed velocity of a side, NaN where a component is free."""
+    if side.velocity is not None:
+        return np.array([np.nan if isinstance(v, str) or v is None else float(v) for v in side.velocity])
+    fixed = np.zeros(dim)
+    if side.fixed is not None and side.fixed is not True:
+        for d, name in enumerate("xyz"[:dim]):
+            if name not in side.fixed:
+                fixed[d] = np.nan
+    return fixed
+
+
+def _pressure(made: Build, pressed: list[tuple[Body, Side]]) -> Any:
+    from mpmfw.effects.pressure import Pressure, segments_on_side
+
+    surface = made.state.surface
+    if surface is None:
+        raise RuntimeError("pressure needs tracked surfaces")
+    loads = []
+    for body, side in pressed:
+        axis, upper = AXIS[side.side], side.side in UPPER
+        plane = (body.upper if upper else body.lower)[axis]
+        tolerance = 1e-6 * made.state.grid.cell_size
+        own = surface.of(body.index)
+        segments = segments_on_side(surface.position, surface.next, own, axis, plane, tolerance)
+        if len(segments) == 0:
+            raise SceneError(f"bodies.{body.name}.sides: no surface segment lies on the side '{side.side}'")
+        loads.append((float(side.pressure or 0.0), segments))
+    return Pressure(tuple(loads))
+
+
+def _rotation(made: Build) -> None:
+    """Exact for a free, connected body with a velocity field of its own, unless the scene says otherwise."""
+    exact, local = [], []
+    for body in made.state.bodies:
+        how, reason = _rotation_of(made, body)
+        made.note(f"rotation of {body.name}: {how}", how != "lumped", reason)
+        if how == "exact":
+            exact.append(body)
+        elif how == "local":
+            local.append(body)
+    if exact:
+        from mpmfw.effects.rotation import ExactRotation
+
+        made.plugins.append(ExactRotation(tuple(exact)))
+    if local:
+        from mpmfw.effects.local_inertia import LocalInertia
+
+        made.plugins.append(LocalInertia(tuple(local)))
+
+
+def _rotation_of(made: Build, body: Body) -> tuple[str, str]:
+    model = made.scene.bodies[body.name]
+    prescribed = any(side.pressure is None for side in model.sides)
+    shared = made.state.grid.n_fields < len(made.state.bodies)
+    if model.rotation == "lumped":
+        return "lumped", "given"
+    if shared:
+        return "lumped", "shares its velocity field with other bodies"
+    if model.rotation == "local":
+        return "local", "given"
+    if prescribed:
+        if model.rotation == "exact":
+            raise SceneError(
+                f"bodies.{body.name}.rotation: 'exact' is for a free body, and this one has prescribed sides; "
+                "expected 'local' or 'lumped'"
+            )
+        return "lumped", "prescribed sides hold it"
+    if not model.geometry.is_connected:
+        if model.rotation == "exact":
+            raise SceneError(f"bodies.{body.name}.rotation: 'exact' is for a connected body, and this one has parts")
+        return "lumped", "it is not connected"
+    return "exact", "free, connected body" if model.rotation is None else "given"
+
+
+def _outputs(made: Build) -> None:
+    materials = tuple(made.material_of(body) for body in made.state.bodies)
+    made.plugins.append(BodySeries(materials, affine=made.transfer.affine is not None))
+    frames = made.scene.output.particles
+    if made.note("von Mises stress", frames, "frames hold material points" if frames else "output.particles = false"):
+        made.plugins.append(VonMises(materials))

@@ -1,0 +1,38 @@
+"""What each method costs, by stage of the step."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from mpmfw.clock import STEP_STAGES
+from mpmfw.plots.style import FONT, combinations, dress, legend_below, new_figure
+
+_STAGE_COLOURS = ("#0072B2", "#56B4E9", "#009E73", "#D55E00", "#E69F00", "#CC79A7")
+
+
+def cost_bars(dataset: xr.Dataset) -> Figure:
+    """CPU time per material point and step, stacked by stage, one bar for each combination."""
+    runs = list(combinations(dataset))
+    figure = new_figure(1, 1, 20.0 + 7.0 * len(runs))
+    axes = figure.subplots()
+    left = np.zeros(len(runs))
+    for stage, colour in zip(STEP_STAGES, _STAGE_COLOURS, strict=True):
+        widths = np.array([_share(run, stage) for _, _, run in runs])
+        axes.barh(np.arange(len(runs)), widths, left=left, color=colour, label=stage, height=0.7)
+        left = left + widths
+    axes.set_yticks(
+        np.arange(len(runs)), [f"{contact}, {shape}" for contact, shape, _ in runs], fontsize=FONT - 1
+    )
+    axes.invert_yaxis()
+    dress(axes, "CPU time per material point and step [ns]", "")
+    axes.grid(False, axis="y")
+    legend_below(figure, list(axes.get_legend_handles_labels()[0]))
+    return figure
+
+
+def _share(run: xr.Dataset, stage: str) -> float:
+    """Nanoseconds of one stage per particle and step; a run without figures has no bar."""
+    work = float(run["steps"]) * float(run["material_points"])
+    return float(np.nan_to_num(1e9 * float(run["cpu_stage"].sel(stage=stage)) / work)) if work > 0.0 else 0.0

@@ -1,0 +1,91 @@
+"""Figures that any scene has: gap, centre of mass, velocity, energies, contact force."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from mpmfw.plots.style import Look, combinations, dress, legend_below, new_figure
+from mpmfw.references import cell_size_of
+
+_PANELS = (
+    ("centre_of_mass", "centre of mass, x", "body"),
+    ("mean_velocity", "velocity, x", "body"),
+    ("kinetic_energy", "kinetic energy", "body"),
+    ("strain_energy", "strain energy", "body"),
+    ("contact_force", "contact force, x", "pair"),
+    ("min_gap", "gap", "pair"),
+)
+_CYCLE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+
+
+def gap_history(dataset: xr.Dataset) -> Figure:
+    """Least distance between the surfaces of the first pair, in cells where the cell size is known."""
+    figure = new_figure(1, 1)
+    axes = figure.subplots()
+    look, time = Look(dataset), dataset["time"].values
+    for turn, (contact, shape, run) in enumerate(combinations(dataset)):
+        h = float(run["cell_size"]) if "cell_size" in run.coords else cell_size_of(dataset.attrs)
+        gap = run["min_gap"].isel(pair=0).values / (h if h > 0.0 else 1.0)
+        axes.plot(time, gap, **look.line(contact, shape, len(time), turn))
+    axes.axhline(0.0, color="black", linewidth=0.6)
+    known = cell_size_of(dataset.attrs) > 0.0 or "cell_size" in dataset.coords
+    dress(axes, "time [s]", "gap / cell size" if known else "gap [m]")
+    legend_below(figure, look.key())
+    return figure
+
+
+def series_overview(dataset: xr.Dataset) -> Figure:
+    """Series of a run or a comparison, one panel for each; a run's bodies and pairs by colour."""
+    present = [panel for panel in _PANELS if panel[0] in dataset]
+    figure = new_figure(2, (len(present) + 1) // 2, 48.0)
+    panels = figure.subplots((len(present) + 1) // 2, 2, squeeze=False, sharex=True).ravel()
+    compared = "contact" in dataset.dims
+    for axes, (name, label, over) in zip(panels, present, strict=False):
+        if compared:
+            _draw_compared(axes, dataset, name, over)
+            label = f"{label} ({dataset[over].values[0]})"
+        else:
+            _draw_run(axes, dataset, name, over)
+        units = dataset[name].attrs.get("units", "1")
+        dress(axes, "time [s]", f"{label} [{units}]")
+    for axes in panels[len(present) :]:
+        axes.remove()
+    legend_below(figure, Look(dataset).key() if compared else _run_key(dataset))
+    return figure
+
+
+def _draw_compared(axes: Any, dataset: xr.Dataset, name: str, over: str) -> None:
+    look, time = Look(dataset), dataset["time"].values
+    for turn, (contact, shape, run) in enumerate(combinations(dataset)):
+        values = _along_x(run[name]).isel({over: 0}).values
+        axes.plot(time, values, **look.line(contact, shape, len(time), turn))
+
+
+def _draw_run(axes: Any, dataset: xr.Dataset, name: str, over: str) -> None:
+    colours = _colours(dataset)
+    for label in dataset[over].values.tolist():
+        values = _along_x(dataset[name]).sel({over: label}).values
+        axes.plot(dataset["time"].values, values, color=colours[label], linewidth=1.1)
+
+
+def _along_x(array: xr.DataArray) -> xr.DataArray:
+    return array.sel(axis="x") if "axis" in array.dims else array
+
+
+def _colours(dataset: xr.Dataset) -> dict[str, str]:
+    labels = [
+        label for dim in ("body", "pair") if dim in dataset.coords for label in dataset[dim].values.tolist()
+    ]
+    return {label: _CYCLE[i % len(_CYCLE)] for i, label in enumerate(labels)}
+
+
+def _run_key(dataset: xr.Dataset) -> list[Artist]:
+    return [
+        Line2D([], [], color=colour, linewidth=2.0, label=label)
+        for label, colour in _colours(dataset).items()
+    ]

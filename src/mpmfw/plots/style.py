@@ -1,0 +1,101 @@
+"""One colour for each contact method, one line style and marker for each shape function."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from typing import Any
+
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+#: Width of one panel [inch]: 85 mm, a journal's column.
+PANEL = 85.0 / 25.4
+FONT = 8
+
+_COLOURS = {"penalty": "#0072B2", "bardenhagen": "#D55E00", "none": "#009E73", "separate": "#CC79A7"}
+_SPARE = ("#E69F00", "#56B4E9", "#7F3C8D", "#6B6B6B")
+_STYLES: dict[str, tuple[Any, str]] = {
+    "cpdi": ("-", "o"),
+    "gimp": ("--", "^"),
+    "linear": (":", "s"),
+    "cpdi2": ("-.", "D"),
+    "bspline": ((0, (5, 1, 1, 1, 1, 1)), "v"),
+}
+_SPARE_STYLES: tuple[tuple[Any, str], ...] = (((0, (8, 2)), "P"), ((0, (1, 3)), "X"))
+
+
+def new_figure(columns: int, rows: int, height: float = 58.0) -> Figure:
+    """Return an empty figure of ``columns`` × ``rows`` panels of one column's width and ``height`` [mm]."""
+    figure = Figure(figsize=(columns * PANEL, rows * height / 25.4 + 0.45), dpi=200, layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def dress(axes: Any, xlabel: str, ylabel: str, title: str = "") -> None:
+    """Label one panel, in type that is legible at column width."""
+    axes.set_xlabel(xlabel, fontsize=FONT)
+    axes.set_ylabel(ylabel, fontsize=FONT)
+    axes.tick_params(labelsize=FONT - 1)
+    axes.grid(True, linewidth=0.3, alpha=0.5)
+    if title:
+        axes.set_title(title, fontsize=FONT, loc="left")
+
+
+class Look:
+    """Colours and styles of the combinations of one comparison."""
+
+    def __init__(self, dataset: xr.Dataset) -> None:
+        self.contacts = [str(name) for name in dataset["contact"].values] if "contact" in dataset.dims else []
+        self.shapes = [str(name) for name in dataset["shape"].values] if "shape" in dataset.dims else []
+        spare, spare_styles = itertools.cycle(_SPARE), itertools.cycle(_SPARE_STYLES)
+        self.colours = {name: _COLOURS.get(name) or next(spare) for name in self.contacts}
+        self.styles = {name: _STYLES.get(name) or next(spare_styles) for name in self.shapes}
+
+    def line(self, contact: str, shape: str, points: int, turn: int) -> dict[str, Any]:
+        """Keywords of ``Axes.plot``; ``turn`` shifts the markers of coinciding curves apart."""
+        style, marker = self.styles[shape]
+        every = max(1, points // 8)
+        return {
+            "color": self.colours[contact],
+            "linestyle": style,
+            "marker": marker,
+            "markersize": 3.0,
+            "markevery": ((turn * every) // 5 % every, every),
+            "linewidth": 1.1,
+        }
+
+    def key(self) -> list[Artist]:
+        """Entries of the legend: colours of the contacts, then styles of the shapes."""
+        contacts = [
+            Line2D([], [], color=self.colours[name], linewidth=2.5, label=name) for name in self.contacts
+        ]
+        shapes = [
+            Line2D(
+                [], [], color="0.3", linestyle=style, marker=marker, markersize=3, linewidth=1.1, label=name
+            )
+            for name, (style, marker) in self.styles.items()
+        ]
+        return [*contacts, *shapes]
+
+
+def combinations(dataset: xr.Dataset) -> Iterator[tuple[str, str, xr.Dataset]]:
+    """Yield (contact, shape, results) of a comparison, at the last value of each varied key."""
+    extra = [dim for dim in dataset["status"].dims if dim not in ("contact", "shape")]
+    last = dataset.isel(dict.fromkeys(extra, -1))
+    for contact, shape in itertools.product(last["contact"].values.tolist(), last["shape"].values.tolist()):
+        yield str(contact), str(shape), last.sel(contact=contact, shape=shape)
+
+
+def legend_below(figure: Figure, entries: list[Artist]) -> None:
+    """Put the legend outside the panels, where it covers no curve."""
+    figure.legend(
+        handles=entries,
+        loc="outside lower center",
+        ncols=min(len(entries), 6),
+        fontsize=FONT - 1,
+        frameon=False,
+    )

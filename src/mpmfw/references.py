@@ -1,0 +1,159 @@
+"""Which closed form or reference a scene has, read from the scene that its results carry."""
+
+from __future__ import annotations
+
+import functools
+import json
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.resources import files
+from io import StringIO
+from typing import Any
+
+import numpy as np
+
+from mpmfw.analysis import RollingSolution, rolling_solution
+from mpmfw.fields import FloatArray
+from mpmfw.units import to_si
+
+
+@dataclass(frozen=True)
+class RollingReference:
+    """A disc that rolls down a fixed plane under tilted gravity."""
+
+    body: str  #: the disc
+    solution: RollingSolution
+    distance: float = 10.0  #: at which the displacement is judged [m]
+
+
+@dataclass(frozen=True)
+class RingsReference:
+    """The collision of two rings that the shipped finite-element solution is of."""
+
+    first: str  #: the left ring
+    second: str  #: the right ring
+
+
+Reference = RollingReference | RingsReference
+
+
+def scene_of(attributes: Mapping[str, Any]) -> dict[str, Any]:
+    """Parse the scene in the attributes of a result (TOML or JSON); empty if there is none."""
+    text = attributes.get("scene")
+    if not isinstance(text, str):
+        return {}
+    for parse in (tomllib.loads, json.loads):
+        try:
+            scene = parse(text)
+        except ValueError:
+            continue
+        return scene if isinstance(scene, dict) else {}
+    return {}
+
+
+def cell_size_of(attributes: Mapping[str, Any]) -> float:
+    """Cell size h of the scene [m]; NaN if it is not known."""
+    return _si(scene_of(attributes).get("grid", {}).get("cell_size"), "m")
+
+
+def reference_of(attributes: Mapping[str, Any]) -> Reference | None:
+    """Recognise the scene of a result.
+
+    Parameters
+    ----------
+    attributes
+        Root attributes of a run, or those of a comparison, with the ``scene``.
+
+    Returns
+    -------
+    RollingReference, RingsReference or None
+        A single disc on one fixed body with gravity given as magnitude and tilt rolls. Two rings with the
+        properties, sizes and velocities of the shipped reference are that collision. Everything else has no
+        reference.
+    """
+    scene = scene_of(attributes)
+    bodies = scene.get("bodies", {})
+    if len(bodies) != 2:
+        return None
+    return _rolling(scene, bodies) or _rings(scene, bodies)
+
+
+def _rolling(scene: Mapping[str, Any], bodies: Mapping[str, Any]) -> RollingReference | None:
+    discs = [
+        name for name, body in bodies.items() if _geometry(body).get("type") == "disc" and not _fixed(body)
+    ]
+    planes = [name for name, body in bodies.items() if _fixed(body)]
+    gravity = scene.get("gravity", {})
+    if len(discs) != 1 or len(planes) != 1 or not {"magnitude", "tilt"} <= gravity.keys():
+        return None
+    radius = _si(_geometry(bodies[discs[0]]).get("radius"), "m")
+    tilt, g = _si(gravity["tilt"], "rad"), _si(gravity["magnitude"], "m/s^2")
+    values = (radius, tilt, g, _friction(scene))
+    if not np.all(np.isfinite(values)) or tilt <= 0.0:
+        return None
+    return RollingReference(discs[0], rolling_solution(tilt, _friction(scene), g, radius))
+
+
+def _rings(scene: Mapping[str, Any], bodies: Mapping[str, Any]) -> RingsReference | None:
+    expected = {"K": 121.7e6, "G": 26.1e6, "rho": 1010.0, "inner": 0.03, "outer": 0.04, "speed": 30.0}
+    centres: dict[str, float] = {}
+    for name, body in bodies.items():
+        geometry, material = _geometry(body), scene.get("materials", {}).get(body.get("material"), {})
+        velocity = body.get("velocity", [])
+        if geometry.get("type") != "ring" or material.get("model") != "neo_hookean" or not velocity:
+            return None
+        found = {
+            "K": _si(material.get("bulk_modulus"), "Pa"),
+            "G": _si(material.get("shear_modulus"), "Pa"),
+            "rho": _si(material.get("density"), "kg/m^3"),
+            "inner": _si(geometry.get("inner_radius"), "m"),
+            "outer": _si(geometry.get("outer_radius"), "m"),
+            "speed": abs(_si(velocity[0], "m/s")),
+        }
+        if not all(np.isclose(found[key], expected[key], rtol=1e-9) for key in expected):
+            return None
+        centres[name] = _si(geometry.get("centre", [None])[0], "m")
+    first, second = sorted(centres, key=lambda name: centres[name])
+    apart = centres[second] - centres[first] - 2.0 * expected["outer"]
+    # contact_force is on the pair's first body: only in this order does the reference's sign hold.
+    return RingsReference(first, second) if np.isclose(apart, 0.004) and first == next(iter(bodies)) else None
+
+
+def _geometry(body: Mapping[str, Any]) -> Mapping[str, Any]:
+    geometry = body.get("geometry", {})
+    return geometry if isinstance(geometry, Mapping) else {}
+
+
+def _fixed(body: Mapping[str, Any]) -> bool:
+    return any(side.get("fixed") is True for side in body.get("sides", []))
+
+
+def _friction(scene: Mapping[str, Any]) -> float:
+    contact = scene.get("contact", {})
+    pairs = contact.get("pairs", [])
+    return _si(pairs[0].get("friction") if pairs else contact.get("friction"), "1")
+
+
+def _si(value: object, unit: str) -> float:
+    if value is None:
+        return float("nan")
+    try:
+        number = to_si(value, unit)
+    except ValueError:
+        return float("nan")
+    return float(number) if isinstance(number, int | float) else float("nan")
+
+
+@functools.cache
+def rings_table(name: str) -> dict[str, FloatArray]:
+    """Columns of a shipped reference table, ``force`` or ``energy``; ``time`` in s added.
+
+    Raises
+    ------
+    FileNotFoundError
+        There is no such table.
+    """
+    text = files("mpmfw").joinpath("reference", f"rings_fem_{name}.csv").read_text(encoding="utf-8")
+    table = np.genfromtxt(StringIO(text), delimiter=",", names=True)
+    return {**{column: table[column] for column in table.dtype.names or ()}, "time": 1e-3 * table["time_ms"]}

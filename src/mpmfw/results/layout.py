@@ -1,0 +1,60 @@
+"""How fields lie in the file: dimensions, units, chunks."""
+
+from __future__ import annotations
+
+import math
+
+from mpmfw.fields import Field
+
+AXES = ("x", "y", "z")
+
+#: Fields that do not change during a run: written with the first frame, without a time.
+STATIC = frozenset({("particles", "mass"), ("particles", "initial_volume"), ("surface", "tributary")})
+
+#: Bytes of a chunk of a series. Every sync writes the open chunk of every series again: small enough not to
+#: be seen there, large enough that a thousand frames of a history are read at once.
+SERIES_CHUNK = 16_384
+
+#: Declarations state quantities per metre of thickness; in 3D there is none.
+_IN_3D = {
+    "kg m-1": "kg",
+    "m2": "m3",
+    "kg m s-1 m-1": "kg m s-1",
+    "kg m2 s-1 m-1": "kg m2 s-1",
+    "J m-1": "J",
+    "N m-1": "N",
+}
+
+
+def unit(field: Field, dim: int) -> str:
+    """Return the unit of a field in 2D or 3D; extensive quantities are per metre of thickness in 2D."""
+    return field.unit if dim == 2 else _IN_3D.get(field.unit, field.unit)
+
+
+def is_static(field: Field) -> bool:
+    """Say whether the field is written once, without a time."""
+    return (field.group, field.name) in STATIC
+
+
+def dimensions(field: Field) -> tuple[str, ...]:
+    """Return the names of the variable's dimensions in the file."""
+    return field.dims if is_static(field) else ("time", *field.dims)
+
+
+def chunks(field: Field, sizes: tuple[int, ...], itemsize: int) -> tuple[int, ...] | None:
+    """Return the chunk shape: one frame a chunk, or many frames of a short series.
+
+    Parameters
+    ----------
+    field
+        Declaration of the variable.
+    sizes
+        Sizes of its dimensions but the time.
+    itemsize
+        Bytes of one number.
+    """
+    if is_static(field):
+        return None
+    if field.group != "series":
+        return (1, *sizes)
+    return (max(1, SERIES_CHUNK // (itemsize * math.prod(sizes))), *sizes)

@@ -1,0 +1,81 @@
+"""Open a results' file."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from typing import Any
+
+import netCDF4
+import numpy as np
+import xarray as xr
+from xarray.backends import NetCDF4DataStore
+
+from mpmfw.errors import MpmfwError
+
+
+def open(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree:
+    """Open the file of a run, a comparison or a study.
+
+    Parameters
+    ----------
+    path
+        File written by ``run``, ``compare`` or ``study``; a run's file may still be growing.
+    lazy
+        Leave the arrays on disk and the file open until ``.close()`` of the tree; the default reads all and
+        closes the file.
+
+    Returns
+    -------
+    xarray.DataTree
+        Of a run: groups ``series``, ``particles/<body>``, ``surface/<body>``, ``contact/<pair>``. Of a
+        comparison or a study: the root alone, whose ``.dataset`` holds the variables.
+
+    Raises
+    ------
+    MpmfwError
+        The file does not exist or is no results' file.
+    """
+    name = os.fspath(path)
+    try:
+        dataset = netCDF4.Dataset(name)
+    except OSError as error:
+        raise MpmfwError(f"cannot read '{name}': {error.strerror or error}") from error
+    if lazy:
+        tree = tree_of(dataset, load=False)
+        tree.set_close(lambda: _close(dataset))
+        return tree
+    try:
+        return tree_of(dataset)
+    finally:
+        dataset.close()
+
+
+def tree_of(dataset: netCDF4.Dataset, *, load: bool = True) -> xr.DataTree:
+    """Return the groups of an open file as a tree, without a last frame that was cut short.
+
+    The time of a frame is written after its arrays: a frame without a time is incomplete.
+    """
+    groups = {name: xr.open_dataset(_store(group), decode_times=False) for name, group in _groups(dataset)}
+    time = groups["/"].coords.get("time")
+    if time is not None and not np.isfinite(time.values).all():
+        complete = np.flatnonzero(np.isfinite(time.values))
+        groups = {name: group.isel(time=complete, missing_dims="ignore") for name, group in groups.items()}
+    if load:
+        groups = {name: group.load() for name, group in groups.items()}
+    return xr.DataTree.from_dict(groups)
+
+
+def _groups(group: netCDF4.Dataset) -> Iterator[tuple[str, netCDF4.Dataset]]:
+    yield group.path, group
+    for child in group.groups.values():
+        yield from _groups(child)
+
+
+def _store(group: netCDF4.Dataset) -> Any:
+    return NetCDF4DataStore(group)  # type: ignore[no-untyped-call]
+
+
+def _close(dataset: netCDF4.Dataset) -> None:
+    if dataset.isopen():
+        dataset.close()

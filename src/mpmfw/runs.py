@@ -1,0 +1,69 @@
+"""Run one scene and keep its results."""
+
+from __future__ import annotations
+
+import os
+import resource
+import sys
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from mpmfw.errors import SimulationError
+from mpmfw.results import RunWriter
+from mpmfw.scene import load_scene
+from mpmfw.simulation import Simulation
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def run(
+    scene: Any,
+    contact: Any = None,
+    shape: Any = None,
+    output: str | os.PathLike[str] | None = None,
+    progress: Callable[[float, int], None] | None = None,
+    set: Mapping[str, Any] | None = None,
+) -> xr.DataTree:
+    """Run a scene.
+
+    Parameters
+    ----------
+    scene
+        A TOML file, the name of a shipped scene, nested mappings, or a :class:`mpmfw.scene.Scene`.
+    contact, shape
+        A plug-in's name or a configured strategy object, in place of the scene's.
+    output
+        NetCDF file to write, frame by frame; None keeps the results in memory.
+    progress
+        Called now and then with the simulated time [s] and the number of steps.
+    set
+        Values by dotted key, set over the scene's own.
+
+    Returns
+    -------
+    The results: groups ``series``, ``particles/<body>``, ``surface/<body>``; costs as root attributes.
+
+    Raises
+    ------
+    SceneError
+        The request was wrong.
+    SimulationError
+        The run failed; what it reached is in the file, and in the error's attribute ``results``.
+    """
+    simulation = Simulation(load_scene(scene, set=set), contact=contact, shape=shape)
+    with RunWriter(output, simulation.header()) as writer:
+        try:
+            simulation.run(writer.write, progress)
+        except SimulationError as error:
+            writer.finish({**simulation.costs(), "peak_memory": _peak_memory(), "status": f"failed: {error}"})
+            error.results = writer.results()
+            raise
+        writer.finish({**simulation.costs(), "peak_memory": _peak_memory(), "status": "ok"})
+        return writer.results()
+
+
+def _peak_memory() -> int:
+    """Largest resident set of this process so far [bytes]."""
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return int(peak if sys.platform == "darwin" else peak * 1024)

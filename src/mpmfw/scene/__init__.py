@@ -1,0 +1,40 @@
+"""Scenes: what to simulate, from a TOML file or a mapping."""
+
+from mpmfw.scene.gravity import ConstantGravity, Gravity
+from mpmfw.scene.loading import load_scene, shipped_scenes
+from mpmfw.scene.scene import Scene, Source
+from mpmfw.scene.schema import json_schema
+from mpmfw.scene.tables import (
+    Body,
+    Contact,
+    Grid,
+    Material,
+    Output,
+    PairFriction,
+    Settle,
+    Shape,
+    Side,
+    Stepping,
+    Time,
+)
+
+__all__ = [
+    "Body",
+    "ConstantGravity",
+    "Contact",
+    "Gravity",
+    "Grid",
+    "Material",
+    "Output",
+    "PairFriction",
+    "Scene",
+    "Settle",
+    "Shape",
+    "Side",
+    "Source",
+    "Stepping",
+    "Time",
+    "json_schema",
+    "load_scene",
+    "shipped_scenes",
+]

@@ -1,0 +1,71 @@
+"""What all tables of a scene share, and the types of their values."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, TypeAlias
+
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
+
+from mpmfw.units import Acceleration, AngularVelocity, Length, Number, Pressure, Time, Velocity
+
+
+class Table(BaseModel):
+    """A table of a scene: unknown keys are errors, types are not converted, values do not change.
+
+    Only arrays may be given as lists or tuples.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+def _array_or_single(value: Any) -> str:
+    """Tag that lets one branch of a union complain, not all of them."""
+    return "array" if isinstance(value, list | tuple) else "single"
+
+
+def _length(value: Any) -> str:
+    return "three" if isinstance(value, list | tuple) and len(value) == 4 else "two"
+
+
+def _free_or_value(value: Any) -> str:
+    return "free" if value == "free" else "value"
+
+
+PositiveLength = Annotated[Length, Field(gt=0)]
+PositiveTime = Annotated[Time, Field(gt=0)]
+PositiveNumber = Annotated[Number, Field(gt=0)]
+Friction = Annotated[Number, Field(ge=0)]
+Axis: TypeAlias = Literal["x", "y", "z"]
+
+_PLANE_OR_SPACE = Field(min_length=2, max_length=3)
+Position = Annotated[tuple[Length, ...], Strict(False), _PLANE_OR_SPACE]
+VelocityVector = Annotated[tuple[Velocity, ...], Strict(False), _PLANE_OR_SPACE]
+AccelerationVector = Annotated[tuple[Acceleration, ...], Strict(False), _PLANE_OR_SPACE]
+
+#: A number in 2D, a vector in 3D.
+Spin = Annotated[
+    Annotated[AngularVelocity, Tag("single")]
+    | Annotated[tuple[AngularVelocity, AngularVelocity, AngularVelocity], Strict(False), Tag("array")],
+    Discriminator(_array_or_single),
+]
+
+#: ``true`` for all components, or the components that are fixed.
+FixedComponents = Annotated[
+    Annotated[Literal[True], Tag("single")]
+    | Annotated[tuple[Axis, ...], Strict(False), Field(min_length=1, max_length=3), Tag("array")],
+    Discriminator(_array_or_single),
+]
+
+_Component = Annotated[
+    Annotated[Literal["free"], Tag("free")] | Annotated[Velocity, Tag("value")], Discriminator(_free_or_value)
+]
+#: Velocity of a side; ``"free"`` for a component that is left to the body.
+SideVelocity = Annotated[tuple[_Component, ...], Strict(False), _PLANE_OR_SPACE]
+
+#: One row of a table of gravity: time, then the components.
+GravityRow = Annotated[
+    Annotated[tuple[Time, Acceleration, Acceleration], Strict(False), Tag("two")]
+    | Annotated[tuple[Time, Acceleration, Acceleration, Acceleration], Strict(False), Tag("three")],
+    Discriminator(_length),
+]
+SidePressure = Pressure

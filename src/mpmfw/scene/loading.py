@@ -1,0 +1,170 @@
+"""From a file, a shipped scene's name or a mapping to a valid scene, or one error that lists all problems."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import replace
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from mpmfw.errors import SceneError
+from mpmfw.scene.checks import check
+from mpmfw.scene.complaint import problems_of
+from mpmfw.scene.locator import Locator
+from mpmfw.scene.options import Chosen, separate_options
+from mpmfw.scene.override import merge, parse_path, parse_value
+from mpmfw.scene.problem import Origin, Problem, distinct
+from mpmfw.scene.scene import Scene, Source
+
+
+def shipped_scenes() -> dict[str, str]:
+    """TOML texts of the scenes inside the package, by name."""
+    folder = resources.files("mpmfw") / "scenes"
+    files = sorted(
+        (entry for entry in folder.iterdir() if entry.name.endswith(".toml")), key=lambda e: e.name
+    )
+    return {entry.name.removesuffix(".toml"): entry.read_text(encoding="utf-8") for entry in files}
+
+
+def load_scene(
+    scene: str | os.PathLike[str] | Mapping[str, Any] | Scene, set: Mapping[str, Any] | None = None
+) -> Scene:
+    """Read and validate a scene.
+
+    Parameters
+    ----------
+    scene
+        A TOML file, the name of a shipped scene such as ``colliding-rings``, or nested mappings; a scene
+        passes through.
+    set
+        Values by dotted key, set over the scene's own. Text is read as a TOML value where it is one.
+
+    Raises
+    ------
+    SceneError
+        One line for each thing that is wrong: file, line, key, what was expected, the nearest valid name.
+    """
+    overrides = {k: parse_value(v) if isinstance(v, str) else v for k, v in (set or {}).items()}
+    if isinstance(scene, Scene):
+        return scene.with_overrides(overrides) if overrides else scene
+    if isinstance(scene, Mapping):
+        return scene_from(Source(plain(scene)), overrides)
+    return scene_from(_read(scene), overrides)
+
+
+def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
+    """Validate a source under its own and further overrides.
+
+    Raises
+    ------
+    SceneError
+        One line for each thing that is wrong.
+    """
+    overrides = {**source.overrides, **plain(overrides)}
+    mapping, problems = merge(source.mapping, overrides)
+    chosen = separate_options(mapping)
+    problems += chosen.problems
+    scene: Scene | None = None
+    try:
+        core = _with_resolved_paths(chosen.core, source.directory)
+        scene = Scene.model_validate(core)
+        problems += check(scene, chosen.plugins)
+    except ValidationError as error:
+        problems += problems_of(error, Scene, chosen.core)
+    if problems or scene is None:
+        raise SceneError(_message(problems, source, overrides))
+    scene = _with_options(scene, chosen)
+    scene._source = replace(source, overrides=overrides)
+    scene._mapping = mapping
+    return scene
+
+
+def plain(value: Any) -> Any:
+    """The value in terms of dict, list and scalars: mappings, tuples, arrays and paths are converted."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if hasattr(value, "tolist"):  # NumPy arrays and scalars
+        return value.tolist()
+    return os.fspath(value) if isinstance(value, os.PathLike) else value
+
+
+def _with_resolved_paths(core: dict[str, Any], directory: Path | None) -> dict[str, Any]:
+    """The tables with the paths of mesh files taken from the scene file's folder."""
+    bodies = core.get("bodies")
+    if directory is None or not isinstance(bodies, dict):
+        return core
+    resolved = dict(bodies)
+    for name, body in bodies.items():
+        geometry = body.get("geometry") if isinstance(body, dict) else None
+        if isinstance(geometry, dict) and isinstance(geometry.get("path"), str):
+            resolved[name] = {**body, "geometry": {**geometry, "path": str(directory / geometry["path"])}}
+    return {**core, "bodies": resolved}
+
+
+def _with_options(scene: Scene, chosen: Chosen) -> Scene:
+    """The scene with the validated options of its plug-ins in place."""
+    options = chosen.options
+    shape = scene.shape.model_copy(update={"options": options.get(("shape", scene.shape.method))})
+    contact = scene.contact
+    if contact is not None:
+        contact = contact.model_copy(update={"options": options.get(("contact", contact.method))})
+    materials = {
+        name: material.model_copy(update={"options": options.get(("materials", name))})
+        for name, material in scene.materials.items()
+    }
+    return scene.model_copy(update={"shape": shape, "contact": contact, "materials": materials})
+
+
+def _message(problems: list[Problem], source: Source, overrides: Mapping[str, Any]) -> str:
+    targets = {}
+    for key in overrides:
+        try:
+            targets[key] = parse_path(key)
+        except ValueError:
+            continue  # it is a problem of its own
+    locator = Locator(source.text) if source.text is not None else None
+    origin = Origin(source.name, locator, targets)
+    return "\n".join(
+        origin.describe(problem) for problem in sorted(distinct(problems), key=origin.line_number)
+    )
+
+
+def _read(scene: str | os.PathLike[str]) -> Source:
+    """Read a file, or else a shipped scene of that name."""
+    path = Path(scene)
+    if path.is_file():
+        try:
+            return _parse(path.read_text(encoding="utf-8-sig"), os.fspath(scene), path.parent)
+        except UnicodeDecodeError as error:
+            raise SceneError(
+                f"{path}: not UTF-8 text, as TOML must be ({error.reason} at byte {error.start})"
+            ) from error
+        except OSError as error:
+            raise SceneError(f"{path}: cannot be read: {error.strerror}") from error
+    shipped = shipped_scenes()
+    name = os.fspath(scene)
+    if name in shipped:
+        return _parse(shipped[name], f"{name}.toml", None)
+    close = difflib.get_close_matches(name.removesuffix(".toml"), shipped, n=1)
+    hint = f"did you mean '{close[0]}'? " if close else ""
+    raise SceneError(f"{name}: no such file, and no shipped scene; {hint}(shipped: {', '.join(shipped)})")
+
+
+def _parse(text: str, name: str, directory: Path | None) -> Source:
+    try:
+        mapping = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        found = re.search(r" \(at (?:line (\d+), column \d+|end of document)\)$", str(error))
+        what = str(error)[: found.start()] if found else str(error)
+        line = found.group(1) if found and found.group(1) else max(1, len(text.splitlines()))
+        raise SceneError(f"{name}:{line}: not valid TOML: {what}") from error
+    return Source(mapping, text, name, directory)

@@ -1,0 +1,119 @@
+"""Options of the chosen plug-ins, validated by the plug-ins' own models; others are known by name only."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from mpmfw.discovery import Kind, available, load
+from mpmfw.errors import SceneError
+from mpmfw.scene.complaint import choice_message, problems_of, shown, unknown_key
+from mpmfw.scene.locator import Path
+from mpmfw.scene.problem import Problem
+
+#: Keys of the tables that the core reads itself.
+CORE_KEYS: dict[str, tuple[str, ...]] = {
+    "shape": ("method",),
+    "contact": ("method", "friction", "pairs"),
+    "materials": ("model", "density"),
+}
+
+
+class _NoOptions(BaseModel):
+    """Stands for the model of a plug-in that declares none."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+@dataclass
+class Chosen:
+    """What the scene chose: the core's part of the mapping, options by path, and what is wrong with them."""
+
+    core: dict[str, Any]
+    options: dict[Path, BaseModel] = field(default_factory=dict)
+    plugins: dict[Path, type[Any]] = field(default_factory=dict)
+    problems: list[Problem] = field(default_factory=list)
+
+
+def separate_options(mapping: Mapping[str, Any]) -> Chosen:
+    """Split the plug-ins' options from the core's tables, and validate those of the chosen plug-ins."""
+    chosen = Chosen(dict(mapping))
+    for kind in ("shape", "contact"):
+        if isinstance(mapping.get(kind), Mapping):
+            chosen.core[kind] = _method_table(chosen, kind, mapping[kind])
+    materials = mapping.get("materials")
+    if isinstance(materials, Mapping):
+        chosen.core["materials"] = {name: _material(chosen, name, table) for name, table in materials.items()}
+    return chosen
+
+
+def _method_table(chosen: Chosen, kind: Kind, table: Mapping[str, Any]) -> dict[str, Any]:
+    """Take the plug-ins' tables out of ``[shape]`` or ``[contact]``."""
+    core_keys, installed = CORE_KEYS[kind], available(kind)
+    for key, value in table.items():
+        if key in core_keys:
+            continue
+        if key not in installed and isinstance(value, Mapping):
+            names = [*installed, *core_keys]
+            chosen.problems.append(
+                Problem((kind, key), f"no such {kind} plug-in: {choice_message(key, names)}")
+            )
+        elif key not in installed:
+            chosen.problems.append(unknown_key((kind, key), [*core_keys, *installed]))
+        elif not isinstance(value, Mapping):
+            chosen.problems.append(
+                Problem((kind, key), f"expected a table of options of '{key}', not {shown(value)}")
+            )
+    name = table.get("method")
+    if isinstance(name, str):
+        options = table.get(name, {})
+        if isinstance(options, Mapping):
+            _validate(chosen, kind, name, (kind, "method"), (kind, name), options)
+    return {key: value for key, value in table.items() if key in core_keys}
+
+
+def _material(chosen: Chosen, name: str, table: Any) -> Any:
+    """Take the model's options out of ``[materials.NAME]``."""
+    if not isinstance(table, Mapping):
+        return table
+    core_keys = CORE_KEYS["materials"]
+    path: Path = ("materials", name)
+    options = {key: value for key, value in table.items() if key not in core_keys}
+    if isinstance(table.get("model"), str):
+        _validate(chosen, "material", table["model"], (*path, "model"), path, options, core_keys)
+    elif "model" not in table:
+        # Without a model the other keys cannot be judged, but one that is nearly "model" is the cause
+        found = [unknown_key((*path, key), list(core_keys)) for key in options]
+        chosen.problems += [problem for problem in found if problem.suggestion]
+    return {key: value for key, value in table.items() if key in core_keys}
+
+
+def _validate(
+    chosen: Chosen,
+    kind: Kind,
+    name: str,
+    name_path: Path,
+    table_path: Path,
+    options: Mapping[str, Any],
+    core_keys: tuple[str, ...] = (),
+) -> None:
+    """Validate one plug-in's options; what is wrong is noted, with the path of the name or of the option."""
+    installed = available(kind)
+    if name not in installed:
+        message = f"no such {kind} plug-in: {choice_message(name, list(installed))}"
+        chosen.problems.append(Problem(name_path, message))
+        return
+    try:
+        plugin = load(kind, name)
+    except SceneError as error:
+        chosen.problems.append(Problem(name_path, str(error)))
+        return
+    model: type[BaseModel] = getattr(plugin, "Options", _NoOptions)
+    chosen.plugins[table_path] = plugin
+    try:
+        chosen.options[table_path] = model.model_validate(dict(options))
+    except ValidationError as error:
+        chosen.problems += problems_of(error, model, options, table_path, core_keys)

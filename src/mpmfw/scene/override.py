@@ -1,0 +1,101 @@
+"""Single keys set over a scene: ``grid.cell_size = 0.2``, ``bodies.plane.sides[0].fixed = true``."""
+
+from __future__ import annotations
+
+import copy
+import re
+import tomllib
+from collections.abc import Mapping
+from typing import Any
+
+from mpmfw.discovery import nearest
+from mpmfw.scene.locator import Path, dotted
+from mpmfw.scene.problem import Problem
+
+_PART = re.compile(r'"((?:\\.|[^"\\])*)"|([^."\[\]\s]+)|\[(\d+)\]')
+
+#: Tables whose sub-tables a scene names: an override goes into an existing one and makes none by accident.
+_NAMED_TABLES = ("bodies", "materials")
+
+
+def parse_path(key: str) -> Path:
+    """Path of a dotted key; an index is written ``pairs[0]``, a name with other characters ``"in quotes"``.
+
+    Raises
+    ------
+    ValueError
+        The key is none.
+    """
+    parts: list[str | int] = []
+    at = 0
+    while at < len(key):
+        separator = bool(parts) and key[at] == "."
+        match = _PART.match(key, at + separator)
+        if match is None or (parts and not separator and match.group(3) is None):
+            raise ValueError(
+                f"{key!r} is not a key; write it as in grid.cell_size or contact.pairs[0].friction"
+            )
+        quoted, bare, index = match.groups()
+        parts.append(
+            int(index) if index is not None else bare if bare is not None else re.sub(r"\\(.)", r"\1", quoted)
+        )
+        at = match.end()
+    if not parts or isinstance(parts[0], int):
+        raise ValueError(f"{key!r} is not a key; write it as in grid.cell_size")
+    return tuple(parts)
+
+
+def parse_value(text: str) -> Any:
+    """A TOML value (``0.2``, ``true``, ``[1, 2]``), or the text itself where it is none (``2 mm``)."""
+    try:
+        document = tomllib.loads(f"value = {text}")
+    except tomllib.TOMLDecodeError:
+        return text
+    return document["value"] if len(document) == 1 else text
+
+
+def merge(mapping: Mapping[str, Any], overrides: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
+    """A copy of the scene's mapping with every override set, and the overrides that have no place in it."""
+    merged: dict[str, Any] = copy.deepcopy(dict(mapping))
+    problems = []
+    for key, value in overrides.items():
+        try:
+            path = parse_path(key)
+            _put(merged, path, copy.deepcopy(value))
+        except (ValueError, LookupError) as error:
+            problems.append(Problem((), str(error.args[0]), override=key))
+    return merged, problems
+
+
+def _put(table: dict[str, Any], path: Path, value: Any) -> None:
+    """Set the value at the path; tables on the way are made where a scene may leave them out."""
+    at: Any = table
+    for depth, part in enumerate(path[:-1]):
+        if isinstance(at, dict) and part not in at:
+            if depth == 1 and path[0] in _NAMED_TABLES:
+                raise LookupError(_no_such_name(path, at))
+            at[str(part)] = {}
+        at = _entry(at, part, path[:depth])
+    if isinstance(at, dict) and isinstance(path[-1], str):
+        at[path[-1]] = value
+    else:
+        _entry(at, path[-1], path[:-1])
+        at[path[-1]] = value
+
+
+def _entry(at: Any, part: str | int, above: Path) -> Any:
+    if isinstance(at, dict) and isinstance(part, str):
+        return at[part]
+    if isinstance(at, list) and isinstance(part, int) and part < len(at):
+        return at[part]
+    if isinstance(at, list):
+        raise LookupError(f"{dotted(above)} has {len(at)} entries, chosen by an index from [0]")
+    raise LookupError(
+        f"{dotted(above)} is no {'array' if isinstance(part, int) else 'table'}: it has nothing below it"
+    )
+
+
+def _no_such_name(path: Path, names: Mapping[str, Any]) -> str:
+    close = nearest(str(path[1]), names)
+    hint = f"did you mean '{close}'?" if close else f"the scene has {', '.join(names) or 'none'}"
+    return f"{dotted(path[:2])}: no such name; {hint}"

@@ -1,0 +1,99 @@
+"""What is wrong with a scene, and where: one line each, all of them at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias
+
+from mpmfw.scene.locator import Locator, Path, dotted
+
+Lines: TypeAlias = Locator | None
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One thing that is wrong.
+
+    Parameters
+    ----------
+    path
+        Key that it is about; the table's path and the key's name where the key is missing.
+    message
+        What is wrong and what was expected.
+    kind
+        ``unknown`` and ``missing`` keys are recognised, because a misspelt key is both at once.
+    suggestion
+        Valid name of the table that is nearest to an unknown key.
+    override
+        Override that could not be set at all.
+    """
+
+    path: Path
+    message: str
+    kind: Literal["unknown", "missing", "value"] = "value"
+    suggestion: str | None = None
+    override: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """Where a scene came from, to say where a problem is.
+
+    Parameters
+    ----------
+    name
+        File name as the user gave it, or None for a mapping.
+    locator
+        Lines of the file's keys, or None for a mapping.
+    overrides
+        Paths of the overrides by their key.
+    """
+
+    name: str | None
+    locator: Lines
+    overrides: Mapping[str, Path]
+
+    def describe(self, problem: Problem) -> str:
+        """The problem as one line: ``file.toml:12: key: message``, or ``--set key: message``."""
+        override = problem.override or self._override_of(problem.path)
+        key = dotted(problem.path)
+        parts = []
+        if override is not None:
+            parts.append(f"--set {override}")
+            key = "" if key == override else key
+        elif self.name is not None:
+            parts.append(
+                self.name if self.locator is None else f"{self.name}:{self.locator.line(problem.path)}"
+            )
+        return ": ".join([*parts, *([key] if key else []), problem.message])
+
+    def line_number(self, problem: Problem) -> int:
+        """Line for sorting; overrides come last."""
+        if problem.override or self._override_of(problem.path) is not None:
+            return 1 << 30
+        return 0 if self.locator is None else self.locator.line(problem.path)
+
+    def _override_of(self, path: Path) -> str | None:
+        """The last override that set this key or one around it, or that made the table it is missing from."""
+        for key, target in reversed(list(self.overrides.items())):
+            if path and path[: len(target)] == target:
+                return key
+            # The file has no such table: an override made it
+            absent = self.locator is not None and len(path) > 1 and path[:-1] not in self.locator.lines
+            if absent and len(target) >= len(path) and target[: len(path) - 1] == path[:-1]:
+                return key
+        return None
+
+
+def distinct(problems: Iterable[Problem]) -> list[Problem]:
+    """One problem per cause: a misspelt required key is not also missing, and no key is reported twice."""
+    found = list(problems)
+    misspelt = {(*p.path[:-1], p.suggestion) for p in found if p.kind == "unknown"}
+    kept: dict[Any, Problem] = {}
+    for problem in found:
+        if problem.kind == "missing" and problem.path in misspelt:
+            continue
+        identity = (problem.override, problem.path, problem.message if not problem.path else None)
+        kept.setdefault(identity, problem)
+    return list(kept.values())

@@ -1,0 +1,95 @@
+"""A scene: what to simulate, validated; nothing in it changes."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from pydantic import PrivateAttr
+
+from mpmfw.scene.tables import Tables
+from mpmfw.scene.toml_text import toml_text
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a scene came from.
+
+    Parameters
+    ----------
+    mapping
+        The scene's tables as written, with no override.
+    text, name
+        The TOML text and the name of the file; None for a scene made from a mapping.
+    directory
+        Folder that relative file names in the scene refer to.
+    overrides
+        Keys that were set over the mapping, in order.
+    """
+
+    mapping: Mapping[str, Any]
+    text: str | None = None
+    name: str | None = None
+    directory: Path | None = None
+    overrides: Mapping[str, Any] = field(default_factory=dict)
+
+
+class Scene(Tables):
+    """A valid scene. Make one with :func:`mpmfw.scene.load_scene`."""
+
+    _source: Source = PrivateAttr()
+    _mapping: dict[str, Any] = PrivateAttr()
+
+    @property
+    def dim(self) -> int:
+        """Number of space dimensions."""
+        return self.grid.dim
+
+    @property
+    def source(self) -> Source:
+        """Where the scene came from."""
+        return self._source
+
+    @property
+    def name(self) -> str:
+        """The file's name without its ending, or the title, or ``scene``."""
+        return Path(self._source.name).stem if self._source.name else self.title or "scene"
+
+    @property
+    def pairs(self) -> tuple[tuple[str, str, float], ...]:
+        """All pairs of bodies in the scene's order, each with its Coulomb coefficient."""
+        names = list(self.bodies)
+        friction = (lambda a, b: 0.0) if self.contact is None else self.contact.friction_between  # noqa: ARG005
+        return tuple((a, b, friction(a, b)) for i, a in enumerate(names) for b in names[i + 1 :])
+
+    @property
+    def text(self) -> str:
+        """A TOML document of this very scene: the file's own text or, with overrides, the merged tables."""
+        if self._source.text is not None and not self._source.overrides:
+            return self._source.text
+        set_keys = [f"# {key} was set to {value!r}\n" for key, value in self._source.overrides.items()]
+        return "".join(set_keys) + toml_text(self._mapping)
+
+    def to_mapping(self) -> dict[str, Any]:
+        """The tables as nested mappings, as a scene writes them, overrides included."""
+        return copy.deepcopy(self._mapping)
+
+    def with_overrides(self, overrides: Mapping[str, Any]) -> Scene:
+        """This scene with other values of some keys, validated anew.
+
+        Parameters
+        ----------
+        overrides
+            Values by dotted key: ``{"grid.cell_size": 0.2, "contact.method": "penalty"}``.
+
+        Raises
+        ------
+        SceneError
+            A key is unknown, or a value is wrong.
+        """
+        from mpmfw.scene.loading import scene_from
+
+        return scene_from(self._source, overrides)

@@ -1,0 +1,70 @@
+"""JSON Schema of scenes, the option tables of all installed plug-ins included."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mpmfw.discovery import Kind, available, load
+from mpmfw.scene.tables import Tables
+
+_OPEN = "additionalProperties"
+_LIMITS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON Schema (draft 2020-12) of a scene; every installed plug-in is imported."""
+    schema = Tables.model_json_schema()
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
+    schema["title"] = "Scene of mpmfw"
+    for kind in ("shape", "contact"):
+        table = schema["$defs"][kind.capitalize()]
+        table["properties"]["method"]["enum"] = list(available(kind))
+        for name in available(kind):
+            table["properties"][name] = _options(schema, kind, name)
+    _add_materials(schema)
+    _allow_units(schema)
+    return schema
+
+
+def _allow_units(part: Any) -> None:
+    """Let quantities be strings with a unit as well, and give limits the names that JSON Schema knows."""
+    if isinstance(part, list):
+        for item in part:
+            _allow_units(item)
+    elif isinstance(part, dict):
+        if "unit" in part and part.get("type") == "number":
+            part["type"] = ["number", "string"]
+            for ours, theirs in _LIMITS.items():
+                if ours in part:
+                    part[theirs] = part.pop(ours)
+        for item in part.values():
+            _allow_units(item)
+
+
+def _options(schema: dict[str, Any], kind: Kind, name: str) -> dict[str, Any]:
+    """Reference to the plug-in's option table, which is put among the scene's definitions."""
+    plugin = load(kind, name)
+    model = getattr(plugin, "Options", None)
+    if model is None:
+        return {"type": "object", _OPEN: False}
+    prefix = f"{kind}.{name}."
+    options = model.model_json_schema(ref_template=f"#/$defs/{prefix}{{model}}")
+    for inner, definition in options.pop("$defs", {}).items():
+        schema["$defs"][prefix + inner] = definition
+    key = prefix + "Options"
+    schema["$defs"][key] = {**options, "description": (plugin.__doc__ or "").strip().partition("\n")[0]}
+    return {"$ref": f"#/$defs/{key}"}
+
+
+def _add_materials(schema: dict[str, Any]) -> None:
+    """A material is one of the installed models, each with the core's keys and its own side by side."""
+    core = schema["$defs"]["Material"]
+    alternatives = []
+    for name in available("material"):
+        reference = _options(schema, "material", name)["$ref"].rsplit("/", 1)[-1]
+        own = schema["$defs"][reference]
+        own["properties"] = {**core["properties"], **own.get("properties", {}), "model": {"const": name}}
+        own["required"] = list(dict.fromkeys([*core["required"], *own.get("required", [])]))
+        alternatives.append({"$ref": f"#/$defs/{reference}"})
+    if alternatives:
+        schema["$defs"]["Material"] = {"oneOf": alternatives}

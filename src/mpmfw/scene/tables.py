@@ -1,0 +1,177 @@
+"""The tables of a scene that the core itself reads; options of plug-ins are models of the plug-ins' own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, Field, Strict
+from pydantic.json_schema import SkipJsonSchema
+
+from mpmfw.geometry import Geometry, Particles
+from mpmfw.scene.base import (
+    FixedComponents,
+    Friction,
+    Position,
+    PositiveLength,
+    PositiveNumber,
+    PositiveTime,
+    SidePressure,
+    SideVelocity,
+    Spin,
+    Table,
+    VelocityVector,
+)
+from mpmfw.scene.gravity import ConstantGravity, Gravity
+from mpmfw.units import Density, Number
+
+#: Options of the chosen plug-in, an instance of its own model; scenes write them in a table of its name.
+Options = SkipJsonSchema[BaseModel | None]
+
+
+class Grid(Table):
+    """Background grid: square cells of ``cell_size`` [m] from ``lower`` to ``upper`` [m]."""
+
+    cell_size: PositiveLength
+    lower: Position
+    upper: Position
+
+    @property
+    def dim(self) -> int:
+        """Number of space dimensions."""
+        return len(self.lower)
+
+
+class Time(Table):
+    """How long, how often recorded, and how far below the stability limit.
+
+    Attributes
+    ----------
+    end, output_interval
+        End of the motion and time between records [s].
+    safety
+        Fraction of the stability limit that a step takes.
+    step
+        Fixed step [s]; None lets the limit decide.
+    """
+
+    end: PositiveTime
+    output_interval: PositiveTime
+    safety: PositiveNumber = 0.5
+    step: PositiveTime | None = None
+
+
+class Stepping(Table):
+    """Order of the step and transfer between grid and particles; ``auto`` follows the shape function."""
+
+    scheme: Literal["auto", "usl", "musl", "usf"] = "auto"
+    transfer: Literal["auto", "flip", "pic", "apic", "tpic", "aflip"] = "auto"
+    transported: bool | None = None
+    pic_fraction: Annotated[Number, Field(ge=0, le=1)] | None = None
+
+
+class Shape(Table):
+    """The shape function and its options."""
+
+    method: str
+    options: Options = Field(default=None, exclude=True)
+
+
+class PairFriction(Table):
+    """Coulomb's coefficient of one pair of bodies."""
+
+    bodies: Annotated[tuple[str, str], Strict(False)]
+    friction: Friction
+
+
+class Contact(Table):
+    """The contact strategy, its options, and the friction of the pairs."""
+
+    method: str
+    friction: Friction = 0.0
+    pairs: Annotated[tuple[PairFriction, ...], Strict(False)] = ()
+    options: Options = Field(default=None, exclude=True)
+
+    def friction_between(self, first: str, second: str) -> float:
+        """Coulomb's μ of a pair of bodies, in either order."""
+        given = (pair.friction for pair in self.pairs if set(pair.bodies) == {first, second})
+        return float(next(given, self.friction))
+
+
+class Material(Table):
+    """A material model, its reference density [kg/m^3] and its options."""
+
+    model: str
+    density: Annotated[Density, Field(gt=0)]
+    options: Options = Field(default=None, exclude=True)
+
+
+class Side(Table):
+    """A condition on one side of a body: fixed components, a velocity [m/s], or a pressure [Pa]."""
+
+    side: Literal["left", "right", "bottom", "top", "back", "front"]
+    fixed: FixedComponents | None = None
+    velocity: SideVelocity | None = None
+    pressure: SidePressure | None = None
+
+
+class Body(Table):
+    """One body; without ``velocity`` and ``angular_velocity`` it starts at rest.
+
+    Attributes
+    ----------
+    segment
+        Length of the surface's segments [m]; None is a quarter of a cell (see :meth:`segment_length`).
+    velocity, angular_velocity
+        Initial motion [m/s], and [rad/s] about the centroid.
+    rotation
+        Treatment of rotational inertia; None lets the build decide.
+    """
+
+    material: str
+    geometry: Geometry
+    particles: Particles
+    segment: PositiveLength | None = None
+    velocity: VelocityVector | None = None
+    angular_velocity: Spin | None = None
+    rotation: Literal["exact", "lumped", "local"] | None = None
+    sides: Annotated[tuple[Side, ...], Strict(False)] = ()
+
+    def segment_length(self, cell_size: float) -> float:
+        """Length of the surface's segments [m]: as given, or a quarter of a cell."""
+        return 0.25 * cell_size if self.segment is None else float(self.segment)
+
+
+class Settle(Table):
+    """Rest before the motion, until the residual force is below ``tolerance`` times the applied one."""
+
+    tolerance: Annotated[Number, Field(gt=0, lt=1)] = 1e-3
+    max_time: PositiveTime | None = None
+    gravity: ConstantGravity | None = None
+
+
+class Output(Table):
+    """What a run records besides the series that every run has."""
+
+    gap: bool = True
+    particles: bool = True
+    surface: bool = True
+    energy: bool = True
+
+
+class Tables(Table):
+    """All tables of a scene."""
+
+    title: str = ""
+    allow_overlap: bool = False
+    allow_unstable: bool = False
+    grid: Grid
+    time: Time
+    stepping: Stepping = Stepping()
+    shape: Shape
+    contact: Contact | None = None
+    materials: Annotated[Mapping[str, Material], Field(min_length=1)]
+    bodies: Annotated[Mapping[str, Body], Field(min_length=1)]
+    gravity: Gravity | None = None
+    settle: Settle | None = None
+    output: Output = Output()

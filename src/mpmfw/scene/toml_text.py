@@ -1,0 +1,41 @@
+"""Mappings as TOML text, so that results hold the scene that ran as a document that runs again."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from mpmfw.scene.locator import dotted
+
+
+def toml_text(mapping: Mapping[str, Any]) -> str:
+    """The mapping as a TOML document: values first, then a table for each sub-mapping."""
+    lines: list[str] = []
+    _table(lines, (), mapping)
+    return "\n".join(lines).strip() + "\n"
+
+
+def _table(lines: list[str], path: tuple[str, ...], mapping: Mapping[str, Any]) -> None:
+    inner = {key: value for key, value in mapping.items() if isinstance(value, Mapping)}
+    values = {key: value for key, value in mapping.items() if key not in inner}
+    if path and (values or not inner):
+        lines += ["", f"[{dotted(path)}]"]
+    lines += [f"{dotted((key,))} = {_value(value)}" for key, value in values.items()]
+    for key, value in inner.items():
+        _table(lines, (*path, key), value)
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        # JSON's escapes are TOML's, except that TOML also wants DEL escaped
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(_value(item) for item in value)}]"
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{dotted((key,))} = {_value(item)}" for key, item in value.items()) + "}"
+    if isinstance(value, int | float):
+        return repr(value).replace("e+", "e")
+    return str(value)

@@ -1,0 +1,81 @@
+"""What plug-ins are told once, before the first step."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mpmfw.fields import AnyArray, Field, FloatArray
+from mpmfw.state import Body, Pair, State
+
+if TYPE_CHECKING:
+    from mpmfw.geometry import Layout
+
+
+@dataclass
+class Setup:
+    """Facts of the scene, after discretisation, and the place where plug-ins get their arrays."""
+
+    state: State
+    layouts: tuple[Layout, ...]  #: of each body
+    cell_size: float  #: h [m]
+    shape: str  #: name of the shape function
+    massless_boundary: bool  #: the shape function leaves boundary nodes without mass (linear, GIMP)
+    scheme: str  #: usl, musl or usf
+    transfer: str  #: flip, pic, apic, tpic or aflip
+    bulk_frequency: float  #: largest of 2 c / h over the bodies [1/s]
+    safety: float  #: fraction of the stability limit that a step may take
+    allow_unstable: bool = False
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """All bodies, in the scene's order."""
+        return self.state.bodies
+
+    @property
+    def pairs(self) -> tuple[Pair, ...]:
+        """All pairs of bodies, in the scene's order."""
+        return self.state.pairs
+
+    @property
+    def dim(self) -> int:
+        """Number of space dimensions."""
+        return self.state.grid.dim
+
+    @functools.cached_property
+    def half_edges(self) -> FloatArray:
+        """Half-edge vectors of the material points' domains at the start, (n, dim, dim) [m]; column a is r_a.
+
+        One array for all who ask, made when the first does.
+        """
+        array = np.ascontiguousarray(np.concatenate([layout.half_edges for layout in self.layouts]))
+        self.state.arrays["layout/half_edges"] = array
+        return array
+
+    @functools.cached_property
+    def corners(self) -> FloatArray | None:
+        """Corners of the four-sided domains at the start, (n, 4, 2) [m], or None where a body has none."""
+        if any(layout.corners is None for layout in self.layouts):
+            return None
+        return np.concatenate([layout.corners for layout in self.layouts if layout.corners is not None])
+
+    def allocate(self, owner: str, declaration: Field, **sizes: int) -> AnyArray:
+        """Allocate a declared array and list it under ``owner/name``.
+
+        Sizes of ``particle``, ``axis``, ``axis2``, ``body``, ``pair`` and ``surface_node`` are known; others are given.
+        """
+        state = self.state
+        known = {
+            "particle": state.particles.count,
+            "axis": self.dim,
+            "axis2": self.dim,
+            "body": len(state.bodies),
+            "pair": len(state.pairs),
+            "surface_node": 0 if state.surface is None else state.surface.count,
+        }
+        array = declaration.allocate({**known, **sizes})
+        state.arrays[f"{owner}/{declaration.name}"] = array
+        return array

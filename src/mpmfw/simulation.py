@@ -1,0 +1,271 @@
+"""A simulation: the state, its plug-ins, and the loop over steps and outputs."""
+
+from __future__ import annotations
+
+import math
+import time as wall_clock
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mpmfw.build import build, initial_velocity, make_setup
+from mpmfw.clock import STAGES, STEP_STAGES, Clock
+from mpmfw.compilation import CompileTimer
+from mpmfw.effect import Effect
+from mpmfw.errors import SceneError, SimulationError
+from mpmfw.fields import Field
+from mpmfw.frames import Recorder
+from mpmfw.hooks import BoundHooks, hook_names, make_manager
+from mpmfw.plan import plan
+from mpmfw.results import Frame, RunHeader
+from mpmfw.settling import settle
+from mpmfw.steppers import SCHEMES
+from mpmfw.windows import lay_windows
+
+if TYPE_CHECKING:
+    from mpmfw.scene import Scene
+
+#: Steps between two reports of progress.
+REPORT_EVERY = 50
+
+
+class Simulation:
+    """One run of one scene, with a plug-in manager of its own.
+
+    Parameters
+    ----------
+    scene
+        A valid scene, or what :func:`mpmfw.load_scene` takes.
+    contact, shape
+        Name of a plug-in, or a configured strategy object, in place of the scene's.
+
+    Raises
+    ------
+    SceneError
+        The scene cannot be built or run by the chosen methods.
+    """
+
+    def __init__(self, scene: Any, *, contact: Any = None, shape: Any = None) -> None:
+        self.scene = _with_methods(scene, contact, shape)
+        self.clock = Clock()
+        made = build(
+            self.scene,
+            contact=None if contact is None or isinstance(contact, str) else contact,
+            shape=None if shape is None or isinstance(shape, str) else shape,
+        )
+        plan(made)
+        self.state, self.contact, self.shape = made.state, made.contact, made.shape
+        self.scheme, self.transfer = made.scheme, made.transfer
+        self.effects: tuple[Effect, ...] = tuple(made.effects)
+        self.manager = make_manager()
+        for plugin in reversed(made.plugins):  # pluggy calls the last registered first
+            self.manager.register(plugin, name=_registered_name(made, plugin))
+        self.manager.check_pending()
+        setup = make_setup(made)
+        declared = [f for fields in reversed(self.manager.hook.declare_fields()) for f in fields]
+        self.fields: tuple[Field, ...] = tuple(dict.fromkeys(declared))
+        self.manager.hook.setup(setup=setup)
+        self.hook: Any = BoundHooks(self.manager, self.clock)
+        reach = self.hook.particle_reach(particles=self.state.particles)
+        lay_windows(self.state.grid, self.state.particles, reach, self.state.surface)
+        self._step = SCHEMES[self.scheme]
+        self._bulk_limit = 2.0 / made.bulk_frequency
+        self._recorder = Recorder(self.scene, self.state, self.fields, self.hook)
+        self._started = False
+        self._settled: dict[str, float] = {}
+        self.settle_time = 0.0
+        self._check_step()
+
+    # -- what it is ---------------------------------------------------------------------------------------------------
+
+    def hook_callers(self) -> dict[str, list[str]]:
+        """Names of the plug-ins that implement each hook, in the order of the calls."""
+        return {
+            name: [impl.plugin_name for impl in reversed(getattr(self.manager.hook, name).get_hookimpls())]
+            for name in hook_names()
+        }
+
+    def limits(self) -> list[tuple[float, str]]:
+        """Every stable time step [s] with its owner, before the safety factor."""
+        answers = self.hook.stable_timestep(state=self.state) or []
+        return [(self._bulk_limit, "bulk wave speed (h / c)"), *answers]
+
+    def stable_step(self) -> float:
+        """Length of the next step [s]: the safety factor times the least limit, or the scene's fixed step."""
+        limit, owner = min(self.limits())
+        given = self.scene.time.step
+        step = self.scene.time.safety * limit if given is None else given
+        if step > limit * (1.0 + 1e-12) and not self.scene.allow_unstable:
+            raise SimulationError(
+                f"the time step {step:.4g} s is past the stability limit {limit:.4g} s of {owner}",
+                time=self.state.time,
+                advice="a smaller time.step, or allow_unstable = true",
+            )
+        return float(step)
+
+    def _check_step(self) -> None:
+        limit, owner = min(self.limits())
+        scene_time = self.scene.time
+        step = scene_time.safety * limit if scene_time.step is None else scene_time.step
+        if step > limit * (1.0 + 1e-12) and not self.scene.allow_unstable:
+            key = "time.safety" if scene_time.step is None else "time.step"
+            raise SceneError(
+                f"{key}: a step of {step:.4g} s is past the stability limit {limit:.4g} s of {owner}; expected a smaller "
+                f"{key}, or allow_unstable = true"
+            )
+
+    # -- how it runs --------------------------------------------------------------------------------------------------
+
+    def step(self, dt: float) -> None:
+        """One time step of length ``dt`` [s]."""
+        state = self.state
+        self._step(state, self.hook, self.transfer, self.clock, dt)
+        state.dt = dt
+        state.time += dt
+        state.steps += 1
+
+    def start(self) -> None:
+        """Settle if the scene asks for it, then set the initial motion: time zero."""
+        if self._started:
+            return
+        begin = wall_clock.perf_counter()
+        if self.scene.settle is not None:
+            self._settle()
+            self.settle_time = wall_clock.perf_counter() - begin
+        initial_velocity(self.scene, self.state)
+        self._started = True
+        self.clock.restart()
+
+    def _settle(self) -> None:
+        asked = self.scene.settle
+        if asked is None:
+            return
+        gravity = self.manager.get_plugin("gravity")
+        if asked.gravity is not None and gravity is not None:
+            gravity.override = np.array(asked.gravity.at(0.0))
+        self._settled = settle(self, asked.tolerance, asked.max_time)
+        if gravity is not None:
+            gravity.override = None
+        if self.contact is not None:
+            self.contact.restart()
+        self.state.time, self.state.steps = 0.0, 0
+
+    def advance(self, steps: int) -> None:
+        """Run a number of stable steps, without output."""
+        self.start()
+        for _ in range(steps):
+            self.step(self.stable_step())
+        self.clock("output")
+
+    def run(
+        self,
+        write: Callable[[Frame], None] | None = None,
+        progress: Callable[[float, int], None] | None = None,
+    ) -> None:
+        """Run to the end; hand a frame to ``write`` at time zero and after every output interval.
+
+        Raises
+        ------
+        SimulationError
+            The run failed; frames handed out so far are complete.
+        """
+        state, interval, end = self.state, self.scene.time.output_interval, self.scene.time.end
+        with CompileTimer(self.clock) as compiling:
+            try:
+                self.start()
+                self._output(write, 0.0)
+                for output in range(1, _outputs(end, interval) + 1):
+                    self._advance_to(min(output * interval, end), progress)
+                    self._output(write, interval)
+            finally:
+                self.compile_time = compiling.seconds
+                self.clock.flush()
+        state.grid.reset()
+
+    def _advance_to(self, target: float, progress: Callable[[float, int], None] | None) -> None:
+        """Step to ``target`` [s] exactly, with steps of about equal length."""
+        state = self.state
+        while state.time < target:
+            remaining = target - state.time
+            steps = max(1, math.ceil(remaining / self.stable_step() - 1e-9))
+            self.step(remaining / steps)
+            if steps == 1:
+                state.time = target
+            if progress is not None and state.steps % REPORT_EVERY == 0:
+                progress(state.time, state.steps)
+
+    def _output(self, write: Callable[[Frame], None] | None, interval: float) -> None:
+        self.clock("output")
+        frame = self._recorder.frame(interval)
+        if write is not None:
+            write(frame)
+        self.clock.flush()
+
+    # -- what it leaves -----------------------------------------------------------------------------------------------
+
+    def header(self, attributes: Mapping[str, Any] | None = None) -> RunHeader:
+        """What the results' file says before the first frame."""
+        plugins = {name: type(plugin).__module__ for name, plugin in self.manager.list_name_plugin()}
+        return self._recorder.header(
+            {
+                "title": self.scene.title or self.scene.name,
+                "scene": self.scene.text,
+                "contact": "" if self.contact is None else self.contact.label,
+                "shape": self.shape.label,
+                "scheme": self.scheme,
+                "transfer": self.transfer.name,
+                "transported": int(self.transfer.transported),
+                "rotation": {b.name: self._rotation(b.name) for b in self.state.bodies},
+                "cell_size": self.state.grid.cell_size,
+                "effects": [{"name": e.name, "on": e.on, "reason": e.reason} for e in self.effects],
+                "plugins": plugins,
+                **(attributes or {}),
+            }
+        )
+
+    def _rotation(self, body: str) -> str:
+        prefix = f"rotation of {body}: "
+        return next(e.name.removeprefix(prefix) for e in self.effects if e.name.startswith(prefix))
+
+    def costs(self) -> dict[str, float]:
+        """Steps, material points, and seconds in all and by stage, of the steps after time zero."""
+        clock = self.clock
+        return {
+            "steps": self.state.steps,
+            "material_points": self.state.particles.count,
+            "surface_nodes": 0 if self.state.surface is None else self.state.surface.count,
+            "cpu_time": sum(clock.cpu[stage] for stage in STEP_STAGES),
+            "wall_time": sum(clock.wall[stage] for stage in STEP_STAGES),
+            "gap_time": clock.cpu["gap"],
+            "output_time": clock.cpu["output"],
+            "settle_time": self.settle_time,
+            "compile_time": getattr(self, "compile_time", 0.0),
+            **self._settled,
+            **{f"cpu_{stage}": clock.cpu[stage] for stage in STAGES},
+            **{f"wall_{stage}": clock.wall[stage] for stage in STAGES},
+        }
+
+
+def _registered_name(made: Any, plugin: Any) -> str:
+    """Unique name of a plug-in: a material is known by the scene's name of it."""
+    for name, material in made.materials.items():
+        if material is plugin:
+            return f"{plugin.name} {name}"
+    return str(plugin.name)
+
+
+def _outputs(end: float, interval: float) -> int:
+    return max(1, math.ceil(end / interval - 1e-9))
+
+
+def _with_methods(scene: Any, contact: Any, shape: Any) -> Scene:
+    """The scene with methods chosen by name in place of its own."""
+    from mpmfw.scene import load_scene
+
+    chosen = {
+        f"{kind}.method": value for kind, value in (("contact", contact), ("shape", shape)) if isinstance(value, str)
+    }
+    return load_scene(scene, set=chosen)
+
+

@@ -1,0 +1,183 @@
+"""The state of a simulation as fixed structs of arrays: material points, grid, surfaces, bodies, pairs.
+
+Material points of a body are contiguous. The grid carries one velocity field, or one per body; each field covers its own
+window of the background grid and the windows lie one after the other in flat nodal arrays, so that a thousand bodies do not
+cost a thousand grids.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from mpmfw.fields import AnyArray, FloatArray, IndexArray, IntArray
+
+
+class Stencil(NamedTuple):
+    """Interpolation table of a set of points, filled once a step and read by every kernel.
+
+    Entries of point ``p`` are ``row[p]:row[p + 1]``.
+    """
+
+    row: IntArray  #: (n_points + 1,)
+    nodes: IndexArray  #: (n_entries,) flat node index, the velocity field's offset included
+    weight: FloatArray  #: (n_entries,) φ_ip
+    gradient: FloatArray  #: (n_entries, dim) ∇φ_ip [1/m]; (0, dim) for surface nodes
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """One body: what every plug-in may know of it."""
+
+    name: str
+    index: int
+    particles: slice  #: its material points
+    field: int  #: index of its velocity field
+    density: float  #: [kg/m^3]
+    bulk_modulus: float  #: K [Pa]
+    shear_modulus: float  #: G [Pa]
+    lower: tuple[float, ...]  #: lower corner of its bounding box at the start [m]
+    upper: tuple[float, ...]  #: upper corner of its bounding box at the start [m]
+    outlines: tuple[FloatArray, ...]  #: closed polylines (m, 2), material on the left; () without surface
+
+    @property
+    def p_wave_modulus(self) -> float:
+        """M = K + 4 G / 3 [Pa]."""
+        return self.bulk_modulus + 4.0 * self.shear_modulus / 3.0
+
+    @property
+    def wave_speed(self) -> float:
+        """c = sqrt(M / ρ) [m/s]."""
+        return float(np.sqrt(self.p_wave_modulus / self.density))
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """Two bodies that may touch, and the facts of their interface."""
+
+    index: int
+    first: int
+    second: int
+    label: str  #: ``a-b`` in the scene's order
+    friction: float  #: Coulomb's μ
+
+
+@dataclass(slots=True)
+class Particles:
+    """Material points of all bodies, body after body."""
+
+    position: FloatArray  #: (n, dim) [m]
+    velocity: FloatArray  #: (n, dim) [m/s]
+    mass: FloatArray  #: (n,) [kg/m], 2D per metre of thickness
+    initial_volume: FloatArray  #: (n,) [m^dim]
+    volume: FloatArray  #: (n,) [m^dim]
+    deformation_gradient: FloatArray  #: (n, dim, dim)
+    velocity_gradient: FloatArray  #: (n, dim, dim) [1/s]
+    stress: FloatArray  #: (n, dim, dim) Cauchy [Pa]
+    affine: FloatArray | None  #: C_p (n, dim, dim) [1/s]; None unless the transfer is affine
+    moment: FloatArray | None  #: B_p (n, dim, dim) [m²/s]; None unless the transfer stores it (apic)
+    first: IntArray  #: (n_fields + 1,) material points of velocity field f are first[f]:first[f + 1]
+
+    @property
+    def count(self) -> int:
+        """Number of material points."""
+        return len(self.mass)
+
+    @property
+    def dim(self) -> int:
+        """Number of space dimensions."""
+        return int(self.position.shape[1])
+
+
+class OutsideGrid(Exception):
+    """A point left the background grid; carries its index for the guard that names body, position and time."""
+
+    def __init__(self, index: int, *, surface: bool = False) -> None:
+        super().__init__(index)
+        self.index = index
+        self.surface = surface
+
+
+@dataclass(slots=True)
+class Grid:
+    """Background grid of square cells with one window per velocity field.
+
+    Nodal arrays are flat: node ``(i, j, k)`` of field ``f``'s window has index ``offset[f] + (i * shape_1 + j) * shape_2 + k``.
+    """
+
+    cell_size: float  #: h [m]
+    lower: FloatArray  #: (dim,) position of node (0, 0, …) [m]
+    nodes: IntArray  #: (dim,) number of nodes of the background grid
+    window_lower: IntArray  #: (n_fields, dim) background index of the window's first node
+    window_shape: IntArray  #: (n_fields, dim)
+    offset: IntArray  #: (n_fields + 1,)
+    position: FloatArray  #: (n_nodes, dim) [m]
+    mass: FloatArray  #: (n_nodes,) [kg/m]
+    momentum: FloatArray  #: (n_nodes, dim) [kg/s]
+    start_velocity: FloatArray  #: (n_nodes, dim) [m/s]
+    force: FloatArray  #: (n_nodes, dim) [N/m]
+    velocity: FloatArray  #: (n_nodes, dim) [m/s]
+    spacing: tuple[float, ...]  #: (h, h[, h]): its length tells compiled kernels the dimension
+    frame: int = 0  #: counts how often the windows were laid; node indices are valid within one frame
+
+    @property
+    def dim(self) -> int:
+        """Number of space dimensions."""
+        return len(self.spacing)
+
+    @property
+    def n_fields(self) -> int:
+        """Number of velocity fields."""
+        return len(self.window_lower)
+
+    def field_nodes(self, index: int) -> slice:
+        """Flat nodes of velocity field ``index``."""
+        return slice(int(self.offset[index]), int(self.offset[index + 1]))
+
+    def reset(self) -> None:
+        """Forget the last step: mass, momentum and force become zero."""
+        self.mass.fill(0.0)
+        self.momentum.fill(0.0)
+        self.force.fill(0.0)
+
+
+@dataclass(slots=True)
+class Surface:
+    """Outlines of all bodies as closed polylines of two-node segments, moved by their own velocity field (2D)."""
+
+    position: FloatArray  #: (n_s, 2) x_s [m]
+    displacement: FloatArray  #: (n_s, 2) motion over the last step [m]
+    tributary: FloatArray  #: (n_s,) [m]
+    next: IntArray  #: (n_s,) segment s runs from node s to node next[s]
+    previous: IntArray  #: (n_s,)
+    body: IntArray  #: (n_s,) index of the body
+    first: IntArray  #: (n_fields + 1,) surface nodes of velocity field f
+    body_first: IntArray  #: (n_bodies + 1,) surface nodes of body b
+    stage: str = "contact"  #: stage of the clock that pays for it: ``gap`` if only the diagnostic uses it
+    stencil: Stencil | None = None  #: N_i(x_s) of this step
+
+    @property
+    def count(self) -> int:
+        """Number of surface nodes, which is that of segments."""
+        return len(self.tributary)
+
+    def of(self, body: int) -> slice:
+        """Surface nodes of one body."""
+        return slice(int(self.body_first[body]), int(self.body_first[body + 1]))
+
+
+@dataclass(slots=True)
+class State:
+    """All that changes while a simulation runs."""
+
+    particles: Particles
+    grid: Grid
+    bodies: tuple[Body, ...]
+    pairs: tuple[Pair, ...]
+    surface: Surface | None = None
+    time: float = 0.0  #: [s]
+    dt: float = 0.0  #: length of the step that runs, or of the last one [s]
+    steps: int = 0
+    arrays: dict[str, AnyArray] = field(default_factory=dict)  #: plug-ins' own arrays, as ``owner/name``

@@ -1,0 +1,67 @@
+"""Transfers between material points and grid: which velocity a point keeps, and which affine field rides on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+#: How the affine field is formed: C = Σ v ∇φᵀ, C = B D⁻¹, or B stored and D⁻¹ applied at the next projection.
+AffineKind = Literal["gradient", "least_squares", "moment"]
+
+
+@dataclass(frozen=True, slots=True)
+class Transfer:
+    """One way to carry velocity between points and grid.
+
+    Parameters
+    ----------
+    name
+        As in the scene.
+    flip
+        1 keeps the point's velocity and adds the grid's increment (FLIP); 0 takes the grid's velocity (PIC).
+    affine
+        Kind of the affine field, or None.
+    transported
+        Whether C is carried along with the motion, C ← C (1 + Δt C)⁻¹.
+    """
+
+    name: str
+    flip: float
+    affine: AffineKind | None = None
+    transported: bool = False
+
+
+#: ``apic``: Jiang et al. 2015; ``tpic``: Nakamura, Matsumura & Mizutani 2023; ``aflip``: FLIP velocity with affine gradient.
+TRANSFERS = {
+    "flip": Transfer("flip", 1.0),
+    "pic": Transfer("pic", 0.0),
+    "apic": Transfer("apic", 0.0, "moment"),
+    "tpic": Transfer("tpic", 0.0, "gradient"),
+    "aflip": Transfer("aflip", 1.0, "least_squares", transported=True),
+}
+
+
+def make_transfer(
+    name: str, *, singular_spread: bool, transported: bool | None = None, pic_fraction: float | None = None
+) -> Transfer:
+    """The transfer called ``name``, fitted to a shape function.
+
+    Parameters
+    ----------
+    singular_spread
+        D = Σ φ q qᵀ can be singular (linear shape functions on grid lines): C = Σ v ∇φᵀ takes the place of B D⁻¹.
+    transported
+        Override of the transfer's own choice. A transported ``apic`` applies D⁻¹ at once, as the field C is what moves.
+    pic_fraction
+        Share of PIC in ``flip``.
+    """
+    transfer = TRANSFERS[name]
+    if pic_fraction is not None:
+        transfer = replace(transfer, flip=1.0 - pic_fraction)
+    if transported is not None:
+        transfer = replace(transfer, transported=transported)
+        if transported and transfer.affine == "moment":
+            transfer = replace(transfer, affine="least_squares")
+    if transfer.affine == "least_squares" and singular_spread:
+        transfer = replace(transfer, affine="gradient")
+    return transfer

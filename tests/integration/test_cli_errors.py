@@ -1,0 +1,167 @@
+"""Bad requests: status 2 and one message on stderr, with where, which key and the nearest name."""
+
+# Messages are compared whole, and stand on one line as they are printed
+# ruff: noqa: E501
+
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import pytest
+from typer.testing import CliRunner
+
+from mpmfw.cli import app
+from mpmfw.errors import SimulationError
+
+SCENE = """\
+[grid]
+cell_size = 0.5
+lower = [0, 0]
+upper = [10, 5]
+
+[time]
+end = 1
+output_interval = 0.1
+
+[shape]
+method = "linear"
+
+[contact]
+method = "none"
+
+[[contact.pairs]]
+bodies = ["block", "floor"]
+friction = 0.3
+
+[materials.steel]
+model = "neo_hookean"
+density = 7850
+bulk_modulus = "160 GPa"
+shear_modulus = "80 GPa"
+
+[bodies.block]
+material = "steel"
+geometry = { type = "disc", centre = [5, 3], radius = 1 }
+particles = { size = 0.25 }
+
+[bodies.floor]
+material = "steel"
+geometry = { type = "rectangle", lower = [1, 1], upper = [9, 2] }
+particles = { size = 0.25 }
+"""
+
+
+@pytest.fixture
+def mpmfw(tmp_path, monkeypatch):
+    """Run the command line in an empty folder, on ``s.toml`` with replacements."""
+    monkeypatch.chdir(tmp_path)
+
+    def invoke(*arguments, replace=("", "")):
+        (tmp_path / "s.toml").write_text(SCENE.replace(*replace))
+        return CliRunner().invoke(app, list(arguments))
+
+    return invoke
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("radius = 1", "raduis = 1", "s.toml:28: bodies.block.geometry.raduis: unknown key; did you mean 'radius'?\n"),
+        ("end = 1", "end = [1]", "s.toml:7: time.end: [1] is an array; expected a time in s, a number or a string such as "
+         "'5 us'\n"),
+        ("end = 1", 'end = "1 m"', "s.toml:7: time.end: '1 m' is not convertible to s; expected a time in s, a number or a "
+         "string such as '5 us'\n"),
+        ('method = "none"', 'method = "nonne"', "s.toml:14: contact.method: no such contact plug-in: 'nonne' is unknown; "
+         "did you mean 'none'? (one of bardenhagen, none, penalty, separate)\n"),
+        ('"block", "floor"', '"blok", "floor"', "s.toml:17: contact.pairs[0].bodies[0]: no body 'blok'; did you mean "
+         "'block'?\n"),
+        ("[shape]", '[stepping]\ntransfer = "flip"\ntransported = true\n[shape]', "s.toml:12: stepping.transported: has no "
+         "effect with transfer flip, only with aflip, apic and tpic\n"),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("command", ["run", "compare", "explain"])
+def test_a_bad_scene_is_status_2_and_one_message(mpmfw, command, old, new, message):
+    result = mpmfw(command, "s.toml", replace=(old, new))
+    assert (result.exit_code, result.stdout, result.stderr) == (2, "", message)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (
+            ["run", "s.toml", "--set", "grid.cel_size=1"],
+            "--set grid.cel_size: unknown key; did you mean 'cell_size'?\n",
+        ),
+        (["run", "s.toml", "--set", "grid.cell_size"], "--set grid.cell_size: expected KEY=VALUE"),
+        (["run", "s.toml", "--set", "time.end=1", "--set", "time.end=2"], "--set time.end: given twice"),
+        (["run", "s.toml", "-o", "no/such/out.nc"], "no/such/out.nc: the folder no/such does not exist\n"),
+        (["run", "missing.toml"], "missing.toml: no such file, and no shipped scene"),
+        (["compare", "s.toml", "--contact", "none,none"], "--contact none,none: a name is given twice\n"),
+        (["compare", "s.toml", "--shape", "linear,"], "--shape linear,: expected names"),
+        (["compare", "s.toml", "--vary", "grid.cell_size"], "--vary grid.cell_size: expected KEY=VALUE"),
+        (["compare", "s.toml", "--contact", "none,penlty"], "--contact penlty: no such contact plug-in; did"),
+        (
+            ["run", "s.toml", "--shape", "gimp", "--set", "shape.method=cpdi"],
+            "--shape gimp: --set shape.method",
+        ),
+        (["plot", "missing.nc"], "missing.nc: no such file\n"),
+        (
+            ["run", "s.toml", "--contact", "penlty"],
+            "--contact penlty: no such contact plug-in; did you mean 'penalty'?",
+        ),
+        (
+            ["explain", "s.toml", "--shape", "cpd"],
+            "--shape cpd: no such shape plug-in; did you mean 'cpdi'?",
+        ),
+    ],
+)
+def test_a_bad_argument_is_status_2(mpmfw, arguments, message):
+    result = mpmfw(*arguments)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr.startswith(message)
+
+
+@pytest.mark.parametrize("arguments", [["run"], ["rum", "s.toml"], ["run", "s.toml", "--contcat", "none"]])
+def test_a_usage_error_is_status_2(mpmfw, arguments):
+    assert mpmfw(*arguments).exit_code == 2
+
+
+def test_nothing_is_written_for_a_bad_request(mpmfw, tmp_path):
+    mpmfw("run", "s.toml", "--set", "grid.cel_size=1")
+    assert [path.name for path in tmp_path.iterdir()] == ["s.toml"]
+
+
+def test_the_help_costs_no_heavy_import():
+    code = (
+        "import sys; from mpmfw.cli import app; from typer.testing import CliRunner; "
+        "assert CliRunner().invoke(app, ['--help']).exit_code == 0; "
+        "print([name for name in ('numba', 'xarray', 'matplotlib', 'pint') if name in sys.modules])"
+    )
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "[]"
+
+
+def test_a_failing_run_is_status_1_and_says_where(mpmfw, monkeypatch):
+    def run(*_, **__):
+        raise SimulationError("left the grid", body="block", index=3, time=0.5)
+
+    monkeypatch.setitem(sys.modules, "mpmfw.runs", SimpleNamespace(run=run))
+    result = mpmfw("run", "s.toml")
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert result.stderr == "left the grid: body 'block', point 3, at time 0.5 s\n"
+
+
+def test_a_run_gets_the_chosen_scene_and_a_file_named_as_it(mpmfw, monkeypatch):
+    seen = {}
+    monkeypatch.setitem(
+        sys.modules,
+        "mpmfw.runs",
+        SimpleNamespace(run=lambda scene, **arguments: seen.update(arguments, scene=scene)),
+    )
+    result = mpmfw(
+        "run", "s.toml", "--contact", "separate", "--shape", "gimp", "--set", "grid.cell_size=250 mm"
+    )
+    assert (result.exit_code, result.stdout, result.stderr) == (0, "s.nc\n", "")
+    scene = seen["scene"]
+    assert (scene.contact.method, scene.shape.method, scene.grid.cell_size) == ("separate", "gimp", 0.25)
+    assert seen["progress"] is None  # quiet in a pipe

@@ -1,0 +1,47 @@
+"""After a kill at any moment every synced frame is readable."""
+
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from mpmfw.results import open as open_results
+
+WRITE_FOR_EVER = """
+import sys
+import numpy as np
+from mpmfw.fields import PARTICLE_FIELDS, SERIES_FIELDS
+from mpmfw.results import Frame, RunHeader, RunWriter
+
+position, energy = PARTICLE_FIELDS[0], SERIES_FIELDS[5]
+header = RunHeader(2, ("a",), (), {"a": 2000}, (position, energy))
+with RunWriter(sys.argv[1], header) as writer:
+    for k in range(1_000_000):
+        writer.write(Frame(0.1 * k, {"a": {"position": np.full((2000, 2), float(k))}}, series={energy.name: np.full(1, k)}))
+        print(k + 1, flush=True)
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this platform")
+@pytest.mark.parametrize("milliseconds", [0, 1, 3, 7])
+def test_synced_frames_survive(tmp_path, milliseconds):
+    path = tmp_path / "run.nc"
+    with subprocess.Popen(
+        [sys.executable, "-c", WRITE_FOR_EVER, str(path)], stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        synced = next(int(line) for line in process.stdout if int(line) == 5 + milliseconds)
+        time.sleep(1e-3 * milliseconds)
+        process.send_signal(signal.SIGKILL)
+        synced = max([synced, *(int(line) for line in process.stdout.read().split())])
+    tree = open_results(path)
+    frames = tree.sizes["time"]
+    assert frames in (synced, synced + 1)
+    assert tree.attrs["status"] == "running"
+    expected = np.arange(frames, dtype=float)
+    np.testing.assert_array_equal(tree["series/kinetic_energy"][:, 0], expected)
+    np.testing.assert_array_equal(tree["particles/a/position"].values.min(axis=(1, 2)), expected)
+    np.testing.assert_array_equal(tree["particles/a/position"].values.max(axis=(1, 2)), expected)

@@ -1,0 +1,135 @@
+"""Measures against motions whose answer is known."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mpmfw import analysis
+from mpmfw.references import (
+    RingsReference,
+    RollingReference,
+    cell_size_of,
+    reference_of,
+    rings_table,
+)
+from mpmfw.scene.loading import shipped_scenes
+
+SLIP = (np.radians(60.0), 0.286, 10.0, 1.6)
+NO_SLIP = (np.radians(45.0), 0.495, 10.0, 1.6)
+
+
+def test_rolling_solutions_of_the_paper():
+    slip, rolls = analysis.rolling_solution(*SLIP), analysis.rolling_solution(*NO_SLIP)
+    assert slip.slips
+    assert not rolls.slips
+    # eq. 13 rounds 0.286 to 2/7
+    assert slip.displacement(2.0) == pytest.approx(2.5 * (np.sqrt(3.0) - 2.0 / 7.0) * 4.0, rel=2e-4)
+    assert rolls.displacement(2.0) == pytest.approx(5.0 * np.sqrt(2.0) / 3.0 * 4.0)
+    assert slip.angular_acceleration == pytest.approx(-1.786, rel=2e-3)
+    assert rolls.angular_acceleration == pytest.approx(-2.946, rel=1e-3)
+    assert slip.time_to(10.0) == pytest.approx(1.663, abs=1e-3)
+    assert rolls.time_to(10.0) == pytest.approx(2.060, abs=1e-3)
+
+
+@given(st.floats(0.05, 1.5), st.floats(0.1, 5.0))
+def test_at_the_limit_of_slip_both_solutions_agree(tilt, radius):
+    friction = np.tan(tilt) / 3.0
+    below = analysis.rolling_solution(tilt, friction * (1.0 - 1e-9), 10.0, radius)
+    above = analysis.rolling_solution(tilt, friction * (1.0 + 1e-9), 10.0, radius)
+    assert below.slips
+    assert not above.slips
+    assert below.acceleration == pytest.approx(above.acceleration, rel=1e-6)
+    assert below.angular_acceleration == pytest.approx(above.angular_acceleration, rel=1e-6)
+
+
+@given(st.floats(-9.0, 9.0), st.floats(-3.0, 3.0), st.floats(-1.0, 1.0))
+def test_fitted_acceleration_is_that_of_a_parabola(a, v0, d0):
+    time = np.linspace(0.0, 2.0, 101)
+    series = d0 + v0 * time + 0.5 * a * time**2
+    assert analysis.fitted_acceleration(time, series, 0.4, 2.0) == pytest.approx(a, abs=1e-8)
+
+
+def test_the_start_of_a_motion_does_not_enter_the_fit():
+    time = np.linspace(0.0, 2.0, 201)
+    series = np.where(time < 0.4, 5.0, 0.5 * 7.0 * time**2)
+    assert analysis.fitted_acceleration(time, series, 0.41, 2.0) == pytest.approx(7.0)
+    assert analysis.fitted_acceleration(time, series, 0.0, 2.0) != pytest.approx(7.0, rel=1e-3)
+
+
+def test_a_run_that_ended_early_has_no_figures():
+    time = np.linspace(0.0, 2.0, 101)
+    series = np.where(time < 1.0, 3.5 * time**2, np.nan)
+    assert np.isnan(analysis.fitted_acceleration(time, series, 0.3, 1.7))
+    assert np.isnan(analysis.end_displacement_error(time, series, 7.0))
+
+
+@pytest.mark.parametrize("interval", [0.01, 0.1])
+def test_end_displacement_error_does_not_depend_on_the_outputs(interval):
+    time = np.arange(0.0, 2.0, interval)
+    assert analysis.end_displacement_error(time, 1.02 * 3.5 * time**2, 7.0) == pytest.approx(0.02)
+
+
+def test_impulse_is_exact_for_means_over_intervals():
+    time = np.array([0.0, 1.0, 3.0, 4.0])
+    force = np.array([99.0, 2.0, 5.0, 1.0])  # the first belongs to no interval
+    np.testing.assert_allclose(analysis.impulse(time, force), [0.0, 2.0, 12.0, 13.0])
+    both = analysis.impulse(time, np.stack([force, -force], axis=1))
+    np.testing.assert_allclose(both[:, 1], [0.0, -2.0, -12.0, -13.0])
+
+
+def test_running_average_keeps_a_constant_and_the_impulse():
+    time = np.linspace(0.0, 1.0, 101)
+    np.testing.assert_allclose(analysis.running_average(time, np.full(101, 3.0), 0.2), 3.0)
+    force = np.where((time > 0.4) & (time < 0.6), 1.0, 0.0)
+    smooth = analysis.running_average(time, force, 0.1)
+    assert np.trapezoid(smooth, time) == pytest.approx(analysis.impulse(time, force)[-1], rel=1e-3)
+
+
+def test_contact_phases():
+    time = np.linspace(0.0, 1.0, 11)
+    force = np.array([0, 0, 3, 2, 0, 0, 0, 5, 1, 0, 0], dtype=float)
+    phases = analysis.contact_phases(time, force)
+    assert (phases.first, phases.gap_start, phases.gap_end, phases.separation) == pytest.approx(
+        (0.1, 0.3, 0.6, 0.8)
+    )
+    assert np.isnan(analysis.contact_phases(time, np.ones(11)).separation)
+    assert np.isnan(analysis.contact_phases(time, np.zeros(11)).first)
+
+
+def test_the_reference_tables_say_what_their_readme_says():
+    force, energy = rings_table("force"), rings_table("energy")
+    phases = analysis.contact_phases(force["time"], force["fine_force_raw_N_per_m"])
+    assert 1e3 * phases.first == pytest.approx(0.0667, abs=0.005)
+    assert 1e3 * phases.separation == pytest.approx(2.971, abs=0.01)
+    assert (1e3 * phases.gap_start, 1e3 * phases.gap_end) == pytest.approx((1.458, 1.741), abs=0.01)
+    impulse = force["fine_impulse_Ns_per_m"]
+    assert impulse[-1] == pytest.approx(122.23, abs=0.01)
+    assert np.interp(1.6e-3, force["time"], impulse) == pytest.approx(62.37, abs=0.01)
+    ours = analysis.averaged(force["time"], impulse, 100e-6)
+    coarse = analysis.averaged(force["time"], force["coarse_impulse_Ns_per_m"], 100e-6)
+    until = force["time"] <= 3.2e-3
+    assert analysis.relative_l2(force["time"][until], coarse[until], ours[until]) == pytest.approx(
+        0.19, abs=0.02
+    )
+    assert energy["fine_kinetic_J_per_m"].min() == pytest.approx(184.7, abs=1.0)  # every 10 µs
+
+
+def test_shipped_scenes_are_recognised():
+    texts = {name: {"scene": text} for name, text in shipped_scenes().items()}
+    for name, case in (("rolling-cylinder-slip", SLIP), ("rolling-cylinder-no-slip", NO_SLIP)):
+        reference = reference_of(texts[name])
+        assert isinstance(reference, RollingReference)
+        assert reference.body == "cylinder"
+        assert reference.solution == analysis.rolling_solution(*case)
+        assert cell_size_of(texts[name]) == 0.4
+    assert reference_of(texts["colliding-rings"]) == RingsReference("left", "right")
+    assert cell_size_of(texts["colliding-rings"]) == pytest.approx(0.002)
+
+
+def test_other_scenes_have_no_reference():
+    rings = shipped_scenes()["colliding-rings"]
+    assert reference_of({"scene": rings.replace("121.7 MPa", "100 MPa")}) is None
+    assert reference_of({"scene": "no scene ["}) is None
+    assert reference_of({}) is None
+    assert np.isnan(cell_size_of({}))

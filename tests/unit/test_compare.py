@@ -1,0 +1,252 @@
+"""Comparisons with a runner that computes nothing: joining, failures, the table, the page and the figures."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from mpmfw.clock import STEP_STAGES
+from mpmfw.compare import compare
+from mpmfw.errors import MpmfwError, SceneError, SimulationError
+from mpmfw.fields import CONTACT_SERIES, MIN_GAP, SERIES_FIELDS, SURFACE_FIELDS
+from mpmfw.joining import loops, union_of_times
+from mpmfw.plots import figures_of, plot_file
+from mpmfw.references import rings_table
+from mpmfw.report import table, write_report
+from mpmfw.results import Frame, RunHeader, RunWriter
+from mpmfw.results import open as open_results
+from mpmfw.scene.loading import shipped_scenes
+
+SERIES = {field.name: field for field in (*SERIES_FIELDS, *CONTACT_SERIES, MIN_GAP)}
+ERRORS = {"penalty": 0.01, "bardenhagen": -0.08, "none": 0.0}
+ACCELERATION, SPIN = 10.0 * (np.sin(np.pi / 3) - 0.286 * 0.5), -2.0 * 0.286 * 10.0 * 0.5 / 1.6
+
+
+class Cylinder:
+    """Stands in for ``mpmfw.run``: a cylinder that rolls by the closed form, a known fraction too far."""
+
+    def __init__(self, fail=None, refuse=()):
+        self.fail, self.refuse, self.calls = fail, refuse, []
+
+    def __call__(self, scene, *, contact, shape, output, progress, set):
+        name = contact if isinstance(contact, str) else contact.name
+        self.calls.append((name, shape, dict(set)))
+        if (name, shape) in self.refuse:
+            raise SceneError(f"{name} does not go with {shape}")
+        names = (
+            "centre_of_mass",
+            "mean_velocity",
+            "angular_velocity",
+            *(["min_gap"] if name != "none" else []),
+        )
+        angle = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+        header = RunHeader(
+            2,
+            ("cylinder", "plane"),
+            ("cylinder-plane",),
+            {"cylinder": 3, "plane": 4},
+            (*(SERIES[field] for field in names), SURFACE_FIELDS[0]),
+            {"cylinder": 24, "plane": 4},
+            {"cylinder": np.roll(np.arange(24), -1), "plane": np.array([1, 2, 3, 0])},
+            {
+                "scene": shipped_scenes()["rolling-cylinder-slip"],
+                "title": "Rolling <cylinder>",
+                "contact": name,
+            },
+        )
+        circle = 1.6 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        plane = np.array([[0.0, 0.0], [20.0, 0.0], [20.0, 0.8], [0.0, 0.8]])
+        with RunWriter(None, header) as writer:
+            for time in np.linspace(0.0, 1.7, 18):
+                if self.fail == name and time > 0.85:
+                    writer.finish({"status": "failed: a point left the grid", "steps": 5})
+                    error = SimulationError("a point left the grid", time=time)
+                    error.results = writer.results()
+                    raise error
+                d = 0.5 * ACCELERATION * time**2 * (1.0 + ERRORS[name])
+                series = {
+                    "centre_of_mass": [[4.0 + d, 2.4], [10.0, 0.4]],
+                    "mean_velocity": [[ACCELERATION * time * (1.0 + ERRORS[name]), 0.0], [0.0, 0.0]],
+                    "angular_velocity": [[SPIN * time * 0.9], [0.0]],
+                    "min_gap": [0.2],
+                }
+                writer.write(
+                    Frame(
+                        float(time),
+                        surface={
+                            "cylinder": {"position": circle + np.array([4.0 + d, 2.4])},
+                            "plane": {"position": plane},
+                        },
+                        series={field: np.array(series[field]) for field in names},
+                    )
+                )
+            stages = {f"cpu_{stage}": 0.1 for stage in STEP_STAGES}
+            writer.finish({"steps": 100, "material_points": 1000, "cpu_time": 0.6, "wall_time": 0.7} | stages)
+        return writer.results()
+
+
+@pytest.fixture(scope="module")
+def rolling():
+    return compare("any", ["penalty", "bardenhagen"], ["linear", "cpdi"], runner=Cylinder(fail="bardenhagen"))
+
+
+def test_joined_on_contact_and_shape(rolling):
+    assert rolling["centre_of_mass"].dims == ("contact", "shape", "time", "body", "axis")
+    assert rolling["centre_of_mass"].attrs["units"] == "m"
+    end = rolling["mean_velocity"].sel(contact="penalty", shape="cpdi", body="cylinder", axis="x", time=1.7)
+    assert float(end) == pytest.approx(1.01 * ACCELERATION * 1.7)
+    assert rolling["cpu_stage"].sel(contact="penalty", shape="linear", stage="contact").item() == 0.1
+    assert "scene" in rolling.attrs
+    assert "contact" not in rolling.attrs
+
+
+def test_a_failing_method_does_not_stop_the_others(rolling):
+    failed = rolling.sel(contact="bardenhagen", shape="cpdi")
+    assert failed["status"].item().startswith("failed: a point left the grid")
+    x = failed["centre_of_mass"].sel(body="cylinder", axis="x")
+    assert np.isfinite(x.sel(time=slice(0, 0.85))).all()
+    assert np.isnan(x.sel(time=slice(0.86, 2))).all()
+    assert rolling["status"].sel(contact="penalty").values.tolist() == ["ok", "ok"]
+    assert failed["steps"] == 5
+    assert np.isnan(failed["cpu_time"])
+
+
+def test_refused_combinations_are_recorded_and_refused_requests_raised():
+    refused = {("penalty", "cpdi2")}
+    data = compare("any", ["penalty"], ["cpdi2", "cpdi"], runner=Cylinder(refuse=refused))
+    assert data["status"].values.tolist() == [["refused: penalty does not go with cpdi2", "ok"]]
+    with pytest.raises(SceneError, match="does not go"):
+        compare("any", ["penalty"], ["cpdi2"], runner=Cylinder(refuse=refused))
+
+
+def test_a_misspelt_name_is_refused_before_any_run():
+    runner = Cylinder()
+    with pytest.raises(SceneError, match="did you mean 'penalty'"):
+        compare("any", ["none", "penatly"], ["cpdi"], runner=runner)
+    with pytest.raises(SceneError, match="expected a list"):
+        compare("any", "penalty", ["cpdi"], runner=runner)
+    assert runner.calls == []
+
+
+def test_an_error_in_a_strangers_method_is_a_failure(caplog):
+    def broken(*_, contact, **keywords):
+        if contact == "penalty":
+            raise ZeroDivisionError("by zero")
+        return Cylinder()("any", contact=contact, **keywords)
+
+    data = compare("any", ["penalty", "none"], ["cpdi"], runner=broken)
+    assert data["status"].values.tolist() == [["failed: ZeroDivisionError: by zero"], ["ok"]]
+    assert "ZeroDivisionError" in caplog.text
+
+
+def test_methods_may_be_objects_and_keep_apart():
+    class Law:
+        name = "penalty"
+
+    data = compare("any", ["penalty", Law(), Law()], ["cpdi"], runner=Cylinder())
+    assert data["contact"].values.tolist() == ["penalty", "penalty#2", "penalty#3"]
+
+
+def test_varied_keys_become_dimensions_and_particles_stay_out():
+    runner = Cylinder()
+    data = compare(
+        "any", ["none"], ["cpdi"], {"grid.cell_size": [0.4, 0.2]}, set={"time.end": 1.0}, runner=runner
+    )
+    assert data["centre_of_mass"].dims[:3] == ("contact", "shape", "cell_size")
+    assert runner.calls[1][2] == {"output.particles": False, "time.end": 1.0, "grid.cell_size": 0.2}
+
+
+def test_saved_and_opened(tmp_path):
+    saved = compare("any", ["penalty", "none"], ["cpdi"], runner=Cylinder(), output=tmp_path / "c.nc")
+    opened = open_results(tmp_path / "c.nc").to_dataset()
+    xr.testing.assert_equal(saved, opened)
+    assert opened["min_gap"].sel(contact="none").isnull().all()  # a series that one method lacks
+    assert list(tmp_path.iterdir()) == [tmp_path / "c.nc"]
+    with pytest.raises(MpmfwError, match="no folder"):
+        compare("any", ["none"], ["cpdi"], runner=Cylinder(), output=tmp_path / "nowhere" / "c.nc")
+
+
+def test_times_that_differ_by_round_off_are_one():
+    times = union_of_times([np.array([0.0, 0.1, 0.3]), np.array([0.0, 0.1, 0.1 * 3, 0.4])])
+    np.testing.assert_allclose(times, [0.0, 0.1, 0.3, 0.4])
+
+
+def test_outlines_are_closed_loops(rolling):
+    assert [loop.tolist() for loop in loops(np.array([1, 0, 3, 4, 2]))] == [[0, 1, 0], [2, 3, 4, 2]]
+    line = (
+        rolling["outline"].sel(contact="penalty", shape="cpdi", frame="last", outlined_body="cylinder").values
+    )
+    assert np.isfinite(line[:25]).all()
+    np.testing.assert_array_equal(line[0], line[24])
+    assert np.isnan(line[25:]).all()
+
+
+def test_table_finds_the_errors_that_were_put_in(rolling):
+    row = next(row for row in table(rolling) if (row["contact"], row["shape"]) == ("penalty", "cpdi"))
+    assert row["displacement_error"] == pytest.approx(1.0)
+    assert row["acceleration_error"] == pytest.approx(1.0)
+    assert row["spin_error"] == pytest.approx(-10.0)
+    assert row["gap"] == pytest.approx(0.5)
+    assert row["cost"] == pytest.approx(6000.0)
+    failed = next(row for row in table(rolling) if row["contact"] == "bardenhagen")
+    assert np.isnan(failed["displacement_error"])
+
+
+def test_the_page_is_self_contained_and_escaped(tmp_path, rolling):
+    write_report(rolling, tmp_path / "report.html", runs={"a & b": "a.nc"})
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "<h1>Rolling &lt;cylinder&gt;</h1>" in page
+    assert "a &amp; b: a.nc" in page
+    assert page.count("<svg") == len(figures_of(rolling)) == 4
+    assert "src=" not in page
+    assert 'href="http' not in page
+    assert "failed: a point left the grid" in page
+    assert ">nan<" not in page
+
+
+def rings(contact_force):
+    """A comparison of the rings whose force is given at the reference's times."""
+    time = rings_table("force")["time"]
+    series = {field: SERIES[field] for field in ("contact_force", "kinetic_energy")}
+    kinetic = np.interp(time, rings_table("energy")["time"], rings_table("energy")["fine_kinetic_J_per_m"])
+    header = RunHeader(
+        2, ("left", "right"), ("left-right",), {"left": 1, "right": 1}, tuple(series.values()),
+        attributes={"scene": shipped_scenes()["colliding-rings"]},
+    )  # fmt: skip
+
+    def runner(*_, **__):
+        with RunWriter(None, header) as writer:
+            for t, force, energy in zip(time, contact_force, kinetic, strict=True):
+                values = {
+                    "contact_force": np.array([[-force, 0.0]]),
+                    "kinetic_energy": np.full(2, energy / 2),
+                }
+                writer.write(Frame(float(t), series=values))
+            writer.finish({"steps": 1})
+        return writer.results()
+
+    return compare("any", ["penalty"], ["cpdi"], runner=runner)
+
+
+def test_rings_measures_vanish_for_the_reference_itself(tmp_path):
+    reference = rings_table("force")
+    exact = np.diff(reference["fine_impulse_Ns_per_m"], prepend=0.0) / np.diff(
+        reference["time"], prepend=-1.0
+    )
+    data = rings(exact)
+    (row,) = table(data)
+    assert row["impulse_error"] == pytest.approx(0.0, abs=1e-6)
+    assert row["impulse_curve_error"] == pytest.approx(0.0, abs=1e-6)
+    assert row["energy_curve_error"] == pytest.approx(0.0, abs=1e-6)
+    assert row["force_error_100us"] == pytest.approx(0.0, abs=1e-6)
+    assert row["separation"] == pytest.approx(2.971, abs=0.01)
+    assert set(figures_of(data)) == {"force"}
+    data.to_netcdf(tmp_path / "rings.nc")
+    (written,) = plot_file(tmp_path / "rings.nc")
+    assert written == tmp_path / "rings.png"
+
+
+def test_figures_of_a_run_are_chosen_by_its_content(tmp_path):
+    tree = Cylinder()("any", contact="penalty", shape="cpdi", output=None, progress=None, set={})
+    tree.to_netcdf(tmp_path / "run.nc")
+    assert plot_file(tmp_path / "run.nc", tmp_path / "figure.png") == [tmp_path / "figure.png"]
+    assert (tmp_path / "figure.png").stat().st_size > 10_000

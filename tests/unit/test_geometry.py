@@ -1,0 +1,395 @@
+"""Layouts keep the area, domains fit their volumes, outlines run round the material with it on their left."""
+
+from __future__ import annotations
+
+import builtins
+import math
+
+import meshio
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic import TypeAdapter, ValidationError
+
+from mpmfw.geometry import (
+    Ball,
+    Box,
+    Disc,
+    Geometry,
+    MeshFile,
+    Particles,
+    Polygon,
+    Rectangle,
+    Ring,
+    discretise,
+)
+
+PLANE = {
+    "disc": Disc(centre=(0.3, -0.2), radius=1.6),
+    "ring": Ring(centre=(-0.1, 0.4), inner_radius=0.9, outer_radius=1.4),
+    "rectangle": Rectangle(lower=(0, -1), upper=(3, 0.3)),
+    "turned rectangle": Rectangle(lower=(0, -1), upper=(3, 0.3), angle="30 deg"),
+    "polygon": Polygon(
+        points=((0, 0), (3, 0), (3, 1), (1, 2), (0, 1.5)), holes=(((1, 0.5), (1.5, 0.5), (1.2, 1)),)
+    ),
+}
+SOLID = {
+    "box": Box(lower=(0, 0, 0), upper=(1, 2, 0.5)),
+    "ball": Ball(centre=(0, 1, 0.2), radius=0.8),
+}
+NOT_FITTED = {"ball"}
+# Error of the centroid [m]: small pieces of a ball are left out, not merged; 1 % of the radius to this size
+CENTROID = {"ball": 8e-3}
+LARGEST_SIZE = {"ball": 0.2}
+
+
+def signed_area(loop):
+    return shapely.Polygon(loop).area * (1 if shapely.LinearRing(loop).is_ccw else -1)
+
+
+def shoelace(corners):
+    x, y = corners[..., 0], corners[..., 1]
+    return 0.5 * (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
+
+
+def assert_consistent(layout, geometry):
+    """Everything a layout promises whatever the shape."""
+    n, dim = layout.position.shape
+    assert dim == geometry.dim
+    assert layout.volume.shape == (n,)
+    assert layout.half_edges.shape == (n, dim, dim)
+    assert (layout.volume > 0).all()
+    np.testing.assert_allclose(np.linalg.det(2 * layout.half_edges), layout.volume, rtol=1e-10)
+    np.testing.assert_allclose(layout.volume.sum(), geometry.exact_volume, rtol=1e-9)
+    if dim == 2:
+        np.testing.assert_allclose(shoelace(layout.corners), layout.volume, rtol=1e-10)
+    else:
+        assert layout.corners is None
+        assert layout.outlines == ()
+
+
+def assert_outlines_enclose(outlines, area, rel):
+    """The first outline is an outer one; with holes counted negative the outlines enclose the body."""
+    signed = [signed_area(loop) for loop in outlines]
+    assert signed[0] > 0
+    assert all(s < 0 for s in signed[1:])
+    assert sum(signed) == pytest.approx(area, rel=rel)
+    assert all(not np.allclose(loop[0], loop[-1]) for loop in outlines)
+
+
+def assert_same_points(points, among):
+    """Each of the points (n, 2) is one of the others (m, 2)."""
+    tree = shapely.STRtree(shapely.points(among))
+    _, distance = tree.query_nearest(shapely.points(points), return_distance=True, all_matches=False)
+    assert distance.max() < 1e-9
+
+
+def assert_mirrored(points, centre, axis):
+    mirrored = points - centre
+    mirrored[:, axis] *= -1
+    assert_same_points(mirrored + centre, points)
+
+
+@pytest.mark.parametrize("name", [*PLANE, *SOLID])
+@settings(max_examples=15, deadline=None)
+@given(size=st.floats(0.12, 4.0), offset=st.tuples(*[st.floats(0.0, 0.99)] * 2))
+def test_lattice_keeps_the_volume(name, size, offset):
+    geometry = (PLANE | SOLID)[name]
+    size = min(size, LARGEST_SIZE.get(name, size))
+    layout = discretise(geometry, Particles(size=size, offset=offset), None)
+    assert_consistent(layout, geometry)
+    assert layout.outlines == ()
+    centroid = layout.volume @ layout.position / layout.volume.sum()
+    np.testing.assert_allclose(centroid, geometry.centroid, atol=CENTROID.get(name, 1e-9))
+
+
+@pytest.mark.parametrize("name", [n for n in (*PLANE, *SOLID) if n not in NOT_FITTED | {"polygon"}])
+@settings(max_examples=15, deadline=None)
+@given(size=st.floats(0.05, 4.0))
+def test_fitted_keeps_the_volume(name, size):
+    geometry = (PLANE | SOLID)[name]
+    layout = discretise(geometry, Particles(layout="fitted", size=max(size, 0.1)), None)
+    assert_consistent(layout, geometry)
+    centroid = layout.volume @ layout.position / layout.volume.sum()
+    np.testing.assert_allclose(centroid, geometry.centroid, atol=1e-9)
+
+
+@pytest.mark.parametrize("size", [0.15, 0.4])
+def test_fitted_polygon_has_edges_up_to_the_size(size):
+    pytest.importorskip("gmsh")
+    geometry = PLANE["polygon"]
+    layout = discretise(geometry, Particles(layout="fitted", size=size), None)
+    assert_consistent(layout, geometry)
+    edges = np.linalg.norm(layout.corners - np.roll(layout.corners, 1, axis=1), axis=2)
+    assert 0.4 * size < edges.max() <= size
+
+
+@pytest.mark.parametrize("name", [*PLANE])
+@settings(max_examples=15, deadline=None)
+@given(segment=st.floats(0.01, 0.3))
+def test_outlines_run_with_the_material_on_their_left(name, segment):
+    geometry = PLANE[name]
+    outlines = geometry.outlines(segment)
+    curved = name in ("disc", "ring")
+    # A chord of l on a circle of R cuts off an area of l²/(6 R²) of the disc
+    assert_outlines_enclose(outlines, geometry.exact_volume, rel=0.1 * segment if curved else 1e-12)
+    for loop in outlines:
+        lengths = np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1)
+        assert lengths.max() <= segment * (1 + 1e-9)
+        assert not curved or np.ptp(lengths) < 1e-12
+
+
+@pytest.mark.parametrize("name", [*PLANE])
+def test_outward_normals_leave_the_body(name):
+    geometry = PLANE[name]
+    for loop in geometry.outlines(0.1):
+        tangent = np.roll(loop, -1, axis=0) - loop
+        normal = np.column_stack([tangent[:, 1], -tangent[:, 0]]) / np.linalg.norm(tangent, axis=1)[:, None]
+        middle = loop + 0.5 * tangent
+        region = geometry.region
+        assert shapely.contains_xy(region, *(middle - 0.01 * normal).T).all()
+        assert not shapely.contains_xy(region, *(middle + 0.01 * normal).T).any()
+
+
+def test_numbers_of_the_published_ring_and_rolling_disc():
+    ring = Ring(centre=(0, 0), inner_radius="30 mm", outer_radius="40 mm")
+    layout = discretise(ring, Particles(layout="fitted", size="0.5 mm"), 0.5e-3)
+    assert len(layout.volume) == 20 * 440
+    disc = Disc(centre=(0, 0), radius=1.6).outlines(0.1)[0]
+    bar = Rectangle(lower=(0, 0), upper=(20, 0.8)).outlines(0.1)[0]
+    assert (len(disc), len(bar), len(disc) + len(bar)) == (101, 416, 517)
+
+
+def test_outline_nodes_lie_on_the_true_outline_and_keep_corners():
+    disc = PLANE["disc"]
+    (loop,) = disc.outlines(0.17)
+    np.testing.assert_allclose(np.linalg.norm(loop - disc.centroid, axis=1), disc.radius, rtol=1e-14)
+    assert loop[0] == pytest.approx([disc.centre[0] + disc.radius, disc.centre[1]])
+    polygon = PLANE["polygon"]
+    nodes = {tuple(np.round(x, 12)) for x in np.concatenate(polygon.outlines(0.17))}
+    assert nodes >= {*polygon.points, *polygon.holes[0]}
+    assert len(disc.outlines(1e3)[0]) == 4
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("layout", ["lattice", "fitted"])
+@pytest.mark.parametrize("name", ["disc", "ring"])
+@pytest.mark.parametrize("size", [0.1, 0.17, 0.4])
+def test_disc_and_ring_are_mirror_symmetric(name, layout, size, axis):
+    geometry = PLANE[name]
+    # A polar grid is symmetric about both axes for an even number of cells around the ring
+    size = 2 * math.pi * 1.15 / (2 * round(math.pi * 1.15 / size)) if name == "ring" else size
+    result = discretise(geometry, Particles(layout=layout, size=size), 0.1)
+    assert_mirrored(result.position, geometry.centroid, axis)
+    for loop in result.outlines:
+        if len(loop) % 2 == 0:
+            assert_mirrored(loop, geometry.centroid, axis)
+
+
+@given(size=st.floats(0.03, 3.0))
+@settings(max_examples=30, deadline=None)
+def test_fitted_disc_has_well_shaped_quadrilaterals(size):
+    layout = discretise(Disc(centre=(0, 0), radius=1), Particles(layout="fitted", size=size), None)
+    edge = np.roll(layout.corners, -1, axis=1) - layout.corners
+    length = np.linalg.norm(edge, axis=2)
+    before = np.roll(edge, 1, axis=1)
+    cosine = -(edge * before).sum(axis=2) / (length * np.roll(length, 1, axis=1))
+    assert length.max() <= size * (1 + 1e-8)
+    assert np.degrees(np.arccos(cosine)).min() > 40
+    assert layout.volume.min() > 0.25 * layout.volume.max()
+    assert_same_points(np.column_stack([-layout.position[:, 1], layout.position[:, 0]]), layout.position)
+    assert_mirrored(layout.position, np.zeros(2), 0)
+    assert_mirrored(layout.position, np.zeros(2), 1)
+
+
+def test_tiles_fit_an_aligned_rectangle_and_a_box_exactly():
+    bar = discretise(Rectangle(lower=(0, 0), upper=(1, 0.5)), Particles(size=0.3), None)
+    assert len(bar.volume) == 4 * 2
+    np.testing.assert_allclose(2 * bar.half_edges, np.broadcast_to(np.diag([0.25, 0.25]), (8, 2, 2)))
+    box = discretise(SOLID["box"], Particles(layout="fitted", size=0.25), None)
+    assert len(box.volume) == 4 * 8 * 2
+
+
+@pytest.mark.parametrize("offset", [(), (0.3, 0.0), (0.5, 0.5), (0.37, 0.81)])
+@pytest.mark.parametrize("name", [*PLANE])
+def test_no_piece_falls_below_a_quarter_of_a_cell(name, offset):
+    size = 0.1
+    layout = discretise(PLANE[name], Particles(size=size, offset=offset), None)
+    # Along the axes the cells of a rectangle are fitted to it, here to the size exactly
+    assert layout.volume.min() >= (0.25 - 1e-9) * size**2
+    assert layout.volume.max() < 2.3 * size**2
+
+
+def test_offset_moves_the_lattice():
+    disc = PLANE["disc"]
+    still = discretise(disc, Particles(size=0.1), None).position
+    moved = discretise(disc, Particles(size=0.1, offset=(0.25, 0.0)), None).position
+    inner = still[np.linalg.norm(still - disc.centroid, axis=1) < 1.2]
+    assert_same_points(inner + np.array([0.025, 0.0]), moved)
+
+
+def write_mesh(path, points, cells):
+    points = np.column_stack([points, np.zeros(len(points))])
+    kinds = {"triangle": 3, "quad": 4}
+    blocks = [(kind, np.array(cells[kind])) for kind in kinds if kind in cells]
+    tags = [np.ones(len(data), dtype=np.int32) for _, data in blocks]
+    mesh = meshio.Mesh(points, blocks, cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags})
+    meshio.gmsh.write(path, mesh, fmt_version="2.2", binary=False)
+    return path
+
+
+def ring_mesh(path, n=12):
+    angle = 2 * np.pi * np.arange(n) / n
+    unit = np.column_stack([np.cos(angle), np.sin(angle)])
+    after = (np.arange(n) + 1) % n
+    quads = np.column_stack([np.arange(n), n + np.arange(n), n + after, after])
+    return write_mesh(path, np.concatenate([unit, 2 * unit]), {"quad": quads})
+
+
+# One square as two triangles, one of them clockwise, beside a square as a quad
+MIXED_POINTS = [(0, 0), (1, 0), (1, 1), (0, 1), (2, 0), (2, 1)]
+MIXED_CELLS = {"triangle": [(0, 1, 2), (0, 3, 2)], "quad": [(1, 4, 5, 2)]}
+
+
+@pytest.mark.parametrize("layout", ["lattice", "fitted"])
+def test_mesh_of_triangles_and_quads(tmp_path, layout):
+    body = MeshFile(path=write_mesh(tmp_path / "mixed.msh", MIXED_POINTS, MIXED_CELLS))
+    result = discretise(body, Particles(layout=layout, size=0.25), 0.25)
+    assert body.exact_volume == pytest.approx(2)
+    np.testing.assert_allclose(body.centroid, [1.0, 0.5])
+    assert body.is_connected
+    assert_consistent(result, body)
+    assert_outlines_enclose(result.outlines, 2.0, rel=1e-12)
+    assert len(result.outlines) == 1
+    assert len(result.outlines[0]) == 6 * 4
+    assert len(result.volume) == (8 * 4 if layout == "lattice" else 2 * 3 + 1)
+
+
+def test_ring_shaped_mesh_has_two_outlines(tmp_path):
+    body = MeshFile(path=ring_mesh(tmp_path / "ring.msh"))
+    area = 12 * 0.5 * math.sin(math.pi / 6) * 3
+    assert body.exact_volume == pytest.approx(area)
+    outlines = sorted(body.outlines(10.0), key=signed_area, reverse=True)
+    assert [len(loop) for loop in outlines] == [12, 12]
+    assert_outlines_enclose(outlines, area, rel=1e-12)
+    for layout in ("lattice", "fitted"):
+        assert_consistent(discretise(body, Particles(layout=layout, size=0.2), None), body)
+
+
+def test_squares_that_touch_at_a_node_have_an_outline_each(tmp_path):
+    points = [(0, 0), (1, 0), (1, 1), (0, 1), (2, 1), (2, 2), (1, 2)]
+    path = write_mesh(tmp_path / "touching.msh", points, {"quad": [(0, 1, 2, 3), (2, 4, 5, 6)]})
+    body = MeshFile(path=path)
+    assert not body.is_connected
+    assert [signed_area(loop) for loop in body.outlines(1.0)] == pytest.approx([1.0, 1.0])
+
+
+def test_a_mesh_written_by_gmsh_is_read(tmp_path):
+    gmsh = pytest.importorskip("gmsh")
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.model.add("plate")
+        gmsh.model.occ.addRectangle(0, 0, 0, 2, 1)
+        gmsh.model.occ.synchronize()
+        gmsh.option.setNumber("Mesh.MeshSizeMax", 0.3)
+        gmsh.model.mesh.generate(2)
+        gmsh.write(str(tmp_path / "plate.msh"))
+    finally:
+        gmsh.finalize()
+    body = MeshFile(path=tmp_path / "plate.msh")
+    assert body.exact_volume == pytest.approx(2.0)
+    assert_consistent(discretise(body, Particles(layout="fitted", size=0.3), 0.1), body)
+
+
+BAD_MESHES = {
+    "overlap": ([(0, 0), (1, 0), (0, 1), (1, 1)], {"triangle": [(0, 1, 2), (0, 1, 3)]}),
+    "non-convex": ([(0, 0), (2, 0), (0.2, 0.2), (0, 2)], {"quad": [(0, 1, 2, 3)]}),
+}
+
+
+@pytest.mark.parametrize("message", BAD_MESHES)
+def test_bad_meshes_are_refused(tmp_path, message):
+    path = write_mesh(tmp_path / "bad.msh", *BAD_MESHES[message])
+    with pytest.raises(ValidationError, match=rf"bad\.msh.*{message}"):
+        MeshFile(path=path)
+
+
+def test_files_that_are_no_meshes_are_refused(tmp_path):
+    with pytest.raises(ValidationError, match=r"mesh file not found: .*absent\.msh"):
+        MeshFile(path=tmp_path / "absent.msh")
+    (tmp_path / "text.msh").write_text("no mesh\n")
+    with pytest.raises(ValidationError, match=r"text\.msh is not a gmsh mesh"):
+        MeshFile(path=tmp_path / "text.msh")
+    points = np.zeros((4, 3))
+    points[1, 0] = points[2, 1] = points[3, 2] = 1
+    solid = meshio.Mesh(points, [("tetra", np.array([[0, 1, 2, 3]]))])
+    meshio.gmsh.write(tmp_path / "solid.msh", solid, fmt_version="2.2", binary=False)
+    with pytest.raises(ValidationError, match="elements of type tetra"):
+        MeshFile(path=tmp_path / "solid.msh")
+
+
+REFUSED = {
+    "greater than 0": {"type": "disc", "centre": (0, 0), "radius": 0},
+    "inner_radius 2.0 m must be smaller": {
+        "type": "ring",
+        "centre": (0, 0),
+        "inner_radius": 2,
+        "outer_radius": 1,
+    },
+    "must be below upper": {"type": "rectangle", "lower": (0, 0), "upper": (1, 0)},
+    "every direction": {"type": "box", "lower": (0, 0, 0), "upper": (1, -1, 1)},
+    "not simple: Self-intersection": {"type": "polygon", "points": ((0, 0), (1, 1), (1, 0), (0, 1))},
+    "not convertible to m": {"type": "ball", "centre": (0, 0, 0), "radius": "3 s"},
+    "does not match any of the expected tags": {"type": "torus"},
+    "Extra inputs": {"type": "disc", "centre": (0, 0), "radius": 1, "colour": "red"},
+}
+
+
+@pytest.mark.parametrize("message", REFUSED)
+def test_impossible_geometries_are_refused(message):
+    with pytest.raises(ValidationError, match=message):
+        TypeAdapter(Geometry).validate_python(REFUSED[message])
+
+
+def test_impossible_layouts_are_refused():
+    with pytest.raises(ValidationError, match="offset shifts a lattice"):
+        Particles(layout="fitted", size=1, offset=(0.5,))
+    with pytest.raises(ValidationError, match="less than 1"):
+        Particles(size=1, offset=(1.0,))
+    with pytest.raises(ValueError, match="offset has 3 entries for a body in 2D"):
+        discretise(PLANE["disc"], Particles(size=1, offset=(0.1, 0.1, 0.1)), None)
+    with pytest.raises(ValueError, match="a ball has no fitted layout"):
+        discretise(SOLID["ball"], Particles(layout="fitted", size=1), None)
+    with pytest.raises(ValueError, match="no cell of 5"):
+        discretise(SOLID["ball"], Particles(size=5), None)
+    with pytest.raises(ValueError, match="segment length must be positive"):
+        discretise(PLANE["disc"], Particles(size=1), 0.0)
+
+
+def test_a_fitted_polygon_without_gmsh_says_what_to_install(monkeypatch):
+    real_import = builtins.__import__
+
+    def without_gmsh(name, *args, **kwargs):
+        if name == "gmsh":
+            raise ImportError(name)
+        return real_import(name, *args, **kwargs)
+
+    monkeypatch.setattr(builtins, "__import__", without_gmsh)
+    with pytest.raises(ValueError, match=r"pip install 'mpmfw\[mesh\]'"):
+        discretise(PLANE["polygon"], Particles(layout="fitted", size=0.5), None)
+
+
+def test_a_polygon_may_run_either_way_round_and_repeat_points():
+    points = ((0, 0), (0, 1), (0, 1), (1, 1), (1, 0), (0, 0))
+    (loop,) = Polygon(points=points).outlines(2.0)
+    assert len(loop) == 4
+    assert signed_area(loop) == pytest.approx(1.0)
+
+
+def test_geometry_round_trips_through_json():
+    adapter = TypeAdapter(Geometry)
+    for geometry in (PLANE | SOLID).values():
+        assert adapter.validate_json(adapter.dump_json(geometry)) == geometry

@@ -1,0 +1,171 @@
+"""The results' file: what is written is what is read, in memory and on disk."""
+
+import json
+
+import netCDF4
+import numpy as np
+import pytest
+
+from mpmfw.errors import MpmfwError
+from mpmfw.fields import CONTACT_SERIES, PARTICLE_FIELDS, SERIES_FIELDS, SURFACE_FIELDS, Field
+from mpmfw.results import Frame, RunHeader, RunWriter
+from mpmfw.results import open as open_results
+from mpmfw.results.layout import unit
+
+FIELDS = tuple(
+    field for field in (*PARTICLE_FIELDS, *SURFACE_FIELDS, *SERIES_FIELDS, *CONTACT_SERIES) if field.output
+)
+PRESSURE = Field("pressure", ("contact_node",), "Pa", "contact pressure", "contact", output=True)
+COUNT = {"ball": 4, "floor": 6}
+
+
+def header(**changes):
+    return RunHeader(
+        **{
+            "dim": 2,
+            "bodies": ("ball", "floor"),
+            "pairs": ("ball-floor",),
+            "particle_count": COUNT,
+            "fields": (*FIELDS, PRESSURE),
+            "surface_count": {"ball": 3, "floor": 0},
+            "connectivity": {"ball": np.array([1, 2, 0])},
+            "attributes": {
+                "title": "a ball",
+                "effects": {"gravity": [0, -10]},
+                "settled": True,
+                "commit": None,
+            },
+            **changes,
+        }
+    )
+
+
+def frame(time, seed=0):
+    random = np.random.default_rng([seed, round(1000 * time)])
+    sizes = {"axis": 2, "axis2": 2, "rotation": 1, "body": 2, "pair": 1, "surface_node": 3}
+
+    def arrays(group, **more):
+        return {
+            field.name: random.standard_normal([(sizes | more)[dim] for dim in field.dims])
+            for field in FIELDS
+            if field.group == group
+        }
+
+    return Frame(
+        time,
+        {body: arrays("particles", particle=count) for body, count in COUNT.items()},
+        {"ball": arrays("surface")},
+        arrays("series"),
+        {"ball-floor": {"pressure": random.standard_normal(5)}},
+    )
+
+
+@pytest.mark.parametrize("in_memory", [True, False])
+def test_what_is_written_is_read(tmp_path, in_memory):
+    frames = [frame(0.1 * k) for k in range(4)]
+    with RunWriter(None if in_memory else tmp_path / "run.nc", header()) as writer:
+        for one in frames:
+            writer.write(one)
+        writer.finish({"steps": 12, "cpu_time": 0.5})
+    tree = writer.results()
+    assert tree["time"].values.tolist() == [one.time for one in frames]
+    for k, one in enumerate(frames):
+        for body, arrays in one.particles.items():
+            for name in arrays.keys() - {"mass"}:
+                np.testing.assert_array_equal(tree[f"particles/{body}/{name}"][k], arrays[name])
+        for name, values in one.series.items():
+            np.testing.assert_array_equal(tree[f"series/{name}"][k], values)
+        np.testing.assert_array_equal(
+            tree["contact/ball-floor/pressure"][k], one.contact["ball-floor"]["pressure"]
+        )
+        np.testing.assert_array_equal(tree["surface/ball/position"][k], one.surface["ball"]["position"])
+    np.testing.assert_array_equal(tree["particles/ball/mass"], frames[0].particles["ball"]["mass"])
+    assert tree["surface/ball/next"].values.tolist() == [1, 2, 0]
+    assert (tree.attrs["status"], tree.attrs["steps"], tree.attrs["settled"]) == ("ok", 12, 1)
+    assert json.loads(tree.attrs["effects"]) == {"gravity": [0, -10]}
+    assert "commit" not in tree.attrs
+    assert float(
+        tree["series"].to_dataset()["mean_velocity"].sel(body="floor", axis="y")[2]
+    ) == pytest.approx(frames[2].series["mean_velocity"][1, 1])
+
+
+def test_units_and_names_are_those_of_the_declarations():
+    with RunWriter(None, header()) as writer:
+        writer.write(frame(0.0))
+    tree = writer.results()
+    for field in (*FIELDS, PRESSURE):
+        places = {"series": "series", "contact": "contact/ball-floor"}
+        array = tree[f"{places.get(field.group, field.group + '/ball')}/{field.name}"]
+        assert array.attrs == field.attributes
+        assert array.dims[-len(field.dims) :] == field.dims
+
+
+def test_in_3d_nothing_is_per_metre_of_thickness():
+    mass = next(field for field in PARTICLE_FIELDS if field.name == "mass")
+    assert (unit(mass, 2), unit(mass, 3)) == ("kg m-1", "kg")
+
+
+def test_a_file_can_be_read_while_it_is_written(tmp_path):
+    with RunWriter(tmp_path / "run.nc", header()) as writer:
+        writer.write(frame(0.0))
+        tree = open_results(tmp_path / "run.nc")
+        assert tree.sizes["time"] == 1
+        assert tree.attrs["status"] == "running"
+
+
+def test_a_frame_without_time_is_left_out(tmp_path):
+    with RunWriter(tmp_path / "run.nc", header()) as writer:
+        writer.write(frame(0.0))
+        writer.write(frame(0.1))
+    with netCDF4.Dataset(tmp_path / "run.nc", "a") as dataset:
+        dataset["time"][1] = np.nan
+    assert open_results(tmp_path / "run.nc")["series/kinetic_energy"].sizes["time"] == 1
+
+
+def test_an_exception_says_why_in_the_status(tmp_path):
+    writer = RunWriter(tmp_path / "run.nc", header())
+    writer.write(frame(0.0))
+    broken = Frame(0.1, series={"kinetic_energy": np.zeros(3)})
+    with pytest.raises(MpmfwError, match="kinetic_energy"), writer:
+        writer.write(broken)
+    tree = writer.results()
+    assert tree.attrs["status"].startswith("failed: field 'series/kinetic_energy'")
+    assert tree.sizes["time"] == 1
+
+
+def test_lazy_reading_leaves_the_file_open_until_closed(tmp_path):
+    with RunWriter(tmp_path / "run.nc", header()) as writer:
+        writer.write(frame(0.0))
+    tree = open_results(tmp_path / "run.nc", lazy=True)
+    assert tree["particles/ball/position"].shape == (1, 4, 2)
+    tree.close()
+    tree.close()
+
+
+def test_series_that_a_frame_lacks_are_missing():
+    with RunWriter(None, header()) as writer:
+        writer.write(frame(0.0))
+        writer.write(Frame(0.1))
+    assert np.isnan(writer.results()["series/kinetic_energy"][1]).all()
+
+
+def test_undeclared_and_misshapen_arrays_are_refused():
+    with RunWriter(None, header()) as writer:
+        with pytest.raises(MpmfwError, match="undeclared field 'heat'"):
+            writer.write(Frame(0.0, series={"heat": np.zeros(2)}))
+        with pytest.raises(MpmfwError, match="kinetic_energy"):
+            writer.write(Frame(0.0, series={"kinetic_energy": np.zeros(3)}))
+
+
+def test_one_body_without_pairs_or_surface():
+    lone = header(bodies=("ball",), pairs=(), surface_count={}, connectivity={})
+    with RunWriter(None, lone) as writer:
+        writer.write(Frame(0.0, series={"kinetic_energy": np.ones(1)}))
+    assert "surface" not in writer.results().children
+
+
+def test_a_file_that_cannot_be_created_or_read_is_named(tmp_path):
+    with pytest.raises(MpmfwError, match="nowhere"):
+        RunWriter(tmp_path / "nowhere" / "run.nc", header())
+    with pytest.raises(MpmfwError, match=r"absent\.nc"):
+        open_results(tmp_path / "absent.nc")

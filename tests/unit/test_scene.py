@@ -1,0 +1,323 @@
+"""Scenes: what is valid, what is refused, and in which words."""
+
+# Messages are compared whole, and stand on one line as they are printed
+# ruff: noqa: E501
+
+import copy
+import pickle
+import tomllib
+
+import pytest
+from pydantic import ValidationError
+
+from mpmfw.errors import SceneError
+from mpmfw.scene import Scene, json_schema, load_scene, shipped_scenes
+from mpmfw.scene.toml_text import toml_text
+
+TEXT = """\
+title = "two blocks"
+
+[grid]
+cell_size = 0.5
+lower = [0, 0]
+upper = [10, 5]
+
+[time]
+end = 1
+output_interval = "10 ms"
+
+[shape]
+method = "linear"
+
+[contact]
+method = "none"
+friction = 0.2
+
+[[contact.pairs]]
+bodies = ["block", "floor"]
+friction = 0.3
+
+[materials.steel]
+model = "neo_hookean"
+density = 7850
+bulk_modulus = "160 GPa"
+shear_modulus = "80 GPa"
+
+[bodies.block]
+material = "steel"
+geometry = { type = "disc", centre = [5, 2], radius = 1 }
+particles = { layout = "lattice", size = 0.25 }
+velocity = [1, 0]
+
+[bodies.floor]
+material = "steel"
+geometry = { type = "rectangle", lower = [0, 0], upper = [10, 1] }
+particles = { size = "250 mm" }
+segment = 0.2
+
+[[bodies.floor.sides]]
+side = "bottom"
+fixed = true
+
+[gravity]
+magnitude = 10
+tilt = "30 deg"
+"""
+
+
+@pytest.fixture
+def scene_file(tmp_path, monkeypatch):
+    """Write the scene with replacements to ``s.toml`` in the working folder and return that name."""
+    monkeypatch.chdir(tmp_path)
+
+    def write(*replacements):
+        text = TEXT
+        for old, new in replacements:
+            assert old in text
+            text = text.replace(old, new)
+        (tmp_path / "s.toml").write_text(text)
+        return "s.toml"
+
+    return write
+
+
+def refusal(scene, **overrides):
+    with pytest.raises(SceneError) as caught:
+        load_scene(scene, **overrides)
+    return str(caught.value)
+
+
+def test_a_valid_scene_holds_si_values_and_its_source(scene_file):
+    scene = load_scene(scene_file())
+    assert scene.time.output_interval == pytest.approx(0.01)
+    assert scene.materials["steel"].options.bulk_modulus == pytest.approx(160e9)
+    assert scene.gravity.at(0.0) == pytest.approx((5.0, -8.660254037844386))
+    assert scene.pairs == (("block", "floor", 0.3),)
+    assert scene.bodies["block"].segment_length(scene.grid.cell_size) == 0.125
+    assert scene.bodies["floor"].segment_length(scene.grid.cell_size) == 0.2
+    assert (scene.dim, scene.name, scene.text, scene.source.name) == (2, "s", TEXT, "s.toml")
+    assert scene.to_mapping() == tomllib.loads(TEXT)
+
+
+def test_a_scene_does_not_change():
+    mapping = tomllib.loads(TEXT)
+    scene = load_scene(mapping)
+    with pytest.raises(ValidationError, match="frozen"):
+        scene.grid.cell_size = 1.0
+    mapping["grid"]["cell_size"] = 99
+    scene.to_mapping()["grid"]["cell_size"] = 99
+    assert scene.to_mapping()["grid"]["cell_size"] == 0.5
+
+
+def test_scenes_travel_between_processes():
+    scene = load_scene(tomllib.loads(TEXT))
+    again = pickle.loads(pickle.dumps(scene))
+    assert again == scene
+    assert again.text == scene.text
+    assert again.materials["steel"].options == scene.materials["steel"].options
+
+
+@pytest.mark.parametrize("name", ["rolling-cylinder-slip", "rolling-cylinder-no-slip", "colliding-rings"])
+def test_shipped_scenes_are_valid(name):
+    scene = load_scene(name)
+    assert name in shipped_scenes()
+    assert (scene.contact.method, scene.shape.method) == ("penalty", "cpdi")
+    for body in scene.bodies.values():
+        (outline, *_) = body.geometry.outlines(body.segment)
+        margin = 3 * scene.grid.cell_size - 1e-12
+        assert (outline.min(axis=0) - scene.grid.lower >= margin).all()
+        assert (scene.grid.upper - outline.max(axis=0) >= margin).all()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("radius = 1", "raduis = 1", "s.toml:31: bodies.block.geometry.raduis: unknown key; did you mean 'radius'?"),
+        ("cell_size = 0.5", "cell_size = '2 s'", "s.toml:4: grid.cell_size: '2 s' is not convertible to m; expected a "
+         "length in m, a number or a string such as '2 mm'"),
+        ("cell_size = 0.5", "cell_size = 'x'", "s.toml:4: grid.cell_size: 'x' is not a quantity; expected a length in m, "
+         "a number or a string such as '2 mm'"),
+        ("cell_size = 0.5", "cell_size = true", "s.toml:4: grid.cell_size: true is a boolean; expected a length in m, "
+         "a number or a string such as '2 mm'"),
+        ("cell_size = 0.5", "cell_size = -1", "s.toml:4: grid.cell_size: must be greater than 0, not -1; expected a "
+         "length in m, a number or a string such as '2 mm'"),
+        ("lower = [0, 0]\nupper = [10, 5]", "lower = [0, 'b']\nupper = [10, 5]", "s.toml:5: grid.lower[1]: 'b' is not "
+         "convertible to m; expected a length in m, a number or a string such as '2 mm'"),
+        ("end = 1\n", "", "s.toml:8: time.end: missing; expected a time in s, a number or a string such as '5 us'"),
+        ('method = "linear"', 'method = "liner"', "s.toml:13: shape.method: no such shape plug-in: 'liner' is unknown; "
+         "did you mean 'linear'? (one of bspline, cpdi, cpdi2, gimp, linear)"),
+        ('method = "linear"', 'metod = "linear"', "s.toml:13: shape.metod: unknown key; did you mean 'method'?"),
+        ('"block", "floor"', '"block", "flor"', "s.toml:20: contact.pairs[0].bodies[1]: no body 'flor'; did you mean "
+         "'floor'?"),
+        ('"block", "floor"', '"block", "block"', "s.toml:20: contact.pairs[0].bodies: a pair is two bodies, not 'block' "
+         "twice"),
+        ("density = 7850", "densty = 7850", "s.toml:25: materials.steel.densty: unknown key; did you mean 'density'?"),
+        ('"160 GPa"', '"160 m"', "s.toml:26: materials.steel.bulk_modulus: '160 m' is not convertible to Pa; expected a "
+         "pressure or modulus in Pa, a number or a string such as '6 MPa'"),
+        ('material = "steel"\ngeometry = { type = "disc"', 'material = "stel"\ngeometry = { type = "disc"',
+         "s.toml:30: bodies.block.material: no material 'stel'; did you mean 'steel'?"),
+        ('type = "disc"', 'type = "disk"', "s.toml:31: bodies.block.geometry.type: 'disk' is unknown; did you mean "
+         "'disc'? (one of disc, ring, rectangle, polygon, mesh, box, ball)"),
+        ("radius = 1", "radius = 1, x = 2", "s.toml:31: bodies.block.geometry.x: unknown key; valid keys: type, centre, "
+         "radius"),
+        ("velocity = [1, 0]", "velocity = [1, 0, 0]", "s.toml:33: bodies.block.velocity: has 3 entries; expected 2, "
+         "because the grid is 2D"),
+        ("velocity = [1, 0]", "angular_velocity = [0, 0, 1]", "s.toml:33: bodies.block.angular_velocity: expected a number "
+         "in rad/s, because the grid is 2D"),
+        ("velocity = [1, 0]", 'rotation = "exakt"', "s.toml:33: bodies.block.rotation: 'exakt' is unknown; did you mean "
+         "'exact'? (one of exact, lumped, local)"),
+        ("fixed = true", "fixed = false", "s.toml:43: bodies.floor.sides[0].fixed: false is a boolean; expected true, or an array of 1 to 3 of 'x', 'y', 'z'"),
+        ("fixed = true", 'fixed = ["w"]', "s.toml:43: bodies.floor.sides[0].fixed[0]: 'w' is unknown; expected one of x, "
+         "y, z"),
+        ("fixed = true", "pressure = 1\nfixed = true", "s.toml:41: bodies.floor.sides[0]: has fixed and pressure; "
+         "expected exactly one of: fixed, velocity, pressure"),
+        ("fixed = true", 'velocity = ["free", "free"]', "s.toml:43: bodies.floor.sides[0].velocity: has no effect: every "
+         "component is free"),
+        ("magnitude = 10", "vector = [0, -10]", "s.toml:45: gravity: has tilt and vector; expected exactly one of: vector, "
+         "or magnitude and tilt, or table"),
+        ('output_interval = "10 ms"', "output_interval = 2", "s.toml:10: time.output_interval: must not be longer than "
+         "time.end, which is 1 s"),
+        ("end = 1\n", "end = 1\nstep = 1e-5\nsafety = 0.4\n", "s.toml:11: time.safety: has no effect with a fixed "
+         "time.step; leave one of them out"),
+        ("[shape]", '[stepping]\ntransfer = "pic"\ntransported = true\n[shape]', "s.toml:14: stepping.transported: has no "
+         "effect with transfer pic, only with aflip, apic and tpic"),
+        ("[shape]", "[stepping]\ntransported = true\n[shape]", "s.toml:13: stepping.transported: has no effect with "
+         "transfer flip (auto with linear), only with aflip, apic and tpic"),
+        ("[shape]", '[stepping]\ntransfer = "apic"\npic_fraction = 0.1\n[shape]', "s.toml:14: stepping.pic_fraction: has "
+         "no effect with transfer apic, only with flip"),
+        ("friction = 0.2", "[contact.penlty]\nstiffness = 1", "s.toml:17: contact.penlty: no such contact plug-in: "
+         "'penlty' is unknown; did you mean 'penalty'? (one of bardenhagen, none, penalty, separate, method, friction, "
+         "pairs)"),
+        ("friction = 0.2", "[contact.none]\nstiffness = 1", "s.toml:18: contact.none.stiffness: unknown key; no key is "
+         "valid here"),
+        ("[bodies.block]", '[bodies."a-b"]', "s.toml:20: contact.pairs[0].bodies[0]: no body 'block'; the scene has a-b, "
+         "floor\ns.toml:29: bodies.a-b: a name has letters, digits and '_' only ('-' joins the names of a pair)"),
+        ("[gravity]", "[gravity", "s.toml:45: not valid TOML: Expected ']' at the end of a table declaration"),
+    ],
+)  # fmt: skip
+def test_one_problem_is_one_message(scene_file, old, new, message):
+    assert refusal(scene_file((old, new))) == message
+
+
+def test_all_problems_are_listed_in_the_file_s_order(scene_file):
+    path = scene_file(("radius = 1", "raduis = 1"), ("end = 1", "end = -1"), ('"linear"', '"liner"'))
+    lines = refusal(path, set={"grid.cel_size": "2"}).splitlines()
+    starts = [
+        "s.toml:9: time.end",
+        "s.toml:13: shape.method",
+        "s.toml:31: bodies.block",
+        "--set grid.cel_size: unknown",
+    ]
+    assert [line.startswith(start) for line, start in zip(lines, starts, strict=True)] == [True] * 4
+
+
+def test_more_than_one_body_needs_a_contact_method():
+    mapping = tomllib.loads(TEXT)
+    del mapping["contact"]
+    assert refusal(mapping).startswith("contact: missing: name a method for more than one body")
+    del mapping["bodies"]["floor"]
+    assert load_scene(mapping).contact is None
+
+
+def test_duplicate_pairs_are_refused(scene_file):
+    again = '[[contact.pairs]]\nbodies = ["floor", "block"]\nfriction = 0.1\n\n[materials.steel]'
+    message = refusal(scene_file(("[materials.steel]", again)))
+    assert message == "s.toml:24: contact.pairs[1].bodies: the same bodies as contact.pairs[0]"
+
+
+def test_alternatives_are_not_validated_but_the_chosen_one_is(scene_file):
+    path = scene_file(("friction = 0.2", "friction = 0.2\n[contact.penalty]\nno_such_option = 1"))
+    assert load_scene(path).contact.method == "none"
+    assert "contact.penalty.no_such_option: unknown key" in refusal(path, set={"contact.method": "penalty"})
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "message"),
+    [
+        ("grid.cell_size", "2 s", "--set grid.cell_size: '2 s' is not convertible to m"),
+        (
+            "bodies.blok.velocity",
+            "[1, 1]",
+            "--set bodies.blok.velocity: bodies.blok: no such name; did you mean 'block'?",
+        ),
+        ("contact.pairs[3].friction", "0.1", "--set contact.pairs[3].friction: contact.pairs has 1 entries"),
+        ("grid.cell_size.x", "1", "--set grid.cell_size.x: grid.cell_size is no table"),
+        ("grid..x", "1", "--set grid..x: 'grid..x' is not a key"),
+        ("settle.tolerence", "1", "--set settle.tolerence: unknown key; did you mean 'tolerance'?"),
+        ("grid", "{ cell_size = 1, lower = [0, 0] }", "--set grid: grid.upper: missing"),
+    ],
+)
+def test_a_wrong_override_names_its_key(scene_file, key, value, message):
+    assert refusal(scene_file(), set={key: value}).startswith(message)
+
+
+def test_overrides_are_toml_values_or_text(scene_file):
+    values = {
+        "grid.cell_size": "250 mm",
+        "contact.pairs[0].friction": "0.1",
+        "bodies.block.velocity": "[2, 0]",
+    }
+    scene = load_scene(scene_file(), set=values)
+    assert scene.grid.cell_size == pytest.approx(0.25)
+    assert scene.pairs == (("block", "floor", 0.1),)
+    assert scene.bodies["block"].velocity == (2.0, 0.0)
+    again = scene.with_overrides({"time.end": 2.0})
+    assert (again.grid.cell_size, again.time.end, scene.time.end) == (0.25, 2.0, 1.0)
+
+
+def test_the_text_of_an_overridden_scene_is_that_scene(scene_file):
+    scene = load_scene(scene_file(), set={"grid.cell_size": 0.25, "title": 'a "quoted" title'})
+    assert load_scene(tomllib.loads(scene.text)).to_mapping() == scene.to_mapping()
+
+
+@pytest.mark.parametrize("name", list(shipped_scenes()))
+def test_written_text_reads_back(name):
+    mapping = tomllib.loads(shipped_scenes()[name])
+    assert tomllib.loads(toml_text(mapping)) == mapping
+
+
+def test_dimensions_must_agree():
+    mapping = tomllib.loads(TEXT)
+    mapping["grid"].update(lower=[0, 0, 0], upper=[10, 5, 5])
+    lines = refusal(mapping).splitlines()
+    assert any(line == "bodies.block.geometry.type: 'disc' is 2D, but the grid is 3D" for line in lines)
+    assert any(line.startswith("gravity.tilt: is for two dimensions") for line in lines)
+
+
+def test_gravity_in_time_is_linear_between_rows_and_constant_outside():
+    mapping = tomllib.loads(TEXT)
+    mapping["gravity"] = {"table": [[0.0, 0.0, 0.0], ["1 s", 0.0, -10.0]]}
+    gravity = load_scene(mapping).gravity
+    assert [gravity.at(t)[1] for t in (-1.0, 0.5, 2.0)] == [0.0, -5.0, -10.0]
+    mapping["gravity"]["table"].append([0.5, 0, 0])
+    assert refusal(mapping).startswith("gravity.table[2]: times must increase")
+
+
+def test_settling_needs_a_load():
+    mapping = tomllib.loads(TEXT)
+    mapping["settle"] = {}
+    load_scene(mapping)
+    del mapping["gravity"]
+    assert refusal(mapping).startswith("settle: has no effect")
+
+
+def test_an_unknown_file_gets_the_nearest_shipped_scene():
+    assert "did you mean 'colliding-rings'?" in refusal("coliding-rings")
+
+
+def test_a_scene_passes_through_and_mappings_are_not_kept():
+    mapping = tomllib.loads(TEXT)
+    before = copy.deepcopy(mapping)
+    scene = load_scene(mapping, set={"time.end": "2"})
+    assert isinstance(scene, Scene)
+    assert load_scene(scene) is scene
+    assert mapping == before
+
+
+def test_the_json_schema_has_the_plugins_options():
+    schema = json_schema()
+    assert "penalty" in schema["$defs"]["Contact"]["properties"]
+    assert "options" not in schema["$defs"]["Contact"]["properties"]
+    steel = schema["$defs"]["material.neo_hookean.Options"]["properties"]
+    assert steel["model"] == {"const": "neo_hookean"}
+    assert steel["bulk_modulus"]["unit"] == "Pa"

@@ -1,0 +1,58 @@
+"""Quantities: bare SI numbers, or strings with a unit."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import TypeAdapter, ValidationError
+
+from mpmfw import units
+
+
+@pytest.mark.parametrize(
+    ("kind", "given", "si"),
+    [
+        (units.Length, 0.4, 0.4),
+        (units.Length, 2, 2.0),
+        (units.Length, "2 mm", 2e-3),
+        (units.Time, "5 us", 5e-6),
+        (units.Time, "3.2 ms", 3.2e-3),
+        (units.Velocity, "36 km/h", 10.0),
+        (units.AngularVelocity, "180 deg/s", 3.141592653589793),
+        (units.Acceleration, "9.81 m/s^2", 9.81),
+        (units.Angle, "60 deg", 1.0471975511965976),
+        (units.Pressure, "6 MPa", 6e6),
+        (units.Density, "1.01 g/cm^3", 1010.0),
+        (units.Number, 0.286, 0.286),
+        (units.Number, "5 %", 0.05),
+    ],
+)
+def test_quantities_become_si(kind, given, si):
+    assert TypeAdapter(kind).validate_python(given) == pytest.approx(si, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("kind", "given", "message"),
+    [
+        (units.Length, "2 s", "'2 s' is not convertible to m"),
+        (units.Length, "2", "'2' has no unit"),
+        (units.Length, "two metres", "is not a quantity"),
+        (units.Length, "2 mmm", "is not a quantity"),
+        (units.Pressure, "3 m/s", "is not convertible to Pa"),
+        (units.Length, float("nan"), "finite"),
+        (units.Length, [1.0], "valid number"),
+    ],
+)
+def test_other_input_is_refused_with_a_reason(kind, given, message):
+    with pytest.raises(ValidationError, match=message):
+        TypeAdapter(kind).validate_python(given)
+
+
+@given(st.floats(-1e6, 1e6))
+def test_a_bare_number_passes_unchanged(number):
+    assert TypeAdapter(units.Length).validate_python(number) == number
+
+
+@pytest.mark.parametrize("kind", [units.Length, units.Pressure, units.Density])
+def test_the_unit_stands_in_the_json_schema(kind):
+    unit = TypeAdapter(kind).json_schema()["unit"]
+    assert TypeAdapter(kind).validate_python(f"1 {unit}") == 1.0
