@@ -1,8 +1,18 @@
-"""Surface basis shared by linear, GIMP and CPDI: the grid's plain (bi-, tri-)linear functions at the surface nodes."""
+"""Surface basis shared by linear, GIMP and CPDI: the grid's plain (bi-, tri-)linear functions at the surface
+nodes."""
 
 from __future__ import annotations
 
-from mpmfw.api import FloatArray, Grid, IntArray, ShapeFunction, Stencil, check_inside, empty_stencil, hookimpl
+from mpmfw.api import (
+    FloatArray,
+    Grid,
+    IntArray,
+    ShapeFunction,
+    Stencil,
+    check_inside,
+    empty_stencil,
+    hookimpl,
+)
 from mpmfw.kernels.stencil import fill_linear
 
 

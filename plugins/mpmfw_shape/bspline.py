@@ -19,14 +19,16 @@ from mpmfw.api import (
     hookimpl,
 )
 from mpmfw.kernels import device, kernel, scratch
-from mpmfw.kernels.stencil import cell_coordinate, fill_tensor_product, fits
+from mpmfw.kernels.stencil import fill_tensor_product, fits, read_window
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 
 WIDTH = 3
 
 
 @device
-def quadratic_weights(xi: Float, inverse_h: Float, d: int, base: Floats, weight: Floats, slope: Floats) -> None:
+def quadratic_weights(
+    xi: Float, inverse_h: Float, d: int, base: Floats, weight: Floats, slope: Floats
+) -> None:
     """The three quadratic B-splines whose support holds ``xi`` [cells] along axis ``d``."""
     base[d] = math.floor(xi - 0.5)
     t = xi - base[d]  # 0.5 … 1.5
@@ -51,26 +53,33 @@ def fill_quadratic(
     gradient: Floats,
     spacing: tuple[float, ...],
 ) -> int:
-    """Quadratic B-splines at points; 3**dim entries each. Return the first point outside its window, or −1."""
+    """Quadratic B-splines at points; 3**dim entries each. Return the first point outside its window, or
+    −1."""
     dim = len(spacing)
+    inverse_h = 1.0 / spacing[0]
+    origin = scratch.vector(spacing)
+    shape = scratch.integers(spacing)
     base = scratch.vector(spacing)
     w = scratch.matrix(spacing, (0.0, 0.0, 0.0))
     s = scratch.matrix(spacing, (0.0, 0.0, 0.0))
     for f in range(len(first) - 1):
+        read_window(lower, window_lower, window_shape, f, origin, shape, spacing)
+        start = offset[f]
         for p in range(first[f], first[f + 1]):
             for d in range(dim):
-                xi = cell_coordinate(position[p, d], lower[d], window_lower[f, d], spacing[d])
-                quadratic_weights(xi, 1.0 / spacing[d], d, base, w, s)
-            if not fits(base, WIDTH, window_shape[f], spacing):
+                xi = (position[p, d] - origin[d]) * inverse_h
+                quadratic_weights(xi, inverse_h, d, base, w, s)
+            if not fits(base, WIDTH, shape, spacing):
                 return p
             fill_tensor_product(
-                p * WIDTH**dim, WIDTH, base, w, s, window_shape[f], offset[f], nodes, weight, gradient, spacing
+                p * WIDTH**dim, WIDTH, base, w, s, shape, start, nodes, weight, gradient, spacing
             )
     return -1
 
 
 class BSpline(ShapeFunction):
-    """φ_ip = Π_d B²((x_p − x_i)_d / h): 9 nodes in 2D, 27 in 3D; surfaces are mapped with the same weights."""
+    """φ_ip = Π_d B²((x_p − x_i)_d / h): 9 nodes in 2D, 27 in 3D; surfaces are mapped with the same
+    weights."""
 
     name = "bspline"
     _surface: Stencil | None = None

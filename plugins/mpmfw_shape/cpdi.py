@@ -7,7 +7,7 @@ import numpy as np
 from mpmfw.api import FloatArray, Grid, Particles, Setup, Stencil, check_inside, empty_stencil, hookimpl
 from mpmfw.kernels import kernel, scratch
 from mpmfw.kernels.small_matrix import invert
-from mpmfw.kernels.stencil import fill_corner
+from mpmfw.kernels.stencil import fill_corner_in_cells, read_window
 from mpmfw.kernels.types import Floats, Indices, Ints
 from mpmfw_shape._bilinear_surface import LinearSurface
 
@@ -29,20 +29,27 @@ def fill_cpdi(
 ) -> int:
     """CPDI functions; 4**dim entries each (2**dim corners, 2**dim nodes round each corner).
 
-    The domain is x_p + R ξ, ξ in [−1, 1]^dim, R = F R_0. With the corners x_c at signs s_c,
-    φ_i = 2^−dim Σ_c N_i(x_c) and ∇φ_i = 2^−dim Σ_c R^−T s_c N_i(x_c): mean and mean gradient over the domain of the
-    function that interpolates N_i linearly between the corners. Return the first point outside its window, or −1.
+    The domain is x_p + R ξ, ξ in [−1, 1]^dim, R = F R_0. With the corners x_c at signs s_c, φ_i = 2^−dim Σ_c
+    N_i(x_c) and ∇φ_i = 2^−dim Σ_c R^−T s_c N_i(x_c): mean and mean gradient over the domain of the function
+    that interpolates N_i linearly between the corners. Return the first point outside its window, or −1.
     """
     dim = len(spacing)
     n_corners = 2**dim
     share = 1.0 / n_corners
+    inverse_h = 1.0 / spacing[0]
+    origin = scratch.vector(spacing)
+    shape = scratch.integers(spacing)
     r = scratch.matrix(spacing, spacing)
     inverse = scratch.matrix(spacing, spacing)
     slope = scratch.vector(spacing)
+    centre = scratch.vector(spacing)
     corner = scratch.vector(spacing)
     for f in range(len(first) - 1):
+        read_window(lower, window_lower, window_shape, f, origin, shape, spacing)
+        start = offset[f]
         for p in range(first[f], first[f + 1]):
             for d in range(dim):
+                centre[d] = (position[p, d] - origin[d]) * inverse_h
                 for e in range(dim):
                     r[d, e] = 0.0
                     for a in range(dim):
@@ -50,26 +57,15 @@ def fill_cpdi(
             invert(r, inverse, spacing)
             for c in range(n_corners):
                 for d in range(dim):
-                    corner[d] = position[p, d]
+                    corner[d] = centre[d]
                     slope[d] = 0.0
                     for e in range(dim):
                         sign = 1.0 if (c >> e) & 1 else -1.0
-                        corner[d] += sign * r[d, e]
+                        corner[d] += sign * r[d, e] * inverse_h
                         slope[d] += sign * share * inverse[e, d]
                 k = (p * n_corners + c) * n_corners
-                if not fill_corner(
-                    k,
-                    corner,
-                    share,
-                    slope,
-                    lower,
-                    window_lower[f],
-                    window_shape[f],
-                    offset[f],
-                    nodes,
-                    weight,
-                    gradient,
-                    spacing,
+                if not fill_corner_in_cells(
+                    k, corner, share, slope, shape, start, nodes, weight, gradient, spacing
                 ):
                     return p
     return -1

@@ -1,4 +1,5 @@
-"""CPDI2: four-cornered particle domains that tile a body without gaps (Sadeghirad, Brannon & Guilkey 2013)."""
+"""CPDI2: four-cornered particle domains that tile a body without gaps (Sadeghirad, Brannon & Guilkey
+2013)."""
 
 from __future__ import annotations
 
@@ -22,7 +23,13 @@ from mpmfw.kernels.types import Float, Floats, Indices, Ints
 from mpmfw_shape._bilinear_surface import LinearSurface
 
 CORNERS = Field(
-    "corners", ("particle", "corner", "axis"), "m", "corners of the domain, counter-clockwise", "particles", "f8", True
+    "corners",
+    ("particle", "corner", "axis"),
+    "m",
+    "corners of the domain, counter-clockwise",
+    "particles",
+    "f8",
+    True,
 )
 
 
@@ -39,8 +46,9 @@ def area_of(corners: Floats) -> Float:
 def corner_share(corners: Floats, c: int, area: Float) -> Float:
     """1/V ∫ M_c dV of the corner's bilinear function M_c; 1/4 for a parallelogram.
 
-    The Jacobian of the map from the unit square is linear along its edges; the integral of M_c over the domain is
-    (4 a_c + 2 a_{c−1} + 2 a_{c+1} + a_{c+2}) / 36, a_c being the Jacobian at corner c (area of its parallelogram).
+    The Jacobian of the map from the unit square is linear along its edges; the integral of M_c over the
+    domain is (4 a_c + 2 a_{c−1} + 2 a_{c+1} + a_{c+2}) / 36, a_c being the Jacobian at corner c (area of its
+    parallelogram).
     """
     total = 0.0
     for other in range(4):
@@ -110,8 +118,8 @@ def move_corners(
 ) -> None:
     """x_c += Δt Σ N_i(x_c) v_i, and x_p = Σ_c w_c x_c with the weights of the moved domain.
 
-    The table holds w_c N_i: dividing by Σ_i of the corner's entries gives N_i back. Points are set to Σ S_i x_i, since
-    otherwise the affine transfer, which turns about x_p, lets linear momentum drift.
+    The table holds w_c N_i: dividing by Σ_i of the corner's entries gives N_i back. Points are set to Σ S_i
+    x_i, since otherwise the affine transfer, which turns about x_p, lets linear momentum drift.
     """
     for p in range(len(position)):
         for c in range(4):

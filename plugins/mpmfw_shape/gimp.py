@@ -19,36 +19,38 @@ from mpmfw.api import (
     hookimpl,
 )
 from mpmfw.kernels import device, kernel, scratch
-from mpmfw.kernels.stencil import cell_coordinate, fill_tensor_product, fits
+from mpmfw.kernels.stencil import fill_tensor_product, fits, read_window
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 from mpmfw_shape._bilinear_surface import LinearSurface
 
 WIDTH = 3
-HALF_LENGTH = Field("half_length", ("particle",), "m", "half the edge of the particle's square domain, l_p = V_p0^(1/dim) / 2")
+HALF_LENGTH = Field(
+    "half_length", ("particle",), "m", "half the edge of the particle's square domain, l_p = V_p0^(1/dim) / 2"
+)
 
 
 @device
 def gimp_weights(
     xi: Float, l: Float, inverse_h: Float, d: int, base: Floats, weight: Floats, slope: Floats
 ) -> None:
-    """The three functions S_i(ξ) = 1/(2 l) ∫ N_i over [ξ − l, ξ + l], all lengths in cells, l ≤ 1/2."""
-    base[d] = math.floor(xi - 0.5)
-    for a in range(WIDTH):
-        t = xi - base[d] - a
-        distance = abs(t)
-        sign = 1.0 if t > 0.0 else -1.0
-        if distance < l:
-            weight[d, a] = 1.0 - (t * t + l * l) / (2.0 * l)
-            slope[d, a] = -t / l * inverse_h
-        elif distance < 1.0 - l:
-            weight[d, a] = 1.0 - distance
-            slope[d, a] = -sign * inverse_h
-        elif distance < 1.0 + l:
-            weight[d, a] = (1.0 + l - distance) ** 2 / (4.0 * l)
-            slope[d, a] = -sign * (1.0 + l - distance) / (2.0 * l) * inverse_h
-        else:
-            weight[d, a] = 0.0
-            slope[d, a] = 0.0
+    """The three functions S_i(ξ) = 1/(2 l) ∫ N_i over [ξ − l, ξ + l], all lengths in cells, l ≤ 1/2.
+
+    The domain begins at u in the cell of the first node, covers a length a of it and reaches a length b into
+    the next cell; a + b = 2 l. The integrals of the two hat functions over either part need no case
+    distinction.
+    """
+    base[d] = math.floor(xi - l)
+    u = xi - l - base[d]
+    b = max(u + 2.0 * l - 1.0, 0.0)
+    a = 2.0 * l - b
+    share = 0.5 / l
+    rise = a * (u + 0.5 * a)
+    weight[d, 0] = (a - rise) * share
+    weight[d, 1] = (rise + b - 0.5 * b * b) * share
+    weight[d, 2] = 0.5 * b * b * share
+    slope[d, 0] = -a * share * inverse_h
+    slope[d, 1] = (a - b) * share * inverse_h
+    slope[d, 2] = b * share * inverse_h
 
 
 @kernel
@@ -65,20 +67,26 @@ def fill_gimp(
     gradient: Floats,
     spacing: tuple[float, ...],
 ) -> int:
-    """uGIMP functions of square particles; 3**dim entries each. Return the first point outside its window, or −1."""
+    """uGIMP functions of square particles; 3**dim entries each. Return the first point outside its window, or
+    −1."""
     dim = len(spacing)
+    inverse_h = 1.0 / spacing[0]
+    origin = scratch.vector(spacing)
+    shape = scratch.integers(spacing)
     base = scratch.vector(spacing)
     w = scratch.matrix(spacing, (0.0, 0.0, 0.0))
     s = scratch.matrix(spacing, (0.0, 0.0, 0.0))
     for f in range(len(first) - 1):
+        read_window(lower, window_lower, window_shape, f, origin, shape, spacing)
+        start = offset[f]
         for p in range(first[f], first[f + 1]):
             for d in range(dim):
-                xi = cell_coordinate(position[p, d], lower[d], window_lower[f, d], spacing[d])
-                gimp_weights(xi, half_length[p] / spacing[d], 1.0 / spacing[d], d, base, w, s)
-            if not fits(base, WIDTH, window_shape[f], spacing):
+                xi = (position[p, d] - origin[d]) * inverse_h
+                gimp_weights(xi, half_length[p] * inverse_h, inverse_h, d, base, w, s)
+            if not fits(base, WIDTH, shape, spacing):
                 return p
             fill_tensor_product(
-                p * WIDTH**dim, WIDTH, base, w, s, window_shape[f], offset[f], nodes, weight, gradient, spacing
+                p * WIDTH**dim, WIDTH, base, w, s, shape, start, nodes, weight, gradient, spacing
             )
     return -1
 
@@ -102,8 +110,8 @@ class Gimp(LinearSurface):
         self.half_length[:] = 0.5 * particles.initial_volume ** (1.0 / setup.dim)
         if self.half_length.max() > 0.5 * setup.cell_size * (1.0 + 1e-9):
             raise SceneError(
-                f"shape 'gimp': a particle of edge {2 * self.half_length.max():.4g} m is larger than the cell "
-                f"({setup.cell_size:.4g} m); expected bodies.*.particles.size <= grid.cell_size"
+                f"shape 'gimp': a particle of edge {2 * self.half_length.max():.4g} m is larger than the "
+                f"cell ({setup.cell_size:.4g} m); expected bodies.*.particles.size <= grid.cell_size"
             )
         self.table = empty_stencil(particles.count, WIDTH**setup.dim, setup.dim)
 

@@ -10,7 +10,8 @@ from mpmfw_shape._bilinear_surface import LinearSurface
 
 
 class Linear(LinearSurface):
-    """φ_ip = N_i(x_p): 4 nodes in 2D, 8 in 3D. ∇φ jumps at cell faces ("grid-crossing noise"); MUSL is the stable scheme."""
+    """φ_ip = N_i(x_p): 4 nodes in 2D, 8 in 3D. ∇φ jumps at cell faces ("grid-crossing noise"); MUSL is the
+    stable scheme."""
 
     name = "linear"
     massless_boundary = True

@@ -106,23 +106,15 @@ struct BSpline {
 struct Gimp {
     static constexpr int width = 3;
     static double weights(double xi, double l, double inverse_h, double w[3], double s[3]) {
-        const double base = std::floor(xi - 0.5);
-        for (int a = 0; a < 3; a++) {
-            const double t = xi - base - a, distance = std::fabs(t), sign = t > 0.0 ? 1.0 : -1.0;
-            if (distance < l) {
-                w[a] = 1.0 - (t * t + l * l) / (2.0 * l);
-                s[a] = -t / l * inverse_h;
-            } else if (distance < 1.0 - l) {
-                w[a] = 1.0 - distance;
-                s[a] = -sign * inverse_h;
-            } else if (distance < 1.0 + l) {
-                w[a] = (1.0 + l - distance) * (1.0 + l - distance) / (4.0 * l);
-                s[a] = -sign * (1.0 + l - distance) / (2.0 * l) * inverse_h;
-            } else {
-                w[a] = 0.0;
-                s[a] = 0.0;
-            }
-        }
+        const double base = std::floor(xi - l), u = xi - l - base;
+        const double b = std::fmax(u + 2.0 * l - 1.0, 0.0), a = 2.0 * l - b;
+        const double share = 0.5 / l, rise = a * (u + 0.5 * a);
+        w[0] = (a - rise) * share;
+        w[1] = (rise + b - 0.5 * b * b) * share;
+        w[2] = 0.5 * b * b * share;
+        s[0] = -a * share * inverse_h;
+        s[1] = (a - b) * share * inverse_h;
+        s[2] = b * share * inverse_h;
         return base;
     }
 };
@@ -236,7 +228,8 @@ inline void axes(F f) {
     if constexpr (D == 3) f(2);
 }
 
-template <int D, int E>
+// Affine field B D^-1, or the velocity gradient itself where D can be singular (linear shape functions).
+template <int D, int E, bool LeastSquares>
 void gather(Problem& x) {
     const double *__restrict node_position = x.node_position, *__restrict node_velocity = x.node_velocity,
                  *__restrict start_velocity = x.start_velocity, *__restrict gradient = x.gradient;
@@ -254,8 +247,10 @@ void gather(Problem& x) {
                 increment[d] += phi * (v_i - start_velocity[i * D + d]);
                 axes<D>([&](int e) {
                     l[d][e] += v_i * gradient[k * D + e];
-                    moment[d][e] += phi_v * q[e];
-                    if (e >= d) spread[d][e] += phi_q * q[e];
+                    if constexpr (LeastSquares) {
+                        moment[d][e] += phi_v * q[e];
+                        if (e >= d) spread[d][e] += phi_q * q[e];
+                    }
                 });
             });
         }
@@ -264,13 +259,16 @@ void gather(Problem& x) {
                 if (e < d) spread[d][e] = spread[e][d];
             });
         });
-        invert<D>(spread, inverse);
+        if constexpr (LeastSquares) invert<D>(spread, inverse);
         axes<D>([&](int d) {
             x.velocity[p * D + d] = x.flip * (x.velocity[p * D + d] + increment[d]) + (1.0 - x.flip) * v[d];
             x.position[p * D + d] = xp[d] + x.dt * v[d];
             axes<D>([&](int e) {
-                double c = 0.0;
-                axes<D>([&](int a) { c += moment[d][a] * inverse[a][e]; });
+                double c = l[d][e];
+                if constexpr (LeastSquares) {
+                    c = 0.0;
+                    axes<D>([&](int a) { c += moment[d][a] * inverse[a][e]; });
+                }
                 x.affine[(p * D + d) * D + e] = c;
                 x.velocity_gradient[(p * D + d) * D + e] = l[d][e];
             });
@@ -315,7 +313,7 @@ void update_deformation(Problem& x) {
     }
 }
 
-// Compressible neo-Hookean solid: sigma = (lambda ln J + ... ) as in the material plug-in; see neo_hookean below.
+// Compressible neo-Hookean solid, sigma = [G (b - 1) + lambda ln J 1] / J with b = F F^T.
 template <int D>
 void update_stress(Problem& x) {
     const double lambda = x.bulk - 2.0 / 3.0 * x.shear;
@@ -362,24 +360,24 @@ void integrate_nodes(Problem& x) {
 
 }  // namespace
 
-#define STAGES_OF(shape, fill, D, E)                                                  \
-    extern "C" void shape##_##D##_shape(Problem* x) { fill(*x); }                      \
-    extern "C" void shape##_##D##_projection(Problem* x) {                             \
-        reset_nodes<D>(*x);                                                            \
-        project<D, E>(*x);                                                             \
-        start_velocity<D>(*x);                                                         \
-    }                                                                                  \
-    extern "C" void shape##_##D##_force(Problem* x) {                                  \
-        internal_force<D, E>(*x);                                                      \
-        integrate_nodes<D>(*x);                                                        \
-    }                                                                                  \
-    extern "C" void shape##_##D##_gather(Problem* x) {                                 \
-        gather<D, E>(*x);                                                              \
-        transport_affine<D>(*x);                                                       \
-    }                                                                                  \
-    extern "C" void shape##_##D##_material(Problem* x) {                               \
-        update_deformation<D>(*x);                                                     \
-        update_stress<D>(*x);                                                          \
+#define STAGES_OF(shape, fill, D, E)                                                \
+    extern "C" void shape##_##D##_shape(Problem* x) { fill(*x); }                   \
+    extern "C" void shape##_##D##_projection(Problem* x) {                          \
+        reset_nodes<D>(*x);                                                         \
+        project<D, E>(*x);                                                          \
+        start_velocity<D>(*x);                                                      \
+    }                                                                               \
+    extern "C" void shape##_##D##_force(Problem* x) {                               \
+        internal_force<D, E>(*x);                                                   \
+        integrate_nodes<D>(*x);                                                     \
+    }                                                                               \
+    extern "C" void shape##_##D##_gather(Problem* x) {                              \
+        gather<D, E, (E > power(2, D))>(*x);                                        \
+        transport_affine<D>(*x);                                                    \
+    }                                                                               \
+    extern "C" void shape##_##D##_material(Problem* x) {                            \
+        update_deformation<D>(*x);                                                  \
+        update_stress<D>(*x);                                                       \
     }
 
 STAGES_OF(linear, (fill_tensor<Linear, 2>), 2, 4)

@@ -1,23 +1,29 @@
 """Compilation of kernels: one set of options, and a disk cache that notices every edit.
 
-numba's cache is keyed by the file that holds the kernel and misses an edit in a file that it imports (stale callers), and its
-key leaves out options such as ``nogil``. The cache folder is therefore named by a hash of all kernel sources: those of
-``mpmfw.kernels`` and of the top-level package that the kernel stands in.
+numba's cache is keyed by the file that holds the kernel and misses an edit in a file that it imports (stale
+callers), and its key leaves out options such as ``nogil``. The cache folder is therefore named by a hash of
+the options and of all sources that a kernel can be made of: those of ``mpmfw.kernels`` and of the kernel's
+own package.
 """
 
 from __future__ import annotations
 
+import atexit
 import functools
 import hashlib
 import os
+import shutil
 import sys
+import tempfile
+import uuid
 from collections.abc import Callable
 from pathlib import Path
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 import numba
 import platformdirs
 from numba.core import config
+from numba.extending import intrinsic as numba_intrinsic
 
 Params = ParamSpec("Params")
 Result = TypeVar("Result")
@@ -25,41 +31,111 @@ Result = TypeVar("Result")
 #: ``fastmath`` stays off (results are bitwise repeatable); division by zero gives inf, as in NumPy.
 OPTIONS = {"nogil": True, "error_model": "numpy", "fastmath": False, "boundscheck": False}
 
+# numba's annotations differ between versions.
+_njit: Any = numba.njit
+_config: Any = config
+_intrinsic: Any = numba_intrinsic
+
 
 @functools.cache
-def _hash_of(package: Path) -> str:
-    """Hash of every Python file below ``package``, names and contents."""
+def _hash_of(folder: Path) -> str:
+    """Hash of every Python file below ``folder``, names and contents."""
     digest = hashlib.sha256()
-    for source in sorted(package.rglob("*.py")):
-        digest.update(source.relative_to(package).as_posix().encode())
+    for source in sorted(folder.rglob("*.py")):
+        digest.update(source.relative_to(folder).as_posix().encode())
         digest.update(source.read_bytes())
     return digest.hexdigest()
 
 
+def _own_sources(module: str) -> Path | None:
+    """Folder of the sources, next to the kernels', that ``module`` may build its kernels of; None for a lone
+    file.
+
+    That is the plug-in's whole package, and within ``mpmfw`` the module's own folder: an edit elsewhere in
+    the core cannot reach a kernel.
+    """
+    top = module.partition(".")[0]
+    file = getattr(sys.modules.get(module if top == "mpmfw" else top), "__file__", None)
+    if file is None or (top != "mpmfw" and Path(file).name != "__init__.py"):
+        return None
+    return Path(file).parent
+
+
+@functools.cache
+def _temporary_root() -> Path:
+    """A folder of this process alone, where none that lasts can be written."""
+    root = Path(tempfile.mkdtemp(prefix="mpmfw-kernels-"))
+    atexit.register(shutil.rmtree, root, ignore_errors=True)
+    return root
+
+
+@functools.cache
+def _writable(root: Path) -> bool:
+    """Whether files can be made in ``root``, which is made if need be."""
+    try:
+        root.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=root):
+            return True
+    except OSError:
+        return False
+
+
 def cache_folder(module: str) -> Path:
-    """Folder of the compiled kernels of ``module``; ``NUMBA_CACHE_DIR``, if set, is its parent."""
-    root = Path(os.environ.get("NUMBA_CACHE_DIR") or platformdirs.user_cache_path("mpmfw") / "kernels")
-    own = Path(__file__).parent
-    top = sys.modules[module.partition(".")[0]].__file__
-    hashes = [_hash_of(own)]
-    if top is not None and Path(top).name == "__init__.py" and module.partition(".")[0] != "mpmfw":
-        hashes.append(_hash_of(Path(top).parent))
+    """Folder of the compiled kernels of ``module``; ``NUMBA_CACHE_DIR``, if set, is its parent.
+
+    Where that cannot be written (a read-only home), kernels are compiled once per process, into a temporary
+    folder.
+    """
+    given = os.environ.get("NUMBA_CACHE_DIR")
+    root = Path(given) if given else platformdirs.user_cache_path("mpmfw") / "kernels"
+    if not _writable(root):
+        root = _temporary_root()
+    folders = (Path(__file__).parent, _own_sources(module))
+    hashes = [_hash_of(folder) for folder in folders if folder is not None]
     key = hashlib.sha256(repr((hashes, OPTIONS, numba.__version__)).encode()).hexdigest()
     return root / key[:16]
 
 
+@functools.cache
+def _token(process: int) -> str:  # noqa: ARG001
+    """A name that no other process has, nor one forked from this."""
+    return uuid.uuid4().hex[:12]
+
+
+def _name_data_by_process(compiled: Any) -> None:
+    """Give the files of compiled code names that no other process chooses.
+
+    numba numbers them by what it finds in its index: of two processes that compile different signatures at
+    the same time both take the same number, and later ones load the code of the wrong signature.
+    """
+    cache = getattr(compiled, "_cache", None)  # none where compilation is disabled
+    if cache is not None:
+        files = cache._cache_file
+        stem = files._index_name.removesuffix(".nbi")
+        files._data_name = lambda number: f"{stem}.{number}-{_token(os.getpid())}.nbc"
+
+
 def kernel(function: Callable[Params, Result]) -> Callable[Params, Result]:
     """Compile ``function`` with numba at its first call, kept on disk between processes."""
-    previous = config.CACHE_DIR
-    config.CACHE_DIR = str(cache_folder(function.__module__))
+    previous = _config.CACHE_DIR
+    _config.CACHE_DIR = str(cache_folder(function.__module__))
     try:
-        compiled: Callable[Params, Result] = numba.njit(cache=True, **OPTIONS)(function)
+        compiled: Callable[Params, Result] = _njit(cache=True, **OPTIONS)(function)
     finally:
-        config.CACHE_DIR = previous
+        _config.CACHE_DIR = previous
+    _name_data_by_process(compiled)
     return compiled
 
 
 def device(function: Callable[Params, Result]) -> Callable[Params, Result]:
-    """Compile ``function`` to be called from kernels alone; it is compiled into its callers and needs no cache entry."""
-    compiled: Callable[Params, Result] = numba.njit(**OPTIONS)(function)
+    """Compile ``function`` to be called from kernels alone: compiled into its callers, without a cache
+    entry."""
+    compiled: Callable[Params, Result] = _njit(**OPTIONS)(function)
+    return compiled
+
+
+def intrinsic(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A function of kernels that emits its own code; callers leave out the first argument, the typing
+    context."""
+    compiled: Callable[..., Any] = _intrinsic(function)
     return compiled

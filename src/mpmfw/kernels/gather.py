@@ -28,12 +28,13 @@ def gather(
     dt: float,
     spacing: tuple[float, ...],
 ) -> None:
-    """Velocity, position, velocity gradient and affine field of every material point, in one pass over the table.
+    """Velocity, position, velocity gradient and affine field of every material point, in one pass over the
+    table.
 
-    v_p ← flip (v_p + Σ φ (v_i − v_i⁰)) + (1 − flip) Σ φ v_i,  x_p ← x_p + Δt Σ φ v_i,  L_p = Σ v_i ∇φᵀ.
-    v_i⁰ is the velocity as projected, so that forces, contact, inertia correction and boundary conditions all reach v_p.
-    With q = x_i − x_p at the old position, B_p = Σ φ v_i qᵀ and D_p = Σ φ q qᵀ, the affine field becomes B_p D_p⁻¹ if
-    ``least_squares``, else B_p; it is left out where ``affine`` is None.
+    v_p ← flip (v_p + Σ φ (v_i − v_i⁰)) + (1 − flip) Σ φ v_i,  x_p ← x_p + Δt Σ φ v_i,  L_p = Σ v_i ∇φᵀ. v_i⁰
+    is the velocity as projected, so that forces, contact, inertia correction and boundary conditions all
+    reach v_p. With q = x_i − x_p at the old position, B_p = Σ φ v_i qᵀ and D_p = Σ φ q qᵀ, the affine field
+    becomes B_p D_p⁻¹ if ``least_squares``, else B_p; it is left out where ``affine`` is None.
     """
     dim = len(spacing)
     x = scratch.vector(spacing)
@@ -134,8 +135,8 @@ def _add_identity_scaled(a: Floats, factor: float, out: Floats, spacing: tuple[f
 def transport_affine(affine: Floats, dt: float, spacing: tuple[float, ...]) -> None:
     """C ← C (1 + Δt C)⁻¹: the gradient of the same material velocity field after the points moved.
 
-    A field v(x) = C x carried along x ← (1 + Δt C) x has, at the new positions, the gradient C (1 + Δt C)⁻¹. Without it a
-    spinning disc loses angular momentum at second order in Δt every step.
+    A field v(x) = C x carried along x ← (1 + Δt C) x has, at the new positions, the gradient C (1 + Δt C)⁻¹.
+    Without it a spinning disc loses angular momentum at second order in Δt every step.
     """
     dim = len(spacing)
     c = scratch.matrix(spacing, spacing)
@@ -164,7 +165,8 @@ def update_deformation(
     dt: float,
     spacing: tuple[float, ...],
 ) -> int:
-    """F ← (1 + Δt L) F and V = det(F) V_0; return the first point whose det F is not positive (NaN included), or −1."""
+    """F ← (1 + Δt L) F and V = det(F) V_0; return the first point whose det F is not positive (NaN included),
+    or −1."""
     dim = len(spacing)
     f = scratch.matrix(spacing, spacing)
     motion = scratch.matrix(spacing, spacing)

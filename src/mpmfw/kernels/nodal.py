@@ -7,7 +7,9 @@ from mpmfw.kernels.types import Floats
 
 
 @kernel
-def velocity_of_momentum(mass: Floats, momentum: Floats, velocity: Floats, spacing: tuple[float, ...]) -> None:
+def velocity_of_momentum(
+    mass: Floats, momentum: Floats, velocity: Floats, spacing: tuple[float, ...]
+) -> None:
     """v_i = (m v)_i / m_i where there is mass, else 0."""
     dim = len(spacing)
     for i in range(len(mass)):
@@ -17,7 +19,9 @@ def velocity_of_momentum(mass: Floats, momentum: Floats, velocity: Floats, spaci
 
 
 @kernel
-def integrate_momentum(mass: Floats, momentum: Floats, force: Floats, dt: float, spacing: tuple[float, ...]) -> None:
+def integrate_momentum(
+    mass: Floats, momentum: Floats, force: Floats, dt: float, spacing: tuple[float, ...]
+) -> None:
     """(m v)_i += Δt f_i; nodes without mass stay at rest."""
     dim = len(spacing)
     for i in range(len(mass)):

@@ -1,7 +1,7 @@
 """Geometry of two-node segments and closed polylines in the plane.
 
-Orientation: the material lies on the left of the direction of travel, so that the outward unit normal of a segment with unit
-tangent e_t is e_n = (e_t,y, −e_t,x).
+Orientation: the material lies on the left of the direction of travel, so that the outward unit normal of a
+segment with unit tangent e_t is e_n = (e_t,y, −e_t,x).
 """
 
 from __future__ import annotations
@@ -36,15 +36,18 @@ def signed_distance(
 ) -> tuple[Float, Float, Float, Float]:
     """Distance of a point from segment ``a`` of a closed polyline, negative inside the material.
 
-    Where the closest point is an end of the segment, the pseudo-normal there (sum of both segments' normals) decides inside
-    or outside, and nothing else; the direction is that of x − x_end, along which an action and its reaction leave no moment.
+    Where the closest point is an end of the segment, the pseudo-normal there (sum of both segments' normals)
+    decides inside or outside, and nothing else; the direction is that of x − x_end, along which an action and
+    its reaction leave no moment.
 
     Returns
     -------
     Signed distance g [m], ξ limited to 0 … 1, and the unit direction e_n: x = x_closest + g e_n.
     """
     b = following[a]
-    xi, gap, _, tx, ty = segment_coordinate(x, y, position[a, 0], position[a, 1], position[b, 0], position[b, 1])
+    xi, gap, _, tx, ty = segment_coordinate(
+        x, y, position[a, 0], position[a, 1], position[b, 0], position[b, 1]
+    )
     nx, ny = ty, -tx
     if xi > 0.0 and xi < 1.0:
         return gap, xi, nx, ny
@@ -87,7 +90,8 @@ def minimum_gap(
 
 @kernel
 def bounding_boxes(first: Ints, position: Floats, lower: Floats, upper: Floats) -> None:
-    """Bounding box of the nodes ``first[b]:first[b + 1]`` of every body b; an empty range gives an empty box."""
+    """Bounding box of the nodes ``first[b]:first[b + 1]`` of every body b; an empty range gives an empty
+    box."""
     for b in range(len(first) - 1):
         for d in range(2):
             low, high = math.inf, -math.inf

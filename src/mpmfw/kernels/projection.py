@@ -44,7 +44,8 @@ def project_mass_momentum(
     node_momentum: Floats,
     spacing: tuple[float, ...],
 ) -> None:
-    """m_i += Σ_p φ_ip m_p and (m v)_i += Σ_p φ_ip m_p (v_p + C_p (x_i − x_p)); C_p is left out where ``affine`` is None."""
+    """m_i += Σ_p φ_ip m_p and (m v)_i += Σ_p φ_ip m_p (v_p + C_p (x_i − x_p)); C_p is left out where
+    ``affine`` is None."""
     dim = len(spacing)
     v = scratch.matrix((0.0,), spacing)
     v_i = scratch.matrix((0.0,), spacing)

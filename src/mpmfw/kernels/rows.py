@@ -1,9 +1,10 @@
 """Arithmetic on short rows: ``out[i, :] += factor other[j, :]`` as one operation.
 
-Written as a loop over ``range(dim)``, the same sum costs 1.3 to 2 times as much: numba multiplies by a row length that is known
-at run time alone, asks of every index whether it counts from the end, and leaves neighbouring components in separate registers.
-Here the row length is that of a tuple and therefore known to the compiler, indices are taken as they are (no negative ones),
-and rows of two components are one vector register; rows of three stay scalars, which is faster than a padded vector.
+Written as a loop over ``range(dim)``, the same sum costs 1.3 to 2 times as much: numba multiplies by a row
+length that is known at run time alone, asks of every index whether it counts from the end, and leaves
+neighbouring components in separate registers. Here the row length is that of a tuple and therefore known to
+the compiler, indices are taken as they are (no negative ones), and rows of two components are one vector
+register; rows of three stay scalars, which is faster than a padded vector.
 
 ``out`` and ``other`` are C-contiguous, of shape ``(n, len(spacing))``.
 """
@@ -12,19 +13,26 @@ from __future__ import annotations
 
 from typing import Any
 
-from llvmlite import ir
+from llvmlite import ir  # type: ignore[import-untyped]
 from numba.core import types
-from numba.extending import intrinsic
-from numba.np.arrayobj import make_array
+from numba.np import arrayobj
+
+from mpmfw.kernels._jit import intrinsic
+
+_arrayobj: Any = arrayobj  # numba has no annotations here
 
 #: Row length that is one vector register.
 VECTOR = 2
 
 
-def _row_pointer(context: Any, builder: Any, array_type: Any, array: Any, index_type: Any, index: Any, width: int) -> Any:
+def _row_pointer(
+    context: Any, builder: Any, array_type: Any, array: Any, index_type: Any, index: Any, width: int
+) -> Any:
     """Address of row ``index``: as one vector, or as its first component."""
-    data = make_array(array_type)(context, builder, array).data
-    first = builder.mul(context.cast(builder, index, index_type, types.intp), ir.Constant(ir.IntType(64), width))
+    data = _arrayobj.make_array(array_type)(context, builder, array).data
+    first = builder.mul(
+        context.cast(builder, index, index_type, types.intp), ir.Constant(ir.IntType(64), width)
+    )
     pointer = builder.gep(data, [first])
     if width != VECTOR:
         return pointer
@@ -66,8 +74,8 @@ def _check(out: Any, other: Any) -> None:
             raise TypeError(f"rows of {array}: expected a C-contiguous array of float64")
 
 
-@intrinsic  # type: ignore[untyped-decorator]
-def add_scaled_row(typingctx: Any, out: Any, i: Any, factor: Any, other: Any, j: Any, spacing: Any) -> Any:
+@intrinsic
+def add_scaled_row(_typing: Any, out: Any, i: Any, factor: Any, other: Any, j: Any, spacing: Any) -> Any:
     """``out[i, :] += factor * other[j, :]``; the length of ``spacing`` is that of a row."""
     _check(out, other)
 
@@ -77,8 +85,8 @@ def add_scaled_row(typingctx: Any, out: Any, i: Any, factor: Any, other: Any, j:
     return types.void(out, i, factor, other, j, spacing), codegen
 
 
-@intrinsic  # type: ignore[untyped-decorator]
-def set_scaled_row(typingctx: Any, out: Any, i: Any, factor: Any, other: Any, j: Any, spacing: Any) -> Any:
+@intrinsic
+def set_scaled_row(_typing: Any, out: Any, i: Any, factor: Any, other: Any, j: Any, spacing: Any) -> Any:
     """``out[i, :] = factor * other[j, :]``; the length of ``spacing`` is that of a row."""
     _check(out, other)
 

@@ -1,11 +1,11 @@
 """Small scratch arrays on the stack of a kernel.
 
-``np.empty`` within a loop over particles allocates on the heap and, since numba cannot tell LLVM that arrays do not overlap,
-keeps sums in memory. An array on the stack whose address never escapes is promoted to registers once its loops are unrolled,
-so that loops over ``range(dim)`` cost what hand-written scalars do.
+``np.empty`` within a loop over particles allocates on the heap and, since numba cannot tell LLVM that arrays
+do not overlap, keeps sums in memory. An array on the stack whose address never escapes is promoted to
+registers once its loops are unrolled, so that loops over ``range(dim)`` cost what hand-written scalars do.
 
-The shape is given by tuples, whose length is part of their type and therefore known to the compiler. The contents are
-undefined until written. The arrays must not be returned or stored.
+The shape is given by tuples, whose length is part of their type and therefore known to the compiler. The
+contents are undefined until written. The arrays must not be returned or stored.
 """
 
 from __future__ import annotations
@@ -13,10 +13,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from llvmlite import ir
+from llvmlite import ir  # type: ignore[import-untyped]
 from numba.core import types
-from numba.extending import intrinsic
-from numba.np.arrayobj import make_array, populate_array
+from numba.np import arrayobj
+
+from mpmfw.kernels._jit import intrinsic
+
+_arrayobj: Any = arrayobj  # numba has no annotations here
 
 
 def _stack_array(context: Any, builder: Any, array_type: Any, shape: tuple[int, ...]) -> Any:
@@ -25,9 +28,9 @@ def _stack_array(context: Any, builder: Any, array_type: Any, shape: tuple[int, 
     item, intp = context.get_data_type(array_type.dtype), context.get_value_type(types.intp)
     with builder.goto_entry_block():
         data = builder.alloca(ir.ArrayType(item, count))
-    array = make_array(array_type)(context, builder)
+    array = _arrayobj.make_array(array_type)(context, builder)
     strides = [8 * int(np.prod(shape[axis + 1 :])) for axis in range(len(shape))]
-    populate_array(
+    _arrayobj.populate_array(
         array,
         data=builder.bitcast(data, item.as_pointer()),
         shape=[ir.Constant(intp, extent) for extent in shape],
@@ -38,35 +41,37 @@ def _stack_array(context: Any, builder: Any, array_type: Any, shape: tuple[int, 
     return array._getvalue()
 
 
-@intrinsic  # type: ignore[untyped-decorator]
-def vector(typingctx: Any, like: Any) -> Any:
+@intrinsic
+def vector(_typing: Any, like: Any) -> Any:
     """Scratch vector of shape ``(len(like),)``."""
     array_type = types.Array(types.float64, 1, "C")
 
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+    def codegen(context: Any, builder: Any, signature: Any, _args: Any) -> Any:
         return _stack_array(context, builder, signature.return_type, (len(signature.args[0]),))
 
     return array_type(like), codegen
 
 
-@intrinsic  # type: ignore[untyped-decorator]
-def integers(typingctx: Any, like: Any) -> Any:
+@intrinsic
+def integers(_typing: Any, like: Any) -> Any:
     """Scratch vector of int64, of shape ``(len(like),)``."""
     array_type = types.Array(types.int64, 1, "C")
 
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+    def codegen(context: Any, builder: Any, signature: Any, _args: Any) -> Any:
         return _stack_array(context, builder, signature.return_type, (len(signature.args[0]),))
 
     return array_type(like), codegen
 
 
-@intrinsic  # type: ignore[untyped-decorator]
-def matrix(typingctx: Any, rows: Any, columns: Any) -> Any:
+@intrinsic
+def matrix(_typing: Any, rows: Any, columns: Any) -> Any:
     """Scratch matrix of shape ``(len(rows), len(columns))``."""
     array_type = types.Array(types.float64, 2, "C")
 
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return _stack_array(context, builder, signature.return_type, tuple(len(arg) for arg in signature.args))
+    def codegen(context: Any, builder: Any, signature: Any, _args: Any) -> Any:
+        return _stack_array(
+            context, builder, signature.return_type, tuple(len(arg) for arg in signature.args)
+        )
 
     return array_type(rows, columns), codegen
 

@@ -1,4 +1,5 @@
-"""Determinant and inverse of 2×2 and 3×3 matrices, written out: a library call costs more than the arithmetic."""
+"""Determinant and inverse of 2×2 and 3×3 matrices, written out: a library call costs more than the
+arithmetic."""
 
 from __future__ import annotations
 

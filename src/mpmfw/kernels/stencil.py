@@ -4,9 +4,32 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device, kernel
+from mpmfw.kernels.rows import set_scaled_row
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
+
+
+@device
+def read_window(
+    lower: Floats,
+    window_lower: Ints,
+    window_shape: Ints,
+    f: int,
+    origin: Floats,
+    shape: Ints,
+    spacing: tuple[float, ...],
+) -> None:
+    """Position of the first node of velocity field ``f``'s window [m] and its number of nodes, kept on the
+    stack.
+
+    There the compiler knows that writing to the table does not change them.
+    """
+    for d in range(len(spacing)):
+        origin[d] = lower[d] + window_lower[f, d] * spacing[d]
+        shape[d] = window_shape[f, d]
 
 
 @device
@@ -31,9 +54,10 @@ def fill_tensor_product(
 ) -> None:
     """Write the ``width**dim`` entries of one point from ``k`` on.
 
-    N = Π_d w_d and ∂N/∂x_e = w'_e Π_{d≠e} w_d, where ``weight[d, a]`` is w_d of node ``base[d] + a`` and ``slope`` its
-    derivative [1/m]. ``gradients`` of length 0 are not written. ``shape`` is the window's number of nodes. The nested loops
-    are written out for each dimension: this is the one place where that is three times as fast as counting digits.
+    N = Π_d w_d and ∂N/∂x_e = w'_e Π_{d≠e} w_d, where ``weight[d, a]`` is w_d of node ``base[d] + a`` and
+    ``slope`` its derivative [1/m]. ``gradients`` of length 0 are not written. ``shape`` is the window's
+    number of nodes. The nested loops are written out for each dimension: this is the one place where that is
+    three times as fast as counting digits.
     """
     node = 0
     for d in range(len(spacing)):
@@ -42,23 +66,31 @@ def fill_tensor_product(
     if len(spacing) == 2:
         for a in range(width):
             for b in range(width):
-                nodes[k] = node + a * shape[1] + b
-                values[k] = weight[0, a] * weight[1, b]
-                if len(gradients) > 0:
-                    gradients[k, 0] = slope[0, a] * weight[1, b]
-                    gradients[k, 1] = weight[0, a] * slope[1, b]
-                k += 1
+                entry = np.uint64(k + a * width + b)
+                nodes[entry] = node + a * shape[1] + b
+                values[entry] = weight[0, a] * weight[1, b]
+        if len(gradients) > 0:
+            for a in range(width):
+                for b in range(width):
+                    entry = np.uint64(k + a * width + b)
+                    gradients[entry, 0] = slope[0, a] * weight[1, b]
+                    gradients[entry, 1] = weight[0, a] * slope[1, b]
     else:
         for a in range(width):
             for b in range(width):
+                n_ab, along_a, along_b = (
+                    weight[0, a] * weight[1, b],
+                    slope[0, a] * weight[1, b],
+                    weight[0, a] * slope[1, b],
+                )
                 for c in range(width):
-                    nodes[k] = node + (a * shape[1] + b) * shape[2] + c
-                    values[k] = weight[0, a] * weight[1, b] * weight[2, c]
+                    entry = np.uint64(k + (a * width + b) * width + c)
+                    nodes[entry] = node + (a * shape[1] + b) * shape[2] + c
+                    values[entry] = n_ab * weight[2, c]
                     if len(gradients) > 0:
-                        gradients[k, 0] = slope[0, a] * weight[1, b] * weight[2, c]
-                        gradients[k, 1] = weight[0, a] * slope[1, b] * weight[2, c]
-                        gradients[k, 2] = weight[0, a] * weight[1, b] * slope[2, c]
-                    k += 1
+                        gradients[entry, 0] = along_a * weight[2, c]
+                        gradients[entry, 1] = along_b * weight[2, c]
+                        gradients[entry, 2] = n_ab * slope[2, c]
 
 
 @device
@@ -76,33 +108,54 @@ def fill_corner(
     gradients: Floats,
     spacing: tuple[float, ...],
 ) -> bool:
-    """Write the 2**dim entries of one corner of a particle's domain: weight ``share`` N_i and gradient ``slope`` N_i.
+    """Write the 2**dim entries of a corner at ``corner`` [m], as :func:`fill_corner_in_cells` does."""
+    xi = scratch.vector(spacing)
+    for d in range(len(spacing)):
+        xi[d] = cell_coordinate(corner[d], lower[d], window_lower[d], spacing[d])
+    return fill_corner_in_cells(k, xi, share, slope, shape, offset, nodes, values, gradients, spacing)
 
-    Return whether the corner lies in the window; nothing is written if not.
+
+@device
+def fill_corner_in_cells(
+    k: int,
+    xi: Floats,
+    share: Float,
+    slope: Floats,
+    shape: Ints,
+    offset: int,
+    nodes: Indices,
+    values: Floats,
+    gradients: Floats,
+    spacing: tuple[float, ...],
+) -> bool:
+    """Write the 2**dim entries of one corner of a particle's domain: weight ``share`` N_i and gradient
+    ``slope`` N_i.
+
+    ``xi`` is the corner's position in cells, counted from the window's first node. Return whether the corner
+    lies in the window; nothing is written if not.
     """
     dim = len(spacing)
     fraction = scratch.vector(spacing)
     node = 0
     inside = True
     for d in range(dim):
-        xi = cell_coordinate(corner[d], lower[d], window_lower[d], spacing[d])
-        cell = math.floor(xi)
-        fraction[d] = xi - cell
+        cell = math.floor(xi[d])
+        fraction[d] = xi[d] - cell
         inside = inside and cell >= 0.0 and cell + 2 <= shape[d]
         node = node * shape[d] + int(cell)
     if inside:
         node += offset
-        for entry in range(2**dim):
+        for corner in range(2**dim):
             index = 0
             n = 1.0
             for d in range(dim):
-                bit = (entry >> (dim - 1 - d)) & 1
+                bit = (corner >> (dim - 1 - d)) & 1
                 index = index * shape[d] + bit
                 n *= fraction[d] if bit else 1.0 - fraction[d]
-            nodes[k + entry] = node + index
-            values[k + entry] = share * n
-            for d in range(dim):
-                gradients[k + entry, d] = slope[d] * n
+            entry = np.uint64(k + corner)
+            nodes[entry] = node + index
+            values[entry] = share * n
+            set_scaled_row(gradients, entry, n, slope, 0, spacing)
     return inside
 
 
@@ -140,23 +193,30 @@ def fill_linear(
     gradient: Floats,
     spacing: tuple[float, ...],
 ) -> int:
-    """Linear shape functions at points; 2**dim entries each. Return the first point outside its window, or −1.
+    """Linear shape functions at points; 2**dim entries each. Return the first point outside its window, or
+    −1.
 
-    Points ``first[f]:first[f + 1]`` belong to velocity field ``f``. A ``gradient`` of length 0 is not written.
+    Points ``first[f]:first[f + 1]`` belong to velocity field ``f``. A ``gradient`` of length 0 is not
+    written.
     """
     dim = len(spacing)
     width = 2
+    inverse_h = 1.0 / spacing[0]
+    origin = scratch.vector(spacing)
+    shape = scratch.integers(spacing)
     base = scratch.vector(spacing)
     w = scratch.matrix(spacing, (0.0, 0.0))
     s = scratch.matrix(spacing, (0.0, 0.0))
     for f in range(len(first) - 1):
+        read_window(lower, window_lower, window_shape, f, origin, shape, spacing)
+        start = offset[f]
         for p in range(first[f], first[f + 1]):
             for d in range(dim):
-                xi = cell_coordinate(position[p, d], lower[d], window_lower[f, d], spacing[d])
-                linear_weights(xi, 1.0 / spacing[d], d, base, w, s)
-            if not fits(base, width, window_shape[f], spacing):
+                xi = (position[p, d] - origin[d]) * inverse_h
+                linear_weights(xi, inverse_h, d, base, w, s)
+            if not fits(base, width, shape, spacing):
                 return p
             fill_tensor_product(
-                p * width**dim, width, base, w, s, window_shape[f], offset[f], nodes, weight, gradient, spacing
+                p * width**dim, width, base, w, s, shape, start, nodes, weight, gradient, spacing
             )
     return -1

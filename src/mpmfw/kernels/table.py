@@ -10,5 +10,6 @@ from mpmfw.kernels.types import Ints
 
 @device
 def entries(row: Ints, p: int) -> range:
-    """Entries of point ``p``: unsigned, so that no index of the loop is asked whether it counts from the end."""
+    """Entries of point ``p``: unsigned, so that no index of the loop is asked whether it counts from the
+    end."""
     return range(np.uint64(row[p]), np.uint64(row[p + 1]))

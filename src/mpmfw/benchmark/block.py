@@ -1,0 +1,111 @@
+"""A synthetic block of one neo-Hookean body, stepped by the real stepper and plug-ins."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mpmfw.clock import Clock
+from mpmfw.discovery import load
+from mpmfw.fields import FloatArray
+from mpmfw.geometry.layout import layout_of_boxes
+from mpmfw.hooks import BoundHooks, make_manager
+from mpmfw.setup import Setup
+from mpmfw.state import Body, Particles, State
+from mpmfw.steppers import usl
+from mpmfw.transfer import Transfer, make_transfer
+from mpmfw.windows import MARGIN, lay_windows, make_grid
+
+#: All is of order one: h = 1 m, density 1 kg/m^3, moduli [Pa]; the step [s] is well below its limit.
+CELL_SIZE, BULK, SHEAR, DT = 1.0, 1.0, 0.5, 0.1
+#: Material points along each edge of a cell.
+PER_CELL = 2
+#: Standard deviation of the points' velocities [m/s]: the block jitters and stays where it is.
+JITTER = 1e-4
+
+
+@dataclass
+class Block:
+    """A block ready to be stepped."""
+
+    state: State
+    hook: Any
+    transfer: Transfer
+    clock: Clock
+    half_edges: FloatArray  #: (n, dim, dim) [m]
+
+    def step(self) -> None:
+        """One step of update stress last."""
+        usl.step(self.state, self.hook, self.transfer, self.clock, DT)
+
+
+def make_block(shape: str, count: int, dim: int = 2) -> Block:
+    """A cube of about ``count`` points at slightly irregular positions, in the corner of a grid that fits
+    it."""
+    cells = max(1, round((count / PER_CELL**dim) ** (1.0 / dim)))
+    rng = np.random.default_rng(0)
+    axis = MARGIN + (np.arange(PER_CELL * cells) + 0.5) / PER_CELL
+    position = np.stack(np.meshgrid(*[axis] * dim, indexing="ij"), axis=-1).reshape(-1, dim)
+    position += rng.uniform(-0.1, 0.1, position.shape)
+    layout = layout_of_boxes(position, np.full(position.shape, CELL_SIZE / PER_CELL))
+    particles = _particles(position, rng)
+    grid = make_grid(CELL_SIZE, np.zeros(dim), np.full(dim, float(cells + 2 * MARGIN)), 1)
+    body = Body(
+        name="block",
+        index=0,
+        particles=slice(0, len(position)),
+        field=0,
+        density=1.0,
+        bulk_modulus=BULK,
+        shear_modulus=SHEAR,
+        lower=tuple(position.min(axis=0)),
+        upper=tuple(position.max(axis=0)),
+        outlines=(),
+    )
+    state = State(particles=particles, grid=grid, bodies=(body,), pairs=())
+    function = load("shape", shape)()
+    material = load("material", "neo_hookean")(bulk_modulus=BULK, shear_modulus=SHEAR, energy="log")
+    material.slices = (body.particles,)
+    setup = Setup(
+        state=state,
+        layouts=(layout,),
+        cell_size=CELL_SIZE,
+        shape=shape,
+        massless_boundary=function.massless_boundary,
+        scheme="usl",
+        transfer="aflip",
+        bulk_frequency=2.0 * body.wave_speed / CELL_SIZE,
+        safety=0.5,
+    )
+    manager = make_manager()
+    for plugin in (function, material):
+        manager.register(plugin)
+    manager.check_pending()
+    manager.hook.setup(setup=setup)
+    clock = Clock()
+    hook: Any = BoundHooks(manager, clock)
+    lay_windows(grid, particles, hook.particle_reach(particles=particles), None)
+    transfer = make_transfer("aflip", singular_spread=function.singular_spread)
+    return Block(state, hook, transfer, clock, layout.half_edges)
+
+
+def _particles(position: FloatArray, rng: np.random.Generator) -> Particles:
+    """Points of unit density that jitter and are slightly deformed."""
+    n, dim = position.shape
+    volume = np.full(n, (CELL_SIZE / PER_CELL) ** dim)
+    tensor = (n, dim, dim)
+    return Particles(
+        position=position,
+        velocity=JITTER * rng.normal(size=(n, dim)),
+        mass=volume.copy(),
+        initial_volume=volume,
+        volume=volume.copy(),
+        deformation_gradient=np.eye(dim) + rng.uniform(-1e-3, 1e-3, tensor),
+        velocity_gradient=np.zeros(tensor),
+        stress=np.zeros(tensor),
+        affine=np.zeros(tensor),
+        moment=None,
+        first=np.array([0, n], dtype=np.int64),
+    )

@@ -1,0 +1,147 @@
+"""The plain compiled loop that kernels are measured against: C++ where there is a compiler, else numba in
+scalars."""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import os
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Callable
+from importlib.resources import as_file, files
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+
+from mpmfw.benchmark import block
+from mpmfw.benchmark.block import Block
+from mpmfw.clock import STEP_STAGES
+from mpmfw.fields import AnyArray
+
+FLAGS = ("-O3", "-march=native", "-std=c++17", "-shared", "-fPIC")
+#: Stages of a step without contact.
+STAGES = tuple(stage for stage in STEP_STAGES if stage != "contact")
+
+_INTEGERS = ("n_particles", "n_nodes", "nodes_per_axis")
+_NUMBERS = ("h", "dt", "flip", "bulk", "shear")
+_ARRAYS = (
+    *("position", "velocity", "mass", "initial_volume", "volume"),
+    *("deformation", "velocity_gradient", "stress", "affine", "half_edges", "half_length"),
+    *("nodes", "weight", "gradient"),
+    *("node_position", "node_mass", "momentum", "start_velocity", "force", "node_velocity"),
+)
+
+
+class _Problem(ctypes.Structure):
+    """``Problem`` of plain.cpp."""
+
+    _fields_ = (
+        *((name, ctypes.c_int64) for name in _INTEGERS),
+        *((name, ctypes.c_double) for name in _NUMBERS),
+        *((name, ctypes.c_void_p) for name in _ARRAYS),
+    )
+
+
+@functools.cache
+def compiled_library() -> ctypes.CDLL | None:
+    """The C++ loop, compiled once per process into a temporary folder; None where that is not possible."""
+    named = os.environ.get("CXX")
+    found = (shutil.which(name) for name in (*([named] if named else []), "c++", "g++", "clang++"))
+    compiler = next((path for path in found if path), None)
+    if compiler is None:
+        return None
+    source = files("mpmfw.benchmark") / "plain.cpp"
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, as_file(source) as path:
+        target = Path(folder) / "plain.so"
+        try:
+            subprocess.run([compiler, *FLAGS, str(path), "-o", str(target)], check=True, capture_output=True)
+            return ctypes.CDLL(str(target))
+        except (OSError, subprocess.CalledProcessError):
+            return None
+
+
+def problem_of(block_: Block, nodes: AnyArray, entries: int) -> SimpleNamespace:
+    """Copies of the block's arrays as the plain loop wants them."""
+    p, g = block_.state.particles, block_.state.grid
+    n, dim = p.position.shape
+    if g.window_lower.any() or len(set(g.window_shape[0])) != 1:
+        raise ValueError("the plain loop knows one cubic window at the grid's lower corner")
+    return SimpleNamespace(
+        n_particles=n,
+        n_nodes=len(g.mass),
+        nodes_per_axis=int(g.window_shape[0, 0]),
+        h=g.cell_size,
+        dt=block.DT,
+        flip=block_.transfer.flip,
+        bulk=block.BULK,
+        shear=block.SHEAR,
+        position=p.position.copy(),
+        velocity=p.velocity.copy(),
+        mass=p.mass.copy(),
+        initial_volume=p.initial_volume.copy(),
+        volume=p.volume.copy(),
+        deformation=p.deformation_gradient.copy(),
+        velocity_gradient=p.velocity_gradient.copy(),
+        stress=p.stress.copy(),
+        affine=np.zeros((n, dim, dim)) if p.affine is None else p.affine.copy(),
+        half_edges=block_.half_edges.copy(),
+        half_length=0.5 * p.initial_volume ** (1.0 / dim),
+        nodes=np.zeros_like(nodes),
+        weight=np.zeros(n * entries),
+        gradient=np.zeros((n * entries, dim)),
+        node_position=g.position.copy(),
+        node_mass=np.zeros_like(g.mass),
+        momentum=np.zeros_like(g.momentum),
+        start_velocity=np.zeros_like(g.momentum),
+        force=np.zeros_like(g.momentum),
+        node_velocity=np.zeros_like(g.momentum),
+    )
+
+
+class PlainLoop:
+    """The plain loop on a copy of a block.
+
+    Attributes
+    ----------
+    language
+        ``C++`` or ``numba``.
+    problem
+        Its arrays.
+    stages
+        One call without arguments for each of :data:`STAGES`.
+
+    Raises
+    ------
+    NotImplementedError
+        No compiler, and the block is not two-dimensional.
+    """
+
+    def __init__(self, shape: str, block_: Block, *, compiler: bool = True) -> None:
+        stencil = block_.hook.interpolate(particles=block_.state.particles, grid=block_.state.grid)
+        particles = block_.state.particles
+        self.problem = problem_of(block_, stencil.nodes, len(stencil.nodes) // particles.count)
+        library = compiled_library() if compiler else None
+        self.language = "numba" if library is None else "C++"
+        self.stages: dict[str, Callable[[], object]]
+        if library is not None:
+            self.stages = _foreign_calls(library, f"{shape}_{particles.dim}", self.problem)
+        elif particles.dim == 2:
+            from mpmfw.benchmark.plain_numba import calls
+
+            self.stages = calls(shape, self.problem)
+        else:
+            raise NotImplementedError("the plain loop in three dimensions needs a C++ compiler")
+
+
+def _foreign_calls(
+    library: ctypes.CDLL, prefix: str, problem: SimpleNamespace
+) -> dict[str, Callable[[], object]]:
+    """The library's stages, bound to a problem whose arrays they read and write in place."""
+    numbers = [getattr(problem, name) for name in (*_INTEGERS, *_NUMBERS)]
+    pointers = [getattr(problem, name).ctypes.data for name in _ARRAYS]
+    struct = _Problem(*numbers, *pointers)
+    argument = ctypes.byref(struct)
+    return {stage: functools.partial(getattr(library, f"{prefix}_{stage}"), argument) for stage in STAGES}

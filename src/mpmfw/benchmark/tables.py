@@ -1,0 +1,31 @@
+"""Measured costs as a table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rich.table import Table
+
+#: Columns with two digits behind the point.
+_RATIOS = ("ratio", "ratio_low", "ratio_high")
+
+
+def table(rows: Sequence[Mapping[str, Any]], title: str = "ns per material point and step") -> Table:
+    """Rows of :func:`measure_kernels` or :func:`measure_scene`, a column for each key."""
+    made = Table(title=title)
+    keys = list(dict.fromkeys(key for row in rows for key in row))
+    for key in keys:
+        numeric = any(isinstance(row.get(key), int | float) for row in rows)
+        made.add_column(key.removeprefix("ns_").replace("_", " "), justify="right" if numeric else "left")
+    for row in rows:
+        made.add_row(*[_formatted(key, row.get(key)) for key in keys])
+    return made
+
+
+def _formatted(key: str, value: Any) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, float):
+        return f"{value:.2f}" if key in _RATIOS else f"{value:.1f}"
+    return str(value)

@@ -1,0 +1,1 @@
+"""Makes ``tests`` importable: small factories live in ``support``."""

@@ -1,0 +1,81 @@
+"""Small factories of state, for tests of kernels and shape functions."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mpmfw.api import FloatArray, Grid, Particles, Setup, ShapeFunction, State
+from mpmfw.windows import make_grid
+from mpmfw_shape.bspline import BSpline
+from mpmfw_shape.cpdi import Cpdi
+from mpmfw_shape.gimp import Gimp
+from mpmfw_shape.linear import Linear
+
+
+def make_test_grid(
+    windows: list[tuple[list[int], list[int]]], *, cell_size: float, lower: FloatArray
+) -> Grid:
+    """A grid with the given windows (background index of the first node, number of nodes), one per field."""
+    dim = len(lower)
+    extent = max(max(np.add(first, shape)) for first, shape in windows)
+    grid = make_grid(cell_size, lower, lower + cell_size * extent, len(windows))
+    positions = []
+    for index, (first, shape) in enumerate(windows):
+        grid.window_lower[index], grid.window_shape[index] = first, shape
+        local = np.stack(np.meshgrid(*[np.arange(n) for n in shape], indexing="ij"), -1).reshape(-1, dim)
+        positions.append(lower + cell_size * (np.array(first) + local))
+    grid.offset[1:] = np.cumsum([len(nodes) for nodes in positions])
+    grid.position = np.concatenate(positions)
+    return grid
+
+
+def make_particles(
+    position: FloatArray,
+    first: list[int] | None = None,
+    *,
+    deformation_gradient: FloatArray | None = None,
+    volume: float = 0.25,
+) -> Particles:
+    """Points at rest at ``position``, (n, dim); ``first`` are the ranges of the velocity fields."""
+    n, dim = position.shape
+    eye = np.tile(np.eye(dim), (n, 1, 1))
+    return Particles(
+        position=np.array(position, dtype=float),
+        velocity=np.zeros((n, dim)),
+        mass=np.ones(n),
+        initial_volume=np.full(n, volume),
+        volume=np.full(n, volume),
+        deformation_gradient=eye if deformation_gradient is None else deformation_gradient,
+        velocity_gradient=np.zeros((n, dim, dim)),
+        stress=np.zeros((n, dim, dim)),
+        affine=None,
+        moment=None,
+        first=np.array([0, n] if first is None else first, dtype=np.int64),
+    )
+
+
+#: Shape functions whose table comes from a fill kernel on points.
+SHAPES = ("linear", "gimp", "bspline", "cpdi")
+
+
+def make_shape(
+    name: str, particles: Particles, grid: Grid, *, half_edges: FloatArray | None = None
+) -> ShapeFunction:
+    """The shape function ``name``, set up for ``particles``; CPDI domains are squares unless given."""
+    setup = Setup(
+        state=State(particles=particles, grid=grid, bodies=(), pairs=()),
+        layouts=(),
+        cell_size=grid.cell_size,
+        shape=name,
+        massless_boundary=False,
+        scheme="usl",
+        transfer="flip",
+        bulk_frequency=1.0,
+        safety=0.5,
+    )
+    half = 0.5 * particles.initial_volume ** (1.0 / particles.dim)
+    squares = half[:, None, None] * np.eye(particles.dim)
+    vars(setup)["half_edges"] = squares if half_edges is None else half_edges
+    shape: ShapeFunction = {"linear": Linear, "gimp": Gimp, "bspline": BSpline, "cpdi": Cpdi}[name]()
+    shape.setup(setup)
+    return shape

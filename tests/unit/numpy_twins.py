@@ -1,0 +1,117 @@
+"""The kernels' formulas in plain NumPy: slow, short and written from the docstrings alone."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mpmfw.api import FloatArray, Stencil
+
+
+def owner(table: Stencil) -> np.ndarray:
+    """Point that each entry of the table belongs to."""
+    return np.repeat(np.arange(len(table.row) - 1), np.diff(table.row))
+
+
+def scatter(table: Stencil, values: FloatArray, n_nodes: int) -> FloatArray:
+    """Sum of entry-wise values at the nodes."""
+    total = np.zeros((n_nodes, *values.shape[1:]))
+    np.add.at(total, table.nodes, values)
+    return total
+
+
+def collect(table: Stencil, values: FloatArray) -> FloatArray:
+    """Sum of entry-wise values at the points."""
+    total = np.zeros((len(table.row) - 1, *values.shape[1:]))
+    np.add.at(total, owner(table), values)
+    return total
+
+
+def projected_momentum(table, mass, velocity, position, affine, node_position):
+    """Σ_p φ_ip m_p (v_p + C_p (x_i − x_p))."""
+    p = owner(table)
+    v = velocity[p]
+    if affine is not None:
+        v = v + np.einsum("kab,kb->ka", affine[p], node_position[table.nodes] - position[p])
+    return scatter(table, (table.weight * mass[p])[:, None] * v, len(node_position))
+
+
+def internal_force(table, volume, stress, n_nodes):
+    """−Σ_p V_p σ_p · ∇φ_ip."""
+    p = owner(table)
+    return scatter(table, -volume[p, None] * np.einsum("kab,kb->ka", stress[p], table.gradient), n_nodes)
+
+
+def velocity_gradient(table, node_velocity):
+    """Σ_i v_i ∇φ_ipᵀ."""
+    return collect(table, np.einsum("ka,kb->kab", node_velocity[table.nodes], table.gradient))
+
+
+def moment(table, position, node_position, node_velocity):
+    """B_p = Σ_i φ_ip v_i (x_i − x_p)ᵀ."""
+    q = node_position[table.nodes] - position[owner(table)]
+    return collect(table, np.einsum("k,ka,kb->kab", table.weight, node_velocity[table.nodes], q))
+
+
+def spread(table, position, node_position):
+    """D_p = Σ_i φ_ip (x_i − x_p)(x_i − x_p)ᵀ."""
+    q = node_position[table.nodes] - position[owner(table)]
+    return collect(table, np.einsum("k,ka,kb->kab", table.weight, q, q))
+
+
+def hat(t):
+    """Linear basis function of distance t [cells] and its derivative."""
+    return np.maximum(0.0, 1.0 - np.abs(t)), np.where(np.abs(t) < 1.0, -np.sign(t), 0.0)
+
+
+def gimp(t, l):
+    """uGIMP function by its four published branches, and its derivative; t, l in cells."""
+    d = np.abs(t)
+    branches = [d < l, d < 1.0 - l, d < 1.0 + l]
+    value = np.select(
+        branches, [1.0 - (t * t + l * l) / (2.0 * l), 1.0 - d, (1.0 + l - d) ** 2 / (4.0 * l)], 0.0
+    )
+    slope = np.select(branches, [-t / l, -np.sign(t), -np.sign(t) * (1.0 + l - d) / (2.0 * l)], 0.0)
+    return value, slope
+
+
+def quadratic(t):
+    """Quadratic B-spline of distance t [cells] and its derivative."""
+    d = np.abs(t)
+    value = np.select([d <= 0.5, d <= 1.5], [0.75 - t * t, 0.5 * (1.5 - d) ** 2], 0.0)
+    slope = np.select([d <= 0.5, d <= 1.5], [-2.0 * t, -np.sign(t) * (1.5 - d)], 0.0)
+    return value, slope
+
+
+def dense_product(basis, position, node_position, h):
+    """Tensor product of ``basis`` for every pair: values (n, nodes) and gradients (n, nodes, dim)."""
+    value, slope = basis((position[:, None] - node_position[None]) / h)
+    dim = position.shape[1]
+    gradient = [
+        slope[..., a] / h * np.prod([value[..., d] for d in range(dim) if d != a], axis=0) for a in range(dim)
+    ]
+    return value.prod(axis=-1), np.stack(gradient, axis=-1)
+
+
+def dense_cpdi(position, deformation_gradient, half_edges, node_position, h):
+    """CPDI from its corners: φ_i = 2^−dim Σ_c N_i(x_c), ∇φ_i = 2^−dim Σ_c R^−T s_c N_i(x_c)."""
+    dim = position.shape[1]
+    edges = deformation_gradient @ half_edges
+    value = np.zeros((len(position), len(node_position)))
+    gradient = np.zeros((*value.shape, dim))
+    for signs in np.stack(np.meshgrid(*[[-1.0, 1.0]] * dim), -1).reshape(-1, dim):
+        n, _ = dense_product(hat, position + edges @ signs, node_position, h)
+        value += n / 2**dim
+        normal = np.linalg.inv(edges).transpose(0, 2, 1) @ signs
+        gradient += n[..., None] * normal[:, None] / 2**dim
+    return value, gradient
+
+
+def dense(table: Stencil, n_nodes: int) -> tuple[FloatArray, FloatArray]:
+    """A table as full matrices, values (n, nodes) and gradients (n, nodes, dim)."""
+    n, p = len(table.row) - 1, owner(table)
+    value = np.zeros((n, n_nodes))
+    gradient = np.zeros((n, n_nodes, table.gradient.shape[1]))
+    np.add.at(value, (p, table.nodes), table.weight)
+    if len(table.gradient):
+        np.add.at(gradient, (p, table.nodes), table.gradient)
+    return value, gradient

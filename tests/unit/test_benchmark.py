@@ -1,0 +1,49 @@
+"""The benchmark measures what it says: the plain loops take the very steps that the stepper takes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mpmfw.benchmark import measure_kernels, table
+from mpmfw.benchmark.block import make_block
+from mpmfw.benchmark.kernels import SHAPES
+from mpmfw.benchmark.plain import STAGES, PlainLoop, compiled_library
+
+needs_compiler = pytest.mark.skipif(compiled_library() is None, reason="needs a C++ compiler")
+
+
+@pytest.mark.parametrize(
+    ("dim", "compiler"),
+    [(2, False), pytest.param(2, True, marks=needs_compiler), pytest.param(3, True, marks=needs_compiler)],
+)
+@pytest.mark.parametrize("shape", SHAPES)
+def test_plain_loop_takes_the_same_steps(shape, dim, compiler):
+    block = make_block(shape, 100, dim)
+    plain = PlainLoop(shape, block, compiler=compiler)
+    start = block.state.particles.position.copy()
+    for _ in range(20):
+        block.step()
+        for stage in STAGES:
+            plain.stages[stage]()
+    ours, theirs = block.state.particles, plain.problem
+    moved = np.abs(ours.position - start).max()
+    assert moved > 1e-5
+    np.testing.assert_allclose(theirs.position, ours.position, atol=1e-9 * moved)
+    np.testing.assert_allclose(theirs.deformation, ours.deformation_gradient, atol=1e-12)
+    np.testing.assert_allclose(theirs.stress, ours.stress, atol=1e-12)
+    np.testing.assert_allclose(theirs.affine, ours.affine, atol=1e-12)
+
+
+def test_rows_and_table():
+    rows = measure_kernels(shapes=["linear"], counts=[100], repeats=2)
+    assert {f"ns_{stage}" for stage in STAGES} <= rows[0].keys()
+    assert rows[0]["shape"] == "linear"
+    assert rows[0]["ns_total"] > 0.0
+    assert 0.0 < rows[0]["ratio_low"] <= rows[0]["ratio"] <= rows[0]["ratio_high"]
+    assert table(rows).row_count == 1
+
+
+def test_three_dimensions_need_a_compiler():
+    with pytest.raises(NotImplementedError, match="compiler"):
+        measure_kernels(shapes=["linear"], counts=[100], repeats=1, dim=3, compiler=False)

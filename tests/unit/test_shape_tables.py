@@ -1,0 +1,106 @@
+"""Tables of the shape functions against their published formulas, entry by entry, and what the fill kernels
+refuse."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy_twins as twin
+import pytest
+
+from mpmfw.api import OutsideGrid
+from support import SHAPES, make_particles, make_shape, make_test_grid
+
+H = 0.25
+DIMENSIONS = pytest.mark.parametrize("dim", [2, 3], ids=["2D", "3D"])
+
+
+def make_problem(dim, *, n=40, seed=0):
+    """Points of two velocity fields, each in a window of its own, deformed at random."""
+    rng = np.random.default_rng(seed)
+    first, shape = np.array([[0, 1, 2], [3, 2, 0]])[:, :dim], np.array([[8, 9, 7], [9, 7, 8]])[:, :dim]
+    grid = make_test_grid(
+        list(zip(first.tolist(), shape.tolist(), strict=True)), cell_size=H, lower=-np.ones(dim)
+    )
+    field = np.repeat([0, 1], n // 2)
+    position = grid.lower + H * (first[field] + 2.0 + rng.random((n, dim)) * (shape[field] - 5.0))
+    deformation = np.eye(dim) + rng.uniform(-0.2, 0.2, (n, dim, dim))
+    particles = make_particles(
+        position, [0, n // 2, n], deformation_gradient=deformation, volume=(0.6 * H) ** dim
+    )
+    return grid, particles
+
+
+def expected_table(name, grid, particles, field):
+    """Twin's values and gradients of all nodes of one velocity field."""
+    nodes, x, h = grid.position[grid.field_nodes(field)], particles.position, grid.cell_size
+    half = 0.5 * particles.initial_volume[0] ** (1.0 / particles.dim)
+    if name == "cpdi":
+        edges = np.tile(half * np.eye(particles.dim), (particles.count, 1, 1))
+        return twin.dense_cpdi(x, particles.deformation_gradient, edges, nodes, h)
+    basis = {"linear": twin.hat, "bspline": twin.quadratic, "gimp": lambda t: twin.gimp(t, half / h)}[name]
+    return twin.dense_product(basis, x, nodes, h)
+
+
+@DIMENSIONS
+@pytest.mark.parametrize("name", SHAPES)
+def test_table_equals_the_formula(name, dim):
+    grid, particles = make_problem(dim)
+    table = make_shape(name, particles, grid).interpolate(particles=particles, grid=grid)
+    value, gradient = twin.dense(table, len(grid.position))
+    for field in range(2):
+        own = slice(particles.first[field], particles.first[field + 1])
+        nodes = grid.field_nodes(field)
+        n, dn = expected_table(name, grid, particles, field)
+        np.testing.assert_allclose(value[own, nodes], n[own], atol=1e-12)
+        np.testing.assert_allclose(gradient[own, nodes], dn[own], atol=1e-12 / H)
+        assert not value[own, grid.field_nodes(1 - field)].any()
+
+
+@DIMENSIONS
+@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize("index", [0, 13, 39])
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e30, -1e30, -1.0 - H, 2.0])
+def test_first_point_outside_its_window_is_reported(name, dim, index, value):
+    grid, particles = make_problem(dim)
+    shape = make_shape(name, particles, grid)
+    particles.position[index:, dim - 1] = value
+    with pytest.raises(OutsideGrid) as error:
+        shape.interpolate(particles=particles, grid=grid)
+    assert error.value.index == index
+
+
+@DIMENSIONS
+def test_nan_in_the_deformation_is_reported(dim):
+    grid, particles = make_problem(dim)
+    shape = make_shape("cpdi", particles, grid)
+    particles.deformation_gradient[17] = np.nan
+    with pytest.raises(OutsideGrid) as error:
+        shape.interpolate(particles=particles, grid=grid)
+    assert error.value.index == 17
+
+
+@DIMENSIONS
+@pytest.mark.parametrize("name", SHAPES)
+def test_point_outside_its_own_window_but_inside_the_other(name, dim):
+    grid, particles = make_problem(dim)
+    shape = make_shape(name, particles, grid)
+    particles.position[5] = grid.position[grid.field_nodes(1)].max(axis=0) - 2.0 * H
+    with pytest.raises(OutsideGrid) as error:
+        shape.interpolate(particles=particles, grid=grid)
+    assert error.value.index == 5
+
+
+@DIMENSIONS
+@pytest.mark.parametrize("name", SHAPES)
+def test_surface_table_has_no_gradient(name, dim):
+    grid, particles = make_problem(dim)
+    table = make_shape(name, particles, grid).interpolate_surface(
+        position=particles.position, first=particles.first, grid=grid
+    )
+    basis = twin.quadratic if name == "bspline" else twin.hat
+    value, _ = twin.dense(table, len(grid.position))
+    assert table.gradient.shape == (0, dim)
+    for field in range(2):
+        own, nodes = slice(particles.first[field], particles.first[field + 1]), grid.field_nodes(field)
+        n, _ = twin.dense_product(basis, particles.position[own], grid.position[nodes], H)
+        np.testing.assert_allclose(value[own, nodes], n, atol=1e-12)
