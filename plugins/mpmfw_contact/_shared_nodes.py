@@ -166,7 +166,8 @@ def correct_momentum(
 ) -> None:
     """Take away approach and, within Coulomb's cone, slip at shared nodes.
 
-    With Δv = v_a − v_b and the reduced mass m of the masses that a and b spend on this pair: J_n = m Δv·n if positive,
+    With Δv = v_a − v_b and the reduced mass m of the masses that a and b spend on this pair: J_n = m Δv·n if
+    positive,
     J_t = min(μ J_n, m |Δv_t|), and (m v)_a −= J_n n + J_t t, (m v)_b += the same.
     """
     dim = len(spacing)
@@ -179,7 +180,9 @@ def correct_momentum(
         i, j = node_a[c], node_b[c]
         approach = 0.0
         for d in range(dim):
-            approach += (node_momentum[i, d] / node_mass[i] - node_momentum[j, d] / node_mass[j]) * normal[c, d]
+            approach += (node_momentum[i, d] / node_mass[i] - node_momentum[j, d] / node_mass[j]) * normal[
+                c, d
+            ]
         impulse[c, 0] = approach
         if approach > 0.0:
             sharers[i] += 1.0

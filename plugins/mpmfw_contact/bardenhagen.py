@@ -24,8 +24,16 @@ from mpmfw_contact import _shared_nodes as shared
 from mpmfw_contact.records import PairRecords
 
 NODAL = (
-    ArrayField("volume_gradient", ("node", "axis"), "m", "sum V_p grad phi_ip, points out of the body", "grid"),
-    ArrayField("mean_position", ("node", "axis"), "m", "sum phi m x / m, the body's position as seen by the node", "grid"),
+    ArrayField(
+        "volume_gradient", ("node", "axis"), "m", "sum V_p grad phi_ip, points out of the body", "grid"
+    ),
+    ArrayField(
+        "mean_position",
+        ("node", "axis"),
+        "m",
+        "sum phi m x / m, the body's position as seen by the node",
+        "grid",
+    ),
 )
 
 
@@ -39,7 +47,9 @@ class BardenhagenOptions(BaseModel):
         description="velocity: bodies approach at a shared node (2000, 2001); position: and their extrapolated "
         "positions are closer than the cut-off",
     )
-    cut_off: float = Field(0.8, gt=0, description="separation in cells below which bodies touch (criterion = position)")
+    cut_off: float = Field(
+        0.8, gt=0, description="separation in cells below which bodies touch (criterion = position)"
+    )
     normal: Literal["averaged", "master", "specified"] = Field(
         "averaged", description="averaged of the pair, the stiffer body's, or given by `direction`"
     )
@@ -50,7 +60,9 @@ class BardenhagenOptions(BaseModel):
     @model_validator(mode="after")
     def _options_have_an_effect(self) -> BardenhagenOptions:
         if "cut_off" in self.model_fields_set and self.criterion != "position":
-            raise ValueError("'cut_off' has no effect with criterion = \"velocity\"; expected criterion = \"position\"")
+            raise ValueError(
+                '\'cut_off\' has no effect with criterion = "velocity"; expected criterion = "position"'
+            )
         if (self.direction is not None) != (self.normal == "specified"):
             raise ValueError("'direction' and normal = \"specified\" go together")
         if self.direction is not None and not np.isclose(np.linalg.norm(self.direction), 1.0):
@@ -61,10 +73,10 @@ class BardenhagenOptions(BaseModel):
 class Bardenhagen(ContactStrategy):
     """Momentum exchange at grid nodes that two bodies share, with Coulomb friction.
 
-    At a shared node with approaching bodies the relative velocity along the normal is taken away, and the tangential one
-    as far as Coulomb's cone lets it. Both the projected and the updated momentum are corrected. Where one body touches
-    several others at a node, its mass is shared out between them and all corrections are taken from the same
-    velocities, so that the order of the bodies does not matter.
+    At a shared node with approaching bodies the relative velocity along the normal is taken away, and the
+    tangential one as far as Coulomb's cone lets it. Both the projected and the updated momentum are
+    corrected. Where one body touches several others at a node, its mass is shared out between them and all
+    corrections are taken from the same velocities, so that the order of the bodies does not matter.
     """
 
     name = "bardenhagen"
@@ -78,7 +90,11 @@ class Bardenhagen(ContactStrategy):
     def declare_fields(self) -> list[ArrayField]:
         """Nodal arrays and the pairs' series."""
         arrays = NODAL if self.options.criterion == "position" else NODAL[:1]
-        own = [] if self.options.normal == "specified" and self.options.criterion == "velocity" else list(arrays)
+        own = (
+            []
+            if self.options.normal == "specified" and self.options.criterion == "velocity"
+            else list(arrays)
+        )
         return [*own, *PairRecords.declarations()]
 
     @hookimpl
@@ -86,7 +102,9 @@ class Bardenhagen(ContactStrategy):
         """Laws of the pairs as arrays."""
         direction = self.options.direction
         if direction is not None and len(direction) != setup.dim:
-            raise SceneError(f"contact.bardenhagen.direction: expected {setup.dim} components, found {len(direction)}")
+            raise SceneError(
+                f"contact.bardenhagen.direction: expected {setup.dim} components, found {len(direction)}"
+            )
         self.state = setup.state
         self.records = PairRecords(setup, self.name)
         bodies, pairs = setup.bodies, setup.pairs
@@ -101,7 +119,9 @@ class Bardenhagen(ContactStrategy):
         self.weight_first = np.where(averaged | ~stiffer_second, 1.0, 0.0)
         self.weight_second = np.where(averaged | stiffer_second, 1.0, 0.0)
         self.given_normal = np.array(direction if direction is not None else [0.0] * setup.dim)
-        self.cut_off = self.options.cut_off * setup.cell_size if self.options.criterion == "position" else np.inf
+        self.cut_off = (
+            self.options.cut_off * setup.cell_size if self.options.criterion == "position" else np.inf
+        )
         self.contacts = shared.empty_contacts(64, setup.dim)
         self.frame = -1
 
@@ -111,10 +131,18 @@ class Bardenhagen(ContactStrategy):
             return
         self.frame = grid.frame
         empty = np.zeros((0, grid.dim))
-        self.gradient: FloatArray = np.zeros_like(grid.momentum) if self.options.normal != "specified" else empty
-        self.mean: FloatArray = np.zeros_like(grid.momentum) if self.options.criterion == "position" else empty
+        self.gradient: FloatArray = (
+            np.zeros_like(grid.momentum) if self.options.normal != "specified" else empty
+        )
+        self.mean: FloatArray = (
+            np.zeros_like(grid.momentum) if self.options.criterion == "position" else empty
+        )
         self.sharers = np.zeros(len(grid.mass))
-        for name, array in (("volume_gradient", self.gradient), ("mean_position", self.mean), ("sharers", self.sharers)):
+        for name, array in (
+            ("volume_gradient", self.gradient),
+            ("mean_position", self.mean),
+            ("sharers", self.sharers),
+        ):
             if len(array):
                 self.state.arrays[f"{self.name}/{name}"] = array
 
@@ -138,10 +166,14 @@ class Bardenhagen(ContactStrategy):
 
     def _find(self, grid: Grid) -> int:
         arguments = (self.first, self.second, grid.window_lower, grid.window_shape, grid.offset, grid.mass)
-        count = shared.find_shared_nodes(*arguments, self.contacts.pair, self.contacts.node_a, self.contacts.node_b)
+        count = shared.find_shared_nodes(
+            *arguments, self.contacts.pair, self.contacts.node_a, self.contacts.node_b
+        )
         if count > len(self.contacts.pair):
             self.contacts = shared.empty_contacts(2 * count, grid.dim)
-            shared.find_shared_nodes(*arguments, self.contacts.pair, self.contacts.node_a, self.contacts.node_b)
+            shared.find_shared_nodes(
+                *arguments, self.contacts.pair, self.contacts.node_a, self.contacts.node_b
+            )
         return count
 
     def _normals(self, grid: Grid, phi: Stencil, particles: Particles, count: int) -> None:
@@ -152,7 +184,14 @@ class Bardenhagen(ContactStrategy):
             )
         if len(self.mean):
             shared.project_position(
-                phi.row, phi.nodes, phi.weight, particles.mass, particles.position, grid.mass, self.mean, grid.spacing
+                phi.row,
+                phi.nodes,
+                phi.weight,
+                particles.mass,
+                particles.position,
+                grid.mass,
+                self.mean,
+                grid.spacing,
             )
         shared.pair_normals(
             count,

@@ -18,8 +18,12 @@ class PairRecords:
             return setup.allocate(owner, Field(name, dims, unit, meaning, "contact"))
 
         pair = ("pair",)
-        self.impulse: FloatArray = own("impulse", ("pair", "axis"), "N s m-1", "impulse on the pair's first body")
-        self.frictional_work: FloatArray = own("frictional_work", pair, "J m-1", "energy dissipated by friction")
+        self.impulse: FloatArray = own(
+            "impulse", ("pair", "axis"), "N s m-1", "impulse on the pair's first body"
+        )
+        self.frictional_work: FloatArray = own(
+            "frictional_work", pair, "J m-1", "energy dissipated by friction"
+        )
         self.damping_work: FloatArray = own("damping_work", pair, "J m-1", "energy dissipated by dashpots")
         self.energy: FloatArray = own("energy", pair, "J m-1", "energy stored in contact springs")
         self.count: FloatArray = own("count", pair, "1", "nodes in contact")
@@ -38,7 +42,9 @@ class PairRecords:
 
     def series(self, interval: float) -> dict[str, AnyArray]:
         """Values at an output; the force is the mean over the ``interval`` [s] since the last one."""
-        force = (self.impulse - self._last_impulse) / interval if interval > 0.0 else np.zeros_like(self.impulse)
+        force = (
+            (self.impulse - self._last_impulse) / interval if interval > 0.0 else np.zeros_like(self.impulse)
+        )
         self._last_impulse = self.impulse.copy()
         return {
             "contact_force": force,

@@ -1,15 +1,15 @@
-"""Linear elasticity at small strain, with rotation taken out by the polar decomposition of F; plane strain in 2D."""
+"""Linear elasticity at small strain, with rotation taken out by the polar decomposition of F; plane strain in
+2D."""
 
 from __future__ import annotations
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from mpmfw.api import FloatArray, Material, Particles, Setup, hookimpl
+from mpmfw.api import FloatArray, Material, Particles, Pressure, Setup, hookimpl
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.small_matrix import invert
 from mpmfw.kernels.types import Floats
-from mpmfw.units import Pressure
 from mpmfw_material.neo_hookean import pad_plane_strain
 
 MAX_ITERATIONS = 30
@@ -77,7 +77,8 @@ class LinearElasticOptions(BaseModel):
 
 
 class LinearElastic(Material):
-    """σ = R C:(U − 1) Rᵀ: Cauchy stress linear in the Biot strain, objective, for small strain and any rotation."""
+    """σ = R C:(U − 1) Rᵀ: Cauchy stress linear in the Biot strain, objective, for small strain and any
+    rotation."""
 
     name = "linear_elastic"
     Options = LinearElasticOptions
@@ -86,12 +87,12 @@ class LinearElastic(Material):
     @property
     def bulk_modulus(self) -> float:
         """K [Pa]."""
-        return self.options.bulk_modulus
+        return float(self.options.bulk_modulus)
 
     @property
     def shear_modulus(self) -> float:
         """G [Pa]."""
-        return self.options.shear_modulus
+        return float(self.options.shear_modulus)
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
@@ -117,7 +118,9 @@ class LinearElastic(Material):
         strain = np.einsum("nia,na,nja->nij", vectors, np.sqrt(values) - 1.0, vectors)  # U − 1 from U² = Fᵀ F
         lame = self.bulk_modulus - 2.0 * self.shear_modulus / 3.0
         trace = np.einsum("nii->n", strain)
-        energy: FloatArray = 0.5 * lame * trace**2 + self.shear_modulus * np.einsum("nij,nij->n", strain, strain)
+        energy: FloatArray = 0.5 * lame * trace**2 + self.shear_modulus * np.einsum(
+            "nij,nij->n", strain, strain
+        )
         return energy
 
     def cauchy_stress(self, deformation_gradient: FloatArray) -> FloatArray:

@@ -8,11 +8,10 @@ from typing import Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from mpmfw.api import FloatArray, Material, Particles, Setup, hookimpl
+from mpmfw.api import FloatArray, Material, Particles, Pressure, Setup, hookimpl
 from mpmfw.kernels import kernel, scratch
 from mpmfw.kernels.small_matrix import determinant
 from mpmfw.kernels.types import Floats
-from mpmfw.units import Pressure
 
 
 @kernel
@@ -67,7 +66,9 @@ def neo_hookean_log(
                 b = 0.0
                 for a in range(dim):
                     b += f[d, a] * f[e, a]
-                stress[p, d, e] = (shear * (b - (1.0 if d == e else 0.0)) + (pressure if d == e else 0.0)) / jacobian
+                stress[p, d, e] = (
+                    shear * (b - (1.0 if d == e else 0.0)) + (pressure if d == e else 0.0)
+                ) / jacobian
 
 
 class NeoHookeanOptions(BaseModel):
@@ -101,12 +102,12 @@ class NeoHookean(Material):
     @property
     def bulk_modulus(self) -> float:
         """K [Pa]."""
-        return self.options.bulk_modulus
+        return float(self.options.bulk_modulus)
 
     @property
     def shear_modulus(self) -> float:
         """G [Pa]."""
-        return self.options.shear_modulus
+        return float(self.options.shear_modulus)
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
@@ -129,13 +130,17 @@ class NeoHookean(Material):
     def energy_density(self, deformation_gradient: FloatArray) -> FloatArray:
         """W(F), (n,) [J/m^3]."""
         bulk, shear = self.bulk_modulus, self.shear_modulus
-        f = pad_plane_strain(deformation_gradient)
-        jacobian = np.linalg.det(f)
-        trace = np.einsum("nij,nij->n", f, f)
+        f = deformation_gradient
+        if f.shape[1] == 2:  # plane strain: F_zz = 1
+            jacobian = f[:, 0, 0] * f[:, 1, 1] - f[:, 0, 1] * f[:, 1, 0]
+            trace = np.einsum("nij,nij->n", f, f) + 1.0
+        else:
+            jacobian = np.linalg.det(f)
+            trace = np.einsum("nij,nij->n", f, f)
         log = np.log(jacobian)
         if self.options.energy == "split":
             volumetric = 0.5 * bulk * (0.5 * (jacobian**2 - 1.0) - log)
-            energy: FloatArray = volumetric + 0.5 * shear * (jacobian ** (-2.0 / 3.0) * trace - 3.0)
+            energy: FloatArray = volumetric + 0.5 * shear * (np.exp(-2.0 / 3.0 * log) * trace - 3.0)
         else:
             lame = bulk - 2.0 * shear / 3.0
             energy = 0.5 * shear * (trace - 3.0) - shear * log + 0.5 * lame * log**2

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 from mpmfw._version import __version__
 
 if TYPE_CHECKING:
-    from mpmfw.compare import compare
+    from mpmfw.comparison import compare
     from mpmfw.results import open
     from mpmfw.runs import run
     from mpmfw.scene import load_scene
 
 _MODULES = {
-    "compare": "mpmfw.compare",
+    "compare": "mpmfw.comparison",
     "load_scene": "mpmfw.scene",
     "open": "mpmfw.results",
     "run": "mpmfw.runs",
@@ -31,7 +31,7 @@ def __getattr__(name: str) -> Any:
     if name not in _MODULES:
         raise AttributeError(f"module 'mpmfw' has no attribute {name!r}")
     value = getattr(importlib.import_module(_MODULES[name]), name)
-    globals()[name] = value  # also undoes that importing mpmfw.compare binds the module to that name
+    globals()[name] = value
     return value
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import xarray as xr
 
 from mpmfw.fields import FloatArray
 
@@ -191,3 +192,26 @@ def contact_phases(time: FloatArray, force: FloatArray, threshold: float = 1e-6)
     return ContactPhases(
         first, float(time[acting[longest]]), float(time[acting[longest + 1] - 1]), separation
     )
+
+
+#: Series that make up the energy, per body and per pair; friction and damping are work that is gone.
+_ENERGIES = ("kinetic_energy", "strain_energy", "affine_energy")
+_WORKS = ("contact_energy", "frictional_work", "damping_work")
+
+
+def energy_kept(run: xr.Dataset) -> FloatArray:
+    """Energy and the work of friction and contact damping, of the energy at the start; shape (time,).
+
+    Parameters
+    ----------
+    run
+        Series of one run, with dims (time, body) and (time, pair). A series that is absent, or NaN throughout
+        since only other methods of a comparison have it, counts as nothing.
+    """
+    total = np.zeros(run.sizes["time"])
+    for names, dim in ((_ENERGIES, "body"), (_WORKS, "pair")):
+        for name in names:
+            if name in run and bool(run[name].notnull().any()):
+                total = total + run[name].sum(dim, skipna=False).values
+    start = total[0] if len(total) else np.nan
+    return np.asarray(total / start) if start > 0.0 else np.full(len(total), np.nan)

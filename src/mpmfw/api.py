@@ -1,7 +1,9 @@
 """What plug-ins may import, together with :mod:`mpmfw.kernels`.
 
-A plug-in is a class with an ``Options`` model (pydantic), a constructor that takes those options as keywords, a ``name``, and
-implementations of the hooks of :class:`mpmfw.hookspecs.HookSpecs`, marked with :data:`hookimpl`.
+A plug-in is a class with an ``Options`` model (pydantic), a constructor that takes those options as keywords,
+a ``name``, and implementations of the hooks of :class:`mpmfw.hookspecs.HookSpecs`, marked with
+:data:`hookimpl`. Options with a unit are annotated with the quantity types of :mod:`mpmfw.units`, which are
+named here too.
 """
 
 from __future__ import annotations
@@ -16,6 +18,18 @@ from mpmfw.fields import CONTACT_SERIES, AnyArray, Field, FloatArray, IndexArray
 from mpmfw.hookspecs import hookimpl
 from mpmfw.setup import Setup
 from mpmfw.state import Body, Grid, OutsideGrid, Pair, Particles, State, Stencil, Surface
+from mpmfw.units import (
+    Acceleration,
+    Angle,
+    AngularVelocity,
+    Density,
+    Length,
+    Number,
+    Pressure,
+    Time,
+    Velocity,
+    quantity,
+)
 
 
 class NoOptions(BaseModel):
@@ -41,7 +55,9 @@ class PlugIn:
     @property
     def label(self) -> str:
         """Name and the options that were set, for tables and coordinates."""
-        changed = ", ".join(f"{key}={getattr(self.options, key)}" for key in sorted(self.options.model_fields_set))
+        changed = ", ".join(
+            f"{key}={getattr(self.options, key)}" for key in sorted(self.options.model_fields_set)
+        )
         return f"{self.name}({changed})" if changed else self.name
 
 
@@ -130,20 +146,27 @@ def check_inside(index: int) -> None:
 
 __all__ = [
     "CONTACT_SERIES",
+    "Acceleration",
+    "Angle",
+    "AngularVelocity",
     "AnyArray",
     "Body",
     "ContactStrategy",
+    "Density",
     "Field",
     "FloatArray",
     "Grid",
     "IndexArray",
     "IntArray",
+    "Length",
     "Material",
     "NoOptions",
+    "Number",
     "OutsideGrid",
     "Pair",
     "Particles",
     "PlugIn",
+    "Pressure",
     "SceneError",
     "Setup",
     "ShapeFunction",
@@ -151,7 +174,10 @@ __all__ = [
     "State",
     "Stencil",
     "Surface",
+    "Time",
+    "Velocity",
     "check_inside",
     "empty_stencil",
     "hookimpl",
+    "quantity",
 ]

@@ -53,7 +53,8 @@ class Build:
 
 
 def build(scene: Scene, contact: ContactStrategy | None = None, shape: ShapeFunction | None = None) -> Build:
-    """Discretise the bodies and make the plug-ins that the scene names; strategy objects take the scene's place.
+    """Discretise the bodies and make the plug-ins that the scene names; strategy objects take the scene's
+    place.
 
     Raises
     ------
@@ -89,7 +90,8 @@ def build(scene: Scene, contact: ContactStrategy | None = None, shape: ShapeFunc
     grid = make_grid(scene.grid.cell_size, np.array(scene.grid.lower), np.array(scene.grid.upper), n_fields)
     particles = _particles(scene, layouts, bodies, transfer, n_fields)
     pairs = tuple(
-        Pair(i, _index(bodies, a), _index(bodies, b), f"{a}-{b}", mu) for i, (a, b, mu) in enumerate(scene.pairs)
+        Pair(i, _index(bodies, a), _index(bodies, b), f"{a}-{b}", mu)
+        for i, (a, b, mu) in enumerate(scene.pairs)
     )
     for body in bodies:
         material = materials[scene.bodies[body.name].material]
@@ -130,7 +132,9 @@ def _check_dimension(scene: Scene, shape: ShapeFunction, contact: ContactStrateg
     if scene.dim == 3:
         for name, body in scene.bodies.items():
             if any(side.pressure is not None for side in body.sides):
-                raise SceneError(f"bodies.{name}.sides: a pressure needs a tracked outline, which exists in 2D only")
+                raise SceneError(
+                    f"bodies.{name}.sides: a pressure needs a tracked outline, which exists in 2D only"
+                )
 
 
 def _layouts(scene: Scene) -> tuple[Layout, ...]:
@@ -270,4 +274,3 @@ def _spin_matrix(omega: FloatArray, dim: int) -> FloatArray:
         return np.array([[0.0, -omega[0]], [omega[0], 0.0]])
     x, y, z = omega
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-

@@ -7,15 +7,16 @@ import time
 #: Stages of a step and of a run, in the order of the tables.
 STAGES = ("shape", "projection", "force", "contact", "gather", "material", "gap", "output")
 
-#: Stages that count as the cost of the method; ``gap`` (surfaces tracked for the diagnostic alone) and ``output`` do not.
+#: Stages that count as the cost of the method; ``gap`` (surfaces tracked for the diagnostic alone) and
+#: ``output`` do not.
 STEP_STAGES = STAGES[:6]
 
 
 class Clock:
     """Attributes time to the stage that is running.
 
-    Wall time is read at every change of stage. CPU time is read only in :meth:`flush`, once a frame, and shared out in
-    proportion to the wall time in between: one CPU-timer read costs as much as a small kernel.
+    Wall time is read at every change of stage. CPU time is read only in :meth:`flush`, once a frame, and
+    shared out in proportion to the wall time in between: one CPU-timer read costs as much as a small kernel.
     """
 
     __slots__ = ("_cpu_mark", "_mark", "_stage", "_wall_frame", "cpu", "wall")
@@ -50,7 +51,8 @@ class Clock:
         self._cpu_mark = cpu_now
 
     def exclude(self, wall: float, cpu: float) -> None:
-        """Take out seconds that are not the method's, such as those of compilation, from the stage that runs."""
+        """Take out seconds that are not the method's, such as those of compilation, from the stage that
+        runs."""
         self._mark += wall
         self._cpu_mark += cpu
 

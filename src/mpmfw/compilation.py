@@ -6,15 +6,18 @@ import time
 from types import TracebackType
 from typing import Any, Self
 
-from numba.core import event
+from numba.core import event as numba_event
 
 from mpmfw.clock import Clock
 
+# numba's annotations differ between versions.
+_event: Any = numba_event
+
 #: numba holds its compiler lock while it compiles a kernel or loads it from the disk cache.
-_EVENT = "numba:compiler_lock"
+_LOCK = "numba:compiler_lock"
 
 
-class CompileTimer(event.Listener):  # type: ignore[misc]
+class CompileTimer(_event.Listener):  # type: ignore[misc]
     """Context in which compilation is measured and excluded from ``clock``.
 
     Attributes
@@ -42,10 +45,10 @@ class CompileTimer(event.Listener):  # type: ignore[misc]
             self.clock.exclude(wall, time.process_time() - self._cpu)
 
     def __enter__(self) -> Self:
-        event.register(_EVENT, self)
+        _event.register(_LOCK, self)
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        event.unregister(_EVENT, self)
+        _event.unregister(_LOCK, self)

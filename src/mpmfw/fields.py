@@ -1,7 +1,7 @@
 """Field declarations: name, dims, unit and meaning of every array, said once.
 
-Allocation, the results' file, ``explain`` and the documentation all read these declarations; nothing else in mpmfw states a
-unit or a long name a second time.
+Allocation, the results' file, ``explain`` and the documentation all read these declarations; nothing else in
+mpmfw states a unit or a long name a second time.
 """
 
 from __future__ import annotations
@@ -85,7 +85,9 @@ GRID_FIELDS: tuple[Field, ...] = (
     Field("position", _NA, "m", "node position x_i", "grid"),
     Field("mass", _N, "kg m-1", "nodal mass m_i of one velocity field", "grid"),
     Field("momentum", _NA, "kg m s-1 m-1", "nodal momentum (m v)_i", "grid"),
-    Field("start_velocity", _NA, "m s-1", "nodal velocity as projected, before any force or correction", "grid"),
+    Field(
+        "start_velocity", _NA, "m s-1", "nodal velocity as projected, before any force or correction", "grid"
+    ),
     Field("force", _NA, "N m-1", "nodal force f_i", "grid"),
     Field("velocity", _NA, "m s-1", "nodal velocity at the end of the step", "grid"),
 )
@@ -93,7 +95,9 @@ GRID_FIELDS: tuple[Field, ...] = (
 SURFACE_FIELDS: tuple[Field, ...] = (
     Field("position", ("surface_node", "axis"), "m", "surface node position x_s", "surface", output=True),
     Field("displacement", ("surface_node", "axis"), "m", "motion of x_s over the last step", "surface"),
-    Field("tributary", ("surface_node",), "m", "tributary length of the surface node at the start", "surface"),
+    Field(
+        "tributary", ("surface_node",), "m", "tributary length of the surface node at the start", "surface"
+    ),
 )
 
 _B = ("body",)
@@ -120,13 +124,25 @@ SERIES_FIELDS: tuple[Field, ...] = (
         "series",
         output=True,
     ),
-    Field("kinetic_energy", _B, "J m-1", "kinetic energy sum m v^2 / 2 of the material points", "series", output=True),
+    Field(
+        "kinetic_energy",
+        _B,
+        "J m-1",
+        "kinetic energy sum m v^2 / 2 of the material points",
+        "series",
+        output=True,
+    ),
     Field("strain_energy", _B, "J m-1", "stored elastic energy", "series", output=True),
     Field("total_energy", _B, "J m-1", "kinetic and strain energy", "series", output=True),
 )
 
 AFFINE_ENERGY = Field(
-    "affine_energy", _B, "J m-1", "kinetic energy of the affine motion within the material points", "series", output=True
+    "affine_energy",
+    _B,
+    "J m-1",
+    "kinetic energy of the affine motion within the material points",
+    "series",
+    output=True,
 )
 
 _PAIR = ("pair",)
@@ -140,13 +156,32 @@ CONTACT_SERIES: tuple[Field, ...] = (
         "series",
         output=True,
     ),
-    Field("contact_count", _PAIR, "1", "surface or grid nodes in contact at the output", "series", output=True),
-    Field("frictional_work", _PAIR, "J m-1", "energy dissipated by friction since time zero", "series", output=True),
     Field(
-        "contact_energy", _PAIR, "J m-1", "energy stored in contact springs (zero without springs)", "series", output=True
+        "contact_count", _PAIR, "1", "surface or grid nodes in contact at the output", "series", output=True
     ),
     Field(
-        "damping_work", _PAIR, "J m-1", "energy dissipated by contact dashpots since time zero", "series", output=True
+        "frictional_work",
+        _PAIR,
+        "J m-1",
+        "energy dissipated by friction since time zero",
+        "series",
+        output=True,
+    ),
+    Field(
+        "contact_energy",
+        _PAIR,
+        "J m-1",
+        "energy stored in contact springs (zero without springs)",
+        "series",
+        output=True,
+    ),
+    Field(
+        "damping_work",
+        _PAIR,
+        "J m-1",
+        "energy dissipated by contact dashpots since time zero",
+        "series",
+        output=True,
     ),
 )
 

@@ -1,4 +1,5 @@
-"""Frames of output: what the fields' declarations and the plug-ins' diagnostics say, sorted by group and body."""
+"""Frames of output: what the fields' declarations and the plug-ins' diagnostics say, sorted by group and
+body."""
 
 from __future__ import annotations
 
@@ -19,7 +20,12 @@ class Recorder:
     def __init__(self, scene: Scene, state: State, declared: tuple[Field, ...], hook: Any) -> None:
         self.state, self.hook = state, hook
         core = (*(PARTICLE_FIELDS if scene.output.particles else ()), *self._surface_fields(scene))
-        groups = {"series": True, "contact": True, "particles": scene.output.particles, "surface": scene.output.surface}
+        groups = {
+            "series": True,
+            "contact": True,
+            "particles": scene.output.particles,
+            "surface": scene.output.surface,
+        }
         wanted = [field for field in (*core, *declared) if field.output and groups.get(field.group, False)]
         self.fields = {field.name + "/" + field.group: field for field in wanted}
         self._by_name = {field.name: field for field in declared}

@@ -1,14 +1,14 @@
 """From a plug-in manager to the calls of a step.
 
-pluggy checks the arguments of every call anew, 3-4 µs a hook, which a small scene would notice. After ``check_pending()`` the
-set of implementations is fixed, so the calls are bound once, in pluggy's own order and with its selection of arguments. Each
-plug-in's time goes to its own stage of the clock.
+pluggy checks the arguments of every call anew, 3-4 µs a hook, which a small scene would notice. After
+``check_pending()`` the set of implementations is fixed, so the calls are bound once, in pluggy's own order
+and with its selection of arguments. Each plug-in's time goes to its own stage of the clock.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pluggy
 
@@ -38,6 +38,10 @@ class BoundHooks:
         for name in hook_names():
             setattr(self, name, _bind(getattr(manager.hook, name), clock))
 
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Callable[..., Any]: ...
+
 
 def _nothing(**arguments: object) -> None:
     """Stand in for a hook without implementations."""
@@ -58,11 +62,16 @@ def _bind(caller: pluggy.HookCaller, clock: Clock) -> Callable[..., Any]:
 
 
 def _with_stage(impl: pluggy.HookImpl, clock: Clock) -> Callable[[dict[str, Any]], Any]:
-    """The implementation as a function of the arguments' dictionary; a plug-in with ``stage`` is timed under it."""
-    function, names, stage = impl.function, impl.argnames, getattr(impl.plugin, "stage", None)
+    """The implementation as a function of the arguments' dictionary; a plug-in with ``stage`` is timed under
+    it."""
+    function, names = impl.function, impl.argnames
+    stage: str | None = getattr(impl.plugin, "stage", None)
 
     def call(arguments: dict[str, Any]) -> Any:
         return function(*[arguments[name] for name in names])
+
+    if stage is None:
+        return call
 
     def timed(arguments: dict[str, Any]) -> Any:
         previous = clock(stage)
@@ -71,7 +80,7 @@ def _with_stage(impl: pluggy.HookImpl, clock: Clock) -> Callable[[dict[str, Any]
         finally:
             clock(previous)
 
-    return call if stage is None else timed
+    return timed
 
 
 def _first_result(calls: list[Callable[[dict[str, Any]], Any]]) -> Callable[..., Any]:

@@ -1,8 +1,8 @@
 """Hook specifications: every place in the algorithm where a plug-in may act.
 
-Hooks are named by their place, not by a method. None of them receives the simulation: what a plug-in needs beyond the
-arguments it takes from :class:`~mpmfw.setup.Setup`, once, and keeps itself. An implementation may leave out arguments that it
-does not use (pluggy passes those it names).
+Hooks are named by their place, not by a method. None of them receives the simulation: what a plug-in needs
+beyond the arguments it takes from :class:`~mpmfw.setup.Setup`, once, and keeps itself. An implementation may
+leave out arguments that it does not use (pluggy passes those it names).
 """
 
 from __future__ import annotations
@@ -64,10 +64,14 @@ class HookSpecs:
 
     @hookspec(firstresult=True)
     def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
-        """N_i at points on the boundary: the basis that matches the particles', Σ V ∇S = ∮ N n dS.
+        """Step 1, after :meth:`interpolate`: N_i at points on the boundary.
 
-        Implemented by the shape function; asked only where a surface is tracked. Parameters: ``position`` (n, dim) [m],
-        ``first`` (n_fields + 1,) ranges of the points by velocity field. May change nothing but its own table.
+        The basis is the one that matches the particles', Σ V ∇S = ∮ N n dS.
+
+        Implemented by the shape function; asked only where a surface is tracked. Parameters: ``position`` (n,
+        dim) [m],
+        ``first`` (n_fields + 1,) ranges of the points by velocity field. May change nothing but its own
+        table.
 
         Raises
         ------
@@ -78,7 +82,8 @@ class HookSpecs:
 
     @hookspec
     def after_momentum_projection(self, grid: Grid, phi: Stencil, particles: Particles, dt: float) -> None:
-        """After step 2: m_i and (m v)_i of every velocity field are complete. May change ``grid.momentum``."""
+        """After step 2: m_i and (m v)_i of every velocity field are complete. May change
+        ``grid.momentum``."""
 
     @hookspec
     def add_nodal_force(self, grid: Grid, state: State, dt: float) -> None:
@@ -90,23 +95,34 @@ class HookSpecs:
 
     @hookspec
     def correct_inertia(self, grid: Grid, phi: Stencil, particles: Particles, dt: float) -> None:
-        """After all contact corrections of step 4: mend the inertia of the lumped mass. May change ``grid.momentum``."""
+        """After all contact corrections of step 4: mend the inertia of the lumped mass. May change
+        ``grid.momentum``."""
 
     @hookspec
     def constrain_momentum(self, grid: Grid, time: float) -> None:
-        """Boundary conditions, the last word on ``grid.momentum``; ``time`` [s] is that at the end of the step."""
+        """After all corrections of the momentum: boundary conditions, which have the last word.
+
+        ``time`` [s] is that at the end of the step. MUSL and USF ask again for the velocity of the strain.
+        May change
+        ``grid.momentum``.
+        """
 
     @hookspec
     def advect(self, grid: Grid, dt: float) -> None:
-        """Step 5: whatever else rides on the grid's final velocity ``grid.velocity``, such as surface nodes."""
+        """Step 5: whatever else rides on the grid's final velocity ``grid.velocity``, such as surface nodes.
+
+        May change what rides.
+        """
 
     @hookspec
     def update_particle_domains(self, particles: Particles, grid: Grid, dt: float) -> None:
-        """Step 6: GIMP lengths or CPDI corners follow the deformation. May change the shape function's own arrays."""
+        """Step 6: GIMP lengths or CPDI corners follow the deformation. May change the shape function's own
+        arrays."""
 
     @hookspec
     def update_stress(self, particles: Particles, dt: float) -> None:
-        """Step 6: σ of the material's own bodies from their F. May change ``particles.stress`` of its slices."""
+        """Step 6: σ of the material's own bodies from their F. May change ``particles.stress`` of its
+        slices."""
 
     @hookspec
     def end_step(self, state: State) -> None:
@@ -116,15 +132,14 @@ class HookSpecs:
     def stable_timestep(self, state: State) -> tuple[float, str] | None:
         """Before a step: the largest stable step [s] and its owner, or None if nothing limits it now.
 
-        The least of all answers rules. Asked before the first step and before every step for which the plug-in may answer
-        anew.
+        The least of all answers rules. Asked before every step. May change nothing.
         """
 
     @hookspec
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
         """At outputs only: values of the plug-in's declared series and output fields.
 
-        Parameters: ``interval`` [s] since the last output (0 at the first). May change nothing but accumulators that restart
-        at outputs.
+        Parameters: ``interval`` [s] since the last output (0 at the first). May change nothing but
+        accumulators that restart at outputs.
         """
         raise NotImplementedError

@@ -19,7 +19,11 @@ COSTS: tuple[tuple[str, str, str], ...] = (
     ("material_points", "1", "material points"),
     ("cpu_time", "s", "CPU time of the steps, without compilation, settling, gap diagnostic and output"),
     ("wall_time", "s", "wall time of the steps"),
-    ("peak_memory", "B", "largest resident memory of the process"),
+    (
+        "peak_memory",
+        "B",
+        "largest resident memory of the process during the run (Linux; elsewhere since its start)",
+    ),
     ("settle_time", "s", "CPU time of settling"),
     ("output_time", "s", "CPU time of output"),
     ("gap_time", "s", "CPU time of the gap diagnostic"),
@@ -27,15 +31,16 @@ COSTS: tuple[tuple[str, str, str], ...] = (
 )
 
 #: Attributes that differ between the runs of a comparison and say nothing of the whole.
-_OF_ONE_RUN = {"contact", "shape", "scheme", "transfer", "effects", "plugins", "status", "kind"}
+_OF_ONE_RUN = {"contact", "shape", "effects", "plugins", "status", "kind", "surface_nodes"}
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """How one combination went, and what it wrote, if anything."""
+    """How one combination went, what it wrote, if anything, and what its reader must know."""
 
     status: str
     tree: xr.DataTree | None = None
+    notes: tuple[str, ...] = ()
 
 
 def join(coords: Mapping[str, Sequence[Any]], outcomes: Mapping[tuple[int, ...], Outcome]) -> xr.Dataset:
@@ -62,19 +67,45 @@ def join(coords: Mapping[str, Sequence[Any]], outcomes: Mapping[tuple[int, ...],
     dataset["status"] = (lead, status, {"long_name": "ok, or why there is no complete result"})
     dataset = dataset.assign(_series(lead, shape, trees))
     dataset = dataset.assign(_costs(lead, shape, trees)).assign(_outlines(lead, shape, trees))
-    attributes = next((tree.attrs for tree in trees.values()), {})
+    dataset.attrs = _attributes(coords, trees)
+    notes = {"/".join(map(str, _choice(coords, index))): outcome.notes for index, outcome in outcomes.items()}
+    if any(notes.values()):
+        dataset.attrs["notes"] = json.dumps({label: said for label, said in notes.items() if said})
+    return dataset
+
+
+def _attributes(
+    coords: Mapping[str, Sequence[Any]], trees: Mapping[tuple[int, ...], xr.DataTree]
+) -> dict[str, Any]:
+    """Keep what all runs share and the first one's scene; ``methods`` holds what differs, run by run."""
     own = {name for name, _, _ in COSTS} | {
         f"{clock}_{stage}" for clock in ("cpu", "wall") for stage in STAGES
     }
-    kept = {name: value for name, value in attributes.items() if name not in own | _OF_ONE_RUN}
-    methods = {
-        "/".join(map(str, _choice(coords, index))): {
-            name: str(tree.attrs[name]) for name in ("scheme", "transfer", "effects") if name in tree.attrs
-        }
+    runs = {
+        index: {str(name): value for name, value in tree.attrs.items() if name not in own}
         for index, tree in trees.items()
     }
-    dataset.attrs = {**kept, "kind": "compare", "methods": json.dumps(methods)}
-    return dataset
+    first = next(iter(runs.values()), {})
+    common = {
+        name: value
+        for name, value in first.items()
+        if name not in _OF_ONE_RUN and all(str(run.get(name)) == str(value) for run in runs.values())
+    }
+    methods = {
+        "/".join(map(str, _choice(coords, index))): {
+            name: value
+            for name, value in run.items()
+            if name not in common and name not in ("scene", "kind", "status")
+        }
+        for index, run in runs.items()
+    }
+    scene = {"scene": first["scene"]} if "scene" in first else {}
+    return {**common, **scene, "kind": "compare", "methods": json.dumps(methods, default=_number)}
+
+
+def _number(value: Any) -> Any:
+    """Return a NumPy scalar as Python's own, for JSON."""
+    return value.item() if isinstance(value, np.generic) else str(value)
 
 
 def _choice(coords: Mapping[str, Sequence[Any]], index: tuple[int, ...]) -> list[Any]:

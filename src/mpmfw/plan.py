@@ -1,4 +1,5 @@
-"""The effect plan: each effect is imported and registered only if the scene calls for it, and says why or why not."""
+"""The effect plan: each effect is imported and registered only if the scene calls for it, and says why or why
+not."""
 
 from __future__ import annotations
 
@@ -19,7 +20,8 @@ UPPER = frozenset({"right", "top", "front"})
 
 
 def plan(made: Build) -> None:
-    """Decide every effect; fill ``made.effects`` and ``made.plugins``, and make the surface if something needs it."""
+    """Decide every effect; fill ``made.effects`` and ``made.plugins``, and make the surface if something
+    needs it."""
     made.plugins += [*made.materials.values(), made.shape]
     _transfer(made)
     _contact(made)
@@ -33,7 +35,11 @@ def plan(made: Build) -> None:
 def _transfer(made: Build) -> None:
     transfer = made.transfer
     chosen = "as auto for" if made.scene.stepping.transfer == "auto" else "given, with"
-    made.note("affine field", transfer.affine is not None, f"transfer {transfer.name}, {chosen} shape {made.shape.name}")
+    made.note(
+        "affine field",
+        transfer.affine is not None,
+        f"transfer {transfer.name}, {chosen} shape {made.shape.name}",
+    )
     if transfer.affine is not None:
         how = "C is carried along with the motion" if transfer.transported else "C stays as gathered"
         made.note("transported affine gradient", transfer.transported, how)
@@ -47,7 +53,11 @@ def _contact(made: Build) -> None:
     acts = type(made.contact).__name__
     made.note("contact", True, f"{made.contact.name} ({acts}), {len(made.state.pairs)} pairs")
     per_body = made.contact.velocity_fields == "per_body"
-    made.note("velocity field per body", per_body, f"contact '{made.contact.name}' asks for {made.contact.velocity_fields}")
+    made.note(
+        "velocity field per body",
+        per_body,
+        f"contact '{made.contact.name}' asks for {made.contact.velocity_fields}",
+    )
     frictional = [pair.label for pair in made.state.pairs if pair.friction > 0.0]
     if not made.contact.uses_friction:
         made.note("friction", False, f"contact '{made.contact.name}' does not use it")
@@ -67,7 +77,9 @@ def _surface(made: Build) -> None:
         *(["pressure"] if pressed else []),
         *(["min_gap"] if measured else []),
     ]
-    if not made.note("surfaces", bool(users), "for " + ", ".join(users) if users else "nothing needs outlines"):
+    if not made.note(
+        "surfaces", bool(users), "for " + ", ".join(users) if users else "nothing needs outlines"
+    ):
         return
     from mpmfw.effects.surface import GapDiagnostic, SurfaceTracker, make_surface
 
@@ -97,9 +109,7 @@ def _gravity(made: Build) -> None:
 
 
 def _sides(made: Build) -> None:
-    given = [
-        (body, side) for body in made.state.bodies for side in made.scene.bodies[body.name].sides
-    ]
+    given = [(body, side) for body in made.state.bodies for side in made.scene.bodies[body.name].sides]
     prescribed = [(body, side) for body, side in given if side.pressure is None]
     pressed = [(body, side) for body, side in given if side.pressure is not None]
     names = ", ".join(f"{body.name} {side.side}" for body, side in prescribed)
@@ -189,14 +199,20 @@ def _rotation_of(made: Build, body: Body) -> tuple[str, str]:
         return "lumped", "prescribed sides hold it"
     if not model.geometry.is_connected:
         if model.rotation == "exact":
-            raise SceneError(f"bodies.{body.name}.rotation: 'exact' is for a connected body, and this one has parts")
+            raise SceneError(
+                f"bodies.{body.name}.rotation: 'exact' is for a connected body, and this one has parts"
+            )
         return "lumped", "it is not connected"
     return "exact", "free, connected body" if model.rotation is None else "given"
 
 
 def _outputs(made: Build) -> None:
     materials = tuple(made.material_of(body) for body in made.state.bodies)
-    made.plugins.append(BodySeries(materials, affine=made.transfer.affine is not None))
+    energy = made.scene.output.energy
+    made.note("energies", energy, "series of every body" if energy else "output.energy = false")
+    made.plugins.append(BodySeries(materials, affine=made.transfer.affine is not None, energy=energy))
     frames = made.scene.output.particles
-    if made.note("von Mises stress", frames, "frames hold material points" if frames else "output.particles = false"):
+    if made.note(
+        "von Mises stress", frames, "frames hold material points" if frames else "output.particles = false"
+    ):
         made.plugins.append(VonMises(materials))

@@ -12,6 +12,7 @@ from io import StringIO
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from mpmfw.analysis import RollingSolution, rolling_solution
 from mpmfw.fields import FloatArray
@@ -26,6 +27,17 @@ class RollingReference:
     solution: RollingSolution
     distance: float = 10.0  #: at which the displacement is judged [m]
 
+    def describe(self) -> str:
+        """Say in one sentence what the results are compared with."""
+        solution = self.solution
+        return (
+            f"a rigid cylinder that {'slips' if solution.slips else 'rolls without slip'}, from rest "
+            "(eq. 13 of Hamad, Giridharan & Moormann 2017, Procedia Engineering 175, 116-123): acceleration "
+            f"{solution.acceleration:.4g} m/s², angular acceleration "
+            f"{abs(solution.angular_acceleration):.4g} rad/s², "
+            f"{self.distance:g} m after {solution.time_to(self.distance):.4g} s"
+        )
+
 
 @dataclass(frozen=True)
 class RingsReference:
@@ -33,6 +45,15 @@ class RingsReference:
 
     first: str  #: the left ring
     second: str  #: the right ring
+
+    def describe(self) -> str:
+        """Say in one sentence what the results are compared with."""
+        return (
+            "explicit total-Lagrangian plane-strain finite elements, nine-node quadrilaterals of 0.5 mm, one "
+            "ring against a frictionless wall on the plane of symmetry; honest solutions differ by 2.4 % in "
+            "impulse and by 0.19 in the L2 norm of the force averaged over 100 µs (four-node quadrilaterals "
+            "of 2 mm)"
+        )
 
 
 Reference = RollingReference | RingsReference
@@ -55,6 +76,18 @@ def scene_of(attributes: Mapping[str, Any]) -> dict[str, Any]:
 def cell_size_of(attributes: Mapping[str, Any]) -> float:
     """Cell size h of the scene [m]; NaN if it is not known."""
     return _si(scene_of(attributes).get("grid", {}).get("cell_size"), "m")
+
+
+def cell_size(run: xr.Dataset) -> float:
+    """Cell size h of one combination of a comparison [m]: varied, or the scene's; NaN if it is not known."""
+    varied = run.coords["cell_size"].item() if "cell_size" in run.coords else None
+    return cell_size_of(run.attrs) if varied is None else _si(varied, "m")
+
+
+def grid_lower_of(attributes: Mapping[str, Any]) -> list[float]:
+    """Lower corner of the scene's grid [m]; empty if it is not known."""
+    corner = [_si(value, "m") for value in scene_of(attributes).get("grid", {}).get("lower", [])]
+    return corner if np.all(np.isfinite(corner)) else []
 
 
 def reference_of(attributes: Mapping[str, Any]) -> Reference | None:

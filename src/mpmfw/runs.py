@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import os
-import resource
-import sys
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from mpmfw.errors import SimulationError
 from mpmfw.results import RunWriter
+from mpmfw.results.memory import peak_memory, restart_peak_memory
 from mpmfw.scene import load_scene
 from mpmfw.simulation import Simulation
 
@@ -51,19 +50,14 @@ def run(
     SimulationError
         The run failed; what it reached is in the file, and in the error's attribute ``results``.
     """
+    restart_peak_memory()
     simulation = Simulation(load_scene(scene, set=set), contact=contact, shape=shape)
     with RunWriter(output, simulation.header()) as writer:
         try:
             simulation.run(writer.write, progress)
         except SimulationError as error:
-            writer.finish({**simulation.costs(), "peak_memory": _peak_memory(), "status": f"failed: {error}"})
+            writer.finish({**simulation.costs(), "peak_memory": peak_memory(), "status": f"failed: {error}"})
             error.results = writer.results()
             raise
-        writer.finish({**simulation.costs(), "peak_memory": _peak_memory(), "status": "ok"})
+        writer.finish({**simulation.costs(), "peak_memory": peak_memory(), "status": "ok"})
         return writer.results()
-
-
-def _peak_memory() -> int:
-    """Largest resident set of this process so far [bytes]."""
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return int(peak if sys.platform == "darwin" else peak * 1024)

@@ -17,17 +17,24 @@ class BodySeries:
     ----------
     materials
         For each body, an object with ``energy_density`` (see :class:`mpmfw.api.Material`).
+    affine
+        Whether the transfer has an affine field, whose energy is a series of its own.
+    energy
+        Whether the energies are wanted.
     """
 
     name = "body_series"
     stage = "output"
 
-    def __init__(self, materials: tuple[object, ...], *, affine: bool) -> None:
-        self.materials, self.affine = materials, affine
+    def __init__(self, materials: tuple[object, ...], *, affine: bool, energy: bool) -> None:
+        self.materials, self.affine, self.energy = materials, affine, energy
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """The series, and the affine energy if the transfer has an affine field."""
+        """The series that the scene wants, the affine energy among them if the transfer has an affine
+        field."""
+        if not self.energy:
+            return [field for field in SERIES_FIELDS if not field.name.endswith("_energy")]
         return [*SERIES_FIELDS, AFFINE_ENERGY] if self.affine else list(SERIES_FIELDS)
 
     @hookimpl
@@ -49,25 +56,31 @@ class BodySeries:
         centre, mean = m @ x / mass, m @ v / mass
         r, w = x - centre, v - mean
         spin = (m[:, None] * _cross(r, w)).sum(axis=0)
-        strain = float(
-            self.materials[index].energy_density(p.deformation_gradient[own])  # type: ignore[attr-defined]
-            @ p.initial_volume[own]
-        )
-        kinetic = 0.5 * float(m @ np.einsum("nd,nd->n", v, v))
         row: dict[str, AnyArray | float] = {
             "centre_of_mass": centre,
             "mean_velocity": mean,
             "angular_velocity": _solve_inertia(m, r, spin),
             "linear_momentum": mass * mean,
             "angular_momentum": spin,
-            "kinetic_energy": kinetic,
-            "strain_energy": strain,
-            "total_energy": kinetic + strain,
         }
+        return {**row, **self._energies(state, index)} if self.energy else row
+
+    def _energies(self, state: State, index: int) -> dict[str, float]:
+        """The energies of one body [J]."""
+        own, p = state.bodies[index].particles, state.particles
+        v, m = p.velocity[own], p.mass[own]
+        strain = float(
+            self.materials[index].energy_density(p.deformation_gradient[own])  # type: ignore[attr-defined]
+            @ p.initial_volume[own]
+        )
+        kinetic = 0.5 * float(m @ np.einsum("nd,nd->n", v, v))
+        row = {"kinetic_energy": kinetic, "strain_energy": strain, "total_energy": kinetic + strain}
         if self.affine and p.affine is not None:
             # A square of edge l moves within itself with the energy m l²/24 C:C.
             edge2 = p.volume[own] ** (2.0 / self.dim)
-            row["affine_energy"] = float((m * edge2) @ np.einsum("nij,nij->n", p.affine[own], p.affine[own])) / 24.0
+            row["affine_energy"] = (
+                float((m * edge2) @ np.einsum("nij,nij->n", p.affine[own], p.affine[own])) / 24.0
+            )
         return row
 
 
@@ -81,7 +94,7 @@ def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
 
 def _solve_inertia(m: FloatArray, r: FloatArray, spin: FloatArray) -> FloatArray:
     """ω of L = I ω, I = Σ m (|r|² 1 − r rᵀ); one number in 2D."""
-    second = np.einsum("n,ni,nj->ij", m, r, r)
+    second = (m[:, None] * r).T @ r
     if r.shape[1] == 2:
         trace = np.trace(second)
         return np.asarray(spin / trace if trace > 0.0 else np.zeros(1))
@@ -89,7 +102,9 @@ def _solve_inertia(m: FloatArray, r: FloatArray, spin: FloatArray) -> FloatArray
     return np.asarray(np.linalg.lstsq(inertia, spin, rcond=None)[0])
 
 
-VON_MISES = Field("von_mises", ("particle",), "Pa", "von Mises stress, out-of-plane stress included", output=True)
+VON_MISES = Field(
+    "von_mises", ("particle",), "Pa", "von Mises stress, out-of-plane stress included", output=True
+)
 
 
 class VonMises:

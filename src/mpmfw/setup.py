@@ -65,7 +65,8 @@ class Setup:
     def allocate(self, owner: str, declaration: Field, **sizes: int) -> AnyArray:
         """Allocate a declared array and list it under ``owner/name``.
 
-        Sizes of ``particle``, ``axis``, ``axis2``, ``body``, ``pair`` and ``surface_node`` are known; others are given.
+        Sizes of ``particle``, ``axis``, ``axis2``, ``body``, ``pair`` and ``surface_node`` are known; others
+        are given.
         """
         state = self.state
         known = {

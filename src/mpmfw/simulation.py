@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import time as wall_clock
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,6 +26,9 @@ from mpmfw.windows import lay_windows
 
 if TYPE_CHECKING:
     from mpmfw.scene import Scene
+
+#: Share of the bulk's limit below which a time step is taken for a failure: such a run would never end.
+COLLAPSED = 1e-4
 
 #: Steps between two reports of progress.
 REPORT_EVERY = 50
@@ -77,7 +81,8 @@ class Simulation:
         self.settle_time = 0.0
         self._check_step()
 
-    # -- what it is ---------------------------------------------------------------------------------------------------
+    # -- what it is
+    # ---------------------------------------------------------------------------------------------------
 
     def hook_callers(self) -> dict[str, list[str]]:
         """Names of the plug-ins that implement each hook, in the order of the calls."""
@@ -102,6 +107,12 @@ class Simulation:
                 time=self.state.time,
                 advice="a smaller time.step, or allow_unstable = true",
             )
+        if limit < COLLAPSED * self._bulk_limit:
+            raise SimulationError(
+                f"the stable time step fell to {limit:.3g} s, set by {owner}; that of the bulk is {self._bulk_limit:.3g} s",
+                time=self.state.time,
+                advice="another surface map (contact.penalty.map), another shape function, or a softer contact",
+            )
         return float(step)
 
     def _check_step(self) -> None:
@@ -115,7 +126,8 @@ class Simulation:
                 f"{key}, or allow_unstable = true"
             )
 
-    # -- how it runs --------------------------------------------------------------------------------------------------
+    # -- how it runs
+    # --------------------------------------------------------------------------------------------------
 
     def step(self, dt: float) -> None:
         """One time step of length ``dt`` [s]."""
@@ -124,6 +136,17 @@ class Simulation:
         state.dt = dt
         state.time += dt
         state.steps += 1
+
+    @contextlib.contextmanager
+    def extra_plugin(self, plugin: Any) -> Iterator[None]:
+        """Register a plug-in for a while: the damping of settling leaves nothing behind."""
+        self.manager.register(plugin, name=plugin.name)
+        self.hook = BoundHooks(self.manager, self.clock)
+        try:
+            yield
+        finally:
+            self.manager.unregister(plugin)
+            self.hook = BoundHooks(self.manager, self.clock)
 
     def start(self) -> None:
         """Settle if the scene asks for it, then set the initial motion: time zero."""
@@ -202,7 +225,8 @@ class Simulation:
             write(frame)
         self.clock.flush()
 
-    # -- what it leaves -----------------------------------------------------------------------------------------------
+    # -- what it leaves
+    # -----------------------------------------------------------------------------------------------
 
     def header(self, attributes: Mapping[str, Any] | None = None) -> RunHeader:
         """What the results' file says before the first frame."""
@@ -264,8 +288,8 @@ def _with_methods(scene: Any, contact: Any, shape: Any) -> Scene:
     from mpmfw.scene import load_scene
 
     chosen = {
-        f"{kind}.method": value for kind, value in (("contact", contact), ("shape", shape)) if isinstance(value, str)
+        f"{kind}.method": value
+        for kind, value in (("contact", contact), ("shape", shape))
+        if isinstance(value, str)
     }
     return load_scene(scene, set=chosen)
-
-

@@ -1,8 +1,8 @@
 """The state of a simulation as fixed structs of arrays: material points, grid, surfaces, bodies, pairs.
 
-Material points of a body are contiguous. The grid carries one velocity field, or one per body; each field covers its own
-window of the background grid and the windows lie one after the other in flat nodal arrays, so that a thousand bodies do not
-cost a thousand grids.
+Material points of a body are contiguous. The grid carries one velocity field, or one per body; each field
+covers its own window of the background grid and the windows lie one after the other in flat nodal arrays, so
+that a thousand bodies do not cost a thousand grids.
 """
 
 from __future__ import annotations
@@ -92,7 +92,8 @@ class Particles:
 
 
 class OutsideGrid(Exception):
-    """A point left the background grid; carries its index for the guard that names body, position and time."""
+    """A point left the background grid; carries its index for the guard that names body, position and
+    time."""
 
     def __init__(self, index: int, *, surface: bool = False) -> None:
         super().__init__(index)
@@ -104,7 +105,8 @@ class OutsideGrid(Exception):
 class Grid:
     """Background grid of square cells with one window per velocity field.
 
-    Nodal arrays are flat: node ``(i, j, k)`` of field ``f``'s window has index ``offset[f] + (i * shape_1 + j) * shape_2 + k``.
+    Nodal arrays are flat: node ``(i, j, k)`` of field ``f``'s window has index ``offset[f] + (i * shape_1 +
+    j) * shape_2 + k``.
     """
 
     cell_size: float  #: h [m]
@@ -145,7 +147,8 @@ class Grid:
 
 @dataclass(slots=True)
 class Surface:
-    """Outlines of all bodies as closed polylines of two-node segments, moved by their own velocity field (2D)."""
+    """Outlines of all bodies as closed polylines of two-node segments, moved by their own velocity field
+    (2D)."""
 
     position: FloatArray  #: (n_s, 2) x_s [m]
     displacement: FloatArray  #: (n_s, 2) motion over the last step [m]

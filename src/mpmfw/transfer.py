@@ -1,4 +1,5 @@
-"""Transfers between material points and grid: which velocity a point keeps, and which affine field rides on it."""
+"""Transfers between material points and grid: which velocity a point keeps, and which affine field rides on
+it."""
 
 from __future__ import annotations
 
@@ -31,7 +32,8 @@ class Transfer:
     transported: bool = False
 
 
-#: ``apic``: Jiang et al. 2015; ``tpic``: Nakamura, Matsumura & Mizutani 2023; ``aflip``: FLIP velocity with affine gradient.
+#: ``apic``: Jiang et al. 2015; ``tpic``: Nakamura, Matsumura & Mizutani 2023; ``aflip``: FLIP velocity with
+#: affine gradient.
 TRANSFERS = {
     "flip": Transfer("flip", 1.0),
     "pic": Transfer("pic", 0.0),
@@ -49,9 +51,11 @@ def make_transfer(
     Parameters
     ----------
     singular_spread
-        D = Σ φ q qᵀ can be singular (linear shape functions on grid lines): C = Σ v ∇φᵀ takes the place of B D⁻¹.
+        D = Σ φ q qᵀ can be singular (linear shape functions on grid lines): C = Σ v ∇φᵀ takes the place of B
+        D⁻¹.
     transported
-        Override of the transfer's own choice. A transported ``apic`` applies D⁻¹ at once, as the field C is what moves.
+        Override of the transfer's own choice. A transported ``apic`` applies D⁻¹ at once, as the field C is
+        what moves.
     pic_fraction
         Share of PIC in ``flip``.
     """

@@ -1,7 +1,7 @@
 """Quantities: a bare number in SI, or a string with a unit ("6 MPa", "60 deg", "2 mm").
 
-Every physical key of a scene is annotated with one of the types below. The unit stands in the field's metadata, so that
-the JSON schema, the messages and the documentation name the same one.
+Every physical key of a scene is annotated with one of the types below. The unit stands in the field's
+metadata, so that the JSON schema, the messages and the documentation name the same one.
 """
 
 from __future__ import annotations
@@ -26,10 +26,14 @@ def to_si(value: object, unit: str) -> object:
     Raises
     ------
     ValueError
-        The string is no quantity, or has another dimension than ``unit``.
+        The value is a boolean, or a string that is no quantity or has another dimension than ``unit``.
     """
+    if isinstance(value, bool):
+        raise ValueError(f"{str(value).lower()} is a boolean; expected a number or a string {_example(unit)}")
     if not isinstance(value, str):
         return value
+    if not value.strip():
+        raise ValueError(f"an empty string is not a quantity; expected a number or a string {_example(unit)}")
     import pint
 
     try:
@@ -40,7 +44,14 @@ def to_si(value: object, unit: str) -> object:
     except pint.DimensionalityError as error:
         raise ValueError(f"{value!r} is not convertible to {unit}") from error
     except (pint.UndefinedUnitError, pint.PintError, AttributeError, TypeError, SyntaxError) as error:
-        raise ValueError(f"{value!r} is not a quantity; expected a number or a string such as '1.5 {unit}'") from error
+        raise ValueError(
+            f"{value!r} is not a quantity; expected a number or a string {_example(unit)}"
+        ) from error
+
+
+def _example(unit: str) -> str:
+    """``such as '1.5 m'``; a dimensionless quantity may be a percentage."""
+    return f"such as '{'5 %' if unit == '1' else f'1.5 {unit}'}'"
 
 
 def quantity(unit: str) -> Any:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from mpmfw.fields import GRID_FIELDS, FloatArray, IntArray
 from mpmfw.state import Grid, Particles, Surface
 
-#: Nodes kept free round a body: room for the supports of smooth shape functions and for motion until the next laying.
+#: Nodes kept free round a body: room for the supports of smooth shape functions and for motion until the next
+#: laying.
 MARGIN = 3
 
 
@@ -16,6 +19,7 @@ def make_grid(cell_size: float, lower: FloatArray, upper: FloatArray, n_fields: 
     dim = len(lower)
     cells = np.ceil((upper - lower) / cell_size - 1e-9).astype(np.int64)
     sizes = {"node": 0, "axis": dim}
+    arrays: dict[str, Any] = {field.name: field.allocate(sizes) for field in GRID_FIELDS}
     return Grid(
         cell_size=cell_size,
         lower=np.array(lower, dtype=float),
@@ -23,7 +27,7 @@ def make_grid(cell_size: float, lower: FloatArray, upper: FloatArray, n_fields: 
         window_lower=np.zeros((n_fields, dim), dtype=np.int64),
         window_shape=np.zeros((n_fields, dim), dtype=np.int64),
         offset=np.zeros(n_fields + 1, dtype=np.int64),
-        **{field.name: field.allocate(sizes) for field in GRID_FIELDS},
+        **arrays,
         spacing=(float(cell_size),) * dim,
     )
 
@@ -63,13 +67,16 @@ def lay_windows(grid: Grid, particles: Particles, reach: FloatArray, surface: Su
 def _node(grid: Grid, position: FloatArray) -> IntArray:
     """Background index of the node below ``position``, limited to a range that integers can hold."""
     index = np.floor((position - grid.lower) / grid.cell_size)
-    return np.clip(np.nan_to_num(index), -10, grid.nodes + 10).astype(np.int64)
+    node: IntArray = np.clip(np.nan_to_num(index), -10, grid.nodes + 10).astype(np.int64)
+    return node
 
 
 def _node_positions(grid: Grid, index: int) -> FloatArray:
-    """Positions of the nodes of one window, (n, dim) [m]; equal to the last bit for the same node of two windows."""
+    """Positions of the nodes of one window, (n, dim) [m]; equal to the last bit for the same node of two
+    windows."""
     axes = [
-        grid.lower[d] + grid.cell_size * (grid.window_lower[index, d] + np.arange(grid.window_shape[index, d]))
+        grid.lower[d]
+        + grid.cell_size * (grid.window_lower[index, d] + np.arange(grid.window_shape[index, d]))
         for d in range(grid.dim)
     ]
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, grid.dim)

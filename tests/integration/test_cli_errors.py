@@ -1,7 +1,6 @@
 """Bad requests: status 2 and one message on stderr, with where, which key and the nearest name."""
 
 # Messages are compared whole, and stand on one line as they are printed
-# ruff: noqa: E501
 
 import subprocess
 import sys

@@ -20,7 +20,8 @@ position, energy = PARTICLE_FIELDS[0], SERIES_FIELDS[5]
 header = RunHeader(2, ("a",), (), {"a": 2000}, (position, energy))
 with RunWriter(sys.argv[1], header) as writer:
     for k in range(1_000_000):
-        writer.write(Frame(0.1 * k, {"a": {"position": np.full((2000, 2), float(k))}}, series={energy.name: np.full(1, k)}))
+        particles = {"a": {"position": np.full((2000, 2), float(k))}}
+        writer.write(Frame(0.1 * k, particles, series={energy.name: np.full(1, k)}))
         print(k + 1, flush=True)
 """
 

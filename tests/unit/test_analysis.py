@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -13,6 +14,7 @@ from mpmfw.references import (
     reference_of,
     rings_table,
 )
+from mpmfw.report.table import gap_measures
 from mpmfw.scene.loading import shipped_scenes
 
 SLIP = (np.radians(60.0), 0.286, 10.0, 1.6)
@@ -133,3 +135,21 @@ def test_other_scenes_have_no_reference():
     assert reference_of({"scene": "no scene ["}) is None
     assert reference_of({}) is None
     assert np.isnan(cell_size_of({}))
+
+
+def test_energy_kept_adds_what_contact_stores_and_dissipates():
+    run = xr.Dataset(
+        {
+            "kinetic_energy": (("time", "body"), [[6.0, 4.0], [3.0, 2.0], [np.nan, np.nan]]),
+            "strain_energy": (("time", "body"), [[0.0, 0.0], [1.0, 1.0], [np.nan, np.nan]]),
+            "frictional_work": (("time", "pair"), [[0.0], [2.0], [np.nan]]),
+            "contact_energy": (("time", "pair"), np.full((3, 1), np.nan)),  # another method's
+        }
+    )
+    np.testing.assert_allclose(analysis.energy_kept(run), [1.0, 0.9, np.nan])
+
+
+def test_penetration_is_the_depth_over_the_outputs():
+    measures = gap_measures(np.array([0.2, -0.1, np.nan, -0.3, 0.4]))
+    assert measures == pytest.approx({"gap": 0.4, "penetration": 0.1, "largest_penetration": 0.3})
+    assert all(np.isnan(value) for value in gap_measures(np.full(3, np.nan)).values())

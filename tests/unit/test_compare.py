@@ -1,15 +1,18 @@
 """Comparisons with a runner that computes nothing: joining, failures, the table, the page and the figures."""
 
+import warnings
+
 import numpy as np
 import pytest
 import xarray as xr
 
+from mpmfw.cli.summary import print_comparison
 from mpmfw.clock import STEP_STAGES
-from mpmfw.compare import compare
-from mpmfw.errors import MpmfwError, SceneError, SimulationError
+from mpmfw.comparison import compare
+from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.fields import CONTACT_SERIES, MIN_GAP, SERIES_FIELDS, SURFACE_FIELDS
 from mpmfw.joining import loops, union_of_times
-from mpmfw.plots import figures_of, plot_file
+from mpmfw.plots import figures_of, plot_file, plot_files, positions
 from mpmfw.references import rings_table
 from mpmfw.report import table, write_report
 from mpmfw.results import Frame, RunHeader, RunWriter
@@ -27,7 +30,7 @@ class Cylinder:
     def __init__(self, fail=None, refuse=()):
         self.fail, self.refuse, self.calls = fail, refuse, []
 
-    def __call__(self, scene, *, contact, shape, output, progress, set):
+    def __call__(self, _scene, *, contact, shape, set, **_):
         name = contact if isinstance(contact, str) else contact.name
         self.calls.append((name, shape, dict(set)))
         if (name, shape) in self.refuse:
@@ -191,12 +194,19 @@ def test_table_finds_the_errors_that_were_put_in(rolling):
     assert np.isnan(failed["displacement_error"])
 
 
+def test_runs_without_results_are_left_out_of_the_figures():
+    data = compare("any", ["penalty", "none"], ["cpdi"], runner=Cylinder(refuse={("none", "cpdi")}))
+    assert len(positions(data).axes) == 2
+    with pytest.raises(ValueError, match="gimp"):
+        positions(data, "gimp")
+
+
 def test_the_page_is_self_contained_and_escaped(tmp_path, rolling):
     write_report(rolling, tmp_path / "report.html", runs={"a & b": "a.nc"})
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "<h1>Rolling &lt;cylinder&gt;</h1>" in page
     assert "a &amp; b: a.nc" in page
-    assert page.count("<svg") == len(figures_of(rolling)) == 4
+    assert page.count("<svg") == len(figures_of(rolling)) == 5
     assert "src=" not in page
     assert 'href="http' not in page
     assert "failed: a point left the grid" in page
@@ -250,3 +260,38 @@ def test_figures_of_a_run_are_chosen_by_its_content(tmp_path):
     tree.to_netcdf(tmp_path / "run.nc")
     assert plot_file(tmp_path / "run.nc", tmp_path / "figure.png") == [tmp_path / "figure.png"]
     assert (tmp_path / "figure.png").stat().st_size > 10_000
+
+
+def test_what_a_run_notes_is_kept_with_its_name():
+    def noting(*_, contact, **keywords):
+        if contact == "none":
+            warnings.warn("did not settle", ResultsWarning, stacklevel=1)
+        return Cylinder()("any", contact=contact, **keywords)
+
+    with pytest.warns(ResultsWarning, match=r"^none/cpdi: did not settle$"):
+        data = compare("any", ["penalty", "none"], ["cpdi"], runner=noting)
+    assert data.attrs["notes"] == '{"none/cpdi": ["did not settle"]}'
+    assert (data["status"] == "ok").all()
+
+
+@pytest.mark.parametrize("columns", [60, 80, 120])
+def test_the_terminal_gets_every_measure_at_every_width(capsys, monkeypatch, rolling, columns):
+    monkeypatch.setenv("COLUMNS", str(columns))
+    print_comparison(rolling)
+    printed = capsys.readouterr().out
+    assert max(map(len, printed.splitlines())) <= columns
+    lines = [line.split() for line in printed.splitlines() if line.startswith("penalty")]
+    cells = [cell for line in lines if line[1] == "cpdi" for cell in line[2:]]
+    assert cells == ["+1.00", "+1.00", "-10.0", "+0.500", "0", "0.600", "6000"]
+    assert "bardenhagen, cpdi: failed: a point left the grid" in " ".join(printed.split())
+
+
+def test_two_comparisons_make_one_figure_of_the_motion(tmp_path, rolling):
+    for name in ("slip", "again"):
+        rolling.to_netcdf(tmp_path / f"{name}.nc")
+    written = plot_files([tmp_path / "slip.nc", tmp_path / "again.nc"], tmp_path / "figure1.png")
+    assert written == tmp_path / "figure1.png"
+    assert written.stat().st_size > 10_000
+    rolling.drop_attrs().to_netcdf(tmp_path / "other.nc")
+    with pytest.raises(MpmfwError, match="no comparison of a rolling cylinder"):
+        plot_files([tmp_path / "slip.nc", tmp_path / "other.nc"], tmp_path / "figure1.png")

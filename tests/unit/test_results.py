@@ -1,6 +1,7 @@
 """The results' file: what is written is what is read, in memory and on disk."""
 
 import json
+import os
 
 import netCDF4
 import numpy as np
@@ -11,6 +12,7 @@ from mpmfw.fields import CONTACT_SERIES, PARTICLE_FIELDS, SERIES_FIELDS, SURFACE
 from mpmfw.results import Frame, RunHeader, RunWriter
 from mpmfw.results import open as open_results
 from mpmfw.results.layout import unit
+from mpmfw.results.memory import peak_memory, restart_peak_memory
 
 FIELDS = tuple(
     field for field in (*PARTICLE_FIELDS, *SURFACE_FIELDS, *SERIES_FIELDS, *CONTACT_SERIES) if field.output
@@ -169,3 +171,29 @@ def test_a_file_that_cannot_be_created_or_read_is_named(tmp_path):
         RunWriter(tmp_path / "nowhere" / "run.nc", header())
     with pytest.raises(MpmfwError, match=r"absent\.nc"):
         open_results(tmp_path / "absent.nc")
+
+
+@pytest.mark.skipif(not os.access("/proc/self/clear_refs", os.W_OK), reason="the system keeps one mark")
+def test_peak_memory_is_of_the_time_since_the_mark():
+    block = np.ones(20_000_000)
+    high = peak_memory()
+    del block
+    restart_peak_memory()
+    assert peak_memory() < high - 100_000_000
+
+
+def test_fields_that_come_late_are_missing_before(tmp_path):
+    field = SERIES_FIELDS[5]
+    header = RunHeader(2, ("a",), (), {"a": 1}, (field,))
+    for path in (None, tmp_path / "late.nc"):
+        with RunWriter(path, header) as writer:
+            for time, series in (
+                (0.0, {}),
+                (1.0, {field.name: np.ones(1)}),
+                (2.0, {}),
+                (3.0, {field.name: np.ones(1)}),
+            ):
+                writer.write(Frame(time, series=series))
+            writer.finish({})
+        values = writer.results()[f"series/{field.name}"].values[:, 0]
+        np.testing.assert_array_equal(values, [np.nan, 1.0, np.nan, 1.0])

@@ -40,6 +40,14 @@ def test_quantities_become_si(kind, given, si):
         (units.Pressure, "3 m/s", "is not convertible to Pa"),
         (units.Length, float("nan"), "finite"),
         (units.Length, [1.0], "valid number"),
+        (units.Length, True, "true is a boolean; expected a number or a string such as '1.5 m'"),
+        (units.Number, False, "false is a boolean; expected a number or a string such as '5 %'"),
+        (
+            units.Length,
+            "",
+            "an empty string is not a quantity; expected a number or a string such as '1.5 m'",
+        ),
+        (units.Density, " ", "an empty string is not a quantity"),
     ],
 )
 def test_other_input_is_refused_with_a_reason(kind, given, message):

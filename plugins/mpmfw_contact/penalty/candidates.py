@@ -11,9 +11,11 @@ from mpmfw.api import Field, FloatArray, IndexArray, IntArray, Setup
 
 @dataclass
 class Candidates:
-    """Up to ``slots`` candidate segments for every surface node, each of another body, and the contact history.
+    """Up to ``slots`` candidate segments for every surface node, each of another body, and the contact
+    history.
 
-    The tangential force of a node is kept with the body that it touches, so that it survives a change of segment.
+    The tangential force of a node is kept with the body that it touches, so that it survives a change of
+    segment.
     """
 
     slots: int
@@ -32,7 +34,9 @@ class Candidates:
     def allocate(cls, setup: Setup, owner: str, slots: int) -> Candidates:
         """Allocate and list the arrays."""
 
-        def array(name: str, unit: str, meaning: str, dtype: str = "f8", dims: tuple[str, ...] = ()) -> np.ndarray:
+        def array(
+            name: str, unit: str, meaning: str, dtype: str = "f8", dims: tuple[str, ...] = ()
+        ) -> np.ndarray:
             field = Field(name, ("surface_node", "slot", *dims), unit, meaning, "surface", dtype)
             return setup.allocate(owner, field, slot=slots)
 

@@ -20,8 +20,8 @@ def normal_rows(e_x: Float, e_y: Float, xi: Float, out: Floats) -> None:
 def tangential_rows(e_x: Float, e_y: Float, xi: Float, gap: Float, lever: Float, out: Floats) -> None:
     """C_t = T + (g_n / l) P, (3, 2): exact l δξ; without P the pair would leave the moment g_n f_t.
 
-    e_t = (−e_n,y, e_n,x). ``lever`` is (x_2 − x_1)·e_t: the length l, or its share along e_t where the closest point is a
-    vertex and e_n is not the segment's normal; so the moment balances there too.
+    e_t = (−e_n,y, e_n,x). ``lever`` is (x_2 − x_1)·e_t: the length l, or its share along e_t where the
+    closest point is a vertex and e_n is not the segment's normal; so the moment balances there too.
     """
     for d in range(2):
         e_n = e_x if d == 0 else e_y
@@ -31,11 +31,12 @@ def tangential_rows(e_x: Float, e_y: Float, xi: Float, gap: Float, lever: Float,
 
 
 @device
-def tangent_rows(e_x: Float, e_y: Float, out: Floats) -> None:
-    """Q = [0, −e_t, e_t], (3, 2)."""
+def tangent_rows(t_x: Float, t_y: Float, out: Floats) -> None:
+    """Q = [0, −e_t, e_t], (3, 2), with the segment's own unit tangent: at a vertex any other would leave a
+    moment."""
     for d in range(2):
-        e_t = -e_y if d == 0 else e_x
-        out[0, d], out[1, d], out[2, d] = 0.0, -e_t, e_t
+        t = t_x if d == 0 else t_y
+        out[0, d], out[1, d], out[2, d] = 0.0, -t, t
 
 
 @kernel
@@ -73,9 +74,11 @@ def contact_forces(
 ) -> None:
     """Forces of all slave nodes in contact, added to ``force`` (n_s, 2) of slaves and segment ends.
 
-    Every slave node has ``slots`` places; ``segment`` −1 or ``gap`` ≥ 0 is no contact. ``stiffness`` k [N/m²] and
-    ``damping`` c / Δt [N/m²] are (n_s, slots). Return mapping: f_t ← clip(f_t − k_t Δg_t, ±μ f_n) with Δg_t = C_tᵀ Δu on the present segment; at first
-    contact Δg_t is scaled by the part of the step that was spent in penetration. ``rows`` is scratch, (3, 3, 2).
+    Every slave node has ``slots`` places; ``segment`` −1 or ``gap`` ≥ 0 is no contact. ``stiffness`` k [N/m²]
+    and
+    ``damping`` c / Δt [N/m²] are (n_s, slots). Return mapping: f_t ← clip(f_t − k_t Δg_t, ±μ f_n) with Δg_t =
+    C_tᵀ Δu on the present segment; at first contact Δg_t is scaled by the part of the step that was spent in
+    penetration. ``rows`` is scratch, (3, 3, 2).
     """
     n, c_t, q = rows[0], rows[1], rows[2]
     energy[:] = 0.0
@@ -130,14 +133,17 @@ def contact_forces(
             tangential[s, j] = f_t
             energy[pair] += 0.5 * k * g * g
             count[pair] += 1.0
+            length = 1.0
             if keep_q:
-                tangent_rows(e_x, e_y, q)
+                t_x, t_y = position[end, 0] - position[m, 0], position[end, 1] - position[m, 1]
+                length = math.sqrt(t_x * t_x + t_y * t_y)
+                tangent_rows(t_x / length, t_y / length, q)
             sign = 1.0 if body[s] == pair_first[pair] else -1.0
             for d in range(2):
                 for row in range(3):
                     value = f_n * n[row, d] + f_t * c_t[row, d]
                     if keep_q:
-                        value -= f_n * g / lever * q[row, d]
+                        value -= f_n * g / length * q[row, d]
                     force[s if row == 0 else m if row == 1 else end, d] += value
                 pair_impulse[pair, d] += sign * dt * (f_n * n[0, d] + f_t * c_t[0, d])
 
@@ -159,5 +165,3 @@ def better_segment(
             chosen = a
             chosen_xi = xi if a == m else 1.0 - xi
     return chosen, chosen_xi
-
-

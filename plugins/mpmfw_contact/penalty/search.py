@@ -11,7 +11,8 @@ from mpmfw.kernels.types import Float, Floats, Indices, Ints
 
 @kernel
 def boxes_touch(first: Ints, second: Ints, lower: Floats, upper: Floats, reach: float) -> bool:
-    """Whether any pair of bodies has bounding boxes closer than ``reach``: if not, there is nothing to search."""
+    """Whether any pair of bodies has bounding boxes closer than ``reach``: if not, there is nothing to
+    search."""
     for c in range(len(first)):
         a, b = first[c], second[c]
         apart = False
@@ -26,7 +27,8 @@ def boxes_touch(first: Ints, second: Ints, lower: Floats, upper: Floats, reach: 
 @device
 def cell_of(x: Float, lower: Float, h: Float, nodes: int) -> int:
     """Index of the cell that holds x, limited to the grid."""
-    return min(max(int(math.floor((x - lower) / h)), 0), nodes - 2)
+    cell: int = math.floor((x - lower) / h)
+    return min(max(cell, 0), nodes - 2)
 
 
 @kernel
@@ -44,8 +46,8 @@ def mark_shared_nodes(
 ) -> bool:
     """Step 1: mark the grid nodes that the surfaces of two bodies reach; return whether there are any.
 
-    A segment reaches the nodes of all cells that its bounding box touches. ``owner`` holds stamp * n_bodies + body of the
-    first to arrive; since the stamp grows, nothing needs clearing.
+    A segment reaches the nodes of all cells that its bounding box touches. ``owner`` holds stamp * n_bodies +
+    body of the first to arrive; since the stamp grows, nothing needs clearing.
     """
     found = False
     base = stamp * n_bodies
@@ -70,12 +72,13 @@ def mark_shared_nodes(
 def tagged(i: int, j: int, stamp: int, columns: int, shared: Ints) -> bool:
     """Whether a corner of cell (i, j) is shared."""
     node = i * columns + j
-    return (
+    shared_now: bool = (
         shared[node] == stamp
         or shared[node + 1] == stamp
         or shared[node + columns] == stamp
         or shared[node + columns + 1] == stamp
     )
+    return shared_now
 
 
 @kernel
@@ -92,7 +95,8 @@ def list_segments(
     link: Indices,
     link_segment: Indices,
 ) -> int:
-    """Step 2: linked lists of the segments in every tagged cell; return the number of entries, stored or not."""
+    """Step 2: linked lists of the segments in every tagged cell; return the number of entries, stored or
+    not."""
     count = 0
     columns = grid_nodes[1]
     for s in range(len(following)):
@@ -130,6 +134,51 @@ def keep_nearest(
             return
 
 
+#: The nine cells round a cell, the own one first.
+NEIGHBOURS = (4, 0, 1, 2, 3, 5, 6, 7, 8)
+
+#: Allowance for rounding where boxes are compared with a distance, so that of equally close segments none is lost.
+ROUNDING = 1.0 + 1e-12
+
+
+@device
+def reach_of(s: int, radius: Float, segment: Ints, gap: Floats) -> Float:
+    """How far a better candidate of node s may be: the radius, or the distance found if there is one slot only."""
+    if segment.shape[1] == 1 and segment[s, 0] >= 0:
+        return abs(gap[s, 0]) * ROUNDING
+    return radius
+
+
+@device
+def outside_box(x: Float, y: Float, x0: Float, x1: Float, y0: Float, y1: Float, reach: Float) -> bool:
+    """Whether a point is farther than ``reach`` from the box x0 … x1, y0 … y1."""
+    dx = max(x0 - x, x - x1, 0.0)
+    dy = max(y0 - y, y - y1, 0.0)
+    outside: bool = dx * dx + dy * dy > reach * reach
+    return outside
+
+
+@device
+def cell_too_far(
+    s: int, i: int, j: int, x: Float, y: Float, radius: Float, lower: Floats,
+    spacing: tuple[float, ...], segment: Ints, gap: Floats,
+) -> bool:  # fmt: skip
+    """Whether cell (i, j) is farther than what was found already; true for literal detection only beyond the radius."""
+    x0, y0 = lower[0] + i * spacing[0], lower[1] + j * spacing[1]
+    return outside_box(x, y, x0, x0 + spacing[0], y0, y0 + spacing[1], reach_of(s, radius, segment, gap))
+
+
+@device
+def too_far(
+    s: int, m: int, x: Float, y: Float, radius: Float, position: Floats, following: Ints, segment: Ints, gap: Floats
+) -> bool:  # fmt: skip
+    """Whether the segment's bounding box is farther than what was found already: spares most distances."""
+    e = following[m]
+    x0, x1 = min(position[m, 0], position[e, 0]), max(position[m, 0], position[e, 0])
+    y0, y1 = min(position[m, 1], position[e, 1]), max(position[m, 1], position[e, 1])
+    return outside_box(x, y, x0, x1, y0, y1, reach_of(s, radius, segment, gap))
+
+
 @kernel
 def find_pairs(
     stamp: int,
@@ -156,9 +205,9 @@ def find_pairs(
 ) -> int:
     """Step 3: for every slave node in a tagged cell the closest point of each other body within ``radius``.
 
-    ``literal`` takes instead, as [H17] writes it, every segment with g_n < 0 and 0 ≤ ξ ≤ 1 one of whose ends lies within
-    the radius, up to the number of slots. ``is_slave[a, b]`` tells whether nodes of body a are slaves to segments of b.
-    Return the number of candidates.
+    ``literal`` takes instead, as [H17] writes it, every segment with g_n < 0 and 0 ≤ ξ ≤ 1 one of whose ends
+    lies within the radius, up to the number of slots. ``is_slave[a, b]`` tells whether nodes of body a are
+    slaves to segments of b. Return the number of candidates.
     """
     count = 0
     columns = grid_nodes[1]
@@ -169,22 +218,29 @@ def find_pairs(
         cj = cell_of(y, lower[1], spacing[1], grid_nodes[1])
         if not tagged(ci, cj, stamp, columns, shared):
             continue
-        for i in range(max(ci - 1, 0), min(ci + 2, grid_nodes[0] - 1)):
-            for j in range(max(cj - 1, 0), min(cj + 2, columns - 1)):
-                cell = i * columns + j
-                entry = head[cell] if head_stamp[cell] == stamp else -1
-                while entry >= 0:
-                    m = link_segment[entry]
-                    entry = link[entry]
-                    other = body[m]
-                    if other == body[s] or is_slave[body[s], other] == 0:
-                        continue
-                    if literal:
-                        keep_literal(s, m, other, radius, position, following, master, segment, coordinate, gap, normal)
-                    else:
-                        g, xi, e_x, e_y = signed_distance(x, y, m, position, following, previous)
-                        if abs(g) < radius:
-                            keep_nearest(s, m, other, g, xi, e_x, e_y, master, segment, coordinate, gap, normal)
+        for visit in range(9):  # the own cell first: what is found there spares most of the others
+            i = ci if visit == 0 else ci - 1 + NEIGHBOURS[visit] // 3
+            j = cj if visit == 0 else cj - 1 + NEIGHBOURS[visit] % 3
+            if i < 0 or j < 0 or i > grid_nodes[0] - 2 or j > columns - 2:
+                continue
+            cell = i * columns + j
+            entry = head[cell] if head_stamp[cell] == stamp else -1
+            if entry < 0 or cell_too_far(s, i, j, x, y, radius, lower, spacing, segment, gap):
+                continue
+            while entry >= 0:
+                m = link_segment[entry]
+                entry = link[entry]
+                other = body[m]
+                if other == body[s] or is_slave[body[s], other] == 0:
+                    continue
+                if literal:
+                    keep_literal(
+                        s, m, other, radius, position, following, master, segment, coordinate, gap, normal
+                    )
+                elif not too_far(s, m, x, y, radius, position, following, segment, gap):
+                    g, xi, e_x, e_y = signed_distance(x, y, m, position, following, previous)
+                    if abs(g) < radius:
+                        keep_nearest(s, m, other, g, xi, e_x, e_y, master, segment, coordinate, gap, normal)
         for j in range(master.shape[1]):
             if segment[s, j] >= 0:
                 count += 1
@@ -203,7 +259,9 @@ def keep_literal(
     near_end = (x - position[e, 0]) ** 2 + (y - position[e, 1]) ** 2 < radius * radius
     if not (near_start or near_end):
         return
-    xi, g, _, tx, ty = segment_coordinate(x, y, position[m, 0], position[m, 1], position[e, 0], position[e, 1])
+    xi, g, _, tx, ty = segment_coordinate(
+        x, y, position[m, 0], position[m, 1], position[e, 0], position[e, 1]
+    )
     if g >= 0.0 or xi < 0.0 or xi > 1.0:
         return
     for j in range(master.shape[1]):

@@ -7,6 +7,25 @@ from mpmfw.kernels.types import Floats, Indices, Ints
 
 
 @kernel
+def spring_stiffness(
+    slots: int,
+    segment: Ints,
+    master: Ints,
+    body: Ints,
+    node_factor: Floats,
+    modulus: Floats,
+    stiffness: Floats,
+) -> None:
+    """k = κ M l_trib / h of every candidate; ``node_factor`` is κ l_trib / h, ``modulus`` M of each two
+    bodies."""
+    for s in range(len(body)):
+        for j in range(slots):
+            stiffness[s, j] = 0.0
+            if segment[s, j] >= 0:
+                stiffness[s, j] = node_factor[s] * modulus[body[s], master[s, j]]
+
+
+@kernel
 def contact_frequency(
     slots: int,
     segment: Ints,
@@ -22,8 +41,8 @@ def contact_frequency(
     """Gershgorin bound of ω² = λ_max(B M⁻¹ Bᵀ K) over all candidate pairs [1/s²].
 
     Row c of B maps nodal displacement to the gap of pair c; its entries are N_i(x_s) on the slave's field and
-    (1−ξ) N_i(x_1) + ξ N_i(x_2) on the master's. Σ_d |(B M⁻¹ Bᵀ K)_cd| ≤ Σ_i |b_ci| (Σ_d k_d |b_di|) / m_i, so that two
-    passes over the pairs suffice. ``node_stiffness`` is scratch, zero on entry and on return.
+    (1−ξ) N_i(x_1) + ξ N_i(x_2) on the master's. Σ_d |(B M⁻¹ Bᵀ K)_cd| ≤ Σ_i |b_ci| (Σ_d k_d |b_di|) / m_i, so
+    that two passes over the pairs suffice. ``node_stiffness`` is scratch, zero on entry and on return.
     """
     largest = 0.0
     for phase in range(3):
@@ -77,3 +96,14 @@ def add_interface_mass(
             node_mass[nodes[k]] += weight[k] * mass[s]
             for d in range(2):
                 node_momentum[nodes[k], d] += weight[k] * mass[s] * velocity[s, d]
+
+
+@kernel
+def velocity_at(row: Ints, nodes: Indices, weight: Floats, node_velocity: Floats, velocity: Floats) -> None:
+    """v_s = Σ N_i(x_s) v_i."""
+    for s in range(len(velocity)):
+        for d in range(2):
+            v = 0.0
+            for k in range(row[s], row[s + 1]):
+                v += weight[k] * node_velocity[nodes[k], d]
+            velocity[s, d] = v

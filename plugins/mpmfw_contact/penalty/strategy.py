@@ -25,18 +25,28 @@ from mpmfw_contact.penalty import search
 from mpmfw_contact.penalty.candidates import Candidates, SearchGrid
 from mpmfw_contact.penalty.options import PenaltyOptions
 from mpmfw_contact.penalty.pair_force import contact_forces
-from mpmfw_contact.penalty.stability import add_interface_mass, contact_frequency, map_to_grid
+from mpmfw_contact.penalty.stability import (
+    add_interface_mass,
+    contact_frequency,
+    map_to_grid,
+    spring_stiffness,
+    velocity_at,
+)
 from mpmfw_contact.records import PairRecords
 
-FORCE = Field("force", ("surface_node", "axis"), "N m-1", "contact force on the surface node", "surface", output=True)
+FORCE = Field(
+    "force", ("surface_node", "axis"), "N m-1", "contact force on the surface node", "surface", output=True
+)
 
 
 class Penalty(ContactStrategy):
-    """Surfaces of two-node segments; a node inside another body is pushed out, and held by friction, by springs.
+    """Surfaces of two-node segments; a node inside another body is pushed out, and held by friction, by
+    springs.
 
-    Spring stiffness of a slave node is k = κ M l_trib / h with M the softer body's K + 4 G / 3, halved where both bodies
-    are slaves (two-pass). The forces are mapped to each body's own velocity field with shape functions at the surface
-    nodes (eq. 11). A step must resolve the springs: ω² from the nodal masses bounds it together with the bulk's.
+    Spring stiffness of a slave node is k = κ M l_trib / h with M the softer body's K + 4 G / 3, halved where
+    both bodies are slaves (two-pass). The forces are mapped to each body's own velocity field with shape
+    functions at the surface nodes (eq. 11). A step must resolve the springs: ω² from the nodal masses bounds
+    it together with the bulk's.
     """
 
     name = "penalty"
@@ -118,9 +128,12 @@ class Penalty(ContactStrategy):
         thickness = self.options.interface_thickness
         if thickness > 0.0:
             density = np.array([body.density for body in setup.bodies])
-            declaration = Field("interface_mass", ("surface_node",), "kg m-1", "mass of the surface layer", "surface")
+            declaration = Field(
+                "interface_mass", ("surface_node",), "kg m-1", "mass of the surface layer", "surface"
+            )
             self.mass: FloatArray | None = setup.allocate(self.name, declaration)
             self.mass[:] = thickness * density[self.surface.body] * self.surface.tributary
+            self.layer_velocity: FloatArray = np.zeros_like(self.surface.position)
         else:
             self.mass = None
 
@@ -129,8 +142,11 @@ class Penalty(ContactStrategy):
         """Inertia of the surface layer, where it has a thickness."""
         phi = self.surface.stencil
         if self.mass is not None and phi is not None:
-            dt = self.state.dt
-            velocity = self.surface.displacement / dt if dt > 0.0 else np.zeros_like(self.surface.displacement)
+            velocity = self.layer_velocity
+            if self.state.steps == 0:  # time zero: the layer starts with its body
+                velocity_at(phi.row, phi.nodes, phi.weight, grid.start_velocity, velocity)
+            else:
+                velocity[:] = self.surface.displacement / self.state.dt
             add_interface_mass(phi.row, phi.nodes, phi.weight, self.mass, velocity, grid.mass, grid.momentum)
             velocity_of_momentum(grid.mass, grid.momentum, grid.start_velocity, grid.spacing)
 
@@ -205,8 +221,7 @@ class Penalty(ContactStrategy):
     def _stiffness(self, grid: Grid, phi: Stencil) -> None:
         """Spring stiffness of every candidate, and the highest frequency that they give the grid."""
         c, s = self.candidates, self.surface
-        near = c.segment >= 0
-        c.stiffness[...] = np.where(near, self.node_factor[:, None] * self.modulus[s.body[:, None], c.master], 0.0)
+        spring_stiffness(c.slots, c.segment, c.master, s.body, self.node_factor, self.modulus, c.stiffness)
         if len(self.node_stiffness) != len(grid.mass):
             self.node_stiffness = np.zeros(len(grid.mass))
             self.state.arrays[f"{self.name}/node_stiffness"] = self.node_stiffness
@@ -224,7 +239,8 @@ class Penalty(ContactStrategy):
             self.node_stiffness,
         )
         if self.options.damping > 0.0 and self.omega_squared > 0.0 and self.state.dt > 0.0:
-            # c = ζ 2 sqrt(k m) with the mass k / ω² that goes with the highest frequency; per length of the last step
+            # c = ζ 2 sqrt(k m) with the mass k / ω² that goes with the highest frequency; per length of the
+            # last step
             period = math.sqrt(self.omega_squared) * self.state.dt
             c.damping[...] = 2.0 * self.options.damping * c.stiffness / period
 
@@ -266,7 +282,8 @@ class Penalty(ContactStrategy):
 
     @hookimpl
     def stable_timestep(self) -> tuple[float, str] | None:
-        """2 / sqrt(ω_bulk² + ω²): bulk and springs act together. Before the first search, ω² = 4 κ (c / h)² (equal bodies)."""
+        """2 / sqrt(ω_bulk² + ω²): bulk and springs act together. Before the first search, ω² = 4 κ (c / h)²
+        (equal bodies)."""
         if not self.searched:
             omega_squared = self.options.kappa * self.bulk_frequency**2
         elif self.count:
@@ -283,5 +300,3 @@ class Penalty(ContactStrategy):
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:  # noqa: ARG002
         """The pairs' series and the surface nodes' forces."""
         return {"force": self.force, **self.records.series(interval)}
-
-

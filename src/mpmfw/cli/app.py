@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from mpmfw._version import __version__
+from mpmfw.cli.benchmark import benchmark
 from mpmfw.cli.compare import compare
 from mpmfw.cli.errors import exit_status
 from mpmfw.cli.explain import explain
@@ -23,7 +24,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-for command in (run, compare, plot, explain, schema, plugins):
+for command in (run, compare, plot, explain, schema, plugins, benchmark):
     app.command()(exit_status(command))
 
 

@@ -18,8 +18,12 @@ WIDTH = 150
 
 
 def benchmark(
-    shapes: Annotated[str, typer.Option("--shapes", help="Shape functions between commas.")] = "linear,gimp,bspline,cpdi",
-    counts: Annotated[str, typer.Option("--counts", help="Numbers of material points between commas.")] = "600,17600",
+    shapes: Annotated[
+        str, typer.Option("--shapes", help="Shape functions between commas.")
+    ] = "linear,gimp,bspline,cpdi",
+    counts: Annotated[
+        str, typer.Option("--counts", help="Numbers of material points between commas.")
+    ] = "600,17600",
     scenes: Annotated[
         str, typer.Option("--scenes", help="Scenes between commas; empty for none.")
     ] = "rolling-cylinder-slip,colliding-rings",
@@ -49,7 +53,9 @@ def benchmark(
     names = [name for name in scenes.split(",") if name]
     if names:
         measured = [measure_scene(name, repeats, start=IN_CONTACT.get(name, 0)) for name in names]
-        console.print(table([_with_ratio(row, rows) for row in measured], "Scenes: ns per material point and step"))
+        console.print(
+            table([_with_ratio(row, rows) for row in measured], "Scenes: ns per material point and step")
+        )
 
 
 def _with_ratio(row: dict[str, Any], plain: list[dict[str, Any]]) -> Mapping[str, Any]:
@@ -59,4 +65,9 @@ def _with_ratio(row: dict[str, Any], plain: list[dict[str, Any]]) -> Mapping[str
     if not found:
         return {**row, "contact %": share}
     nearest = min(found, key=lambda other: abs(other["particles"] - row["particles"]))
-    return {**row, "contact %": share, "ns_plain": nearest["ns_plain"], "ratio": row["ns_total"] / nearest["ns_plain"]}
+    return {
+        **row,
+        "contact %": share,
+        "ns_plain": nearest["ns_plain"],
+        "ratio": row["ns_total"] / nearest["ns_plain"],
+    }

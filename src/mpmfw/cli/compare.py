@@ -11,7 +11,7 @@ import typer
 from mpmfw.cli.arguments import SceneArgument, SetOption, assignments, names, variations
 from mpmfw.cli.errors import check_writable
 from mpmfw.cli.progress import compare_progress
-from mpmfw.cli.tables import print_rows
+from mpmfw.cli.summary import print_comparison
 
 
 def compare(
@@ -53,12 +53,16 @@ def compare(
     shapes = shapes or [loaded.shape.method]
     combinations = len(contacts) * len(shapes) * math.prod(len(values) for values in varied.values())
 
-    from mpmfw.compare import compare as run_all
-    from mpmfw.report import table, write_report
+    from mpmfw.comparison import compare as run_all
+    from mpmfw.report import write_report
 
     with compare_progress(combinations, loaded.time.end) as runner:
         dataset = run_all(loaded, contact=contacts, shape=shapes, vary=varied, output=output, runner=runner)
     if report is not None:
         write_report(dataset, report)
-    print_rows(table(dataset))
-    typer.echo(str(output))
+    print_comparison(dataset)
+    typer.echo(f"{output}: all series and costs")
+    if report is not None:
+        typer.echo(f"{report}: tables and figures")
+    else:
+        typer.echo(f"For figures: mpmfw plot {output}, or --report FILE.html the next time")

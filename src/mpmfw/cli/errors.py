@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import functools
 import os
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import typer
 
-from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
 
 
 def exit_status(command: Callable[..., Any]) -> Callable[..., None]:
@@ -19,7 +21,8 @@ def exit_status(command: Callable[..., Any]) -> Callable[..., None]:
     @functools.wraps(command)
     def guarded(*args: Any, **kwargs: Any) -> None:
         try:
-            command(*args, **kwargs)
+            with _plain_warnings():
+                command(*args, **kwargs)
         except SceneError as error:
             typer.echo(str(error), err=True)
             raise typer.Exit(2) from error
@@ -28,6 +31,24 @@ def exit_status(command: Callable[..., Any]) -> Callable[..., None]:
             raise typer.Exit(1) from error
 
     return guarded
+
+
+@contextmanager
+def _plain_warnings() -> Iterator[None]:
+    """Show what a run's reader must know as one line; other warnings as Python does."""
+    shown = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *rest: Any, **named: Any) -> None:
+        if issubclass(category, ResultsWarning):
+            typer.echo(f"note: {message}", err=True)
+        else:
+            shown(message, category, *rest, **named)
+
+    warnings.showwarning = show
+    try:
+        yield
+    finally:
+        warnings.showwarning = shown
 
 
 def check_writable(path: Path) -> Path:

@@ -14,16 +14,24 @@ from mpmfw.errors import SceneError
 
 def plot(
     file: Annotated[
-        Path, typer.Argument(metavar="FILE", help="File of a run or a comparison.", show_default=False)
+        list[Path],
+        typer.Argument(metavar="FILE", help="File of a run or a comparison.", show_default=False),
     ],
     output: OutputOption = None,
 ) -> None:
-    """Draw the figures of FILE, by default to a PNG of the same name."""
-    if not file.is_file():
-        raise SceneError(f"{file}: no such file")
-    path = check_writable(file.with_suffix(".png") if output is None else output)
+    """Draw the figures of FILE, by default to PNG files named as it.
 
-    from mpmfw.plots import plot_file
+    Several FILEs, comparisons of a rolling cylinder with slip and without, make one figure, a row each.
+    """
+    for one in file:
+        if not one.is_file():
+            raise SceneError(f"{one}: no such file")
+    if output is not None and output.suffix not in ("", ".png"):
+        raise SceneError(f"{output}: figures are PNG files; give a name that ends in .png")
+    default = file[0].with_suffix(".png") if len(file) == 1 else file[0].with_name("motion.png")
+    path = check_writable(default if output is None else output)
 
-    for written in plot_file(file, path):
+    from mpmfw.plots import plot_file, plot_files
+
+    for written in plot_file(file[0], path) if len(file) == 1 else [plot_files(file, path)]:
         typer.echo(str(written))

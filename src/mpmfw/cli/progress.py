@@ -20,6 +20,9 @@ RunReport: TypeAlias = Callable[[float, int], None]
 #: Called as ``mpmfw.run``.
 Runner: TypeAlias = Callable[..., Any]
 
+#: What a run does before its first step.
+PREPARING = "compiling, settling"
+
 
 @contextmanager
 def run_progress(end: float) -> Iterator[RunReport | None]:
@@ -29,7 +32,7 @@ def run_progress(end: float) -> Iterator[RunReport | None]:
         yield None
         return
     columns = (
-        TextColumn("{task.fields[steps]} steps"),
+        TextColumn("{task.fields[done]}"),
         BarColumn(),
         TextColumn("{task.completed:.4g} of {task.total:.4g} s simulated"),
         TimeElapsedColumn(),
@@ -37,8 +40,8 @@ def run_progress(end: float) -> Iterator[RunReport | None]:
         TimeRemainingColumn(),
     )
     with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task("run", total=end, steps=0)
-        yield lambda time, steps: bar.update(task, completed=time, steps=steps)
+        task = bar.add_task("run", total=end, done=PREPARING)
+        yield lambda time, steps: bar.update(task, completed=time, done=f"{steps} steps")
 
 
 @contextmanager
@@ -49,9 +52,7 @@ def compare_progress(total: int, end: float) -> Iterator[Runner | None]:
         yield None
         return
     columns = (
-        TextColumn(
-            "{task.fields[started]}/{task.fields[runs]} {task.description}, {task.fields[steps]} steps"
-        ),
+        TextColumn("{task.fields[started]}/{task.fields[runs]} {task.description}, {task.fields[done]}"),
         BarColumn(),
         TextColumn("{task.fields[time]:.4g} s simulated"),
         TimeElapsedColumn(),
@@ -59,7 +60,7 @@ def compare_progress(total: int, end: float) -> Iterator[Runner | None]:
         TimeRemainingColumn(),
     )
     with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task("", total=total * end, started=0, runs=total, steps=0, time=0.0)
+        task = bar.add_task("", total=total * end, started=0, runs=total, done=PREPARING, time=0.0)
         started = 0
 
         def runner(scene: Any, **arguments: Any) -> Any:
@@ -68,10 +69,10 @@ def compare_progress(total: int, end: float) -> Iterator[Runner | None]:
 
             done, started = started * end, started + 1
             label = ", ".join(_label(arguments.get(kind)) for kind in ("contact", "shape"))
-            bar.update(task, completed=done, description=label, started=started, steps=0, time=0.0)
+            bar.update(task, completed=done, description=label, started=started, done=PREPARING, time=0.0)
 
             def report(time: float, steps: int) -> None:
-                bar.update(task, completed=done + min(time, end), steps=steps, time=time)
+                bar.update(task, completed=done + min(time, end), done=f"{steps} steps", time=time)
 
             return run(scene, **{**arguments, "progress": report})
 

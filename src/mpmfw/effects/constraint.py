@@ -26,12 +26,14 @@ def prescribe_side(
     node_momentum: Floats,
     spacing: tuple[float, ...],
 ) -> None:
-    """(m v)_i = m_i v on nodes ``start:stop`` that lie on or beyond the plane sign (x_axis − plane) ≥ 0.
+    """(m v)_i = m_i v on nodes ``start:stop`` that lie on or beyond the plane, sign (x_axis − plane) ≥ −h/2.
 
-    Components of ``velocity`` that are NaN stay free.
+    A plane between two nodes is taken to lie on the nearer one: a side that is pulled outwards would lose
+    hold of its nodes at once if only those beyond it counted. Components of ``velocity`` that are NaN stay
+    free.
     """
     dim = len(spacing)
-    tolerance = 1e-6 * spacing[0]
+    tolerance = 0.5 * spacing[0]
     for i in range(start, stop):
         if sign * (node_position[i, axis] - plane) >= -tolerance:
             for d in range(dim):

@@ -25,7 +25,8 @@ class Gravity:
 
     def __init__(self, times: FloatArray, values: FloatArray) -> None:
         self.times, self.values = times, np.ascontiguousarray(values)
-        #: While a scene settles, the gravity that it settles under; recorded motion starts when this is None again.
+        #: While a scene settles, the gravity that it settles under; recorded motion starts when this is None
+        #: again.
         self.override: FloatArray | None = None
 
     def at(self, time: float) -> FloatArray:

@@ -1,7 +1,7 @@
 """Local inertia correction ("k2"): two terms of the full mass matrix's series, on the acceleration alone.
 
-a_i += 1/m_i Σ_p m_p φ_ip (a_i − Σ_j φ_jp a_j). It mends bending as well as rotation and honours boundary conditions, but its
-stability limit is lower: a Courant number of 0.4.
+a_i += 1/m_i Σ_p m_p φ_ip (a_i − Σ_j φ_jp a_j). It mends bending as well as rotation and honours boundary
+conditions, but its stability limit is lower: a Courant number of 0.4.
 """
 
 from __future__ import annotations

@@ -22,7 +22,8 @@ def add_pressure(
     weight: Floats,
     node_force: Floats,
 ) -> None:
-    """f_i −= p n l / 2 N_i(x_s) from both ends of every loaded segment; n = (t_y, −t_x) / l is the outward normal."""
+    """f_i −= p n l / 2 N_i(x_s) from both ends of every loaded segment; n = (t_y, −t_x) / l is the outward
+    normal."""
     for s in range(len(segments)):
         a = segments[s]
         b = following[a]
@@ -44,7 +45,8 @@ class Pressure:
 
     @hookimpl
     def add_nodal_force(self, grid: Grid, state: State) -> None:
-        """Map the traction with the surface nodes' shape functions, as contact forces are (eq. 11 of [H17])."""
+        """Map the traction with the surface nodes' shape functions, as contact forces are (eq. 11 of
+        [H17])."""
         surface = state.surface
         if surface is None or surface.stencil is None:
             raise RuntimeError("pressure needs tracked surfaces")

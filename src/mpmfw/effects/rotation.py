@@ -1,10 +1,10 @@
 """Rotational inertia correction: a free body turns with the inertia of its material, not of its lumped nodes.
 
-Lumping the mass at the nodes gives the grid body an inertia I_grid = Σ m_i |x_i − c|² that exceeds the true one, I, by
-m (h² + l_p²)/3 under CPDI: at R/h = 4 a rolling disc is 5 % too slow in its spin. Each body's acceleration is given the
-missing part, a_i += (1/I − 1/I_grid) τ × (x_i − c), τ being the torque of the step's whole momentum change about c. That is
-the inverse of a symmetric positive-definite rank-one change of the lumped mass matrix; it holds linear momentum exactly since
-Σ m_i (x_i − c) = 0.
+Lumping the mass at the nodes gives the grid body an inertia I_grid = Σ m_i |x_i − c|² that exceeds the true
+one, I, by m (h² + l_p²)/3 under CPDI: at R/h = 4 a rolling disc is 5 % too slow in its spin. Each body's
+acceleration is given the missing part, a_i += (1/I − 1/I_grid) τ × (x_i − c), τ being the torque of the
+step's whole momentum change about c. That is the inverse of a symmetric positive-definite rank-one change of
+the lumped mass matrix; it holds linear momentum exactly since Σ m_i (x_i − c) = 0.
 """
 
 from __future__ import annotations
@@ -30,8 +30,11 @@ def inertia_of(second_moment: Floats, out: Floats, spacing: tuple[float, ...]) -
 
 
 @device
-def spin_change(true: Floats, lumped: Floats, torque: Floats, spin: Floats, spacing: tuple[float, ...]) -> None:
-    """Antisymmetric W = Δω× with Δω = (I⁻¹ − I_grid⁻¹) τ; ``torque`` is Σ r ⊗ f, whose antisymmetric part is τ."""
+def spin_change(
+    true: Floats, lumped: Floats, torque: Floats, spin: Floats, spacing: tuple[float, ...]
+) -> None:
+    """Antisymmetric W = Δω× with Δω = (I⁻¹ − I_grid⁻¹) τ; ``torque`` is Σ r ⊗ f, whose antisymmetric part is
+    τ."""
     a = scratch.matrix(spacing, spacing)
     b = scratch.matrix(spacing, spacing)
     inertia_of(true, a, spacing)
@@ -69,9 +72,11 @@ def correct_rotation(
     node_momentum: Floats,
     spacing: tuple[float, ...],
 ) -> None:
-    """(m v)_i += m_i W (x_i − c), W from the torque of this step's momentum change (times Δt) about the centre c.
+    """(m v)_i += m_i W (x_i − c), W from the torque of this step's momentum change (times Δt) about the
+    centre c.
 
-    True second moment: Σ m ((x_p − c)(x_p − c)ᵀ + Σ_a r_a r_aᵀ / 3), r_a the half-edge vectors of the deformed domain.
+    True second moment: Σ m ((x_p − c)(x_p − c)ᵀ + Σ_a r_a r_aᵀ / 3), r_a the half-edge vectors of the
+    deformed domain.
     """
     dim = len(spacing)
     centre = scratch.vector(spacing)
@@ -123,7 +128,8 @@ def correct_rotation(
 
 
 class ExactRotation:
-    """The correction for every body that asks for it; velocity-correcting contact is part of the momentum change."""
+    """The correction for every body that asks for it; velocity-correcting contact is part of the momentum
+    change."""
 
     name = "rotation"
 
@@ -155,5 +161,3 @@ class ExactRotation:
                 grid.momentum,
                 grid.spacing,
             )
-
-

@@ -1,4 +1,5 @@
-"""Tracked outlines: polylines whose nodes move with exactly the grid velocity that moves the body's material points."""
+"""Tracked outlines: polylines whose nodes move with exactly the grid velocity that moves the body's material
+points."""
 
 from __future__ import annotations
 
@@ -15,6 +16,9 @@ from mpmfw.setup import Setup
 from mpmfw.state import Body, Grid, State, Surface
 
 SurfaceMap = Literal["plain", "mass_weighted"]
+
+#: Share of N² ρ h² below which a node counts as empty under the plain map.
+LIGHT = 0.05
 
 #: Mass m_c of the mass-weighted map, as a fraction of a full cell's mass ρ h².
 CRITICAL_MASS = 0.1
@@ -49,28 +53,34 @@ def make_surface(bodies: tuple[Body, ...], n_fields: int, stage: str) -> Surface
 
 
 @kernel
-def weigh_plain(row: Ints, nodes: Indices, weight: Floats, node_mass: Floats) -> None:
-    """Nodes without mass get no weight, and the others' sum stays 1; untouched where all nodes carry mass."""
+def weigh_plain(row: Ints, nodes: Indices, weight: Floats, cell_mass: Floats, node_mass: Floats) -> None:
+    """Nodes with next to no mass get no weight, and the others' sum stays 1; untouched where all carry mass.
+
+    Under a straight boundary that reaches into a cell by the share N, the node beyond has the mass N² ρ h² / 2 (CPDI). A
+    node with less than a tenth of that belongs to points that have barely arrived: a force on it would be all acceleration.
+    ``cell_mass`` is ρ h² of the surface node's body.
+    """
     for s in range(len(row) - 1):
         lost, kept = 0.0, 0.0
         for k in range(row[s], row[s + 1]):
-            if node_mass[nodes[k]] > 0.0:
+            if node_mass[nodes[k]] > LIGHT * cell_mass[s] * weight[k] * weight[k]:
                 kept += weight[k]
             else:
                 lost += weight[k]
         if lost > 0.0 and kept > 0.0:
             for k in range(row[s], row[s + 1]):
-                weight[k] = weight[k] / kept if node_mass[nodes[k]] > 0.0 else 0.0
+                heavy = node_mass[nodes[k]] > LIGHT * cell_mass[s] * weight[k] * weight[k]
+                weight[k] = weight[k] / kept if heavy else 0.0
 
 
 @kernel
-def weigh_by_mass(row: Ints, nodes: Indices, weight: Floats, critical: Floats, node_mass: Floats) -> None:
-    """N_i ← N_i m_i / (m_i + m_c), scaled to the sum 1."""
+def weigh_by_mass(row: Ints, nodes: Indices, weight: Floats, cell_mass: Floats, node_mass: Floats) -> None:
+    """N_i ← N_i m_i / (m_i + m_c), scaled to the sum 1; ``cell_mass`` is ρ h² of the surface node's body."""
     for s in range(len(row) - 1):
         total = 0.0
         for k in range(row[s], row[s + 1]):
             m = node_mass[nodes[k]]
-            weight[k] *= m / (m + critical[s])
+            weight[k] *= m / (m + CRITICAL_MASS * cell_mass[s])
             total += weight[k]
         if total > 0.0:
             for k in range(row[s], row[s + 1]):
@@ -79,7 +89,13 @@ def weigh_by_mass(row: Ints, nodes: Indices, weight: Floats, critical: Floats, n
 
 @kernel
 def move_points(
-    row: Ints, nodes: Indices, weight: Floats, node_velocity: Floats, position: Floats, displacement: Floats, dt: float
+    row: Ints,
+    nodes: Indices,
+    weight: Floats,
+    node_velocity: Floats,
+    position: Floats,
+    displacement: Floats,
+    dt: float,
 ) -> None:
     """x_s += Δt Σ N_i v_i."""
     for s in range(len(position)):
@@ -91,15 +107,20 @@ def move_points(
             position[s, d] += dt * motion
 
 
+CELL_MASS = Field(
+    "cell_mass", ("surface_node",), "kg m-1", "mass of a full cell of the surface node's body", "surface"
+)
+
+
 class SurfaceTracker:
     """Weighs the surface's table with the nodal masses, and moves the surface.
 
     Parameters
     ----------
     surface_map
-        ``plain`` keeps N_i, which matches the boundary basis of CPDI and B-splines, renormalised only where a touched node
-        carries no mass; ``mass_weighted`` keeps the surface with linear and GIMP particles, whose boundary nodes may be
-        empty, at the price of boundary stress.
+        ``plain`` keeps N_i, which matches the boundary basis of CPDI and B-splines, renormalised only where a
+        touched node carries next to no mass; ``mass_weighted`` keeps the surface with linear and GIMP particles,
+        whose boundary nodes may be empty, at the price of boundary stress.
     """
 
     name = "surface"
@@ -109,16 +130,14 @@ class SurfaceTracker:
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Critical mass of every surface node."""
+        """Mass of a full cell at every surface node."""
         surface = setup.state.surface
         if surface is None:
             raise RuntimeError("no surface to track")
         self.surface = surface
-        if self.map == "mass_weighted":
-            density = np.array([body.density for body in setup.bodies])
-            declaration = Field("critical_mass", ("surface_node",), "kg m-1", "m_c of the mass-weighted map", "surface")
-            self.critical = setup.allocate(self.name, declaration)
-            self.critical[:] = CRITICAL_MASS * density[surface.body] * setup.cell_size**setup.dim
+        density = np.array([body.density for body in setup.bodies])
+        self.cell_mass = setup.allocate(self.name, CELL_MASS)
+        self.cell_mass[:] = density[surface.body] * setup.cell_size**setup.dim
 
     @hookimpl(tryfirst=True)
     def after_momentum_projection(self, grid: Grid) -> None:
@@ -127,9 +146,9 @@ class SurfaceTracker:
         if phi is None:
             raise RuntimeError("the surface's table was not filled")
         if self.map == "plain":
-            weigh_plain(phi.row, phi.nodes, phi.weight, grid.mass)
+            weigh_plain(phi.row, phi.nodes, phi.weight, self.cell_mass, grid.mass)
         else:
-            weigh_by_mass(phi.row, phi.nodes, phi.weight, self.critical, grid.mass)
+            weigh_by_mass(phi.row, phi.nodes, phi.weight, self.cell_mass, grid.mass)
 
     @hookimpl
     def advect(self, grid: Grid, dt: float) -> None:
@@ -170,5 +189,3 @@ class GapDiagnostic:
             minimum_gap(p.start, p.stop, q.start, q.stop, surface.position, surface.next, surface.previous)
             for p, q in ways
         )
-
-

@@ -69,6 +69,16 @@ def signed_distance(
     return distance, xi, dx / distance, dy / distance
 
 
+@device
+def squared_distance(x: Float, y: Float, a: int, position: Floats, following: Ints) -> Float:
+    """Squared distance of a point from segment ``a`` [m²]."""
+    b = following[a]
+    tx, ty = position[b, 0] - position[a, 0], position[b, 1] - position[a, 1]
+    dx, dy = x - position[a, 0], y - position[a, 1]
+    xi = min(max((dx * tx + dy * ty) / (tx * tx + ty * ty), 0.0), 1.0)
+    return (dx - xi * tx) ** 2 + (dy - xi * ty) ** 2
+
+
 @kernel
 def minimum_gap(
     first_a: int, last_a: int, first_b: int, last_b: int, position: Floats, following: Ints, previous: Ints
@@ -77,14 +87,23 @@ def minimum_gap(
 
     Each node counts with its closest segment; the least over the nodes is negative as soon as one is inside.
     """
+    x0, x1, y0, y1 = math.inf, -math.inf, math.inf, -math.inf
+    for m in range(first_b, last_b):
+        x0, x1 = min(x0, position[m, 0]), max(x1, position[m, 0])
+        y0, y1 = min(y0, position[m, 1]), max(y1, position[m, 1])
     least = math.inf
     for s in range(first_a, last_a):
-        nearest = math.inf
+        x, y = position[s, 0], position[s, 1]
+        dx, dy = max(x0 - x, x - x1, 0.0), max(y0 - y, y - y1, 0.0)
+        if least > 0.0 and dx * dx + dy * dy > least * least:
+            continue  # outside the other body's box by more than the least distance found
+        nearest, closest = math.inf, first_b
         for m in range(first_b, last_b):
-            gap, _, _, _ = signed_distance(position[s, 0], position[s, 1], m, position, following, previous)
-            if abs(gap) < abs(nearest):
-                nearest = gap
-        least = min(least, nearest)
+            square = squared_distance(x, y, m, position, following)
+            if square < nearest:
+                nearest, closest = square, m
+        gap, _, _, _ = signed_distance(x, y, closest, position, following, previous)
+        least = min(least, gap)
     return least
 
 

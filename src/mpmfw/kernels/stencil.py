@@ -159,11 +159,19 @@ def fill_corner_in_cells(
     return inside
 
 
+#: Least weight of the upper node: small against rounding of positions, and enough to carry a velocity.
+LEAST_SHARE = 1e-13
+
+
 @device
 def linear_weights(xi: Float, inverse_h: Float, d: int, base: Floats, weight: Floats, slope: Floats) -> None:
-    """Linear hat functions of the two nodes round ``xi`` [cells] along axis ``d``."""
+    """Linear hat functions of the two nodes round ``xi`` [cells] along axis ``d``.
+
+    A point exactly on a grid line keeps a share of 1e-13 in the next node: its gradient acts there, and a node at the edge of
+    a body would otherwise have a gradient but neither mass nor velocity, which reads as strain in free flight.
+    """
     base[d] = math.floor(xi)
-    fraction = xi - base[d]
+    fraction = max(xi - base[d], LEAST_SHARE)
     weight[d, 0] = 1.0 - fraction
     weight[d, 1] = fraction
     slope[d, 0] = -inverse_h

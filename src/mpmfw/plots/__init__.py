@@ -1,18 +1,20 @@
 """Figures of runs and comparisons, as matplotlib figures that touch no global state."""
 
 from mpmfw.plots.costs import cost_bars
-from mpmfw.plots.files import figures_of, plot_file
+from mpmfw.plots.files import figures_of, plot_file, plot_files
 from mpmfw.plots.generic import gap_history, series_overview
 from mpmfw.plots.rings import contact_force
-from mpmfw.plots.rolling import motion, positions
+from mpmfw.plots.rolling import deviation, motion, positions
 
 __all__ = [
     "contact_force",
     "cost_bars",
+    "deviation",
     "figures_of",
     "gap_history",
     "motion",
     "plot_file",
+    "plot_files",
     "positions",
     "series_overview",
 ]

@@ -25,10 +25,16 @@ def cost_bars(dataset: xr.Dataset) -> Figure:
     axes.set_yticks(
         np.arange(len(runs)), [f"{contact}, {shape}" for contact, shape, _ in runs], fontsize=FONT - 1
     )
+    for row, (_, _, run) in enumerate(runs):
+        if left[row] == 0.0:
+            axes.text(
+                0.0, row, f" {str(run['status'].item()).partition(':')[0]}", va="center", fontsize=FONT - 1
+            )
     axes.invert_yaxis()
-    dress(axes, "CPU time per material point and step [ns]", "")
+    dress(axes, "CPU time [ns per point and step]", "")
     axes.grid(False, axis="y")
-    legend_below(figure, list(axes.get_legend_handles_labels()[0]))
+    stages = axes.get_legend_handles_labels()[0]
+    legend_below(figure, [stages[:3], stages[3:]])
     return figure
 
 

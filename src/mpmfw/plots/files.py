@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from mpmfw.errors import MpmfwError
 from mpmfw.plots.costs import cost_bars
 from mpmfw.plots.generic import gap_history, series_overview
 from mpmfw.plots.rings import contact_force
-from mpmfw.plots.rolling import motion, positions
+from mpmfw.plots.rolling import deviation, motion, positions
 from mpmfw.references import RingsReference, RollingReference, reference_of
 from mpmfw.results import open as open_results
 
@@ -25,24 +26,49 @@ def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     reference = reference_of(dataset.attrs)
     figures: dict[str, tuple[Figure, str]] = {}
     if isinstance(reference, RollingReference):
-        figures["motion"] = (
-            motion([dataset]),
-            "Displacement and velocity of the cylinder against the closed form.",
-        )
-        if "outline" in dataset:
-            figures["positions"] = (
-                positions(dataset),
-                "First and last position; the inset shows the gap at the end.",
-            )
+        figures |= _rolling(dataset)
     elif isinstance(reference, RingsReference) and "contact_force" in dataset:
-        figures["force"] = (contact_force(dataset), "Contact force beside the finite-element reference.")
+        figures["force"] = (
+            contact_force(dataset),
+            "Contact force on the right ring: as stored, averaged over 100 µs, and its impulse, beside the "
+            "finite-element reference. The stored force is noisy in every method and not to be compared.",
+        )
     else:
         figures["series"] = (series_overview(dataset), "Series of the first body and the first pair.")
     if "min_gap" in dataset:
-        figures["gap"] = (gap_history(dataset), "Least distance between the bodies' surfaces.")
+        figures["gap"] = (
+            gap_history(dataset),
+            "Least distance between the bodies' outlines, in cells; negative where they penetrate.",
+        )
     if "cpu_stage" in dataset and np.isfinite(dataset["cpu_stage"].values).any():
-        figures["cost"] = (cost_bars(dataset), "CPU time by stage of the step.")
+        figures["cost"] = (cost_bars(dataset), "CPU time per material point and step, by stage of the step.")
     return figures
+
+
+def _rolling(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
+    figures = {
+        "motion": (
+            motion([dataset]),
+            "Displacement and velocity of the cylinder's centre of mass against the closed form.",
+        )
+    }
+    if "angular_velocity" in dataset:
+        figures["deviation"] = (
+            deviation(dataset),
+            "Left: spin against the closed form. Right: displacement less the closed form, without the runs "
+            "whose cylinder sticks.",
+        )
+    if "outline" in dataset and np.isfinite(dataset["outline"].isel(_last(dataset)).values).any():
+        figures["positions"] = (
+            positions(dataset),
+            "First and last position of the outlines; beside them the contact at the end, over the cells.",
+        )
+    return figures
+
+
+def _last(dataset: xr.Dataset) -> dict[str, int]:
+    """Indices of what the figures show of varied keys: the last value."""
+    return {str(dim): -1 for dim in dataset["status"].dims if dim not in ("contact", "shape")}
 
 
 def plot_file(path: str | os.PathLike[str], output: str | os.PathLike[str] | None = None) -> list[Path]:
@@ -77,12 +103,32 @@ def plot_file(path: str | os.PathLike[str], output: str | os.PathLike[str] | Non
     if not drawn:
         raise MpmfwError(f"'{os.fspath(path)}' holds no series with two outputs or more to draw")
     stem = Path(output if output is not None else path).with_suffix("")
-    written = []
-    for name, figure in drawn.items():
-        target = stem.with_name(f"{stem.name}.png" if len(drawn) == 1 else f"{stem.name}-{name}.png")
-        try:
-            figure.savefig(target)
-        except OSError as error:
-            raise MpmfwError(f"cannot write '{target}': {error.strerror}") from error
-        written.append(target)
-    return written
+    return [
+        _write(figure, stem.with_name(f"{stem.name}.png" if len(drawn) == 1 else f"{stem.name}-{name}.png"))
+        for name, figure in drawn.items()
+    ]
+
+
+def plot_files(paths: Sequence[str | os.PathLike[str]], output: str | os.PathLike[str]) -> Path:
+    """Draw the motions of several comparisons of a rolling cylinder, one row each, as one PNG file.
+
+    Raises
+    ------
+    MpmfwError
+        A file cannot be read or is no comparison of a rolling cylinder, or the figure cannot be written.
+    """
+    datasets = [open_results(path).to_dataset() for path in paths]
+    for path, dataset in zip(paths, datasets, strict=True):
+        if "status" not in dataset or not isinstance(reference_of(dataset.attrs), RollingReference):
+            raise MpmfwError(
+                f"'{os.fspath(path)}' is no comparison of a rolling cylinder; plot other files one by one"
+            )
+    return _write(motion(datasets), Path(output).with_suffix(".png"))
+
+
+def _write(figure: Figure, path: Path) -> Path:
+    try:
+        figure.savefig(path)
+    except OSError as error:
+        raise MpmfwError(f"cannot write '{path}': {error.strerror}") from error
+    return path

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from mpmfw.plots.style import Look, combinations, dress, legend_below, new_figure
-from mpmfw.references import cell_size_of
+from mpmfw.references import cell_size
 
 _PANELS = (
     ("centre_of_mass", "centre of mass, x", "body"),
@@ -20,6 +21,10 @@ _PANELS = (
     ("contact_force", "contact force, x", "pair"),
     ("min_gap", "gap", "pair"),
 )
+#: CF writes exponents; a figure writes a fraction.
+_SHORT = {"m s-1": "m/s", "J m-1": "J/m", "N m-1": "N/m"}
+#: Top of the gap's history, in cells.
+LARGEST_GAP = 3.0
 _CYCLE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 
 
@@ -28,13 +33,19 @@ def gap_history(dataset: xr.Dataset) -> Figure:
     figure = new_figure(1, 1)
     axes = figure.subplots()
     look, time = Look(dataset), dataset["time"].values
+    unit, scale = "gap [m]", 1.0 if time[-1] > 0.1 else 1e3
     for turn, (contact, shape, run) in enumerate(combinations(dataset)):
-        h = float(run["cell_size"]) if "cell_size" in run.coords else cell_size_of(dataset.attrs)
+        h = cell_size(run)
+        unit = "gap / cell size" if h > 0.0 else "gap [m]"
         gap = run["min_gap"].isel(pair=0).values / (h if h > 0.0 else 1.0)
-        axes.plot(time, gap, **look.line(contact, shape, len(time), turn))
+        if not np.isfinite(gap).any():
+            continue
+        axes.plot(scale * time, gap, **look.line(contact, shape, len(time), turn))
     axes.axhline(0.0, color="black", linewidth=0.6)
-    known = cell_size_of(dataset.attrs) > 0.0 or "cell_size" in dataset.coords
-    dress(axes, "time [s]", "gap / cell size" if known else "gap [m]")
+    dress(axes, "time [s]" if scale == 1.0 else "time [ms]", unit)
+    if unit != "gap [m]":  # bodies that have flown apart would hide what happens in contact
+        axes.set_ylim(top=min(axes.get_ylim()[1], LARGEST_GAP))
+    axes.set_xlim(scale * time[0], scale * time[-1])
     legend_below(figure, look.key())
     return figure
 
@@ -43,19 +54,20 @@ def series_overview(dataset: xr.Dataset) -> Figure:
     """Series of a run or a comparison, one panel for each; a run's bodies and pairs by colour."""
     present = [panel for panel in _PANELS if panel[0] in dataset]
     figure = new_figure(2, (len(present) + 1) // 2, 48.0)
-    panels = figure.subplots((len(present) + 1) // 2, 2, squeeze=False, sharex=True).ravel()
+    panels = figure.subplots((len(present) + 1) // 2, 2, squeeze=False).ravel()
     compared = "contact" in dataset.dims
     for axes, (name, label, over) in zip(panels, present, strict=False):
         if compared:
             _draw_compared(axes, dataset, name, over)
-            label = f"{label} ({dataset[over].values[0]})"
+            label = f"{label}\n({dataset[over].values[0]})"
         else:
             _draw_run(axes, dataset, name, over)
         units = dataset[name].attrs.get("units", "1")
+        units = _SHORT.get(units, units)
         dress(axes, "time [s]", f"{label} [{units}]")
     for axes in panels[len(present) :]:
         axes.remove()
-    legend_below(figure, Look(dataset).key() if compared else _run_key(dataset))
+    legend_below(figure, Look(dataset).key() if compared else [_run_key(dataset)])
     return figure
 
 

@@ -11,7 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from mpmfw.plots.style import FONT, Look, combinations, dress, legend_below, new_figure
-from mpmfw.references import RollingReference, reference_of
+from mpmfw.references import RollingReference, cell_size, grid_lower_of, reference_of
+
+_EXACT: dict[str, Any] = {"color": "black", "linewidth": 0.8, "zorder": 5}
 
 
 def motion(datasets: Sequence[xr.Dataset]) -> Figure:
@@ -28,29 +30,67 @@ def motion(datasets: Sequence[xr.Dataset]) -> Figure:
         A dataset is not of a rolling cylinder.
     """
     figure = new_figure(2, len(datasets))
-    panels = figure.subplots(len(datasets), 2, squeeze=False, sharex="row")
+    panels = figure.subplots(len(datasets), 2, squeeze=False)
     for row, dataset in zip(panels, datasets, strict=True):
-        reference = reference_of(dataset.attrs)
-        if not isinstance(reference, RollingReference):
-            raise ValueError("not a comparison of a rolling cylinder")
-        look, time = Look(dataset), dataset["time"].values
+        reference, look, time = _reference(dataset), Look(dataset), dataset["time"].values
         for turn, (contact, shape, run) in enumerate(combinations(dataset)):
             line = look.line(contact, shape, len(time), turn)
             x = run["centre_of_mass"].sel(body=reference.body, axis="x").values
             row[0].plot(time, x - x[0], **line)
             row[1].plot(time, run["mean_velocity"].sel(body=reference.body, axis="x").values, **line)
-        row[0].plot(time, reference.solution.displacement(time), color="black", linewidth=0.8, zorder=5)
-        row[1].plot(time, reference.solution.velocity(time), color="black", linewidth=0.8, zorder=5)
+        row[0].plot(time, reference.solution.displacement(time), **_EXACT)
+        row[1].plot(time, reference.solution.velocity(time), **_EXACT)
         case = "slip" if reference.solution.slips else "no slip"
         dress(row[0], "time [s]", "displacement [m]", case)
         dress(row[1], "time [s]", "velocity [m/s]", case)
-    exact = Line2D([], [], color="black", linewidth=0.8, label="closed form")
-    legend_below(figure, [exact, *Look(datasets[0]).key()])
+        for axes in row:
+            axes.set_xlim(time[0], time[-1])
+    widest = max(datasets, key=lambda dataset: dataset["status"].size)
+    _legend(figure, widest)
     return figure
 
 
+def deviation(dataset: xr.Dataset) -> Figure:
+    """Spin against the closed form, and by how much the displacement departs from it.
+
+    Runs whose cylinder hardly moves are left out of the second panel, where they would hide the others.
+    """
+    reference, look, time = _reference(dataset), Look(dataset), dataset["time"].values
+    exact = reference.solution.displacement(time)
+    figure = new_figure(2, 1)
+    spins, departs = figure.subplots(1, 2)
+    for turn, (contact, shape, run) in enumerate(combinations(dataset)):
+        line = look.line(contact, shape, len(time), turn)
+        spins.plot(time, -run["angular_velocity"].sel(body=reference.body, rotation="z").values, **line)
+        x = run["centre_of_mass"].sel(body=reference.body, axis="x").values
+        last = np.flatnonzero(np.isfinite(x))[-1:]
+        if np.all(np.abs(x[last] - x[0]) > 0.5 * exact[last]):
+            departs.plot(time, x - x[0] - exact, **line)
+    spins.plot(time, -reference.solution.spin(time), **_EXACT)
+    departs.axhline(0.0, **_EXACT)
+    dress(spins, "time [s]", "angular velocity, clockwise [rad/s]")
+    dress(departs, "time [s]", "displacement − closed form [m]")
+    for axes in (spins, departs):
+        axes.set_xlim(time[0], time[-1])
+    _legend(figure, dataset)
+    return figure
+
+
+def _reference(dataset: xr.Dataset) -> RollingReference:
+    reference = reference_of(dataset.attrs)
+    if not isinstance(reference, RollingReference):
+        raise ValueError("not a comparison of a rolling cylinder")
+    return reference
+
+
+def _legend(figure: Figure, dataset: xr.Dataset) -> None:
+    contacts, shapes = Look(dataset).key()
+    exact = Line2D([], [], color="black", linewidth=0.8, label="closed form")
+    legend_below(figure, [[exact, *contacts], shapes])
+
+
 def positions(dataset: xr.Dataset, shape: str | None = None) -> Figure:
-    """First and last outlines, one row for each contact method; the inset shows the gap at the end.
+    """First and last outlines, one row for each contact method; the gap at the end enlarged beside it.
 
     Parameters
     ----------
@@ -58,52 +98,75 @@ def positions(dataset: xr.Dataset, shape: str | None = None) -> Figure:
         Comparison with ``outline``.
     shape
         Shape function whose outlines are drawn; the last one by default.
+
+    Raises
+    ------
+    ValueError
+        No run of that shape stored an outline.
     """
-    runs = [
-        (c, s, run) for c, s, run in combinations(dataset) if s == (shape or str(dataset["shape"].values[-1]))
-    ]
+    drawn = [one for one in combinations(dataset) if np.isfinite(one[2]["outline"].values).any()]
+    if not drawn:
+        raise ValueError("no run of the comparison stored an outline")
+    chosen = shape or drawn[-1][1]
+    runs = [one for one in drawn if one[1] == chosen]
+    if not runs:
+        raise ValueError(f"no run with shape '{chosen}' stored an outline")
     figure = new_figure(2, len(runs), 40.0)
     look = Look(dataset)
-    panels = figure.subplots(len(runs), 1, squeeze=False, sharex=True)[:, 0]
-    for axes, (contact, shape_name, run) in zip(panels, runs, strict=True):
-        for frame, grey in (("first", "0.6"), ("last", look.colours[contact])):
+    panels = figure.subplots(len(runs), 2, squeeze=False, width_ratios=(6, 1))
+    for (axes, near), (contact, shape_name, run) in zip(panels, runs, strict=True):
+        for frame, colour in (("first", "0.6"), ("last", look.colours[contact])):
             for line in run["outline"].sel(frame=frame).values:
-                axes.plot(line[:, 0], line[:, 1], color=grey, linewidth=0.9)
+                axes.plot(line[:, 0], line[:, 1], color=colour, linewidth=0.9)
         axes.set_aspect("equal")
         time = float(run["outline_time"].sel(frame="last"))
         dress(axes, "", "y [m]", f"{contact}, {shape_name}: start (grey) and {time:.3g} s{_gap_text(run)}")
         axes.grid(False)
-        _closer(axes, run, look.colours[contact])
-    panels[-1].set_xlabel("x [m]", fontsize=FONT)
+        _closer(axes, near, run, look.colours[contact])
+    panels[-1][0].set_xlabel("x [m]", fontsize=FONT)
     return figure
 
 
 def _gap_text(run: xr.Dataset) -> str:
-    if "min_gap" not in run:
+    known = run["min_gap"].isel(pair=0).dropna("time").values if "min_gap" in run else np.empty(0)
+    if len(known) == 0:
         return ""
-    known = run["min_gap"].isel(pair=0).dropna("time").values
-    return f", gap {known[-1]:.3g} m" if len(known) else ""
+    h = cell_size(run)
+    size, what = abs(float(known[-1])), "gap" if known[-1] > 0.0 else "penetration"
+    cells = f" = {size / h:.2g} cells" if h > 0.0 else ""
+    return f", {what} {1e3 * size:.3g} mm{cells}"
 
 
-def _closer(axes: Any, run: xr.Dataset, colour: str) -> None:
-    """Show the place under the moving body at the end, enlarged."""
-    outlines = run["outline"].sel(frame="last").values
-    first = run["outline"].sel(frame="first").values
-    travel = (
-        np.nan_to_num(np.nanmax(np.abs(outlines - first), axis=(1, 2)))
-        if np.isfinite(outlines).any()
-        else [0.0]
-    )
-    if len(outlines) != 2 or not np.any(travel):
+def _closer(axes: Any, near: Any, run: xr.Dataset, colour: str) -> None:
+    """Draw in ``near`` the place under the body that moved most, enlarged, over the cells of the grid."""
+    outline = run["outline"]
+    first, last = outline.sel(frame="first").values, outline.sel(frame="last").values
+    near.set_xticks([])
+    near.set_yticks([])
+    there = np.isfinite(last).any(axis=(1, 2))
+    if not there.any():
+        near.set_axis_off()
         return
-    mover = outlines[int(np.argmax(travel))]
-    lowest = mover[np.nanargmin(mover[:, 1])]
-    span = 0.25 * float(np.nanmax(mover[:, 0]) - np.nanmin(mover[:, 0]))
-    inset = axes.inset_axes((0.02, 0.45, 0.16, 0.5))
-    for line in outlines:
-        inset.plot(line[:, 0], line[:, 1], color=colour, linewidth=0.9, marker=".", markersize=2)
-    inset.set_xlim(lowest[0] - span, lowest[0] + span)
-    inset.set_ylim(lowest[1] - span, lowest[1] + span)
-    inset.set_xticks([])
-    inset.set_yticks([])
-    axes.indicate_inset_zoom(inset, edgecolor="0.4", linewidth=0.6)
+    travel = [
+        np.nanmax(np.abs(line - start)) if known else 0.0
+        for line, start, known in zip(last, first, there, strict=True)
+    ]
+    mover = last[int(np.argmax(travel))]
+    x, y = mover[np.nanargmin(mover[:, 1])]
+    span = 0.22 * float(np.nanmax(mover[:, 0]) - np.nanmin(mover[:, 0]))
+    _draw_cells(near, run, (x, y), span)
+    for line in last:
+        near.plot(line[:, 0], line[:, 1], color=colour, linewidth=0.9, marker=".", markersize=2)
+    near.set_aspect("equal")
+    near.set_xlim(x - span, x + span)
+    near.set_ylim(y - span, y + span)
+    axes.indicate_inset_zoom(near, edgecolor="0.4", linewidth=0.6)
+
+
+def _draw_cells(near: Any, run: xr.Dataset, centre: tuple[float, float], span: float) -> None:
+    h, lower = cell_size(run), grid_lower_of(run.attrs)
+    if not (h > 0.0 and len(lower) == 2):
+        return
+    for middle, start, draw in zip(centre, lower, (near.axvline, near.axhline), strict=True):
+        for k in range(int(np.ceil((middle - span - start) / h)), int((middle + span - start) / h) + 1):
+            draw(start + k * h, color="0.8", linewidth=0.5, zorder=0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 import xarray as xr
@@ -68,18 +68,26 @@ class Look:
             "linewidth": 1.1,
         }
 
-    def key(self) -> list[Artist]:
-        """Entries of the legend: colours of the contacts, then styles of the shapes."""
-        contacts = [
-            Line2D([], [], color=self.colours[name], linewidth=2.5, label=name) for name in self.contacts
+    def key(
+        self, contacts: Iterable[str] | None = None, shapes: Iterable[str] | None = None
+    ) -> list[list[Artist]]:
+        """Rows of the legend: colours of the contacts, styles of the shapes; all, or those that are drawn."""
+        drawn = set(self.contacts if contacts is None else contacts) | set(
+            self.shapes if shapes is None else shapes
+        )
+        colours: list[Artist] = [
+            Line2D([], [], color=colour, linewidth=2.5, label=name)
+            for name, colour in self.colours.items()
+            if name in drawn
         ]
-        shapes = [
+        styles: list[Artist] = [
             Line2D(
                 [], [], color="0.3", linestyle=style, marker=marker, markersize=3, linewidth=1.1, label=name
             )
             for name, (style, marker) in self.styles.items()
+            if name in drawn
         ]
-        return [*contacts, *shapes]
+        return [colours, styles]
 
 
 def combinations(dataset: xr.Dataset) -> Iterator[tuple[str, str, xr.Dataset]]:
@@ -90,12 +98,23 @@ def combinations(dataset: xr.Dataset) -> Iterator[tuple[str, str, xr.Dataset]]:
         yield str(contact), str(shape), last.sel(contact=contact, shape=shape)
 
 
-def legend_below(figure: Figure, entries: list[Artist]) -> None:
-    """Put the legend outside the panels, where it covers no curve."""
+def legend_below(figure: Figure, rows: Sequence[Sequence[Artist]]) -> None:
+    """Put the legend outside the panels, where it covers no curve; each row begins a new line of it."""
+    most = 4 * round(figure.get_figwidth() / PANEL)
+    lines = [row[k : k + most] for row in rows for k in range(0, len(row), most)]
+    columns = max(map(len, lines))
+    # matplotlib fills columns
+    entries = [
+        line[k] if k < len(line) else Line2D([], [], linestyle="", label="")
+        for k in range(columns)
+        for line in lines
+    ]
     figure.legend(
         handles=entries,
         loc="outside lower center",
-        ncols=min(len(entries), 6),
+        ncols=columns,
         fontsize=FONT - 1,
         frameon=False,
+        columnspacing=1.2,
+        handlelength=2.4,
     )

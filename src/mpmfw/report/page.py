@@ -15,12 +15,18 @@ from matplotlib.figure import Figure
 
 from mpmfw.errors import MpmfwError
 from mpmfw.plots import figures_of
-from mpmfw.report.table import COLUMNS, method_dims, shown, table
+from mpmfw.references import reference_of
+from mpmfw.report.columns import COLUMNS, COSTS
+from mpmfw.report.table import method_dims, shown, table
 
-_STYLE = """body{font:15px/1.5 system-ui,sans-serif;max-width:70em;margin:2em auto;padding:0 1em;color:#222}
-table{border-collapse:collapse;font-size:13px}th,td{padding:.25em .6em;
+_STYLE = """body{font:15px/1.5 system-ui,sans-serif;max-width:75em;margin:2em auto;padding:0 1em;color:#222}
+table{border-collapse:collapse;font-size:13px}th,td{padding:.25em .6em;white-space:nowrap;
 border-bottom:1px solid #ddd;text-align:right}
 th:first-child,td:first-child,td.text,th.text{text-align:left}tr.bad td{color:#a33}figure{margin:2em 0}
+tr.bad td.text:last-of-type{max-width:24em}figcaption{max-width:52em;font-size:14px;color:#444}
+th{vertical-align:bottom;font-weight:600;white-space:normal}
+tr.bad td.text{white-space:normal}tr.group td{border-top:2px solid #999}
+dt{font-weight:600;font-size:14px}dd{margin:0 0 .5em 1.5em;font-size:14px;max-width:52em}
 svg{max-width:100%;height:auto}pre{background:#f6f6f6;padding:1em;overflow:auto;font-size:12px}
 .wide{overflow-x:auto}"""
 
@@ -45,17 +51,23 @@ def write_report(
         The file cannot be written.
     """
     title = str(dataset.attrs.get("title", "Comparison of contact methods"))
-    parts = [f"<h1>{escape(title)}</h1>", "<h2>Error and cost</h2>", _table(dataset)]
+    rows = table(dataset)
+    parts = [f"<h1>{escape(title)}</h1>", _reference(dataset.attrs), "<h2>Error</h2>"]
+    parts.append(_table(dataset, rows, [name for name in _columns(rows) if name not in COSTS]))
+    parts += ["<h2>Cost</h2>", _table(dataset, rows, COSTS), _notes(dataset.attrs)]
     for name, (figure, caption) in figures_of(dataset).items():
         parts.append(
             f'<figure id="{escape(name)}">{_svg(figure)}<figcaption>{escape(caption)}</figcaption></figure>'
         )
-    parts += ["<h2>Conditions</h2>", _conditions(dataset.attrs)]
+    parts += ["<h2>How it was measured</h2>", _definitions(rows), "<h2>Conditions</h2>", _conditions(dataset)]
     if runs:
         files = "".join(f"<li>{escape(name)}: {escape(str(file))}</li>" for name, file in runs.items())
         parts.append(f"<h2>Runs</h2><ul>{files}</ul>")
     if isinstance(dataset.attrs.get("scene"), str):
-        parts.append(f"<h2>Scene</h2><pre>{escape(dataset.attrs['scene'])}</pre>")
+        parts.append(
+            "<h2>Scene</h2><p>Of the first run; the methods and varied keys of the others take the place of "
+            f"its own.</p><pre>{escape(dataset.attrs['scene'])}</pre>"
+        )
     page = (
         f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
         f"<style>{_STYLE}</style></head><body>{''.join(parts)}</body></html>\n"
@@ -67,28 +79,58 @@ def write_report(
         raise MpmfwError(f"cannot write '{os.fspath(path)}': {error.strerror}") from error
 
 
-def _table(dataset: xr.Dataset) -> str:
-    rows = table(dataset)
+def _reference(attributes: Mapping[str, Any]) -> str:
+    reference = reference_of(attributes)
+    said = "none is known for this scene" if reference is None else reference.describe()
+    return f"<p>Reference: {escape(said)}.</p>"
+
+
+def _columns(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    return [name for name in COLUMNS if any(name in row for row in rows)]
+
+
+def _table(dataset: xr.Dataset, rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> str:
     labels = [str(dim) for dim in method_dims(dataset)]
-    columns = [name for name in COLUMNS if any(name in row for row in rows)]
-    heads = [escape(label.replace("_", " ")) for label in [*labels, "status"]]
-    heads += [f"{escape(COLUMNS[name][0])}{_unit(COLUMNS[name][1])}" for name in columns]
-    body = "".join(_row(row, labels, columns) for row in rows)
-    return f'<div class="wide"><table><tr><th>{"</th><th>".join(heads)}</th></tr>{body}</table></div>'
+    heads = [f'<th class="text">{escape(label.replace("_", " "))}</th>' for label in [*labels, "status"]]
+    heads += [f"<th>{escape(COLUMNS[name].heading)}{_unit(COLUMNS[name].unit)}</th>" for name in columns]
+    body, group = [], None
+    for row in rows:
+        body.append(_row(row, labels, columns, new_group=group is not None and row[labels[0]] != group))
+        group = row[labels[0]]
+    return f'<div class="wide"><table><tr>{"".join(heads)}</tr>{"".join(body)}</table></div>'
 
 
 def _unit(unit: str) -> str:
-    return "" if unit == "1" else f" [{escape(unit)}]"
+    return "" if unit in ("1", "h") else f" [{escape(unit)}]"
 
 
-def _row(row: Mapping[str, Any], labels: Sequence[str], columns: Sequence[str]) -> str:
+def _row(row: Mapping[str, Any], labels: Sequence[str], columns: Sequence[str], *, new_group: bool) -> str:
     cells = [f'<td class="text">{escape(str(row[name]))}</td>' for name in [*labels, "status"]]
-    cells += [f"<td>{escape(shown(row.get(name, float('nan'))))}</td>" for name in columns]
-    style = "" if row["status"] == "ok" else ' class="bad"'
-    return f"<tr{style}>{''.join(cells)}</tr>"
+    cells += [f"<td>{escape(shown(row.get(name, float('nan')), COLUMNS[name]))}</td>" for name in columns]
+    style = " ".join(["bad"] * (row["status"] != "ok") + ["group"] * new_group)
+    return f'<tr class="{style}">{"".join(cells)}</tr>'
 
 
-def _conditions(attributes: Mapping[str, Any]) -> str:
+def _notes(attributes: Mapping[str, Any]) -> str:
+    """What the runs want their reader to know."""
+    notes = json.loads(attributes.get("notes", "{}"))
+    entries = "".join(
+        f"<li>{escape(label.replace('/', ', '))}: {escape('; '.join(said))}</li>"
+        for label, said in notes.items()
+    )
+    return f"<ul>{entries}</ul>" if entries else ""
+
+
+def _definitions(rows: Sequence[Mapping[str, Any]]) -> str:
+    entries = (
+        f"<dt>{escape(COLUMNS[name].heading)}</dt><dd>{escape(COLUMNS[name].meaning)}</dd>"
+        for name in _columns(rows)
+    )
+    return f"<dl>{''.join(entries)}</dl><p>A dash stands for what a run did not reach or does not have.</p>"
+
+
+def _conditions(dataset: xr.Dataset) -> str:
+    attributes = dataset.attrs
     versions = attributes.get("versions")
     known = json.loads(versions) if isinstance(versions, str) and versions.startswith("{") else {}
     sentences = []
@@ -98,11 +140,18 @@ def _conditions(attributes: Mapping[str, Any]) -> str:
         )
     if "commit" in attributes:
         sentences.append(f"Commit {attributes['commit']}.")
-    sentences.append(
-        "CPU time is that of the steps alone: no compilation, settling, gap diagnostic or output."
-    )
-    sentences.append("A dash stands for what a run did not reach or store.")
+    sentences += [f"{name.capitalize()}: {_choices(attributes, name)}." for name in ("scheme", "transfer")]
     return f"<p>{escape(' '.join(sentences))}</p>"
+
+
+def _choices(attributes: Mapping[str, Any], name: str) -> str:
+    """A choice that all runs share, or which run made which."""
+    if name in attributes:
+        return str(attributes[name])
+    made: dict[str, list[str]] = {}
+    for label, own in json.loads(attributes.get("methods", "{}")).items():
+        made.setdefault(str(own.get(name, "not stored")), []).append(label.replace("/", ", "))
+    return "; ".join(f"{choice} ({' | '.join(labels)})" for choice, labels in made.items()) or "not stored"
 
 
 def _svg(figure: Figure) -> str:

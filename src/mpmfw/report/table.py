@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable
 from typing import Any
 
 import numpy as np
@@ -11,26 +11,8 @@ import xarray as xr
 
 from mpmfw import analysis
 from mpmfw.fields import FloatArray
-from mpmfw.references import RingsReference, RollingReference, cell_size_of, reference_of, rings_table
-
-#: Heading and unit of each measured column.
-COLUMNS: dict[str, tuple[str, str]] = {
-    "displacement_error": ("Displacement error", "%"),
-    "acceleration_error": ("Acceleration error", "%"),
-    "spin_error": ("Spin error", "%"),
-    "gap": ("End gap / h", "1"),
-    "impulse_error": ("Impulse error", "%"),
-    "impulse_curve_error": ("Impulse curve error", "%"),
-    "energy_curve_error": ("Kinetic energy curve error", "%"),
-    "force_error_100us": ("Force L2, 100 µs", "1"),
-    "force_error_200us": ("Force L2, 200 µs", "1"),
-    "first_contact": ("First contact", "ms"),
-    "separation": ("Separation", "ms"),
-    "cpu_time": ("CPU time", "s"),
-    "steps": ("Steps", "1"),
-    "material_points": ("Material points", "1"),
-    "cost": ("CPU per particle and step", "ns"),
-}
+from mpmfw.references import RingsReference, RollingReference, cell_size, reference_of, rings_table
+from mpmfw.report.columns import Column
 
 
 def method_dims(dataset: xr.Dataset) -> list[Hashable]:
@@ -65,7 +47,7 @@ def table(dataset: xr.Dataset) -> list[dict[str, Any]]:
         elif isinstance(reference, RingsReference):
             row |= rings_measures(one, reference)
         if "min_gap" in one:
-            row["gap"] = _last(one["min_gap"].isel(pair=0).values) / _cell_size(one)
+            row |= gap_measures(one["min_gap"].isel(pair=0).values / cell_size(one))
         rows.append(row | _costs(one))
     return rows
 
@@ -92,8 +74,33 @@ def rolling_measures(run: xr.Dataset, reference: RollingReference) -> dict[str, 
     return measures
 
 
+def gap_measures(gap: FloatArray) -> dict[str, float]:
+    """Gap at the end, mean and largest penetration of a series of gaps; NaN where none is known."""
+    known = gap[np.isfinite(gap)]
+    if len(known) == 0:
+        return dict.fromkeys(("gap", "penetration", "largest_penetration"), float("nan"))
+    depth = np.maximum(-known, 0.0)
+    return {
+        "gap": float(known[-1]),
+        "penetration": float(depth.mean()),
+        "largest_penetration": float(depth.max()),
+    }
+
+
 def rings_measures(run: xr.Dataset, reference: RingsReference) -> dict[str, float]:
     """Errors of one run's series against the finite-element rings; NaN for what it did not reach."""
+    kept = analysis.energy_kept(run)
+    known = kept[np.isfinite(kept)]
+    least, most = (known.min(), known.max()) if len(known) else (np.nan, np.nan)
+    energies = {
+        "energy_curve_error": _energy_error(run, reference),
+        "energy_least": float(least),
+        "energy_most": float(most),
+    }
+    return energies | _force_measures(run)
+
+
+def _force_measures(run: xr.Dataset) -> dict[str, float]:
     if "contact_force" not in run:
         return {}
     time, table_ = run["time"].values, rings_table("force")
@@ -104,7 +111,6 @@ def rings_measures(run: xr.Dataset, reference: RingsReference) -> dict[str, floa
     impulse = analysis.impulse(time, force)
     measures = {
         "impulse_curve_error": 100.0 * float(np.max(np.abs(impulse - exact))) / total,
-        "energy_curve_error": _energy_error(run, reference),
         "first_contact": 1e3 * phases.first,
         "separation": 1e3 * phases.separation,
     }
@@ -136,24 +142,25 @@ def _energy_error(run: xr.Dataset, reference: RingsReference) -> float:
 def _costs(run: xr.Dataset) -> dict[str, float]:
     costs = {name: float(run[name]) for name in ("cpu_time", "steps", "material_points")}
     work = costs["steps"] * costs["material_points"]
+    costs["peak_memory"] = 1e-6 * float(run["peak_memory"])
     return {**costs, "cost": 1e9 * costs["cpu_time"] / work if work > 0.0 else float("nan")}
 
 
-def _cell_size(run: xr.Dataset) -> float:
-    """Cell size of one combination: varied, or the scene's."""
-    return float(run["cell_size"]) if "cell_size" in run.coords else cell_size_of(run.attrs)
-
-
-def _last(values: FloatArray) -> float:
-    known = values[np.isfinite(values)]
-    return float(known[-1]) if len(known) else float("nan")
-
-
-def shown(value: Mapping[str, Any] | float | str) -> str:
-    """Format a cell: four significant digits, a dash for what is missing."""
+def shown(value: Any, column: Column | None = None) -> str:
+    """Format a cell: three significant digits, errors with their sign, a dash for what is missing."""
     if isinstance(value, str):
         return value
-    number = float(value)  # type: ignore[arg-type]
+    number = float(value)
     if not np.isfinite(number):
         return "–"
-    return f"{number:.0f}" if number == round(number) and abs(number) < 1e9 else f"{number:.3g}"
+    signed = column is not None and column.signed
+    if number == 0.0 or (number == round(number) and not signed and abs(number) < 1e9):
+        return f"{number:.0f}"
+    sign = "+" if signed else ""
+    number = float(f"{number:.3g}") if abs(number) < 100.0 else number
+    if abs(number) >= 100.0:
+        return f"{number:{sign}.0f}"
+    if abs(number) >= 1e-3:
+        digits = 3 if abs(number) < 1.0 else 2 if abs(number) < 10.0 else 1
+        return f"{number:{sign}.{digits}f}"
+    return f"{number:{sign}.0e}"

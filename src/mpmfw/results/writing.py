@@ -23,12 +23,16 @@ from mpmfw.results.reading import tree_of
 #: floating-point noise.
 COMPRESSION: Literal[1] = 1
 
+#: Bytes of frames that are written at once where nobody else can read them in between.
+WRITTEN_AT_ONCE = 4_000_000
+
 
 class RunWriter:
     """A run's NetCDF-4 file, open for appending frames.
 
-    Every frame is synced: after the process dies, whatever the reason, the frames written so far are
-    readable. The file has its final name from the start and may be opened by others while the run goes on.
+    Every frame of a file is synced: after the process dies, whatever the reason, the frames written so far
+    are readable. The file has its final name from the start and may be opened by others while the run goes
+    on.
 
     Parameters
     ----------
@@ -49,6 +53,9 @@ class RunWriter:
         self.frames = 0
         self._fields = {(field.group, field.name): field for field in header.fields}
         self._variables: dict[tuple[str, str], netCDF4.Variable[Any]] = {}
+        self._waiting: dict[tuple[str, str], list[AnyArray]] = {}
+        self._times: list[float] = []
+        self._waiting_bytes = 0
         self._tree: xr.DataTree | None = None
         self._dataset = _create(self.path)
         self._write_header()
@@ -65,14 +72,12 @@ class RunWriter:
             for place, group, arrays in _places(frame):
                 for name, values in arrays.items():
                     self._put(place, self._declared(group, name), np.asarray(values))
-            self._dataset.sync()
-            # HDF5 flushes in an order of its own: only a second sync makes a frame whose time is there a
-            # complete one.
-            self._dataset["time"][self.frames] = frame.time
-            self._dataset.sync()
+            self._times.append(frame.time)
+            self.frames += 1
+            if self.path is not None or self._waiting_bytes > WRITTEN_AT_ONCE:
+                self._flush()
         except (OSError, RuntimeError) as error:
-            raise MpmfwError(f"cannot write frame {self.frames} to '{self.path}': {error}") from error
-        self.frames += 1
+            raise MpmfwError(f"cannot write frame {self.frames - 1} to '{self.path}': {error}") from error
 
     def finish(self, attributes: Mapping[str, Any]) -> None:
         """Add what is known at the end as root attributes; ``status`` is ``ok`` unless they say otherwise.
@@ -83,6 +88,7 @@ class RunWriter:
             steps, material_points, cpu_time, wall_time, peak_memory, settle_time, output_time, gap_time,
             ``cpu_<stage>``, ``wall_<stage>`` [s, bytes] …
         """
+        self._flush()
         self._set_attributes({"status": "ok", **attributes})
         self._dataset.sync()
 
@@ -92,6 +98,7 @@ class RunWriter:
             return
         try:
             if self.path is None:
+                self._flush()
                 self._tree = tree_of(self._dataset)
         finally:
             self._dataset.close()
@@ -159,8 +166,31 @@ class RunWriter:
             raise MpmfwError(f"field '{place}/{field.name}' has shape {values.shape}, expected {expected}")
         if layout.is_static(field):
             variable[...] = values
-        else:
-            variable[self.frames] = values
+            return
+        waiting = self._waiting.setdefault((place, field.name), [])
+        # A field that earlier frames did not hold is missing there
+        waiting += [
+            np.full(expected, variable.get_fill_value()) for _ in range(len(self._times) - len(waiting))
+        ]
+        waiting.append(values.copy())
+        self._waiting_bytes += values.nbytes
+
+    def _flush(self) -> None:
+        """Write the frames that wait, and sync: their times after their arrays."""
+        if not self._times:
+            return
+        start = self.frames - len(self._times)
+        for key, waiting in self._waiting.items():
+            if waiting:
+                self._variables[key][start : start + len(waiting)] = np.stack(waiting)
+                waiting.clear()
+        self._dataset.sync()
+        # HDF5 flushes in an order of its own: only a second sync makes a frame whose time is there a
+        # complete one.
+        self._dataset["time"][start : self.frames] = self._times
+        self._dataset.sync()
+        self._times.clear()
+        self._waiting_bytes = 0
 
     def _define(self, place: str, field: Field, values: AnyArray) -> netCDF4.Variable[Any]:
         """Create the variable of a field; the array gives dimensions that the header does not know."""
@@ -186,6 +216,7 @@ class RunWriter:
             fill_value=np.nan if dtype.kind == "f" else None,
         )
         variable.setncatts({**field.attributes, "units": layout.unit(field, self.header.dim)})
+        variable.set_auto_maskandscale(False)  # costs more than the writing itself
         return variable
 
 

@@ -16,6 +16,10 @@ from mpmfw.scene.tables import Body, Tables
 _NAME = re.compile(r"[A-Za-z0-9_]+")
 
 
+#: Names of dimensions in a run's file: a group beside a dimension of the same name cannot be read back.
+_DIMENSIONS = frozenset({"time", "body", "pair", "axis", "axis2", "rotation"})
+
+
 def check(scene: Tables, plugins: Mapping[Path, type[Any]]) -> Iterator[Problem]:
     """All problems between keys that are valid by themselves."""
     yield from _grid(scene)
@@ -68,6 +72,8 @@ def _names(scene: Tables) -> Iterator[Problem]:
             if not _NAME.fullmatch(name):
                 message = "a name has letters, digits and '_' only ('-' joins the names of a pair)"
                 yield Problem((kind, name), message)
+            elif kind == "bodies" and name in _DIMENSIONS:
+                yield Problem((kind, name), f"'{name}' is a dimension of the results; expected another name")
     for name, body in scene.bodies.items():
         if body.material not in scene.materials:
             yield _no_such("material", ("bodies", name, "material"), body.material, scene.materials)

@@ -112,7 +112,7 @@ def _value_message(item: Any, expectation: str) -> str:
     kind = item["type"]
     if kind == "value_error":
         text = str(item["ctx"]["error"]).split("; expected")[0]
-        return _join(text, expectation if isinstance(item["input"], str) else "")
+        return _join(text, expectation if isinstance(item["input"], str | bool) else "")
     if kind in limits:
         key, words = limits[kind]
         return _join(f"must be {words} {item['ctx'][key]:g}, not {shown(item['input'])}", expectation)

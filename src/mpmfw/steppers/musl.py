@@ -24,8 +24,8 @@ from mpmfw.transfer import Transfer
 def step(state: State, hook: Any, transfer: Transfer, clock: Clock, dt: float) -> None:
     """One time step; the strain is taken from the points' new velocities, projected a second time.
 
-    This keeps nearly massless nodes from spoiling the strain (linear shape functions need it), at the price of two
-    different velocities for position and strain, which is wrong for rotation.
+    This keeps nearly massless nodes from spoiling the strain (linear shape functions need it), at the price
+    of two different velocities for position and strain, which is wrong for rotation.
 
     1. φ_ip, ∇φ_ip
     2. m_i = Σ φ m,  (m v)_i = Σ φ m (v + C (x_i − x_p)), per velocity field

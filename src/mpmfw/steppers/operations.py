@@ -16,7 +16,8 @@ from mpmfw.windows import lay_windows
 
 
 def interpolate(state: State, hook: Any, clock: Clock) -> Stencil:
-    """φ_ip and ∇φ_ip, and N_i(x_s) where surfaces are tracked; windows are laid anew when a body leaves its own.
+    """φ_ip and ∇φ_ip, and N_i(x_s) where surfaces are tracked; windows are laid anew when a body leaves its
+    own.
 
     Raises
     ------
@@ -40,7 +41,9 @@ def _fill(state: State, hook: Any, clock: Clock) -> Stencil:
     if surface is not None:
         clock(surface.stage)
         try:
-            surface.stencil = hook.interpolate_surface(position=surface.position, first=surface.first, grid=grid)
+            surface.stencil = hook.interpolate_surface(
+                position=surface.position, first=surface.first, grid=grid
+            )
         except OutsideGrid as error:
             raise OutsideGrid(error.index, surface=True) from None
     return phi
@@ -70,7 +73,17 @@ def _left_the_grid(state: State, error: OutsideGrid) -> SimulationError:
 def project_mass_momentum(p: Particles, phi: Stencil, g: Grid) -> None:
     """m_i and (m v)_i, and the velocity v_i⁰ that increments are counted from."""
     to_grid.project_mass_momentum(
-        phi.row, phi.nodes, phi.weight, p.mass, p.velocity, p.position, p.affine, g.position, g.mass, g.momentum, g.spacing
+        phi.row,
+        phi.nodes,
+        phi.weight,
+        p.mass,
+        p.velocity,
+        p.position,
+        p.affine,
+        g.position,
+        g.mass,
+        g.momentum,
+        g.spacing,
     )
     nodal.velocity_of_momentum(g.mass, g.momentum, g.start_velocity, g.spacing)
 
@@ -79,7 +92,9 @@ def apply_moment(p: Particles, phi: Stencil, g: Grid, position: FloatArray | Non
     """C_p = B_p D_p⁻¹ at the present stencil, for a transfer that stores the moment B_p."""
     if p.moment is not None and p.affine is not None:
         x = p.position if position is None else position
-        to_grid.affine_from_moment(phi.row, phi.nodes, phi.weight, x, p.moment, g.position, p.affine, g.spacing)
+        to_grid.affine_from_moment(
+            phi.row, phi.nodes, phi.weight, x, p.moment, g.position, p.affine, g.spacing
+        )
 
 
 def add_internal_force(p: Particles, phi: Stencil, g: Grid) -> None:
@@ -126,7 +141,9 @@ def gather_velocity_position(p: Particles, phi: Stencil, g: Grid, transfer: Tran
 
 def gather_velocity_gradient(p: Particles, phi: Stencil, g: Grid) -> None:
     """L_p from the grid's present ``velocity``."""
-    from_grid.gather_velocity_gradient(phi.row, phi.nodes, phi.gradient, g.velocity, p.velocity_gradient, g.spacing)
+    from_grid.gather_velocity_gradient(
+        phi.row, phi.nodes, phi.gradient, g.velocity, p.velocity_gradient, g.spacing
+    )
 
 
 def update_deformation(state: State, dt: float) -> None:
@@ -144,7 +161,11 @@ def update_deformation(state: State, dt: float) -> None:
     if bad >= 0:
         body = next(b for b in state.bodies if b.particles.start <= bad < b.particles.stop)
         jacobian = p.volume[bad] / p.initial_volume[bad]
-        what = "a value became NaN" if jacobian != jacobian else f"a material point inverted (det F = {jacobian:.3g})"
+        what = (
+            "a value became NaN"
+            if jacobian != jacobian
+            else f"a material point inverted (det F = {jacobian:.3g})"
+        )
         raise SimulationError(
             what,
             body=body.name,
@@ -156,9 +177,19 @@ def update_deformation(state: State, dt: float) -> None:
 
 
 def project_momentum_again(p: Particles, phi: Stencil, g: Grid, position: FloatArray) -> None:
-    """(m v)_i = Σ φ m (v + C (x_i − x)) with the new v and C, and the ``position`` that φ belongs to (MUSL)."""
+    """(m v)_i = Σ φ m (v + C (x_i − x)) with the new v and C, and the ``position`` that φ belongs to
+    (MUSL)."""
     apply_moment(p, phi, g, position)
     g.momentum.fill(0.0)
     to_grid.project_momentum(
-        phi.row, phi.nodes, phi.weight, p.mass, p.velocity, position, p.affine, g.position, g.momentum, g.spacing
+        phi.row,
+        phi.nodes,
+        phi.weight,
+        p.mass,
+        p.velocity,
+        position,
+        p.affine,
+        g.position,
+        g.momentum,
+        g.spacing,
     )

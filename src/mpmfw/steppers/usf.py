@@ -24,7 +24,8 @@ def step(state: State, hook: Any, transfer: Transfer, clock: Clock, dt: float) -
     """One time step; stress is updated from the projected velocity before the forces are formed.
 
     1. φ_ip, ∇φ_ip
-    2. m_i = Σ φ m,  (m v)_i = Σ φ m (v + C (x_i − x_p)), per velocity field; contact and boundary conditions on it
+    2. m_i = Σ φ m,  (m v)_i = Σ φ m (v + C (x_i − x_p)), per velocity field; contact and boundary conditions
+    on it
     3. L from it; F ← (1 + Δt L) F, σ(F)
     4. f_i = −Σ V σ·∇φ + f_ext + f_cont                     (eq. 12 of [H17])
     5. (m v)_i += Δt f_i, then velocity-correcting contact, inertia correction, boundary conditions

@@ -5,14 +5,16 @@ from __future__ import annotations
 import itertools
 import logging
 import os
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from typing import Any
 
 import xarray as xr
 
 from mpmfw.discovery import Kind, available, did_you_mean
-from mpmfw.errors import MpmfwError, SceneError, SimulationError
+from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.joining import Outcome, join
 
 _log = logging.getLogger("mpmfw")
@@ -89,8 +91,10 @@ def compare(
     for index in itertools.product(*(range(len(values)) for values in coords.values())):
         chosen_values = {key: values[i] for (key, values), i in zip(varied.items(), index[2:], strict=True)}
         choice = (methods["contact"][index[0]].value, methods["shape"][index[1]].value)
-        outcome = _outcome(run, scene, choice, {**shared, **chosen_values}, progress, refusals)
-        outcomes[index] = outcome
+        label = "/".join(str(values[i]) for values, i in zip(coords.values(), index, strict=True))
+        with _collected(label) as notes:
+            outcome = _outcome(run, scene, choice, {**shared, **chosen_values}, progress, refusals)
+        outcomes[index] = outcome = replace(outcome, notes=tuple(notes))
         if path is not None and outcome.tree is not None:
             _save(join(coords, outcomes), path)
     if len(refusals) == len(outcomes):
@@ -122,6 +126,21 @@ def _outcome(
         _log.exception("contact %r with shape %r failed", contact, shape)
         return Outcome(f"failed: {type(error).__name__}: {error}")
     return Outcome(str(tree.attrs.get("status", "ok")), tree)
+
+
+@contextmanager
+def _collected(label: str) -> Iterator[list[str]]:
+    """Collect what a run wants its reader to know, and say whose it is; other warnings are shown as ever."""
+    notes: list[str] = []
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.filterwarnings("always", category=ResultsWarning)
+        yield notes
+    for warning in caught:
+        if issubclass(warning.category, ResultsWarning):
+            notes.append(str(warning.message))
+            warnings.warn(f"{label}: {warning.message}", ResultsWarning, stacklevel=4)
+        else:
+            warnings.showwarning(warning.message, warning.category, warning.filename, warning.lineno)
 
 
 def _methods(kind: Kind, chosen: Sequence[Any]) -> list[_Method]:

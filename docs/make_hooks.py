@@ -1,0 +1,93 @@
+"""Write docs/hooks.md from the hook specifications: ``python docs/make_hooks.py``.
+
+The specifications are the only place where a hook is described; a test says when the page is out of date.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from pathlib import Path
+
+from mpmfw.hooks import hook_names, make_manager
+from mpmfw.hookspecs import HookSpecs
+
+PAGE = Path(__file__).with_name("hooks.md")
+
+HEAD = """\
+# Hooks
+
+<!-- Made by docs/make_hooks.py from the specifications in src/mpmfw/hookspecs.py: edit those. -->
+
+Every place in the algorithm where a plug-in may act, in the order in which a run calls them. Hooks are named by
+their place, not by a method. None of them receives the simulation: what a plug-in needs beyond the arguments it
+takes from `mpmfw.setup.Setup`, once, and keeps itself. An implementation is a method marked with
+`mpmfw.api.hookimpl`; it may leave out arguments that it does not use. The names of a step's steps are those of
+[methods](guide/methods.md#the-step), symbols and units those of the [glossary](glossary.md).
+
+Where several plug-ins implement a hook, all are called, in the order that `mpmfw explain SCENE` prints. Of a hook
+that says *first answer counts*, the first answer that is not `None` is taken and nobody else is asked.
+"""
+
+
+def page() -> str:
+    """The whole page."""
+    return "\n".join([HEAD, _summary(), *(_section(name) for name in hook_names())]).rstrip() + "\n"
+
+
+def _summary() -> str:
+    rows = [
+        f"| [`{name}`](#{name}) | {_lines(name)[0].partition(':')[0].rstrip('.')} |" for name in hook_names()
+    ]
+    return "\n".join(["| hook | when |", "| --- | --- |", *rows, ""])
+
+
+def _section(name: str) -> str:
+    arguments = [
+        p for p in inspect.signature(getattr(HookSpecs, name)).parameters.values() if p.name != "self"
+    ]
+    signature = ", ".join(f"{p.name}: {p.annotation}" for p in arguments)
+    returned = inspect.signature(getattr(HookSpecs, name)).return_annotation
+    first = " *First answer counts.*" if _first_result(name) else ""
+    head, *rest = _lines(name)
+    code = f"```python\n{name}({signature}) -> {returned}\n```"
+    return "\n".join([f"## {name}", "", code, "", _markdown(head) + first, *_body(rest), ""])
+
+
+def _first_result(name: str) -> bool:
+    spec = getattr(make_manager().hook, name).spec
+    return bool(spec.opts.get("firstresult"))
+
+
+def _lines(name: str) -> list[str]:
+    text = inspect.getdoc(getattr(HookSpecs, name))
+    if not text:
+        raise SystemExit(f"the hook '{name}' has no docstring")
+    return text.splitlines()
+
+
+def _body(lines: list[str]) -> list[str]:
+    """NumPy sections become bold words, the indented text below a name an item of a list."""
+    made: list[str] = []
+    for index, line in enumerate(lines):
+        below = lines[index + 1] if index + 1 < len(lines) else ""
+        if re.fullmatch(r"-{3,}", line):
+            made.append("")
+        elif re.fullmatch(r"-{3,}", below):
+            made.append(f"**{line}**")
+        elif below.startswith("    ") and not line.startswith("    "):
+            made.append(f"- `{line}`:")
+        else:
+            made.append(_markdown(f"  {line.strip()}" if line.startswith("    ") else line))
+    return made
+
+
+def _markdown(text: str) -> str:
+    """Roles and double backticks as code; a ``:meth:`` is a hook of this page."""
+    text = re.sub(r":meth:`(\w+)`", r"[`\1`](#\1)", text)
+    text = re.sub(r":\w+:`~?([\w.]+)`", r"`\1`", text)
+    return text.replace("``", "`")
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")

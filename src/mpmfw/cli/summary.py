@@ -1,0 +1,85 @@
+"""A comparison on a terminal: one line a method, columns that do not fit below, reasons under the table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Columns of the page that a terminal does without.
+_LEFT_OUT = {"largest_penetration", "material_points", "peak_memory", "steps"}
+
+
+def print_comparison(dataset: xr.Dataset) -> None:
+    """Print the table of a comparison, as wide as the terminal allows, and why runs failed."""
+    from mpmfw.references import reference_of
+    from mpmfw.report import COLUMNS, method_dims, shown, table
+
+    console, rows = Console(), table(dataset)
+    labels = [str(dim) for dim in method_dims(dataset)]
+    measured = [name for name in COLUMNS if name not in _LEFT_OUT and any(name in row for row in rows)]
+    heads = {name: (COLUMNS[name].short, _unit(COLUMNS[name].unit)) for name in measured}
+    heads = {**{label: (label.replace("_", " "), "") for label in labels}, **heads}
+    cells = [
+        {
+            **{label: str(row[label]) for label in labels},
+            **{name: shown(row.get(name, float("nan")), COLUMNS[name]) for name in measured},
+        }
+        for row in rows
+    ]
+    for columns in _portions(heads, labels, cells, console.width):
+        console.print(_table(heads, labels, columns, cells))
+        console.print()
+    for row in rows:
+        if row["status"] != "ok":
+            console.print(Text(f"{', '.join(str(row[label]) for label in labels)}: {row['status']}"))
+    reference = reference_of(dataset.attrs)
+    if reference is not None:
+        console.print(Text(f"Errors against {reference.describe()}", style="dim"))
+
+
+def _unit(unit: str) -> str:
+    return "" if unit == "1" else f"[{unit}]"
+
+
+def _portions(
+    heads: Mapping[str, tuple[str, str]],
+    labels: Sequence[str],
+    cells: Sequence[Mapping[str, str]],
+    width: int,
+) -> list[list[str]]:
+    """Share the measures out to tables that fit: two spaces after every column."""
+    wide = {name: max(map(len, (*head, *(row[name] for row in cells)))) + 2 for name, head in heads.items()}
+    room = width - sum(wide[label] for label in labels)
+    portions: list[list[str]] = [[]]
+    for name in (name for name in heads if name not in labels):
+        if portions[-1] and sum(wide[one] for one in portions[-1]) + wide[name] > room:
+            portions.append([])
+        portions[-1].append(name)
+    return portions
+
+
+def _table(
+    heads: Mapping[str, tuple[str, str]],
+    labels: Sequence[str],
+    columns: Sequence[str],
+    cells: Sequence[Mapping[str, str]],
+) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
+    for name in (*labels, *columns):
+        text = Text("\n".join(part for part in heads[name] if part))
+        table.add_column(text, justify="left" if name in labels else "right", no_wrap=True, overflow="fold")
+    group: Any = cells[0][labels[0]] if cells else None
+    for row in cells:
+        if row[labels[0]] != group:
+            table.add_section()
+            group = row[labels[0]]
+        table.add_row(*(Text(row[name]) for name in (*labels, *columns)))
+    return table

@@ -1,0 +1,103 @@
+"""What tests measure on a simulation, written independently of the series that runs record; and a known
+torque."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mpmfw.api import FloatArray, Grid, Particles, State, Stencil, hookimpl
+from mpmfw.simulation import Simulation
+
+
+def cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """a × b, (n,) in 2D and (n, 3) in 3D."""
+    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0] if a.shape[1] == 2 else np.cross(a, b)
+
+
+def relative(particles: Particles) -> tuple[FloatArray, FloatArray]:
+    """Positions and velocities relative to those of the centre of mass."""
+    share = particles.mass / particles.mass.sum()
+    x, v = particles.position, particles.velocity
+    return x - share @ x, v - share @ v
+
+
+def momentum(sim: Simulation) -> FloatArray:
+    """Linear momentum Σ m v of all material points."""
+    return np.asarray(sim.state.particles.mass @ sim.state.particles.velocity)
+
+
+def angular_momentum(sim: Simulation) -> Any:
+    """Σ m (x − c) × (v − v_c) of all material points."""
+    r, w = relative(sim.state.particles)
+    return sim.state.particles.mass @ cross(r, w)
+
+
+def angular_velocity(sim: Simulation) -> Any:
+    """ω of L = I ω with the inertia of the points."""
+    r, _ = relative(sim.state.particles)
+    second = np.einsum("n,ni,nj->ij", sim.state.particles.mass, r, r)
+    if r.shape[1] == 2:
+        return angular_momentum(sim) / np.trace(second)
+    return np.linalg.solve(np.trace(second) * np.eye(3) - second, angular_momentum(sim))
+
+
+def gyration(sim: Simulation) -> float:
+    """Radius of gyration of the points [m]."""
+    r, _ = relative(sim.state.particles)
+    mass = sim.state.particles.mass
+    return float(np.sqrt(mass @ (r**2).sum(axis=1) / mass.sum()))
+
+
+def total_energy(sim: Simulation) -> float:
+    """Kinetic and strain energy of a scene with the one material ``soft``."""
+    p = sim.state.particles
+    material = next(plugin for name, plugin in sim.manager.list_name_plugin() if name.endswith(" soft"))
+    strain = material.energy_density(p.deformation_gradient) @ p.initial_volume
+    return float(0.5 * p.mass @ (p.velocity**2).sum(axis=1) + strain)
+
+
+class Torque:
+    """Nodal forces Σ_p φ_ip m_p a × (x_p − c), whose torque is known from the points alone: Σ m r × (a × r).
+
+    In 2D the points within ``inner`` of the centre are left out, so that the body shears as well as turns.
+    """
+
+    name = "torque"
+
+    def __init__(self, acceleration: Any, inner: float = 0.0) -> None:
+        self.acceleration, self.inner = np.asarray(acceleration, dtype=float), inner
+        self.impulse: Any = 0.0
+
+    @hookimpl
+    def after_momentum_projection(self, phi: Stencil) -> None:
+        """Keep the table of this step."""
+        self.phi = phi
+
+    @hookimpl
+    def add_nodal_force(self, grid: Grid, state: State, dt: float) -> None:
+        """Add the forces, and the torque's impulse to the record."""
+        p, phi = state.particles, self.phi
+        r, _ = relative(p)
+        if p.dim == 2:
+            outer = (r**2).sum(axis=1) >= self.inner**2
+            a = self.acceleration * np.stack([-r[:, 1], r[:, 0]], axis=1) * outer[:, None]
+            a -= p.mass @ a / p.mass.sum()
+        else:
+            a = np.cross(self.acceleration, r)
+        self.impulse = self.impulse + dt * (p.mass @ cross(r, a))
+        point = np.repeat(np.arange(p.count), np.diff(phi.row))
+        np.add.at(grid.force, phi.nodes, phi.weight[:, None] * (p.mass[:, None] * a)[point])
+
+
+def turn_under(sim: Simulation, torque: Torque, end: float) -> tuple[FloatArray, FloatArray]:
+    """Impulses of the torque and angular velocities after every step until ``end`` [s]."""
+    sim.start()
+    rows = []
+    with sim.extra_plugin(torque):
+        while sim.state.time < end:
+            sim.step(sim.stable_step())
+            rows.append((torque.impulse, angular_velocity(sim)))
+    impulse, spin = zip(*rows, strict=True)
+    return np.array(impulse), np.array(spin)

@@ -1,0 +1,249 @@
+"""What contact must conserve and must not do, for every strategy.
+
+``LACKS`` names the strategies without a property, and why; there the check must fail, so that no entry grows
+stale.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
+
+from contact_scenes import ACTING, MU, STRATEGIES, expect, impact, run, simulation, slider
+from mpmfw.api import hookimpl
+from mpmfw_contact.penalty import strategy as penalty_strategy
+
+TILTED = "averaged normals tilt at the block's corners, where half of the impulse then has a tangential part"
+LAYER = "the interface layer has a momentum of its own beside the material points'"
+UNCAPPED = "friction k_t times the step's slip has no Coulomb cap"
+
+LACKS: dict[str, dict[str, str]] = {
+    "momentum": {"penalty-hamad2017": LAYER},
+    "records": {
+        "none": "what bodies of one velocity field exchange is internal force: nothing is reported",
+        "penalty-hamad2017": LAYER,
+    },
+    "keeps apart": {"separate": "no interaction: the bodies pass through each other"},
+    "no tension": {
+        "none": "one velocity field sticks: bodies that part pull at each other",
+        "penalty-hamad2017": "uncapped friction acts from a gap of minus one rounding error on; " + LAYER,
+    },
+    "cone of the pair": {
+        "none": "one velocity field sticks without limit",
+        "bardenhagen": TILTED,
+        "bardenhagen-position": TILTED,
+        "penalty-hamad2017": UNCAPPED,
+    },
+    "frictionless": {
+        "none": "one velocity field sticks without limit",
+        "bardenhagen": TILTED,
+        "bardenhagen-position": TILTED,
+    },
+    "cone of the node": {"penalty-hamad2017": UNCAPPED},
+    "moment": {
+        "penalty, gimp": "the mass-weighted map has Σ N_i x_i ≠ x_s",
+        "penalty-one-pass, gimp": "the mass-weighted map has Σ N_i x_i ≠ x_s",
+        "penalty-hamad2017, gimp": "the mass-weighted map has Σ N_i x_i ≠ x_s",
+    },
+}
+
+every_strategy = pytest.mark.parametrize("strategy", STRATEGIES)
+
+
+def exchanged(strategy, motion):
+    """Impulse of every step on the first body, (n, 2): as recorded, or from its momentum."""
+    return motion.impulse[:, 0] if strategy in ACTING else np.diff(motion.momentum["left"], axis=0)
+
+
+@every_strategy
+@settings(max_examples=3, deadline=None, derandomize=True, phases=[Phase.generate])  # shrinking takes minutes
+@given(
+    speed=st.floats(0.5, 1.5),
+    slide=st.floats(-1.0, 1.0),
+    gap=st.floats(0.0, 0.02),
+    right=st.sampled_from(["soft", "stiff", "stiffer"]),
+    friction=st.floats(0.0, 1.0),
+)
+def test_linear_momentum_is_kept_in_every_step(strategy, speed, slide, gap, right, friction):
+    scene = impact(speed=speed, slide=slide, gap=gap, right=right, friction=friction)
+
+    def check(name):
+        total = run(simulation(name, scene), 60).total_momentum
+        scale = 160.0 * speed
+        assert np.abs(np.diff(total, axis=0)).max() < 1e-13 * scale
+        assert np.abs(total - total[0]).max() < 1e-12 * scale
+
+    expect(LACKS["momentum"], strategy, check)
+
+
+@every_strategy
+def test_recorded_impulse_is_the_change_of_momentum(strategy):
+    def check(name):
+        motion = run(simulation(name, impact()), 100)
+        change = np.diff(motion.momentum["left"], axis=0)
+        np.testing.assert_allclose(motion.impulse[:, 0], change, atol=1e-11)
+        change = np.diff(motion.momentum["right"], axis=0)
+        np.testing.assert_allclose(motion.impulse[:, 0], -change, atol=1e-11)
+
+    expect(LACKS["records"], strategy, check)
+
+
+@every_strategy
+def test_bodies_that_meet_do_not_pass_through_each_other(strategy):
+    def check(name):
+        motion = run(simulation(name, impact()), 150)
+        distance = motion.centre["right"][:, 0] - motion.centre["left"][:, 0]
+        assert distance.min() > 0.85 * distance[0]
+
+    expect(LACKS["keeps apart"], strategy, check)
+
+
+def check_no_tension(strategy, spoil=lambda _: None):
+    """Bodies that part exchange nothing, and in an impact every step pushes the left body to the left."""
+    sim = simulation(strategy, impact(gap=0.0, speed=-1.0))
+    spoil(sim)
+    motion = run(sim, 30)
+    assert np.abs(exchanged(strategy, motion)).max() < 1e-12
+    assert np.abs(np.diff(motion.momentum["left"], axis=0)).max() < 1e-12
+    sim = simulation(strategy, impact())
+    spoil(sim)
+    push = -exchanged(strategy, run(sim, 150))[:, 0]
+    assert push.min() >= -0.01 * np.abs(push).max() - 1e-12
+
+
+@every_strategy
+def test_contact_does_not_pull(strategy):
+    expect(LACKS["no tension"], strategy, check_no_tension)
+
+
+def reverse_normals(sim):
+    """n ← −n in this strategy object alone."""
+    contact = sim.contact
+    contact.weight_first, contact.weight_second = -contact.weight_first, -contact.weight_second
+    contact.given_normal = -contact.given_normal
+
+
+@pytest.mark.parametrize("strategy", [name for name in STRATEGIES if name.startswith("bardenhagen")])
+def test_no_tension_notices_a_reversed_normal(strategy):
+    with pytest.raises(AssertionError):
+        check_no_tension(strategy, reverse_normals)
+
+
+@pytest.mark.parametrize("strategy", ["penalty", "penalty-one-pass"])
+def test_no_tension_notices_a_reversed_force(strategy, monkeypatch):
+    original = penalty_strategy.contact_forces
+
+    def reversed_forces(*arguments):
+        *start, force, impulse, friction_work, damping_work, energy, count = arguments
+        before = impulse.copy()
+        original(*start, force, impulse, friction_work, damping_work, energy, count)
+        force *= -1.0
+        impulse[:] = 2.0 * before - impulse
+
+    monkeypatch.setattr(penalty_strategy, "contact_forces", reversed_forces)
+    with pytest.raises(AssertionError):
+        check_no_tension(strategy)
+
+
+@every_strategy
+@pytest.mark.parametrize(("friction", "which"), [(MU, "cone of the pair"), (0.0, "frictionless")])
+def test_sliding_along_a_flat_face_obeys_coulomb(strategy, friction, which):
+    """Σ |J_t| ≤ μ Σ J_n + 1 % of it for the tilt of a face that bends; without friction the tangential
+    velocity stays."""
+
+    def check(name):
+        motion = run(simulation(name, slider(friction=friction)), 100)
+        normal, tangential = np.abs(exchanged(name, motion)).sum(axis=0)
+        assert tangential <= (friction + 0.01) * normal + 1e-9
+
+    expect(LACKS[which], strategy, check)
+
+
+def largest_excess(sim):
+    """Largest |J_t| − μ J_n over nodes, as a fraction of the largest J_n."""
+    contact = sim.contact
+    if contact.name == "penalty":
+        c = contact.candidates
+        touching = (c.segment >= 0) & (c.gap < 0.0) & (contact.count > 0)
+        normal, tangential = -(c.stiffness * c.gap)[touching], np.abs(c.tangential[touching])
+    else:
+        c, n = contact.contacts, contact.count
+        normal = -(c.impulse[:n] * c.normal[:n]).sum(axis=1)
+        tangential = np.linalg.norm(c.impulse[:n] + normal[:, None] * c.normal[:n], axis=1)
+    return (tangential - MU * normal).max() / normal.max() if len(normal) and normal.max() > 0.0 else 0.0
+
+
+@pytest.mark.parametrize("strategy", ACTING)
+def test_every_node_stays_in_the_cone(strategy):
+    def check(name):
+        excess = []
+        run(simulation(name, slider()), 100, each=lambda sim: excess.append(largest_excess(sim)))
+        assert max(excess) < 1e-12
+
+    expect(LACKS["cone of the node"], strategy, check)
+
+
+class Before:
+    """Nodal force and momentum before contact acts."""
+
+    name = "before"
+
+    @hookimpl(tryfirst=True)
+    def add_nodal_force(self, grid):
+        self.force = grid.force.copy()
+
+    @hookimpl(tryfirst=True)
+    def after_momentum_projection(self, grid):
+        self.projected = grid.momentum.copy()
+
+    @hookimpl(tryfirst=True)
+    def after_momentum_update(self, grid):
+        self.updated = grid.momentum.copy()
+
+
+class After:
+    """Net moment of the nodal impulses of every step, over the sum of their own magnitudes times the
+    lever."""
+
+    name = "after"
+
+    def __init__(self, before, contact):
+        self.before, self.contact, self.balance = before, contact, []
+
+    @hookimpl(trylast=True)
+    def add_nodal_force(self, grid, dt):
+        if self.contact.name == "penalty":
+            self.note(grid, dt * (grid.force - self.before.force))
+
+    @hookimpl(trylast=True)
+    def after_momentum_projection(self, grid):
+        self.corrected = grid.momentum - self.before.projected
+
+    @hookimpl(trylast=True)
+    def after_momentum_update(self, grid):
+        if self.contact.name == "bardenhagen":
+            self.note(grid, self.corrected + grid.momentum - self.before.updated)
+
+    def note(self, grid, impulse):
+        if np.abs(impulse).sum() > 1e-6 * np.abs(grid.momentum).sum():
+            for centre in ((0.0, 0.0), (0.7, -1.3)):
+                x, y = (grid.position - centre).T
+                scale = max(np.abs(x).max(), np.abs(y).max()) * np.abs(impulse).sum()
+                self.balance.append(abs(x @ impulse[:, 1] - y @ impulse[:, 0]) / scale)
+
+
+@pytest.mark.parametrize("shape", ["cpdi", "gimp"])
+@pytest.mark.parametrize("strategy", ACTING)
+def test_contact_leaves_no_moment(strategy, shape):
+    def check(_):
+        sim = simulation(strategy, {**slider(), "shape": {"method": shape}})
+        before = Before()
+        after = After(before, sim.contact)
+        with sim.extra_plugin(before), sim.extra_plugin(after):
+            run(sim, 60)
+        assert len(after.balance) > 20
+        assert max(after.balance) < 1e-12
+
+    expect(LACKS["moment"], strategy if shape == "cpdi" else f"{strategy}, {shape}", check)

@@ -1,0 +1,79 @@
+"""Small scenes as nested mappings: each test states what it changes."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+BULK, SHEAR, DENSITY = 6e6, 3e6, 1000.0
+SOFT = {"model": "neo_hookean", "density": DENSITY, "bulk_modulus": BULK, "shear_modulus": SHEAR}
+
+
+def with_changes(scene: dict[str, Any], **changes: Any) -> dict[str, Any]:
+    """A copy of ``scene`` in which ``a__b=value`` sets the key ``a.b``."""
+    scene = copy.deepcopy(scene)
+    for key, value in changes.items():
+        *path, last = key.split("__")
+        table = scene
+        for part in path:
+            table = table.setdefault(part, {})
+        table[last] = value
+    return scene
+
+
+def one_body(
+    geometry: dict[str, Any], *, size: float, layout: str = "lattice", **changes: Any
+) -> dict[str, Any]:
+    """A free body called ``solid`` of a soft Neo-Hookean material, in a grid of cells of 0.25 m round the
+    origin."""
+    dim = 3 if geometry["type"] in ("box", "ball") else 2
+    scene = {
+        "grid": {"cell_size": 0.25, "lower": [-2.0] * dim, "upper": [2.0] * dim},
+        "time": {"end": 0.05, "output_interval": 0.05},
+        "shape": {"method": "cpdi"},
+        "materials": {"soft": SOFT},
+        "bodies": {
+            "solid": {"material": "soft", "geometry": geometry, "particles": {"layout": layout, "size": size}}
+        },
+    }
+    return with_changes(scene, **changes)
+
+
+def disc(layout: str = "lattice", **changes: Any) -> dict[str, Any]:
+    """A disc of R = 1 m, four cells, its centre off the grid lines."""
+    geometry = {"type": "disc", "centre": [0.03, 0.07], "radius": 1.0}
+    return one_body(geometry, size=0.125, layout=layout, **changes)
+
+
+def block(**changes: Any) -> dict[str, Any]:
+    """A square of 1 m, four cells, on grid lines."""
+    geometry = {"type": "rectangle", "lower": [-0.5, -0.5], "upper": [0.5, 0.5]}
+    return one_body(geometry, size=0.125, **changes)
+
+
+def box(**changes: Any) -> dict[str, Any]:
+    """A cube of 1 m, four cells, off the grid lines."""
+    geometry = {"type": "box", "lower": [-0.47, -0.43, -0.41], "upper": [0.53, 0.57, 0.59]}
+    return one_body(geometry, size=0.125, **changes)
+
+
+def ball(**changes: Any) -> dict[str, Any]:
+    """A ball of R = 0.75 m, three cells, its centre off the grid lines."""
+    geometry = {"type": "ball", "centre": [0.03, 0.07, 0.05], "radius": 0.75}
+    return one_body(geometry, size=0.125, **changes)
+
+
+def two_blocks(method: str, **changes: Any) -> dict[str, Any]:
+    """Two squares of 0.5 m, a hundredth of a metre apart, that meet at 2 m/s within the first steps."""
+    scene = block(contact={"method": method, "friction": 0.2})
+    bodies = {}
+    for name, left, speed in (("left", -0.505, 1.0), ("right", 0.005, -1.0)):
+        geometry = {"type": "rectangle", "lower": [left, -0.25], "upper": [left + 0.5, 0.25]}
+        bodies[name] = {
+            "material": "soft",
+            "geometry": geometry,
+            "particles": {"layout": "lattice", "size": 0.125},
+            "velocity": [speed, 0.3 * speed],
+        }
+    scene["bodies"] = bodies
+    return with_changes(scene, **changes)

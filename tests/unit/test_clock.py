@@ -1,0 +1,78 @@
+"""The stage clock, with a clock of the test's own."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from mpmfw import clock as module
+from mpmfw.clock import STAGES, STEP_STAGES, Clock
+
+
+@pytest.fixture
+def now(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
+    """Wall and CPU seconds that the test sets."""
+    now = SimpleNamespace(wall=100.0, cpu=10.0)
+    fake = SimpleNamespace(perf_counter=lambda: now.wall, process_time=lambda: now.cpu)
+    monkeypatch.setattr(module, "time", fake)
+    return now
+
+
+def test_wall_time_goes_to_the_stage_that_runs(now: SimpleNamespace) -> None:
+    clock = Clock()
+    assert clock("shape") == "output"
+    now.wall += 1.0
+    assert clock("force") == "shape"
+    now.wall += 2.0
+    clock("shape")
+    now.wall += 4.0
+    clock.flush()
+    assert {stage: seconds for stage, seconds in clock.wall.items() if seconds} == {
+        "shape": 5.0,
+        "force": 2.0,
+    }
+
+
+def test_cpu_time_is_shared_out_by_wall_time(now: SimpleNamespace) -> None:
+    clock = Clock()
+    clock("shape")
+    now.wall += 1.0
+    clock("force")
+    now.wall, now.cpu = now.wall + 3.0, now.cpu + 8.0
+    clock.flush()
+    assert (clock.cpu["shape"], clock.cpu["force"]) == (2.0, 6.0)
+
+
+def test_each_flush_shares_out_its_own_part(now: SimpleNamespace) -> None:
+    clock = Clock()
+    clock("shape")
+    now.wall, now.cpu = now.wall + 1.0, now.cpu + 1.0
+    clock.flush()
+    now.wall, now.cpu = now.wall + 1.0, now.cpu + 3.0
+    clock.flush()
+    clock.flush()  # nothing has passed
+    assert (clock.wall["shape"], clock.cpu["shape"]) == (2.0, 4.0)
+
+
+def test_excluded_seconds_count_nowhere(now: SimpleNamespace) -> None:
+    clock = Clock()
+    clock("shape")
+    now.wall, now.cpu = now.wall + 10.0, now.cpu + 10.0
+    clock.exclude(9.0, 9.0)
+    clock.flush()
+    assert (sum(clock.wall.values()), sum(clock.cpu.values())) == (1.0, 1.0)
+
+
+def test_restart_forgets(now: SimpleNamespace) -> None:
+    clock = Clock()
+    clock("shape")
+    now.wall, now.cpu = now.wall + 1.0, now.cpu + 1.0
+    clock.restart()
+    clock.flush()
+    assert not any(clock.wall.values())
+    assert not any(clock.cpu.values())
+
+
+def test_the_cost_of_a_method_is_without_output_and_diagnostics() -> None:
+    assert set(STAGES) - set(STEP_STAGES) == {"gap", "output"}

@@ -1,0 +1,182 @@
+"""The hook specifications, and their binding to plain calls."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import mpmfw
+from mpmfw.api import hookimpl
+from mpmfw.clock import Clock
+from mpmfw.hooks import BoundHooks, hook_names, make_manager
+from mpmfw.hookspecs import HookSpecs
+
+NAMES = hook_names()
+WHEN = re.compile(
+    r"\b(once|before|after|when|step \d|at outputs|boundary conditions, the last word)", re.IGNORECASE
+)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_hook_says_when_it_is_called(name: str) -> None:
+    assert WHEN.search(inspect.getdoc(getattr(HookSpecs, name)) or "")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_hook_says_what_it_may_change_or_returns(name: str) -> None:
+    text = inspect.getdoc(getattr(HookSpecs, name)) or ""
+    told = re.search(
+        r"may (change|add)|Returns|allocate|the last word on|rides on|largest stable step",
+        text,
+        re.IGNORECASE,
+    )
+    assert told
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_hook_is_called_by_the_core(name: str) -> None:
+    root = Path(inspect.getfile(mpmfw)).parent
+    calls = re.compile(rf"\bhook\.{name}\(")
+    callers = [path.name for path in root.rglob("*.py") if calls.search(path.read_text(encoding="utf-8"))]
+    assert callers
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_call_gives_the_arguments_of_the_specification(name: str) -> None:
+    root = Path(inspect.getfile(mpmfw)).parent
+    wanted = set(inspect.signature(getattr(HookSpecs, name)).parameters) - {"self"}
+    for path in root.rglob("*.py"):
+        for given in re.findall(
+            rf"\bhook\.{name}\(([^()]*(?:\([^()]*\)[^()]*)*)\)", path.read_text(encoding="utf-8")
+        ):
+            assert set(re.findall(r"(\w+)=", given)) == wanted, path.name
+
+
+def plugin(name: str, **hooks: Any) -> Any:
+    """An object called ``name`` with the given hook implementations."""
+    return type(name, (), {"name": name, **{key: staticmethod(value) for key, value in hooks.items()}})()
+
+
+def bound(*plugins: Any, clock: Clock | None = None) -> tuple[Any, Any]:
+    """The bound hooks of some plug-ins registered in turn, and pluggy's own."""
+    manager = make_manager()
+    for one in plugins:
+        manager.register(one, name=one.name)
+    manager.check_pending()
+    return BoundHooks(manager, clock or Clock()), manager.hook
+
+
+def answer(value: Any, **options: Any) -> Any:
+    """An implementation of ``stable_timestep`` that answers with ``value``."""
+
+    @hookimpl(**options)
+    def stable_timestep() -> Any:
+        return value
+
+    return stable_timestep
+
+
+def test_calls_come_in_the_order_of_pluggy() -> None:
+    hook, pluggy_hook = bound(
+        plugin("a", stable_timestep=answer("a")),
+        plugin("last", stable_timestep=answer("last", trylast=True)),
+        plugin("first", stable_timestep=answer("first", tryfirst=True)),
+        plugin("b", stable_timestep=answer("b")),
+        plugin("nothing", stable_timestep=answer(None)),
+    )
+    found = hook.stable_timestep(state=None)
+    assert found == pluggy_hook.stable_timestep(state=None)
+    assert found == ["first", "b", "a", "last"]
+
+
+def test_a_single_answer_is_a_list_too() -> None:
+    assert bound(plugin("a", stable_timestep=answer(1)))[0].stable_timestep(state=None) == [1]
+    assert bound(plugin("a", stable_timestep=answer(None)))[0].stable_timestep(state=None) == []
+
+
+def test_a_hook_without_implementations_does_nothing() -> None:
+    assert bound()[0].advect(grid=None, dt=0.1) is None
+
+
+def test_first_result_stops_at_the_first_answer() -> None:
+    called = []
+
+    def reach(name: str, value: Any) -> Any:
+        @hookimpl
+        def particle_reach(particles: Any) -> Any:  # noqa: ARG001
+            called.append(name)
+            return value
+
+        return particle_reach
+
+    hook, pluggy_hook = bound(
+        plugin("c", particle_reach=reach("c", 3)),
+        plugin("b", particle_reach=reach("b", 2)),
+        plugin("a", particle_reach=reach("a", None)),
+    )
+    assert hook.particle_reach(particles=None) == 2
+    assert called == ["a", "b"]
+    assert pluggy_hook.particle_reach(particles=None) == 2
+
+
+def test_an_implementation_takes_the_arguments_that_it_names() -> None:
+    seen = []
+
+    @hookimpl
+    def advect(dt: float) -> None:
+        seen.append(dt)
+
+    @hookimpl
+    def update_particle_domains(dt: float, particles: str) -> None:
+        seen.append((dt, particles))
+
+    hook, _ = bound(plugin("a", advect=advect, update_particle_domains=update_particle_domains))
+    hook.advect(grid="grid", dt=0.5)
+    hook.update_particle_domains(particles="points", grid="grid", dt=0.25)
+    assert seen == [0.5, (0.25, "points")]
+
+
+def test_time_goes_to_the_stage_of_the_plug_in_and_back() -> None:
+    clock, stages = Clock(), []
+
+    @hookimpl
+    def advect() -> None:
+        stages.append(clock("contact"))
+
+    @hookimpl
+    def end_step() -> None:
+        raise ValueError("in a plug-in")
+
+    staged = plugin("a", advect=advect, end_step=end_step)
+    staged.stage = "contact"
+    hook, _ = bound(staged, clock=clock)
+    clock("gather")
+    hook.advect(grid=None, dt=0.1)
+    assert stages == ["contact"]
+    assert clock("gather") == "gather"
+    with pytest.raises(ValueError, match="in a plug-in"):
+        hook.end_step(state=None)
+    assert clock("gather") == "gather"
+
+
+@pytest.mark.parametrize("new_style", [True, False])
+def test_wrappers_go_through_pluggy(new_style: bool) -> None:
+    if new_style:
+
+        @hookimpl(wrapper=True)
+        def stable_timestep() -> Any:
+            found = yield
+            return [*found, "wrapped"]
+    else:
+
+        @hookimpl(hookwrapper=True)
+        def stable_timestep() -> Any:
+            outcome = yield
+            outcome.force_result([*outcome.get_result(), "wrapped"])
+
+    hook, _ = bound(plugin("a", stable_timestep=answer("a")), plugin("w", stable_timestep=stable_timestep))
+    assert hook.stable_timestep(state=None) == ["a", "wrapped"]

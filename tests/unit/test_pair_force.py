@@ -1,0 +1,204 @@
+"""The force of a slave node and a master segment: its variation, its balance, its friction."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from contact_kernels import Law, OneNode, find, forces, join, star
+from mpmfw.kernels.polyline import segment_coordinate
+from mpmfw_contact.penalty import pair_force
+
+LAW = Law()
+K, MU = LAW.stiffness, LAW.friction
+
+
+def random_pair(seed):
+    """x_s, x_1, x_2 with the projection within the segment, (3, 2)."""
+    rng = np.random.default_rng(seed)
+    start, angle, length = rng.normal(size=2), rng.uniform(0, 2 * np.pi), rng.uniform(0.3, 2.0)
+    tangent = np.array([np.cos(angle), np.sin(angle)])
+    slave = start + rng.uniform(0.0, length) * tangent + rng.uniform(-0.5, 0.5) * tangent[::-1] * (1, -1)
+    return np.array([slave, start, start + length * tangent])
+
+
+def projection(points):
+    """ξ, g_n, l and e_t of the rows x_s, x_1, x_2."""
+    xi, gap, length, tx, ty = segment_coordinate(*points.ravel())
+    return xi, gap, length, np.array([tx, ty])
+
+
+def analytic(points):
+    """N, C_t = T + (g_n / l) P and Q of a pair, (3, 2) each."""
+    xi, gap, length, (tx, ty) = projection(points)
+    normal, tangential, q = np.empty((3, 3, 2))
+    pair_force.normal_rows(ty, -tx, xi, normal)
+    pair_force.tangential_rows(ty, -tx, xi, gap, length, tangential)
+    pair_force.tangent_rows(tx, ty, q)
+    return normal, tangential, q
+
+
+def differences(points):
+    """δg_n and l δξ by central differences of step 1e-6 l, (3, 2) each."""
+    length = projection(points)[2]
+    h = 1e-6 * length
+    d_gap, d_xi = np.empty((2, 3, 2))
+    for index in np.ndindex(3, 2):
+        ahead, behind = points.copy(), points.copy()
+        ahead[index] += h
+        behind[index] -= h
+        (xi_a, gap_a, *_), (xi_b, gap_b, *_) = projection(ahead), projection(behind)
+        d_gap[index], d_xi[index] = (gap_a - gap_b) / (2.0 * h), length * (xi_a - xi_b) / (2.0 * h)
+    return d_gap, d_xi
+
+
+def moment(points, values):
+    """Σ x × f."""
+    return np.sum(points[:, 0] * values[:, 1] - points[:, 1] * values[:, 0])
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_rows_are_the_variations_of_gap_and_coordinate(seed):
+    points = random_pair(seed)
+    normal, tangential, _ = analytic(points)
+    d_gap, d_xi = differences(points)
+    np.testing.assert_allclose(normal, d_gap, atol=1e-8)
+    np.testing.assert_allclose(tangential, d_xi, atol=1e-8)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_pair_leaves_no_force_and_no_moment(seed):
+    points = random_pair(seed)
+    for rows in analytic(points):
+        scale = np.abs(rows).sum()
+        assert np.abs(rows.sum(axis=0)).max() < 1e-14 * scale
+        assert abs(moment(points, rows)) < 1e-14 * scale * np.abs(points).max()
+
+
+def test_without_p_the_tangential_force_would_leave_a_moment():
+    points = random_pair(1)
+    xi, gap, _, tangent = projection(points)
+    rows = np.array([tangent, -(1.0 - xi) * tangent, -xi * tangent])
+    assert abs(moment(points, rows)) == pytest.approx(abs(gap), rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_q_is_self_equilibrated_and_no_part_of_the_variation(seed):
+    points = random_pair(seed)
+    _, gap, length, _ = projection(points)
+    normal, _, q = analytic(points)
+    assert np.abs(q.sum(axis=0)).max() == 0.0
+    assert abs(moment(points, q)) < 1e-14 * np.abs(points).max()
+    d_gap, _ = differences(points)
+    assert (
+        np.abs(normal - gap / length * q - d_gap).max() > 0.5 * abs(gap) / length
+    )  # eq. 7 is off by all of it
+
+
+@pytest.mark.parametrize("keep_q", [False, True])
+@pytest.mark.parametrize("seed", range(8))
+def test_forces_of_two_outlines_balance_at_vertices_too(seed, keep_q):
+    rng = np.random.default_rng(seed)
+    loops = join([star(rng, (-0.93, 0.1), 1.0), star(rng, (0.93, -0.1), 1.0)])
+    loops.displacement[:] = 1e-3 * rng.normal(size=loops.displacement.shape)
+    found = find(loops, slots=1)
+    touching = (found.segment >= 0) & (found.gap < 0.0)
+    force = forces(loops, found, Law(keep_q=keep_q)).force
+    scale = np.abs(force).sum()
+    assert touching.any()
+    assert scale > 0.0
+    assert np.abs(force.sum(axis=0)).max() < 1e-14 * scale
+    assert abs(moment(loops.position, force)) < 1e-14 * scale * np.abs(loops.position).max()
+
+
+def test_some_of_those_contacts_are_at_vertices():
+    at_vertex = 0
+    for seed in range(8):
+        rng = np.random.default_rng(seed)
+        found = find(join([star(rng, (-0.93, 0.1), 1.0), star(rng, (0.93, -0.1), 1.0)]), slots=1)
+        ends = (found.coordinate == 0.0) | (found.coordinate == 1.0)
+        at_vertex += ((found.segment >= 0) & (found.gap < 0.0) & ends).sum()
+    assert at_vertex > 0
+
+
+def pressed(law=LAW, depth=0.001, x=0.05):
+    """A tip that has just been pressed in, straight, without sliding."""
+    node = OneNode(law, x=x, y=0.0)
+    node.move(0.0, -depth)
+    return node
+
+
+def test_the_slave_is_pushed_out():
+    normal, tangential = pressed().move(0.0, 0.0)
+    assert normal == pytest.approx(K * 0.001, rel=1e-12)
+    assert tangential == 0.0
+
+
+def test_stick_then_slip_then_reversal():
+    node = pressed()
+    limit = MU * K * 0.001
+    assert node.move(1e-4, 0.0)[1] == pytest.approx(-K * 1e-4, rel=1e-12)  # stick
+    assert node.work == 0.0
+    assert node.move(1e-3, 0.0)[1] == pytest.approx(-limit, rel=1e-12)  # slip
+    assert node.work == pytest.approx(limit * (1.1e-3 - limit / K), rel=1e-12)  # force times the sliding part
+    assert node.move(-1e-4, 0.0)[1] == pytest.approx(
+        -limit + K * 1e-4, rel=1e-12
+    )  # reversal unloads the spring
+    assert node.move(-1e-3, 0.0)[1] == pytest.approx(limit, rel=1e-12)
+
+
+def test_force_is_carried_across_segments():
+    node = pressed(x=0.2499)
+    before = node.move(5e-5, 0.0)[1]  # still on the segment that ends at x = 0.25
+    after = node.move(1e-4, 0.0)[1]
+    assert node.loops.position[0, 0] > 0.25
+    assert after == pytest.approx(before - K * 1e-4, rel=1e-12)
+
+
+def test_first_contact_counts_only_the_penetrated_part_of_the_step():
+    node = OneNode(LAW, y=0.003)
+    normal, tangential = node.move(1e-4, -0.004)  # three quarters of the step in the air
+    assert normal == pytest.approx(K * 0.001)
+    assert tangential == pytest.approx(-K * 1e-4 / 4, rel=1e-12)
+
+
+def test_release_forgets_the_force():
+    node = pressed()
+    node.move(1e-3, 0.0)
+    assert node.move(0.0, 0.01) == (0.0, 0.0)
+    assert node.move(0.0, -0.01)[1] == 0.0
+
+
+def test_falling_normal_force_takes_friction_along():
+    node = pressed()
+    node.move(1e-3, 0.0)
+    normal, tangential = node.move(0.0, 0.0005)
+    assert normal == pytest.approx(K * 0.0005)
+    assert tangential == pytest.approx(-MU * normal, rel=1e-12)
+
+
+@pytest.mark.parametrize(("literal", "ratio"), [(False, 1.0), (True, 4.0)])
+def test_only_literal_friction_depends_on_the_time_step(literal, ratio):
+    """The same path in steps four times as long: k_t times one step's slip is four times the force."""
+
+    def last(steps):
+        node = pressed(Law(literal_friction=literal))
+        return [node.move(0.002 / steps, 0.0)[1] for _ in range(steps)][-1]
+
+    assert last(8) / last(32) == pytest.approx(ratio, rel=1e-9)
+
+
+def test_literal_friction_leaves_the_cone():
+    normal, tangential = pressed(Law(literal_friction=True)).move(0.01, 0.0)
+    assert abs(tangential) > 10.0 * MU * normal
+
+
+def test_dashpot_slows_approach_and_never_pulls():
+    law = Law(damping=0.5 * K, friction=0.0)
+    approaching = OneNode(law, y=0.0).move(0.0, -0.001)[0]
+    assert approaching == pytest.approx(1.5 * K * 0.001)
+    node = OneNode(law, y=0.0)
+    node.move(0.0, -0.01)
+    assert node.move(0.0, 0.0099)[0] == pytest.approx(
+        0.0, abs=1e-9
+    )  # pulled back faster than the spring pushes

@@ -1,0 +1,224 @@
+"""Search, forces, map and frequency of penalty contact against plain NumPy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+
+from contact_kernels import Law, find, flat, forces, join, pair_table, star
+from mpmfw.kernels.polyline import bounding_boxes, minimum_gap
+from mpmfw_contact.penalty.search import boxes_touch
+from mpmfw_contact.penalty.stability import add_interface_mass, contact_frequency, map_to_grid, velocity_at
+
+H = 0.25
+
+
+def scenes():
+    """Outlines that overlap a little, touch, or come near: stars, discs near a flat, three bodies."""
+    rng = np.random.default_rng(5)
+    for shift in (0.85, 0.93, 1.0, 1.15, 1.8):
+        yield f"stars {shift}", [star(rng, (-shift, 0.1), 1.0), star(rng, (shift, -0.1), 1.0)]
+    for y in (-0.02, 0.0, 0.1):
+        yield f"disc on flat {y}", [star(rng, (0.03, 1.0 + y), 1.0, 60, 0.0), flat(-2.0, 2.0, -0.6, 0.0, 37)]
+    three = [star(rng, centre, 0.9) for centre in ((-0.88, -0.5), (0.88, -0.5), (0.0, 1.0))]
+    yield "three stars", three
+
+
+SCENES = dict(scenes())
+every_scene = pytest.mark.parametrize("name", SCENES)
+
+
+def closest(loops, s, other):
+    """Distance of a node from another body's outline, negative inside, and the closest point; by shapely."""
+    polygon = shapely.Polygon(loops.position[loops.body == other])
+    point = shapely.Point(loops.position[s])
+    ring = polygon.exterior
+    nearest = np.array(ring.interpolate(ring.project(point)).coords[0])
+    return (-1.0 if polygon.contains(point) else 1.0) * ring.distance(point), nearest
+
+
+@every_scene
+def test_search_finds_the_closest_point_of_every_other_body(name):
+    loops = join(SCENES[name])
+    found = find(loops, h=H)
+    expected = 0
+    for s in range(len(loops.body)):
+        for other in set(range(loops.n_bodies)) - {int(loops.body[s])}:
+            gap, point = closest(loops, s, other)
+            slot = np.flatnonzero((found.segment[s] >= 0) & (found.master[s] == other))
+            if abs(gap) >= H * (1.0 + 1e-12):
+                assert len(slot) == 0
+                continue
+            expected += 1
+            (j,) = slot
+            start = found.segment[s, j]
+            ends = loops.position[[start, loops.following[start]]]
+            np.testing.assert_allclose(found.gap[s, j], gap, atol=1e-12)
+            np.testing.assert_allclose(
+                ends[0] + found.coordinate[s, j] * (ends[1] - ends[0]), point, atol=1e-12
+            )
+            if abs(gap) > 1e-9:
+                np.testing.assert_allclose(found.normal[s, j], (loops.position[s] - point) / gap, atol=1e-6)
+            assert loops.body[start] == other
+    assert found.count == expected
+
+
+@every_scene
+def test_bodies_with_candidates_have_boxes_that_touch(name):
+    loops = join(SCENES[name])
+    first = np.searchsorted(loops.body, np.arange(loops.n_bodies + 1))
+    lower, upper = np.empty((2, loops.n_bodies, 2))
+    bounding_boxes(first, loops.position, lower, upper)
+    for b in range(loops.n_bodies):
+        np.testing.assert_array_equal(lower[b], loops.position[loops.body == b].min(axis=0))
+        np.testing.assert_array_equal(upper[b], loops.position[loops.body == b].max(axis=0))
+    pairs = np.array([(a, b) for a in range(loops.n_bodies) for b in range(a + 1, loops.n_bodies)])
+    touch = boxes_touch(pairs[:, 0], pairs[:, 1], lower, upper, H)
+    assert touch or find(loops, h=H).count == 0
+    assert not boxes_touch(pairs[:, 0], pairs[:, 1], lower + 10.0 * np.arange(loops.n_bodies)[:, None],
+                           upper + 10.0 * np.arange(loops.n_bodies)[:, None], H)  # fmt: skip
+
+
+def test_literal_detection_takes_every_segment_that_eq_10_names():
+    loops = join(SCENES["stars 0.93"])
+    found = find(loops, h=H, literal=True, slots=8)
+    for s in range(len(loops.body)):
+        expected = set()
+        for m in np.flatnonzero(loops.body != loops.body[s]):
+            a, b = loops.position[[m, loops.following[m]]]
+            t, r = b - a, loops.position[s] - a
+            xi, gap = r @ t / (t @ t), (r[0] * t[1] - r[1] * t[0]) / np.linalg.norm(t)
+            near = min(np.linalg.norm(r), np.linalg.norm(loops.position[s] - b)) < H
+            if near and gap < 0.0 and 0.0 <= xi <= 1.0:
+                expected.add(int(m))
+        assert set(found.segment[s][found.segment[s] >= 0].tolist()) == expected
+
+
+@every_scene
+def test_minimum_gap_is_the_least_signed_distance(name):
+    loops = join(SCENES[name])
+    a, b = np.flatnonzero(loops.body == 0), np.flatnonzero(loops.body == 1)
+    chains = (loops.position, loops.following, loops.previous)
+    actual = minimum_gap(a[0], a[-1] + 1, b[0], b[-1] + 1, *chains)
+    assert actual == pytest.approx(min(closest(loops, s, 1)[0] for s in a), abs=1e-12)
+
+
+def force_twin(loops, found, law, old_master, old_tangential):
+    """Forces of all contacts and the pairs' frictional work, in NumPy and without Q."""
+    force, work = np.zeros_like(loops.position), np.zeros(len(pair_table(loops.n_bodies)[1]))
+    x, u = loops.position, loops.displacement
+    for s, j in zip(*np.nonzero((found.segment >= 0) & (found.gap < 0.0)), strict=True):
+        g, e_n, m = found.gap[s, j], found.normal[s, j], found.segment[s, j]
+        e_t = np.array([-e_n[1], e_n[0]])
+        point = x[m] + found.coordinate[s, j] * (x[loops.following[m]] - x[m])
+        if found.coordinate[s, j] in (0.0, 1.0):  # of the segments that meet at the vertex, the one along e_t
+            vertex = m if found.coordinate[s, j] == 0.0 else loops.following[m]
+            unit = [(x[loops.following[k]] - x[k]) for k in (loops.previous[vertex], vertex)]
+            along = [t @ e_t / np.linalg.norm(t) for t in unit]
+            m = loops.previous[vertex] if along[0] > along[1] else vertex
+        end = loops.following[m]
+        t = x[end] - x[m]
+        xi = (point - x[m]) @ t / (t @ t)
+        share = np.array([1.0, xi - 1.0, -xi])
+        lever = np.array([0.0, -1.0, 1.0]) * g / (t @ e_t)
+        normal, tangential = np.outer(share, e_n), np.outer(share, e_t) + np.outer(lever, e_n)
+        motion = u[[s, m, end]]
+        slip, approach = (tangential * motion).sum(), (normal * motion).sum()
+        f_n = -law.stiffness * g
+        f_n += np.clip(-law.damping * approach, -f_n, 2.0 * law.stiffness * abs(approach))
+        known = old_master[s] == loops.body[m]
+        if not known.any() and approach < 0.0:
+            slip *= min(1.0, g / approach)
+        k_t = law.tangential_ratio * law.stiffness
+        trial = (old_tangential[s][known][-1] if known.any() else 0.0) - k_t * slip
+        f_t = np.clip(trial, -law.friction * f_n, law.friction * f_n)
+        work[pair_table(loops.n_bodies)[0][loops.body[s], loops.body[m]]] += abs(f_t) * abs(trial - f_t) / k_t
+        force[[s, m, end]] += f_n * normal + f_t * tangential
+    return force, work
+
+
+@every_scene
+@pytest.mark.parametrize("damping", [0.0, 2e3])
+def test_contact_forces_agree_with_numpy(name, damping):
+    rng = np.random.default_rng(2)
+    loops, law = join(SCENES[name]), Law(damping=damping, tangential_ratio=0.7, friction=0.4)
+    loops.displacement[:] = 0.01 * rng.normal(size=loops.position.shape)
+    found = find(loops, h=H)
+    old_master = np.where(rng.random(found.segment.shape) < 0.5, found.master, -1)
+    old_tangential = 100.0 * rng.normal(size=found.segment.shape)
+    expected, work = force_twin(loops, found, law, old_master, old_tangential)
+    result = forces(loops, found, law, old_master, old_tangential)
+    np.testing.assert_allclose(result.force, expected, rtol=1e-10, atol=1e-9)
+    np.testing.assert_allclose(result.friction_work, work, rtol=1e-10, atol=1e-12)
+    first = loops.body == 0
+    if loops.n_bodies == 2:
+        np.testing.assert_allclose(result.impulse[0], law.dt * expected[first].sum(axis=0), atol=1e-12)
+
+
+def table(rng, points, nodes, width=4):
+    """A table of weights that sum to 1."""
+    weight = rng.random((points, width))
+    indices = np.array([rng.choice(nodes, width, replace=False) for _ in range(points)], dtype=np.int32)
+    return np.arange(points + 1) * width, indices.ravel(), (weight / weight.sum(1, keepdims=True)).ravel()
+
+
+def dense(row, nodes, weight, n_nodes):
+    """The table as a matrix, (points, nodes)."""
+    matrix = np.zeros((len(row) - 1, n_nodes))
+    np.add.at(matrix, (np.repeat(np.arange(len(row) - 1), np.diff(row)), nodes), weight)
+    return matrix
+
+
+def test_map_interface_mass_and_velocity_are_the_table_and_its_transpose():
+    rng = np.random.default_rng(3)
+    t = table(rng, 17, 30)
+    matrix = dense(*t, 30)
+    force, velocity, mass = rng.normal(size=(17, 2)), rng.normal(size=(17, 2)), rng.random(17)
+    force[4] = 0.0
+    mapped, node_mass, momentum, gathered = np.ones((30, 2)), np.ones(30), np.ones((30, 2)), np.empty((17, 2))
+    map_to_grid(*t, force, mapped)
+    add_interface_mass(*t, mass, velocity, node_mass, momentum)
+    velocity_at(*t, mapped, gathered)
+    np.testing.assert_allclose(mapped, 1.0 + matrix.T @ force, rtol=1e-13)
+    np.testing.assert_allclose(node_mass, 1.0 + matrix.T @ mass, rtol=1e-13)
+    np.testing.assert_allclose(momentum, 1.0 + matrix.T @ (mass[:, None] * velocity), rtol=1e-12)
+    np.testing.assert_allclose(gathered, matrix @ mapped, rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["stars 0.93", "disc on flat 0.0", "three stars"])
+def test_frequency_bounds_the_largest_eigenvalue_closely(name):
+    """λ_max(B M⁻¹ Bᵀ K) ≤ the bound ≤ 1.6 λ_max, with bilinear weights on a grid of each body's own."""
+    loops = join(SCENES[name])
+    found = find(loops, h=H)
+    t, n_nodes = bilinear(loops)
+    matrix = dense(*t, n_nodes)
+    node_mass = np.random.default_rng(0).uniform(0.5, 1.0, n_nodes)
+    stiffness = np.full(found.segment.shape, 1e4)
+    scratch = np.zeros(n_nodes)
+    near = (found.segment, found.coordinate, stiffness, loops.following)
+    bound = contact_frequency(found.segment.shape[1], *near, *t, node_mass, scratch)
+    assert not scratch.any()
+    rows = []
+    for s, j in zip(*np.nonzero(found.segment >= 0), strict=True):
+        m, xi = found.segment[s, j], found.coordinate[s, j]
+        rows.append(matrix[s] - (1.0 - xi) * matrix[m] - xi * matrix[loops.following[m]])
+    b = np.array(rows)
+    largest = np.linalg.eigvalsh(1e4 * (b / node_mass) @ b.T).max()
+    assert largest <= bound * (1.0 + 1e-12)
+    assert bound <= 1.6 * largest
+
+
+def bilinear(loops, lower=-3.0, columns=25):
+    """Bilinear weights on a field of each body's own, and the number of nodes of all fields."""
+    local = (loops.position - lower) / H
+    cell = np.floor(local).astype(int)
+    r = local - cell
+    nodes, weight = [], []
+    for i in (0, 1):
+        for j in (0, 1):
+            nodes.append(loops.body * columns**2 + (cell[:, 0] + i) * columns + cell[:, 1] + j)
+            weight.append((r[:, 0] if i else 1 - r[:, 0]) * (r[:, 1] if j else 1 - r[:, 1]))
+    row = 4 * np.arange(len(loops.body) + 1)
+    flat_nodes = np.stack(nodes, axis=1).astype(np.int32).ravel()
+    return (row, flat_nodes, np.stack(weight, axis=1).ravel()), loops.n_bodies * columns**2

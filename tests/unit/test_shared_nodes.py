@@ -1,0 +1,188 @@
+"""Contact at shared grid nodes against plain NumPy, in two and three dimensions."""
+
+from __future__ import annotations
+
+import itertools
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from mpmfw_contact import _shared_nodes as shared
+
+
+@pytest.fixture(params=[2, 3], ids=["2D", "3D"])
+def fields(request):
+    """Three bodies' windows that overlap, with nodal masses of which some are zero."""
+    dim = request.param
+    rng = np.random.default_rng(dim)
+    lower, shape = rng.integers(0, 3, (3, dim)), rng.integers(4, 7, (3, dim))
+    offset = np.concatenate([[0], np.cumsum(np.prod(shape, axis=1))])
+    mass = np.where(rng.random(offset[-1]) < 0.3, 0.0, rng.uniform(0.5, 2.0, offset[-1]))
+    return SimpleNamespace(
+        dim=dim,
+        rng=rng,
+        spacing=(0.5,) * dim,
+        lower=lower,
+        shape=shape,
+        offset=offset,
+        mass=mass,
+        momentum=rng.normal(size=(offset[-1], dim)),
+        first=np.array([0, 0, 1]),
+        second=np.array([1, 2, 2]),
+    )
+
+
+def flat_node(f, body, index):
+    """Flat index of a background node in a body's window, None outside."""
+    local = np.array(index) - f.lower[body]
+    if (local < 0).any() or (local >= f.shape[body]).any():
+        return None
+    return int(f.offset[body] + np.ravel_multi_index(local, f.shape[body]))
+
+
+def expected_nodes(f):
+    """All (pair, node of a, node of b) with mass of both bodies."""
+    found = set()
+    for pair, (a, b) in enumerate(zip(f.first, f.second, strict=True)):
+        for index in itertools.product(range(10), repeat=f.dim):
+            i, j = flat_node(f, a, index), flat_node(f, b, index)
+            if i is not None and j is not None and f.mass[i] > 0.0 and f.mass[j] > 0.0:
+                found.add((pair, i, j))
+    return found
+
+
+def find(f, capacity=2000):
+    """The kernel's list, and the number that it returns."""
+    c = shared.empty_contacts(capacity, f.dim)
+    windows = (f.first, f.second, f.lower, f.shape, f.offset)
+    return c, shared.find_shared_nodes(*windows, f.mass, c.pair, c.node_a, c.node_b)
+
+
+def test_shared_nodes_are_those_with_mass_of_both_bodies(fields):
+    c, count = find(fields)
+    listed = list(
+        zip(c.pair[:count].tolist(), c.node_a[:count].tolist(), c.node_b[:count].tolist(), strict=True)
+    )
+    assert len(set(listed)) == count
+    assert set(listed) == expected_nodes(fields)
+    assert count > 10
+
+
+def test_a_list_that_is_too_short_still_tells_how_many_there_are(fields):
+    assert find(fields, capacity=3)[1] == find(fields)[1]
+
+
+def test_windows_apart_share_nothing(fields):
+    fields.lower = fields.lower + 100 * np.arange(3)[:, None]
+    assert find(fields)[1] == 0
+
+
+@pytest.mark.parametrize("cut_off", [np.inf, 0.1])
+@pytest.mark.parametrize("kind", ["averaged", "master", "specified"])
+def test_normals_agree_with_numpy(fields, kind, cut_off):
+    f = fields
+    c, count = find(f)
+    n = slice(count)
+    first, second = (
+        (np.ones(3), np.ones(3)) if kind == "averaged" else (np.array([1.0, 0, 1]), np.array([0.0, 1, 0]))
+    )
+    given = np.eye(f.dim)[0]
+    gradient = f.rng.normal(size=f.momentum.shape)
+    mean = 0.1 * f.rng.normal(size=f.momentum.shape)
+    none = np.zeros((0, f.dim))
+    fed = (none if kind == "specified" else gradient, none if cut_off == np.inf else mean)
+    shared.pair_normals(
+        count, c.pair, c.node_a, c.node_b, first, second, given, *fed, cut_off, c.normal, f.spacing
+    )
+    pair, i, j = c.pair[n], c.node_a[n], c.node_b[n]
+    expected = first[pair, None] * gradient[i] - second[pair, None] * gradient[j]
+    expected = np.tile(given, (count, 1)) if kind == "specified" else expected
+    expected = expected / np.linalg.norm(expected, axis=1, keepdims=True)
+    if cut_off < np.inf:
+        far = ((mean[j] - mean[i]) * expected).sum(axis=1) >= cut_off
+        assert far.any()
+        assert not far.all()
+        expected[far] = 0.0
+    np.testing.assert_allclose(c.normal[n], expected, atol=1e-14)
+
+
+def correct(f, c, count, friction):
+    """Run the kernel; records of the pairs."""
+    records = SimpleNamespace(impulse=np.zeros((3, f.dim)), work=np.zeros(3), count=np.zeros(3))
+    shared.correct_momentum(
+        count,
+        c.pair,
+        c.node_a,
+        c.node_b,
+        c.normal,
+        c.impulse,
+        friction,
+        f.mass,
+        f.momentum,
+        np.zeros(len(f.mass)),
+        records.impulse,
+        records.work,
+        records.count,
+        f.spacing,
+    )
+    return records
+
+
+def correction_twin(f, c, count, friction):
+    """Momentum afterwards and the pairs' impulses and frictional work, node by node."""
+    momentum, impulse, work = f.momentum.copy(), np.zeros((3, f.dim)), np.zeros(3)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        velocity = f.momentum / f.mass[:, None]
+    contacts = [(p, i, j, n) for p, i, j, n in zip(c.pair, c.node_a, c.node_b, c.normal, strict=True)][:count]
+    touching = [(p, i, j, n) for p, i, j, n in contacts if (velocity[i] - velocity[j]) @ n > 0.0]
+    sharers = np.zeros(len(f.mass))
+    for _, i, j, _ in touching:
+        sharers[[i, j]] += 1.0
+    for p, i, j, n in touching:
+        reduced = 1.0 / (sharers[i] / f.mass[i] + sharers[j] / f.mass[j])
+        relative = velocity[i] - velocity[j]
+        slip = relative - relative @ n * n
+        normal, tangential = reduced * relative @ n, reduced * np.linalg.norm(slip)
+        held = min(friction[p] * normal, tangential)
+        change = -normal * n - held * slip / np.linalg.norm(slip)
+        momentum[i] += change
+        momentum[j] -= change
+        impulse[p] += change
+        work[p] += held * np.linalg.norm(slip) - 0.5 * held**2 / reduced
+    return momentum, impulse, work, [sum(q == p for q, *_ in touching) for p in range(3)]
+
+
+def test_correction_agrees_with_numpy_and_keeps_momentum(fields):
+    f = fields
+    c, count = find(f)
+    c.normal[:] = f.rng.normal(size=c.normal.shape)
+    c.normal[:] /= np.linalg.norm(c.normal, axis=1, keepdims=True)
+    friction = np.array([0.0, 0.3, 2.0])
+    before = f.momentum.copy()
+    momentum, impulse, work, touching = correction_twin(f, c, count, friction)
+    records = correct(f, c, count, friction)
+    np.testing.assert_allclose(f.momentum, momentum, rtol=1e-12, atol=1e-13)
+    np.testing.assert_allclose(records.impulse, impulse, rtol=1e-12, atol=1e-13)
+    np.testing.assert_allclose(records.work, work, rtol=1e-12, atol=1e-13)
+    np.testing.assert_array_equal(records.count, touching)
+    np.testing.assert_allclose(f.momentum.sum(axis=0), before.sum(axis=0), atol=1e-11)
+    assert (records.work >= 0.0).all()
+
+
+def test_projections_agree_with_numpy():
+    rng = np.random.default_rng(9)
+    row, nodes = 5 * np.arange(12), rng.integers(0, 20, 55).astype(np.int32)
+    weight, gradient = rng.random(55), rng.normal(size=(55, 2))
+    mass, volume, position = rng.random(11), rng.random(11), rng.normal(size=(11, 2))
+    of = np.repeat(np.arange(11), 5)
+    out, mean, expected, node_mass = np.ones((20, 2)), np.ones((20, 2)), np.zeros((20, 2)), np.zeros(20)
+    shared.project_volume_gradient(row, nodes, gradient, volume, out, (0.5, 0.5))
+    np.add.at(expected, nodes, volume[of, None] * gradient)
+    np.testing.assert_allclose(out, expected, atol=1e-13)
+    np.add.at(node_mass, nodes, mass[of] * weight)
+    moments = np.zeros((20, 2))
+    np.add.at(moments, nodes, (mass[of] * weight)[:, None] * position[of])
+    shared.project_position(row, nodes, weight, mass, position, node_mass, mean, (0.5, 0.5))
+    full = node_mass > 0.0
+    np.testing.assert_allclose(mean[full], moments[full] / node_mass[full, None], rtol=1e-12)
