@@ -38,7 +38,10 @@ ARRAYS = {
 AFFINE = {"particles/affine", "layout/half_edges"}
 SURFACE = {
     f"surface/{n}"
-    for n in ("position", "displacement", "tributary", "next", "previous", "body", "first", "body_first")
+    for n in (
+        *("position", "displacement", "tributary", "next", "previous", "body", "first", "body_first"),
+        "cell_mass",
+    )
 }
 RECORDS = {"impulse", "frictional_work", "damping_work", "energy", "count"}
 CLASSICAL = {f"bardenhagen/{name}" for name in RECORDS | {"volume_gradient", "sharers"}}

@@ -105,6 +105,7 @@ class Penalty(ContactStrategy):
         self.first = np.array([pair.first for pair in pairs], dtype=np.int64)
         self.second = np.array([pair.second for pair in pairs], dtype=np.int64)
         self.friction = np.array([pair.friction for pair in pairs])
+        self.stiffest = max(1.0, self.options.tangential_ratio) if self.friction.any() else 1.0
         self.pair_of = np.full((n, n), -1, dtype=np.int64)
         self.is_slave = np.zeros((n, n), dtype=np.int64)
         self.modulus = np.zeros((n, n))
@@ -225,8 +226,7 @@ class Penalty(ContactStrategy):
         if len(self.node_stiffness) != len(grid.mass):
             self.node_stiffness = np.zeros(len(grid.mass))
             self.state.arrays[f"{self.name}/node_stiffness"] = self.node_stiffness
-        stiffest = max(1.0, self.options.tangential_ratio) if self.friction.any() else 1.0
-        self.omega_squared = stiffest * contact_frequency(
+        self.omega_squared = self.stiffest * contact_frequency(
             c.slots,
             c.segment,
             c.coordinate,

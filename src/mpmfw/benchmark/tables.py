@@ -17,10 +17,15 @@ def table(rows: Sequence[Mapping[str, Any]], title: str = "ns per material point
     keys = list(dict.fromkeys(key for row in rows for key in row))
     for key in keys:
         numeric = any(isinstance(row.get(key), int | float) for row in rows)
-        made.add_column(key.removeprefix("ns_").replace("_", " "), justify="right" if numeric else "left")
+        made.add_column(_heading(key), justify="right" if numeric else "left", no_wrap=True)
     for row in rows:
         made.add_row(*[_formatted(key, row.get(key)) for key in keys])
     return made
+
+
+def _heading(key: str) -> str:
+    """Column heading; the stage that fills the table of the shape function is no second column called shape."""
+    return "fill" if key == "ns_shape" else key.removeprefix("ns_").replace("_", " ")
 
 
 def _formatted(key: str, value: Any) -> str:

@@ -49,13 +49,18 @@ def benchmark(
         raise SceneError(f"--counts {counts}: expected whole numbers between commas") from None
     console = Console(width=max(Console().width, WIDTH))
     rows = measure_kernels(chosen, points, repeats, dim=dim)
-    console.print(table(rows, f"{dim}D block without contact: ns per material point and step"))
+    blocks = [_without(row, ("dim",)) for row in rows]
+    console.print(table(blocks, f"{dim}D block without contact: ns per material point and step"))
     names = [name for name in scenes.split(",") if name]
     if names:
         measured = [measure_scene(name, repeats, start=IN_CONTACT.get(name, 0)) for name in names]
         console.print(
             table([_with_ratio(row, rows) for row in measured], "Scenes: ns per material point and step")
         )
+
+
+def _without(row: Mapping[str, Any], keys: tuple[str, ...]) -> dict[str, Any]:
+    return {key: value for key, value in row.items() if key not in keys}
 
 
 def _with_ratio(row: dict[str, Any], plain: list[dict[str, Any]]) -> Mapping[str, Any]:

@@ -29,9 +29,12 @@ def circle_nodes(centre: tuple[float, float], radius: float, n: int) -> FloatArr
     return nodes
 
 
-def circle_outline(centre: tuple[float, float], radius: float, segment: float) -> FloatArray:
-    """Nodes (n, 2) [m] on the true circle with n = max(4, ceil(2 π radius/segment)) equal segments."""
-    return circle_nodes(centre, radius, max(4, number_of_segments(2 * np.pi * radius, segment)))
+def circle_outline(
+    centre: tuple[float, float], radius: float, segment: float, *, even: bool = False
+) -> FloatArray:
+    """Nodes (n, 2) [m] on the true circle with n = max(4, ceil(2 π radius/segment)) equal segments, or the next even n."""
+    n = max(4, number_of_segments(2 * np.pi * radius, segment))
+    return circle_nodes(centre, radius, n + n % 2 if even else n)
 
 
 def equal_area_factor(n: int) -> float:

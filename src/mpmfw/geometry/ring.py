@@ -53,9 +53,15 @@ class Ring(PlaneGeometry):
         return shapely.Polygon(outer, [inner])
 
     def outlines(self, segment: float) -> tuple[FloatArray, ...]:
-        """The outer circle counter-clockwise and the inner one clockwise, first nodes at angle 0."""
-        inner = circle_outline(self.centre, self.inner_radius, segment)
-        return circle_outline(self.centre, self.outer_radius, segment), np.roll(inner[::-1], 1, axis=0)
+        """The outer circle counter-clockwise and the inner one clockwise, first nodes at angle 0.
+
+        Their numbers of nodes are even: two rings that meet are mirror images of each other.
+        """
+        outer, inner = (
+            circle_outline(self.centre, radius, segment, even=True)
+            for radius in (self.outer_radius, self.inner_radius)
+        )
+        return outer, np.roll(inner[::-1], 1, axis=0)
 
     def fitted(self, size: float) -> Layout:
         """A polar grid: ceil((R_o - R_i)/size) by round(2 π R_mean/size) quadrilaterals.

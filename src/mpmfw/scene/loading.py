@@ -15,6 +15,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from mpmfw.errors import SceneError
+from mpmfw.scene.cells import with_lengths
 from mpmfw.scene.checks import check
 from mpmfw.scene.complaint import problems_of
 from mpmfw.scene.locator import Locator
@@ -73,7 +74,7 @@ def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
     problems += chosen.problems
     scene: Scene | None = None
     try:
-        core = _with_resolved_paths(chosen.core, source.directory)
+        core = with_lengths(_with_resolved_paths(chosen.core, source.directory))
         scene = Scene.model_validate(core)
         problems += check(scene, chosen.plugins)
     except ValidationError as error:
