@@ -91,10 +91,16 @@ class ContactStrategy(PlugIn):
     needs_surface: ClassVar[bool] = False
     #: How surface nodes are mapped to the grid: ``auto`` follows the shape function.
     surface_map: Literal["auto", "plain", "mass_weighted"] = "auto"
+    #: Whether the strategy adds inertia of its own to the nodes, which a body's rotational inertia would have to know.
+    adds_mass: bool = False
     #: Whether the strategy uses the pairs' friction.
     uses_friction: ClassVar[bool] = False
     #: Dimensions that the strategy works in.
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
+
+    def parts(self) -> list[Any]:
+        """Plug-ins that the strategy's options call for beside it, registered with it."""
+        return []
 
     def restart(self) -> None:
         """Time zero, after settling: forget accumulated work and impulse, keep the state of contact."""

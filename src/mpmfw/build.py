@@ -13,7 +13,7 @@ from mpmfw.errors import SceneError
 from mpmfw.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, FloatArray
 from mpmfw.geometry import Layout, discretise
 from mpmfw.setup import Setup
-from mpmfw.state import Body, Pair, Particles, State
+from mpmfw.state import Body, Pair, Particles, State, Stencil
 from mpmfw.transfer import Transfer, make_transfer
 from mpmfw.windows import make_grid
 
@@ -110,6 +110,7 @@ def make_setup(made: Build) -> Setup:
         massless_boundary=made.shape.massless_boundary,
         scheme=made.scheme,
         transfer=made.transfer.name,
+        flip=made.transfer.flip,
         bulk_frequency=made.bulk_frequency,
         safety=made.scene.time.safety,
         allow_unstable=made.scene.allow_unstable,
@@ -250,9 +251,13 @@ def _particles(
     )
 
 
-def initial_velocity(scene: Scene, state: State) -> None:
-    """Set v = v_0 + ω × (x − c), and the affine field that goes with it, on every body."""
+def initial_velocity(scene: Scene, state: State, phi: Stencil) -> None:
+    """Set v = v_0 + ω × (x − c), and the affine field that goes with it, on every body.
+
+    ``phi`` is the table of the points where they are: a stored moment is B = W D with D = Σ φ q qᵀ of it.
+    """
     p = state.particles
+    spread = _spread(state, phi) if p.moment is not None else None
     for body in state.bodies:
         model, own = scene.bodies[body.name], body.particles
         if model.velocity is not None:
@@ -263,9 +268,18 @@ def initial_velocity(scene: Scene, state: State) -> None:
             p.velocity[own] += (p.position[own] - centre) @ spin.T
             if p.affine is not None:
                 p.affine[own] = spin
-            if p.moment is not None:
-                # B = C D with D of the first stencil; until that is known, D of a point in mid-cell
-                p.moment[own] = 0.25 * state.grid.cell_size**2 * spin
+            if p.moment is not None and spread is not None:
+                p.moment[own] = spin @ spread[own]
+
+
+def _spread(state: State, phi: Stencil) -> FloatArray:
+    """D_p = Σ_i φ_ip q qᵀ with q = x_i − x_p, (n, dim, dim) [m²]."""
+    p = state.particles
+    point = np.repeat(np.arange(p.count), np.diff(phi.row))
+    q = state.grid.position[phi.nodes] - p.position[point]
+    spread = np.zeros((p.count, p.dim, p.dim))
+    np.add.at(spread, point, phi.weight[:, None, None] * q[:, :, None] * q[:, None, :])
+    return spread
 
 
 def _spin_matrix(omega: FloatArray, dim: int) -> FloatArray:

@@ -108,6 +108,12 @@ class HookSpecs:
         """
 
     @hookspec
+    def after_second_projection(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
+        """MUSL alone, after the points' new velocity is projected a second time. May change
+        ``grid.momentum``.
+        """
+
+    @hookspec
     def advect(self, grid: Grid, dt: float) -> None:
         """Step 5: whatever else rides on the grid's final velocity ``grid.velocity``, such as surface nodes.
 

@@ -51,7 +51,7 @@ def _contact(made: Build) -> None:
         made.note("contact", False, "one body" if count == 1 else "not named")
         return
     acts = type(made.contact).__name__
-    made.note("contact", True, f"{made.contact.name} ({acts}), {len(made.state.pairs)} pairs")
+    made.note("contact", True, f"{made.contact.name} ({acts}), pairs: {len(made.state.pairs)}")
     per_body = made.contact.velocity_fields == "per_body"
     made.note(
         "velocity field per body",
@@ -63,7 +63,7 @@ def _contact(made: Build) -> None:
         made.note("friction", False, f"contact '{made.contact.name}' does not use it")
     else:
         made.note("friction", bool(frictional), ", ".join(frictional) or "μ = 0 in every pair")
-    made.plugins.append(made.contact)
+    made.plugins += [made.contact, *made.contact.parts()]
 
 
 def _surface(made: Build) -> None:
@@ -95,13 +95,23 @@ def _surface(made: Build) -> None:
 
 
 def _gravity(made: Build) -> None:
-    gravity = made.scene.gravity
-    if not made.note("gravity", gravity is not None, "no [gravity]" if gravity is None else "[gravity]"):
+    gravity, settle = made.scene.gravity, made.scene.settle
+    settling = settle is not None and settle.gravity is not None
+    reason = (
+        "[gravity]"
+        if gravity is not None
+        else "[settle.gravity], while settling"
+        if settling
+        else "no [gravity]"
+    )
+    if not made.note("gravity", gravity is not None or settling, reason):
         return
     from mpmfw.effects.gravity import Gravity
 
-    if gravity is None or gravity.is_constant:
-        times, values = np.zeros(1), np.array([gravity.at(0.0)] if gravity is not None else [])
+    if gravity is None:
+        times, values = np.zeros(1), np.zeros((1, made.scene.dim))
+    elif gravity.is_constant:
+        times, values = np.zeros(1), np.array([gravity.at(0.0)])
     else:
         rows = np.array(gravity.table)
         times, values = rows[:, 0], rows[:, 1:]
@@ -116,10 +126,14 @@ def _sides(made: Build) -> None:
     if made.note("prescribed sides", bool(prescribed), names or "no fixed or moving side"):
         from mpmfw.effects.constraint import Constraint, PrescribedSide
 
+        alone = made.state.grid.n_fields == len(made.state.bodies)
+
         made.plugins.append(
             Constraint(
                 tuple(
-                    PrescribedSide(body, AXIS[side.side], side.side in UPPER, _velocity(side, made.scene.dim))
+                    PrescribedSide(
+                        body, AXIS[side.side], side.side in UPPER, _velocity(side, made.scene.dim), alone
+                    )
                     for body, side in prescribed
                 )
             )
@@ -188,6 +202,8 @@ def _rotation_of(made: Build, body: Body) -> tuple[str, str]:
         return "lumped", "given"
     if shared:
         return "lumped", "shares its velocity field with other bodies"
+    if made.contact is not None and made.contact.adds_mass:
+        return "lumped", f"contact '{made.contact.name}' adds inertia of its own to the nodes"
     if model.rotation == "local":
         return "local", "given"
     if prescribed:

@@ -29,6 +29,7 @@ class Setup:
     bulk_frequency: float  #: largest of 2 c / h over the bodies [1/s]
     safety: float  #: fraction of the stability limit that a step may take
     allow_unstable: bool = False
+    flip: float = 1.0  #: share of FLIP in the transfer
 
     @property
     def bodies(self) -> tuple[Body, ...]:

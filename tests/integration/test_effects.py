@@ -87,7 +87,7 @@ def test_exactly_the_arrays_that_penalty_contact_needs() -> None:
     own = {name for name in arrays if name.startswith("penalty/")}
     assert arrays - own == ARRAYS | AFFINE | SURFACE
     assert own >= {f"penalty/{name}" for name in RECORDS | {"force"}}
-    assert "penalty/interface_mass" not in own  # no interface thickness
+    assert "penalty_layer/interface_mass" not in own  # no interface thickness
 
 
 def test_absent_structures_are_none() -> None:
@@ -118,7 +118,7 @@ HOOKS: dict[str, tuple[dict[str, Any], dict[str, list[str]]]] = {
         HELD,
         {
             "declare_fields": ["body_series", "von_mises"],
-            "setup": ["soft", "shape", "body_series"],
+            "setup": ["soft", "shape", "constraint", "body_series"],
             "add_nodal_force": ["gravity"],
             "constrain_momentum": ["constraint"],
             "diagnostics": ["body_series", "von_mises"],
@@ -129,7 +129,7 @@ HOOKS: dict[str, tuple[dict[str, Any], dict[str, list[str]]]] = {
         {
             "declare_fields": ["penalty", "gap", "body_series", "von_mises"],
             "setup": ["soft", "shape", "penalty", "surface", "rotation", "body_series"],
-            "after_momentum_projection": ["surface", "penalty"],
+            "after_momentum_projection": ["surface"],
             "add_nodal_force": ["penalty"],
             "correct_inertia": ["rotation"],
             "advect": ["surface"],

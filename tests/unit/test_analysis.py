@@ -82,7 +82,9 @@ def test_impulse_is_exact_for_means_over_intervals():
 
 def test_running_average_keeps_a_constant_and_the_impulse():
     time = np.linspace(0.0, 1.0, 101)
-    np.testing.assert_allclose(analysis.running_average(time, np.full(101, 3.0), 0.2), 3.0)
+    mean = analysis.running_average(time, np.full(101, 3.0), 0.2)
+    np.testing.assert_allclose(mean[10:], 3.0)
+    assert mean[0] == pytest.approx(1.5)  # no force before the first output: half the window is empty
     force = np.where((time > 0.4) & (time < 0.6), 1.0, 0.0)
     smooth = analysis.running_average(time, force, 0.1)
     assert np.trapezoid(smooth, time) == pytest.approx(analysis.impulse(time, force)[-1], rel=1e-3)
@@ -130,8 +132,30 @@ def test_shipped_scenes_are_recognised():
 
 
 def test_other_scenes_have_no_reference():
-    rings = shipped_scenes()["colliding-rings"]
+    rings, rolling = (shipped_scenes()[name] for name in ("colliding-rings", "rolling-cylinder-slip"))
     assert reference_of({"scene": rings.replace("121.7 MPa", "100 MPa")}) is None
+    for old, new in [
+        ("[-30, 0]", "[30, 0]"),
+        ("[30, 0]", "[-30, 0]"),
+        ("[30, 0]", "[30, 1]"),
+        ("[materials.rubber]", '[materials.rubber]\nenergy = "log"'),
+        ("[bodies.right]", "[bodies.right]\nangular_velocity = 1"),
+        ("[bodies.right]", '[bodies.right]\nsides = [{ side = "right", fixed = true }]'),
+        ("[output]", "[gravity]\nvector = [0, -9.81]\n[output]"),
+    ]:
+        assert old in rings
+        assert reference_of({"scene": rings.replace(old, new)}) is None
+    assert reference_of(
+        {"scene": rings.replace("[materials.rubber]", '[materials.rubber]\nenergy = "split"')}
+    )
+    for old, new in [
+        ("[bodies.cylinder]", "[bodies.cylinder]\nvelocity = [1, 0]"),
+        ("[bodies.cylinder]", "[bodies.cylinder]\nangular_velocity = -1"),
+        ("upper = [20.0, 0.8]", 'upper = [20.0, 0.8], angle = "5 deg"'),
+        ('magnitude = 10\ntilt = "60 deg"', "vector = [8.66, -5]"),
+    ]:
+        assert old in rolling
+        assert reference_of({"scene": rolling.replace(old, new)}) is None
     assert reference_of({"scene": "no scene ["}) is None
     assert reference_of({}) is None
     assert np.isnan(cell_size_of({}))

@@ -24,7 +24,7 @@ def test_the_paper_s_sizes_are_exact() -> None:
 
 @pytest.mark.parametrize("text", ["0.5 cels", "cells", "-1 cells", "0 cells", "1 cell 2"])
 def test_other_texts_are_refused(text: str) -> None:
-    with pytest.raises(SceneError, match="bodies.cylinder.segment"):
+    with pytest.raises(SceneError, match=r"bodies\.cylinder\.segment"):
         load_scene("rolling-cylinder-slip", set={"bodies.cylinder.segment": text})
 
 
@@ -33,6 +33,13 @@ def test_an_override_in_metres_wins() -> None:
     assert scene.bodies["plane"].particles.size == 0.1
 
 
-def test_a_wrong_cell_size_is_what_is_reported() -> None:
-    with pytest.raises(SceneError, match=r"grid\.cell_size"):
-        load_scene("rolling-cylinder-slip", set={"grid.cell_size": "4 kg"})
+@pytest.mark.parametrize("wrong", ["4 kg", 0, -0.4, True, "", [1]])
+def test_a_wrong_cell_size_is_all_that_is_reported(wrong: object) -> None:
+    with pytest.raises(SceneError, match=r"^--set grid\.cell_size: [^\n]*$"):
+        load_scene("rolling-cylinder-slip", set={"grid.cell_size": wrong})
+
+
+@pytest.mark.parametrize("key", ["bodies.plane.segment", "bodies.plane.particles.size"])
+def test_what_is_expected_mentions_cells(key: str) -> None:
+    with pytest.raises(SceneError, match=r"'2 mm' or '0\.5 cells'"):
+        load_scene("rolling-cylinder-slip", set={key: "3 kg"})

@@ -13,7 +13,7 @@ from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.fields import CONTACT_SERIES, MIN_GAP, SERIES_FIELDS, SURFACE_FIELDS
 from mpmfw.joining import loops, union_of_times
 from mpmfw.plots import figures_of, plot_file, plot_files, positions
-from mpmfw.references import rings_table
+from mpmfw.references import described, rings_table
 from mpmfw.report import table, write_report
 from mpmfw.results import Frame, RunHeader, RunWriter
 from mpmfw.results import open as open_results
@@ -22,6 +22,12 @@ from mpmfw.scene.loading import shipped_scenes
 SERIES = {field.name: field for field in (*SERIES_FIELDS, *CONTACT_SERIES, MIN_GAP)}
 ERRORS = {"penalty": 0.01, "bardenhagen": -0.08, "none": 0.0}
 ACCELERATION, SPIN = 10.0 * (np.sin(np.pi / 3) - 0.286 * 0.5), -2.0 * 0.286 * 10.0 * 0.5 / 1.6
+
+
+def acceleration(friction):
+    """Of the rigid cylinder on the plane of 60 degrees under 10 m/s²."""
+    slips = np.tan(np.pi / 3) > 3.0 * friction
+    return 10.0 * (np.sin(np.pi / 3) - friction * 0.5) if slips else 20.0 * np.sin(np.pi / 3) / 3.0
 
 
 class Cylinder:
@@ -56,6 +62,7 @@ class Cylinder:
                 "contact": name,
             },
         )
+        rate = acceleration(set.get("contact.pairs[0].friction", 0.286))
         circle = 1.6 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
         plane = np.array([[0.0, 0.0], [20.0, 0.0], [20.0, 0.8], [0.0, 0.8]])
         with RunWriter(None, header) as writer:
@@ -65,10 +72,10 @@ class Cylinder:
                     error = SimulationError("a point left the grid", time=time)
                     error.results = writer.results()
                     raise error
-                d = 0.5 * ACCELERATION * time**2 * (1.0 + ERRORS[name])
+                d = 0.5 * rate * time**2 * (1.0 + ERRORS[name])
                 series = {
                     "centre_of_mass": [[4.0 + d, 2.4], [10.0, 0.4]],
-                    "mean_velocity": [[ACCELERATION * time * (1.0 + ERRORS[name]), 0.0], [0.0, 0.0]],
+                    "mean_velocity": [[rate * time * (1.0 + ERRORS[name]), 0.0], [0.0, 0.0]],
                     "angular_velocity": [[SPIN * time * 0.9], [0.0]],
                     "min_gap": [0.2],
                 }
@@ -156,6 +163,61 @@ def test_varied_keys_become_dimensions_and_particles_stay_out():
     )
     assert data["centre_of_mass"].dims[:3] == ("contact", "shape", "cell_size")
     assert runner.calls[1][2] == {"output.particles": False, "time.end": 1.0, "grid.cell_size": 0.2}
+
+
+def test_every_row_is_judged_by_its_own_closed_form(tmp_path, capsys):
+    key = "contact.pairs[0].friction"
+    data = compare("any", ["penalty"], ["cpdi"], {key: [0.0, 0.286, 0.1]}, runner=Cylinder())
+    data.to_netcdf(tmp_path / "c.nc")
+    data = open_results(tmp_path / "c.nc").to_dataset()
+    assert data.attrs["varied"] == '{"friction": "contact.pairs[0].friction"}'
+    for row in table(data):
+        assert row["displacement_error"] == pytest.approx(1.0)
+    assert described(data).startswith("each row against its own closed form")
+    print_comparison(data)
+    assert "its own closed form" in capsys.readouterr().out
+    for figure, caption in figures_of(data).values():
+        said = "friction = 0.1 (last of 0.0, 0.286, 0.1)"
+        assert said in caption
+        assert said in figure.get_suptitle().replace("\n", " ")
+    same = compare("any", ["penalty"], ["cpdi"], {"grid.cell_size": [0.4, 0.2]}, runner=Cylinder())
+    assert described(same).startswith("a rigid cylinder that slips")
+    assert [row["gap"] for row in table(same)] == pytest.approx([0.5, 1.0])
+
+
+def test_values_that_are_arrays_are_labelled_by_their_text(tmp_path):
+    runner, key = Cylinder(), "bodies.cylinder.velocity"
+    data = compare(
+        "any", ["none"], ["cpdi"], {key: [[1, 0], (0, 0)]}, runner=runner, output=tmp_path / "c.nc"
+    )
+    assert data["velocity"].values.tolist() == ["[1, 0]", "[0, 0]"]
+    assert [call[2][key] for call in runner.calls] == [[1, 0], (0, 0)]
+    first, second = table(open_results(tmp_path / "c.nc").to_dataset())
+    assert "displacement_error" not in first  # no closed form for a cylinder that is thrown
+    assert "displacement_error" in second
+    mixed = compare("any", ["none"], ["cpdi"], {"time.x": [0.5, "2 mm", True]}, runner=Cylinder())
+    assert mixed["x"].values.tolist() == ["0.5", "2 mm", "true"]
+
+
+@pytest.mark.parametrize(
+    ("contact", "varied", "shared", "message"),
+    [
+        (["none"], {}, {"contact.method": "penalty"}, r"set contact\.method: .* chosen by contact=\[…\]"),
+        (["none"], {"shape.method": ["cpdi"]}, {}, r"vary shape\.method: .* chosen by shape="),
+        (["none"], {"time.end": [1, 2]}, {"time.end": 1}, r"set time\.end: vary time\.end takes its place"),
+        (["none"], {"time.end": [1, 1.0]}, {}, r"vary time\.end: 1\.0 is given twice"),
+        (["none"], {"time.end": "12"}, {}, "expected a list of values"),
+        (["none"], {"time..end": [1]}, {}, "is not a key"),
+        (["none", "none"], {}, {}, "contact: none is given twice"),
+        (["none", "separate"], {}, {"contact.penalty.kappa": 2}, "'penalty' does not run here; what runs is none, s"),
+        (["none"], {"contact.penalty.kappa": [1, 2]}, {}, r"vary contact\.penalty\.kappa: has no effect"),
+    ],
+)  # fmt: skip
+def test_requests_that_contradict_themselves_are_refused(contact, varied, shared, message):
+    runner = Cylinder()
+    with pytest.raises(SceneError, match=message):
+        compare("any", contact, ["cpdi"], varied, set=shared, runner=runner)
+    assert runner.calls == []
 
 
 def test_saved_and_opened(tmp_path):
@@ -250,6 +312,10 @@ def test_rings_measures_vanish_for_the_reference_itself(tmp_path):
     assert row["force_error_100us"] == pytest.approx(0.0, abs=1e-6)
     assert row["separation"] == pytest.approx(2.971, abs=0.01)
     assert set(figures_of(data)) == {"force"}
+    (short,) = table(data.isel(time=data["time"] < 3.1e-3))
+    for name in ("impulse_curve_error", "energy_curve_error", "force_error_100us", "force_error_200us"):
+        assert np.isnan(short[name])  # stopped before the end of what is compared
+    assert short["impulse_error"] == pytest.approx(0.0, abs=1e-3)
     data.to_netcdf(tmp_path / "rings.nc")
     (written,) = plot_file(tmp_path / "rings.nc")
     assert written == tmp_path / "rings.png"

@@ -8,8 +8,9 @@ import shapely
 
 from contact_kernels import Law, find, flat, forces, join, pair_table, star
 from mpmfw.kernels.polyline import bounding_boxes, minimum_gap
+from mpmfw_contact.penalty.layer import gather_layer, project_layer
 from mpmfw_contact.penalty.search import boxes_touch
-from mpmfw_contact.penalty.stability import add_interface_mass, contact_frequency, map_to_grid, velocity_at
+from mpmfw_contact.penalty.stability import contact_frequency, map_to_grid
 
 H = 0.25
 
@@ -176,14 +177,20 @@ def test_map_interface_mass_and_velocity_are_the_table_and_its_transpose():
     matrix = dense(*t, 30)
     force, velocity, mass = rng.normal(size=(17, 2)), rng.normal(size=(17, 2)), rng.random(17)
     force[4] = 0.0
-    mapped, node_mass, momentum, gathered = np.ones((30, 2)), np.ones(30), np.ones((30, 2)), np.empty((17, 2))
+    mapped, node_mass, momentum = np.ones((30, 2)), np.ones(30), np.ones((30, 2))
     map_to_grid(*t, force, mapped)
-    add_interface_mass(*t, mass, velocity, node_mass, momentum)
-    velocity_at(*t, mapped, gathered)
+    project_layer(*t, mass, velocity, node_mass, momentum)
+    again = np.zeros((30, 2))
+    project_layer(*t, mass, velocity, node_mass[:0], again)  # momentum alone
+    start = rng.normal(size=(30, 2))
+    gathered = velocity.copy()
+    gather_layer(*t, mapped, start, gathered, 0.75)
     np.testing.assert_allclose(mapped, 1.0 + matrix.T @ force, rtol=1e-13)
     np.testing.assert_allclose(node_mass, 1.0 + matrix.T @ mass, rtol=1e-13)
     np.testing.assert_allclose(momentum, 1.0 + matrix.T @ (mass[:, None] * velocity), rtol=1e-12)
-    np.testing.assert_allclose(gathered, matrix @ mapped, rtol=1e-12)
+    np.testing.assert_allclose(again, matrix.T @ (mass[:, None] * velocity), rtol=1e-12)
+    flip, pic = velocity + matrix @ (mapped - start), matrix @ mapped
+    np.testing.assert_allclose(gathered, 0.75 * flip + 0.25 * pic, rtol=1e-12)
 
 
 @pytest.mark.parametrize("name", ["stars 0.93", "disc on flat 0.0", "three stars"])

@@ -69,4 +69,9 @@ class PenaltyOptions(BaseModel):
     def _options_have_an_effect(self) -> PenaltyOptions:
         if self.master is not None and self.passes != "one":
             raise ValueError('\'master\' has no effect with passes = "two"; expected passes = "one"')
+        if self.detection == "hamad2017" and self.friction_law != "hamad2017":
+            raise ValueError(
+                'detection = "hamad2017" may give a node several segments, and return_map keeps one force a body; '
+                'expected friction_law = "hamad2017"'
+            )
         return self

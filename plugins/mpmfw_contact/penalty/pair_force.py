@@ -108,7 +108,7 @@ def contact_forces(
             k = stiffness[s, j]
             f_n = -k * g
             if damping[s, j] > 0.0:
-                dashpot = min(max(-damping[s, j] * approach, -f_n), 2.0 * k * abs(approach))
+                dashpot = max(-min(damping[s, j], 2.0 * k) * approach, -f_n)
                 f_n += dashpot
                 damping_work[pair] += max(-dashpot * approach, 0.0)
             f_t = 0.0

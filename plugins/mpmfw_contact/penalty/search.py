@@ -123,7 +123,11 @@ def keep_nearest(
     s: int, m: int, other: int, gap: Float, xi: Float, e_x: Float, e_y: Float,
     master: Ints, segment: Ints, coordinate: Floats, gaps: Floats, normal: Floats,
 ) -> None:  # fmt: skip
-    """Keep the closest segment of each other body; of equally close ones that with the lower index."""
+    """Keep the closest segment of each other body; of equally close ones that with the lower index.
+
+    Where more bodies are near than there are slots, the farthest gives way, so that the order of search does not matter.
+    """
+    farthest = 0
     for j in range(master.shape[1]):
         free = segment[s, j] < 0
         if free or master[s, j] == other:
@@ -132,6 +136,14 @@ def keep_nearest(
                 master[s, j], segment[s, j], coordinate[s, j], gaps[s, j] = other, m, xi, gap
                 normal[s, j, 0], normal[s, j, 1] = e_x, e_y
             return
+        worse = abs(gaps[s, j]) > abs(gaps[s, farthest])
+        tie = abs(gaps[s, j]) == abs(gaps[s, farthest]) and master[s, j] > master[s, farthest]
+        if worse or tie:
+            farthest = j
+    j = farthest
+    if abs(gap) < abs(gaps[s, j]) or (abs(gap) == abs(gaps[s, j]) and other < master[s, j]):
+        master[s, j], segment[s, j], coordinate[s, j], gaps[s, j] = other, m, xi, gap
+        normal[s, j, 0], normal[s, j, 1] = e_x, e_y
 
 
 #: The nine cells round a cell, the own one first.

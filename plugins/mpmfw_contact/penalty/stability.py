@@ -78,32 +78,3 @@ def map_to_grid(row: Ints, nodes: Indices, weight: Floats, force: Floats, node_f
             for k in range(row[s], row[s + 1]):
                 for d in range(2):
                     node_force[nodes[k], d] += weight[k] * force[s, d]
-
-
-@kernel
-def add_interface_mass(
-    row: Ints,
-    nodes: Indices,
-    weight: Floats,
-    mass: Floats,
-    velocity: Floats,
-    node_mass: Floats,
-    node_momentum: Floats,
-) -> None:
-    """m_i += Σ N_i m_s and (m v)_i += Σ N_i m_s v_s: the surface layer's inertia ([H17] section 3.1)."""
-    for s in range(len(mass)):
-        for k in range(row[s], row[s + 1]):
-            node_mass[nodes[k]] += weight[k] * mass[s]
-            for d in range(2):
-                node_momentum[nodes[k], d] += weight[k] * mass[s] * velocity[s, d]
-
-
-@kernel
-def velocity_at(row: Ints, nodes: Indices, weight: Floats, node_velocity: Floats, velocity: Floats) -> None:
-    """v_s = Σ N_i(x_s) v_i."""
-    for s in range(len(velocity)):
-        for d in range(2):
-            v = 0.0
-            for k in range(row[s], row[s + 1]):
-                v += weight[k] * node_velocity[nodes[k], d]
-            velocity[s, d] = v

@@ -19,18 +19,17 @@ from mpmfw.api import (
     Stencil,
     hookimpl,
 )
-from mpmfw.kernels.nodal import velocity_of_momentum
 from mpmfw.kernels.polyline import bounding_boxes
 from mpmfw_contact.penalty import search
 from mpmfw_contact.penalty.candidates import Candidates, SearchGrid
+from mpmfw_contact.penalty.laws import PairLaws
+from mpmfw_contact.penalty.layer import InterfaceLayer
 from mpmfw_contact.penalty.options import PenaltyOptions
 from mpmfw_contact.penalty.pair_force import contact_forces
 from mpmfw_contact.penalty.stability import (
-    add_interface_mass,
     contact_frequency,
     map_to_grid,
     spring_stiffness,
-    velocity_at,
 )
 from mpmfw_contact.records import PairRecords
 
@@ -61,6 +60,11 @@ class Penalty(ContactStrategy):
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
         self.surface_map = self.options.map
+        self.adds_mass = self.options.interface_thickness > 0.0
+
+    def parts(self) -> list[Any]:
+        """The surface layer's inertia, where it has a thickness."""
+        return [InterfaceLayer(self.options.interface_thickness)] if self.adds_mass else []
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
@@ -72,7 +76,7 @@ class Penalty(ContactStrategy):
         """Laws of the pairs as arrays."""
         if setup.state.surface is None:
             raise SceneError("contact 'penalty' needs bodies with outlines")
-        self._check_options(setup)
+        self.laws = PairLaws.of(setup, self.options)
         self.state, self.surface = setup.state, setup.state.surface
         self.records = PairRecords(setup, self.name)
         literal = self.options.detection == "hamad2017"
@@ -80,83 +84,28 @@ class Penalty(ContactStrategy):
         self.candidates = Candidates.allocate(setup, self.name, slots)
         self.force: FloatArray = setup.allocate(self.name, FORCE)
         self.grid = SearchGrid.allocate(setup, self.name)
-        self._pair_laws(setup)
-        self._interface(setup)
+        share = 0.5 if self.options.passes == "two" else 1.0
+        # k = κ M l_trib / h of every surface node, up to M, which depends on the body that it meets.
+        self.node_factor = share * self.options.kappa * self.surface.tributary / setup.cell_size
+        self.stiffest = max(1.0, self.options.tangential_ratio) if self.laws.friction.any() else 1.0
         self.radius = self.options.search_radius * setup.cell_size
-        self.safety, self.bulk_frequency = setup.safety, setup.bulk_frequency
+        self.bulk_frequency = setup.bulk_frequency
         self.node_stiffness = np.zeros(0)
         self.omega_squared = 0.0
         self.count = 0
         self.searched = False
         self.rows = np.zeros((3, 3, 2))
 
-    def _check_options(self, setup: Setup) -> None:
-        given = self.options.model_fields_set
-        if "tangential_ratio" in given and all(pair.friction == 0.0 for pair in setup.pairs):
-            raise SceneError("contact.penalty.tangential_ratio has no effect: every pair has friction = 0")
-        master = self.options.master
-        if master is not None and master not in [body.name for body in setup.bodies]:
-            names = ", ".join(body.name for body in setup.bodies)
-            raise SceneError(f"contact.penalty.master: no body '{master}'; expected one of {names}")
-
-    def _pair_laws(self, setup: Setup) -> None:
-        bodies, pairs = setup.bodies, setup.pairs
-        n = len(bodies)
-        self.first = np.array([pair.first for pair in pairs], dtype=np.int64)
-        self.second = np.array([pair.second for pair in pairs], dtype=np.int64)
-        self.friction = np.array([pair.friction for pair in pairs])
-        self.stiffest = max(1.0, self.options.tangential_ratio) if self.friction.any() else 1.0
-        self.pair_of = np.full((n, n), -1, dtype=np.int64)
-        self.is_slave = np.zeros((n, n), dtype=np.int64)
-        self.modulus = np.zeros((n, n))
-        for pair in pairs:
-            a, b = bodies[pair.first], bodies[pair.second]
-            for i, j in ((a.index, b.index), (b.index, a.index)):
-                self.pair_of[i, j] = pair.index
-                self.modulus[i, j] = min(a.p_wave_modulus, b.p_wave_modulus)
-                self.is_slave[i, j] = 1
-            if self.options.passes == "one":
-                master = a if a.p_wave_modulus >= b.p_wave_modulus else b
-                if self.options.master in (a.name, b.name):
-                    master = a if self.options.master == a.name else b
-                slave = b if master is a else a
-                self.is_slave[master.index, slave.index] = 0
-        share = 0.5 if self.options.passes == "two" else 1.0
-        # k = κ M l_trib / h of every surface node, up to M, which depends on the body that it meets.
-        self.node_factor = share * self.options.kappa * self.surface.tributary / setup.cell_size
-
-    def _interface(self, setup: Setup) -> None:
-        thickness = self.options.interface_thickness
-        if thickness > 0.0:
-            density = np.array([body.density for body in setup.bodies])
-            declaration = Field(
-                "interface_mass", ("surface_node",), "kg m-1", "mass of the surface layer", "surface"
-            )
-            self.mass: FloatArray | None = setup.allocate(self.name, declaration)
-            self.mass[:] = thickness * density[self.surface.body] * self.surface.tributary
-            self.layer_velocity: FloatArray = np.zeros_like(self.surface.position)
-        else:
-            self.mass = None
-
-    @hookimpl
-    def after_momentum_projection(self, grid: Grid) -> None:
-        """Inertia of the surface layer, where it has a thickness."""
-        phi = self.surface.stencil
-        if self.mass is not None and phi is not None:
-            velocity = self.layer_velocity
-            if self.state.steps == 0:  # time zero: the layer starts with its body
-                velocity_at(phi.row, phi.nodes, phi.weight, grid.start_velocity, velocity)
-            else:
-                velocity[:] = self.surface.displacement / self.state.dt
-            add_interface_mass(phi.row, phi.nodes, phi.weight, self.mass, velocity, grid.mass, grid.momentum)
-            velocity_of_momentum(grid.mass, grid.momentum, grid.start_velocity, grid.spacing)
+    def _table(self) -> Stencil:
+        """N_i(x_s) of this step."""
+        if self.surface.stencil is None:
+            raise RuntimeError("the surface's table was not filled")
+        return self.surface.stencil
 
     @hookimpl
     def add_nodal_force(self, grid: Grid, dt: float) -> None:
         """Search at x_s(tⁿ), form the pair forces, map them (eq. 9, 11)."""
-        phi = self.surface.stencil
-        if phi is None:
-            raise RuntimeError("the surface's table was not filled")
+        phi = self._table()
         self.count = self._search(grid)
         if self.count == 0:
             return
@@ -170,7 +119,9 @@ class Penalty(ContactStrategy):
         boxes = self.grid
         bounding_boxes(surface.body_first, surface.position, boxes.box_lower, boxes.box_upper)
         count = 0
-        if search.boxes_touch(self.first, self.second, boxes.box_lower, boxes.box_upper, self.radius):
+        if search.boxes_touch(
+            self.laws.first, self.laws.second, boxes.box_lower, boxes.box_upper, self.radius
+        ):
             count = self._search_near(grid)
         if count == 0 and self.count > 0:
             found.forget()
@@ -205,7 +156,7 @@ class Penalty(ContactStrategy):
             s.next,
             s.previous,
             s.body,
-            self.is_slave,
+            self.laws.is_slave,
             *where,
             g.shared,
             g.head,
@@ -222,7 +173,9 @@ class Penalty(ContactStrategy):
     def _stiffness(self, grid: Grid, phi: Stencil) -> None:
         """Spring stiffness of every candidate, and the highest frequency that they give the grid."""
         c, s = self.candidates, self.surface
-        spring_stiffness(c.slots, c.segment, c.master, s.body, self.node_factor, self.modulus, c.stiffness)
+        spring_stiffness(
+            c.slots, c.segment, c.master, s.body, self.node_factor, self.laws.modulus, c.stiffness
+        )
         if len(self.node_stiffness) != len(grid.mass):
             self.node_stiffness = np.zeros(len(grid.mass))
             self.state.arrays[f"{self.name}/node_stiffness"] = self.node_stiffness
@@ -258,15 +211,15 @@ class Penalty(ContactStrategy):
             c.tangential,
             c.old_tangential,
             s.body,
-            self.pair_of,
-            self.first,
+            self.laws.pair_of,
+            self.laws.first,
             s.position,
             s.displacement,
             s.next,
             s.previous,
             c.stiffness,
             c.damping,
-            self.friction,
+            self.laws.friction,
             self.options.tangential_ratio,
             self.options.normal_variation == "hamad2017",
             self.options.friction_law == "hamad2017",

@@ -76,6 +76,7 @@ def make_block(shape: str, count: int, dim: int = 2) -> Block:
         massless_boundary=function.massless_boundary,
         scheme="usl",
         transfer="aflip",
+        flip=1.0,
         bulk_frequency=2.0 * body.wave_speed / CELL_SIZE,
         safety=0.5,
     )

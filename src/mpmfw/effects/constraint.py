@@ -10,6 +10,7 @@ from mpmfw.fields import FloatArray
 from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels import kernel
 from mpmfw.kernels.types import Floats
+from mpmfw.setup import Setup
 from mpmfw.state import Body, Grid
 
 
@@ -21,21 +22,27 @@ def prescribe_side(
     sign: float,
     plane: float,
     velocity: Floats,
+    box_lower: Floats,
+    box_upper: Floats,
     node_position: Floats,
     node_mass: Floats,
     node_momentum: Floats,
     spacing: tuple[float, ...],
 ) -> None:
-    """(m v)_i = m_i v on nodes ``start:stop`` that lie on or beyond the plane, sign (x_axis − plane) ≥ −h/2.
+    """(m v)_i = m_i v on nodes ``start:stop`` that lie on or beyond the plane, sign (x_axis − plane) > −h/2.
 
+    Only nodes within ``box_lower … box_upper`` count, so that in a field that bodies share a side holds its own body alone.
     A plane between two nodes is taken to lie on the nearer one: a side that is pulled outwards would lose
     hold of its nodes at once if only those beyond it counted. Components of ``velocity`` that are NaN stay
     free.
     """
     dim = len(spacing)
-    tolerance = 0.5 * spacing[0]
+    tolerance = (0.5 - 1e-6) * spacing[0]  # a plane in mid-cell lies on the outer node, whatever the rounding
     for i in range(start, stop):
-        if sign * (node_position[i, axis] - plane) >= -tolerance:
+        inside = sign * (node_position[i, axis] - plane) >= -tolerance
+        for d in range(dim):
+            inside = inside and box_lower[d] <= node_position[i, d] <= box_upper[d]
+        if inside:
             for d in range(dim):
                 if velocity[d] == velocity[d]:
                     node_momentum[i, d] = node_mass[i] * velocity[d]
@@ -49,6 +56,7 @@ class PrescribedSide:
     axis: int
     upper: bool  #: the side at the upper end of the axis
     velocity: FloatArray  #: (dim,) [m/s]; NaN leaves a component free
+    alone: bool = True  #: whether no other body shares the velocity field
 
     @property
     def sign(self) -> float:
@@ -61,6 +69,12 @@ class PrescribedSide:
         speed = self.velocity[self.axis]
         return float(start + (0.0 if np.isnan(speed) else speed * max(time, 0.0)))
 
+    def box(self, cell_size: float) -> tuple[FloatArray, FloatArray]:
+        """Where its nodes may lie: everywhere in a field of the body's own, else a cell round the body at the start."""
+        lower, upper = np.array(self.body.lower), np.array(self.body.upper)
+        rim = np.inf if self.alone else 1.01 * cell_size
+        return lower - rim, upper + rim
+
 
 class Constraint:
     """Boundary conditions on the grid: the last word on the nodal momentum of a body's own velocity field."""
@@ -69,19 +83,28 @@ class Constraint:
 
     def __init__(self, sides: tuple[PrescribedSide, ...]) -> None:
         self.sides = sides
+        #: While a scene settles, moving sides are held where they are.
+        self.at_rest = False
+
+    @hookimpl
+    def setup(self, setup: Setup) -> None:
+        """Where each side's nodes may lie."""
+        self.boxes = [side.box(setup.cell_size) for side in self.sides]
 
     @hookimpl
     def constrain_momentum(self, grid: Grid, time: float) -> None:
         """Set the momentum of the nodes on and beyond each side."""
-        for side in self.sides:
+        for side, (lower, upper) in zip(self.sides, self.boxes, strict=True):
             nodes = grid.field_nodes(side.body.field)
             prescribe_side(
                 nodes.start,
                 nodes.stop,
                 side.axis,
                 side.sign,
-                side.plane(time),
-                side.velocity,
+                side.plane(0.0 if self.at_rest else time),
+                0.0 * side.velocity if self.at_rest else side.velocity,
+                lower,
+                upper,
                 grid.position,
                 grid.mass,
                 grid.momentum,

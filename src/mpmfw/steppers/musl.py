@@ -16,6 +16,7 @@ from mpmfw.steppers.operations import (
     interpolate,
     project_mass_momentum,
     project_momentum_again,
+    transport_affine,
     update_deformation,
 )
 from mpmfw.transfer import Transfer
@@ -31,9 +32,9 @@ def step(state: State, hook: Any, transfer: Transfer, clock: Clock, dt: float) -
     2. m_i = Σ φ m,  (m v)_i = Σ φ m (v + C (x_i − x_p)), per velocity field
     3. f_i = −Σ V σ·∇φ + f_ext + f_cont                     (eq. 12 of [H17])
     4. (m v)_i += Δt f_i, then velocity-correcting contact, inertia correction, boundary conditions
-    5. v_p, x_p, C_p from the grid; surface nodes move with the same velocity
+    5. v_p, x_p, C_p from the grid; surface nodes and domains move with the same velocity
     6. (m v)_i = Σ φ m v again, boundary conditions; L from it
-    7. F ← (1 + Δt L) F, domains, σ(F)
+    7. F ← (1 + Δt L) F, σ(F)
     """
     p, g = state.particles, state.grid
 
@@ -63,10 +64,12 @@ def step(state: State, hook: Any, transfer: Transfer, clock: Clock, dt: float) -
 
     clock("projection")
     project_momentum_again(p, phi, g, old_position)  # 6
+    hook.after_second_projection(grid=g, phi=phi, particles=p)
     hook.constrain_momentum(grid=g, time=state.time + dt)
     finish_velocity(g)
     clock("gather")
     gather_velocity_gradient(p, phi, g)
+    transport_affine(p, g, transfer, dt)
 
     clock("material")
     update_deformation(state, dt)  # 7

@@ -135,6 +135,10 @@ def gather_velocity_position(p: Particles, phi: Stencil, g: Grid, transfer: Tran
     )
     if kind == "gradient" and p.affine is not None:
         p.affine[...] = p.velocity_gradient
+
+
+def transport_affine(p: Particles, g: Grid, transfer: Transfer, dt: float) -> None:
+    """C ← C (1 + Δt C)⁻¹, for a transfer whose affine field is carried along."""
     if transfer.transported and p.affine is not None:
         from_grid.transport_affine(p.affine, dt, g.spacing)
 

@@ -14,6 +14,7 @@ from mpmfw.steppers.operations import (
     integrate_momentum,
     interpolate,
     project_mass_momentum,
+    transport_affine,
     update_deformation,
 )
 from mpmfw.transfer import Transfer
@@ -51,6 +52,7 @@ def step(state: State, hook: Any, transfer: Transfer, clock: Clock, dt: float) -
 
     clock("gather")
     gather_velocity_position(p, phi, g, transfer, dt)  # 5
+    transport_affine(p, g, transfer, dt)
     hook.advect(grid=g, dt=dt)
 
     clock("material")

@@ -1,0 +1,120 @@
+"""The surface layer's inertia: nodes of the interface carry mass ([H17] section 3.1)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mpmfw.api import Field, FloatArray, Grid, Setup, Stencil, hookimpl
+from mpmfw.kernels import kernel
+from mpmfw.kernels.nodal import velocity_of_momentum
+from mpmfw.kernels.types import Floats, Indices, Ints
+
+MASS = Field("interface_mass", ("surface_node",), "kg m-1", "mass of the surface layer", "surface")
+VELOCITY = Field(
+    "interface_velocity", ("surface_node", "axis"), "m s-1", "velocity of the surface layer", "surface"
+)
+
+
+@kernel
+def project_layer(
+    row: Ints,
+    nodes: Indices,
+    weight: Floats,
+    mass: Floats,
+    velocity: Floats,
+    node_mass: Floats,
+    node_momentum: Floats,
+) -> None:
+    """m_i += Σ N_i m_s and (m v)_i += Σ N_i m_s v_s; a ``node_mass`` of length 0 stays as it is."""
+    for s in range(len(mass)):
+        for k in range(row[s], row[s + 1]):
+            if len(node_mass) > 0:
+                node_mass[nodes[k]] += weight[k] * mass[s]
+            for d in range(2):
+                node_momentum[nodes[k], d] += weight[k] * mass[s] * velocity[s, d]
+
+
+@kernel
+def gather_layer(
+    row: Ints,
+    nodes: Indices,
+    weight: Floats,
+    node_velocity: Floats,
+    node_start_velocity: Floats,
+    velocity: Floats,
+    flip: float,
+) -> None:
+    """v_s ← flip (v_s + Σ N (v_i − v_i⁰)) + (1 − flip) Σ N v_i, as the material points do."""
+    for s in range(len(velocity)):
+        for d in range(2):
+            new, increment = 0.0, 0.0
+            for k in range(row[s], row[s + 1]):
+                v_i = node_velocity[nodes[k], d]
+                new += weight[k] * v_i
+                increment += weight[k] * (v_i - node_start_velocity[nodes[k], d])
+            velocity[s, d] = flip * (velocity[s, d] + increment) + (1.0 - flip) * new
+
+
+class InterfaceLayer:
+    """Mass and velocity of the layer; it takes part in both projections and in the gather.
+
+    A plug-in of its own, registered only where the interface has a thickness.
+
+    Parameters
+    ----------
+    thickness
+        [m]; a surface node has the mass ρ l_trib thickness.
+    """
+
+    name = "penalty_layer"
+    stage = "contact"
+
+    def __init__(self, thickness: float) -> None:
+        self.thickness = thickness
+
+    @hookimpl
+    def declare_fields(self) -> list[Field]:
+        """Mass and velocity of the layer."""
+        return [MASS, VELOCITY]
+
+    @hookimpl
+    def setup(self, setup: Setup) -> None:
+        """Mass of every surface node."""
+        surface = setup.state.surface
+        if surface is None:
+            raise RuntimeError("no surface to carry mass")
+        self.state, self.surface, self.flip = setup.state, surface, setup.flip
+        density = np.array([body.density for body in setup.bodies])
+        self.mass: FloatArray = setup.allocate(self.name, MASS)
+        self.mass[:] = self.thickness * density[surface.body] * surface.tributary
+        self.velocity: FloatArray = setup.allocate(self.name, VELOCITY)
+
+    @hookimpl
+    def after_momentum_projection(self, grid: Grid) -> None:
+        """Add mass and momentum; at time zero the layer starts with its body."""
+        phi = self._table()
+        if self.state.steps == 0:
+            start = grid.start_velocity
+            gather_layer(phi.row, phi.nodes, phi.weight, start, start, self.velocity, 0.0)
+        project_layer(phi.row, phi.nodes, phi.weight, self.mass, self.velocity, grid.mass, grid.momentum)
+        velocity_of_momentum(grid.mass, grid.momentum, grid.start_velocity, grid.spacing)
+
+    @hookimpl
+    def after_second_projection(self, grid: Grid) -> None:
+        """Add the momentum to MUSL's second projection."""
+        phi = self._table()
+        project_layer(phi.row, phi.nodes, phi.weight, self.mass, self.velocity, grid.mass[:0], grid.momentum)
+
+    @hookimpl
+    def advect(self, grid: Grid) -> None:
+        """Take the new velocity from the grid."""
+        phi = self._table()
+        gather_layer(
+            phi.row, phi.nodes, phi.weight, grid.velocity, grid.start_velocity, self.velocity, self.flip
+        )
+
+    def _table(self) -> Stencil:
+        """N_i(x_s) of this step."""
+        if self.surface.stencil is None:
+            raise RuntimeError("the surface's table was not filled")
+        return self.surface.stencil
