@@ -24,7 +24,7 @@ from mpmfw_contact.penalty import search
 from mpmfw_contact.penalty.candidates import Candidates, SearchGrid
 from mpmfw_contact.penalty.laws import PairLaws
 from mpmfw_contact.penalty.layer import InterfaceLayer
-from mpmfw_contact.penalty.options import PenaltyOptions
+from mpmfw_contact.penalty.options import HAMAD_2017, PenaltyOptions
 from mpmfw_contact.penalty.pair_force import contact_forces
 from mpmfw_contact.penalty.stability import (
     contact_frequency,
@@ -61,6 +61,16 @@ class Penalty(ContactStrategy):
         super().__init__(**options)
         self.surface_map = self.options.map
         self.adds_mass = self.options.interface_thickness > 0.0
+
+    @property
+    def label(self) -> str:
+        """Name and options; of a variant, what departs from it."""
+        options = self.options
+        if options.variant == "default":
+            return super().label
+        own = {key: getattr(options, key) for key in sorted(options.model_fields_set - {"variant"})}
+        departs = [f"{key}={value}" for key, value in own.items() if value != HAMAD_2017.get(key)]
+        return f"{self.name}({', '.join([f'variant={options.variant}', *departs])})"
 
     def parts(self) -> list[Any]:
         """The surface layer's inertia, where it has a thickness."""

@@ -1,0 +1,122 @@
+"""Settling: under which loads it happens, and what stays after it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mpmfw.simulation import Simulation
+
+DENSITY, HEIGHT, G = 1000.0, 0.5, 10.0
+
+
+def column(**tables: Any) -> dict[str, Any]:
+    """A column on a fixed bottom, held sideways, of the height 0.5 m."""
+    stiff = {"model": "neo_hookean", "density": DENSITY, "bulk_modulus": 6e6, "shear_modulus": 3e6}
+    sides = [
+        {"side": "bottom", "fixed": True},
+        {"side": "left", "fixed": ["x"]},
+        {"side": "right", "fixed": ["x"]},
+    ]
+    return {
+        "grid": {"cell_size": 0.1, "lower": [-0.3, -0.3], "upper": [0.6, 1.2]},
+        "time": {"end": 0.01, "output_interval": 0.01},
+        "shape": {"method": "cpdi"},
+        "materials": {"stiff": stiff},
+        "bodies": {
+            "column": {
+                "material": "stiff",
+                "geometry": {"type": "rectangle", "lower": [0.0, 0.0], "upper": [0.3, HEIGHT]},
+                "particles": {"size": 0.05},
+                "sides": sides,
+            }
+        },
+        "settle": {},
+        **tables,
+    }
+
+
+def least_stress(scene: dict[str, Any]) -> float:
+    """Mean σ_yy over the points of the lowest row of cells after settling [Pa]."""
+    sim = Simulation(scene)
+    sim.start()
+    lowest = sim.state.particles.position[:, 1] < 0.1
+    return float(sim.state.particles.stress[lowest, 1, 1].mean())
+
+
+#: Weight of what lies above the middle of the lowest row of cells, whose linear functions know one stress.
+EXPECTED = -DENSITY * G * (HEIGHT - 0.05)
+
+
+def test_a_table_of_gravity_settles_under_its_value_at_time_zero() -> None:
+    table = [[0.0, 0.0, -G], [0.02, 0.0, 0.0]]
+    assert least_stress(column(gravity={"table": table})) == pytest.approx(EXPECTED, rel=0.01)
+
+
+def test_gravity_of_settling_alone_acts_while_settling_alone() -> None:
+    scene = column(settle={"gravity": {"vector": [0.0, -G]}})
+    assert least_stress(scene) == pytest.approx(EXPECTED, rel=0.01)
+    sim = Simulation(scene)
+    sim.start()
+    assert (sim.manager.get_plugin("gravity").at(0.0) == 0.0).all()
+
+
+def test_a_moving_side_rests_while_the_scene_settles() -> None:
+    scene = column(gravity={"vector": [0.0, -G]})
+    scene["bodies"]["column"]["sides"][0] = {"side": "bottom", "velocity": [0.0, 1.0]}
+    sim = Simulation(scene)
+    sim.start()
+    assert np.abs(sim.state.particles.position[:, 1].min() - 0.025) < 1e-3
+    sim.run()
+    assert sim.state.particles.position[:, 1].min() == pytest.approx(0.025 + 0.01, abs=2e-3)
+
+
+def test_a_side_holds_its_own_body_alone_in_a_shared_field() -> None:
+    soft = {"model": "neo_hookean", "density": 1000.0, "bulk_modulus": 6e6, "shear_modulus": 3e6}
+    box = {"material": "soft", "particles": {"size": 0.05}}
+    held = {"type": "rectangle", "lower": [0.0, 0.0], "upper": [0.3, 0.3]}
+    free = {"type": "rectangle", "lower": [1.0, 0.0], "upper": [1.3, 0.3]}
+    scene = {
+        "grid": {"cell_size": 0.1, "lower": [-0.5, -0.5], "upper": [2.5, 1.0]},
+        "time": {"end": 0.1, "output_interval": 0.1},
+        "shape": {"method": "cpdi"},
+        "contact": {"method": "none"},
+        "materials": {"soft": soft},
+        "bodies": {
+            "held": {**box, "geometry": held, "sides": [{"side": "right", "fixed": True}]},
+            "free": {**box, "geometry": free, "velocity": [1.0, 0.0]},
+        },
+    }
+    sim = Simulation(scene)
+    sim.run()
+    moved = sim.state.particles.position[sim.state.bodies[1].particles, 0].mean() - 1.15
+    assert moved == pytest.approx(0.1, rel=1e-9)
+
+
+@pytest.mark.parametrize("shape", ["linear", "gimp", "cpdi", "bspline"])
+def test_apic_starts_with_the_spin_that_was_asked_for(shape: str) -> None:
+    soft = {"model": "neo_hookean", "density": 1000.0, "bulk_modulus": 6e6, "shear_modulus": 3e6}
+    disc = {"type": "disc", "centre": [0.02, 0.01], "radius": 0.4}
+    scene = {
+        "grid": {"cell_size": 0.1, "lower": [-1.0, -1.0], "upper": [1.0, 1.0]},
+        "time": {"end": 0.1, "output_interval": 0.1},
+        "stepping": {"transfer": "apic", "scheme": "usl"},
+        "shape": {"method": shape},
+        "materials": {"soft": soft},
+        "bodies": {
+            "disc": {
+                "material": "soft",
+                "geometry": disc,
+                "particles": {"size": 0.04},
+                "angular_velocity": 2.0,
+            }
+        },
+    }
+    sim = Simulation(scene)
+    sim.advance(1)
+    gradient = sim.state.particles.velocity_gradient
+    np.testing.assert_allclose(
+        gradient, np.broadcast_to([[0.0, -2.0], [2.0, 0.0]], gradient.shape), atol=1e-7
+    )

@@ -1,0 +1,37 @@
+"""Where more bodies are near than there are slots, the nearest are kept, whatever the order of search."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+
+from mpmfw.kernels import kernel
+from mpmfw_contact.penalty.search import keep_nearest
+
+
+@kernel
+def offer(order, gaps, master, segment, coordinate, found, normal):
+    """Offer bodies 1, 2, … with the given gaps to node 0, in the given order."""
+    for body in order:
+        keep_nearest(0, body, body, gaps[body], 0.5, 0.0, 1.0, master, segment, coordinate, found, normal)
+
+
+def kept(order, gaps, slots):
+    master, segment = np.full((1, slots), -1), np.full((1, slots), -1)
+    coordinate, found, normal = np.zeros((1, slots)), np.zeros((1, slots)), np.zeros((1, slots, 2))
+    offer(np.array(order), np.array(gaps), master, segment, coordinate, found, normal)
+    return {int(body): float(gap) for body, gap in zip(master[0], found[0], strict=True)}
+
+
+def test_the_nearest_bodies_are_kept_in_any_order():
+    gaps = [np.nan, 0.05, -0.035, 0.02, 0.06, -0.001]
+    expected = {5: -0.001, 3: 0.02, 2: -0.035}
+    for order in itertools.permutations(range(1, 6)):
+        assert kept(order, gaps, 3) == expected
+
+
+def test_of_equally_near_bodies_the_lower_index_is_kept():
+    gaps = [np.nan, 0.02, 0.02, 0.02, -0.02]
+    for order in itertools.permutations(range(1, 5)):
+        assert set(kept(order, gaps, 3)) == {1, 2, 3}
