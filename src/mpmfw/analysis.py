@@ -138,8 +138,12 @@ def impulse(time: FloatArray, force: FloatArray) -> FloatArray:
 
 
 def averaged(time: FloatArray, impulses: FloatArray, window: float) -> FloatArray:
-    """Centred mean of a force over ``window`` [s] from its impulse; the window is cut at the ends."""
-    before = np.maximum(time - 0.5 * window, time[0])
+    """Centred mean of a force over ``window`` [s] from its impulse.
+
+    There is no force before the first output, so that the window is whole there; it is cut at the last one,
+    after which the force is not known.
+    """
+    before = time - 0.5 * window
     after = np.minimum(time + 0.5 * window, time[-1])
     return np.asarray(
         (np.interp(after, time, impulses) - np.interp(before, time, impulses)) / (after - before)

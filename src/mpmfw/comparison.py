@@ -5,8 +5,9 @@ from __future__ import annotations
 import itertools
 import logging
 import os
+import re
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
@@ -16,6 +17,9 @@ import xarray as xr
 from mpmfw.discovery import Kind, available, did_you_mean
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.joining import Outcome, join
+from mpmfw.scene.loading import plain
+from mpmfw.scene.requested import check_methods_run, check_requested
+from mpmfw.scene.toml_text import value_text
 
 _log = logging.getLogger("mpmfw")
 
@@ -44,11 +48,11 @@ def compare(
     scene
         A file, the name of a shipped scene, or a mapping.
     contact, shape
-        Methods: names of plug-ins or configured strategy objects. An object is labelled by its ``label``,
-        else its ``name``; a label that occurs again gets ``#2``, ``#3`` …
+        Methods: names of plug-ins or configured strategy objects, each once. An object is labelled by its
+        ``label``, else its ``name``; a label that occurs again gets ``#2``, ``#3`` …
     vary
         Scene keys and their values, such as ``{"grid.cell_size": [0.4, 0.2]}``; the key's last part names the
-        dimension.
+        dimension. Values that are not all numbers or all texts, such as vectors, are labelled by their text.
     output
         NetCDF file to write. It is brought up to date after every run, so that a comparison that is broken
         off keeps what it has.
@@ -70,19 +74,19 @@ def compare(
     Raises
     ------
     SceneError
-        The request as a whole is wrong: a misspelt plug-in, a scene that no combination can run.
+        The request as a whole is wrong: a misspelt plug-in, a method or value given twice, a key that chooses
+        a method, is both set and varied or belongs to a method that does not run, a scene that no combination
+        can run.
     MpmfwError
         The output cannot be written.
     """
     methods = {"contact": _methods("contact", contact), "shape": _methods("shape", shape)}
     varied = dict(vary or {})
-    if any(len(values) == 0 for values in varied.values()):
-        raise SceneError(
-            f"vary: {next(key for key, values in varied.items() if len(values) == 0)} has no values"
-        )
+    _check(methods, set or {}, varied)
     names = _dimension_names(varied)
     coords = {kind: [method.label for method in chosen] for kind, chosen in methods.items()}
-    coords |= {names[key]: list(values) for key, values in varied.items()}
+    coords |= {names[key]: _value_labels(key, values) for key, values in varied.items()}
+    keys = {names[key]: key for key in varied}
     path = None if output is None else _writable(os.fspath(output))
     run = runner or _run()
     shared = {"output.particles": False, **(set or {})}
@@ -93,13 +97,13 @@ def compare(
         choice = (methods["contact"][index[0]].value, methods["shape"][index[1]].value)
         label = "/".join(str(values[i]) for values, i in zip(coords.values(), index, strict=True))
         with _collected(label) as notes:
-            outcome = _outcome(run, scene, choice, {**shared, **chosen_values}, progress, refusals)
+            outcome = _outcome(run, scene, choice, {**shared, **chosen_values}, progress, refusals, varied)
         outcomes[index] = outcome = replace(outcome, notes=tuple(notes))
         if path is not None and outcome.tree is not None:
-            _save(join(coords, outcomes), path)
+            _save(join(coords, outcomes, keys), path)
     if len(refusals) == len(outcomes):
         raise refusals[0]
-    dataset = join(coords, outcomes)
+    dataset = join(coords, outcomes, keys)
     if path is not None:
         _save(dataset, path)
     return dataset
@@ -112,20 +116,29 @@ def _outcome(
     overrides: Mapping[str, Any],
     progress: Any,
     refusals: list[SceneError],
+    varied: Iterable[str],
 ) -> Outcome:
     """Run one combination and say how it went; only what the user broke off is raised."""
     contact, shape = choice
     try:
         tree = run(scene, contact=contact, shape=shape, output=None, progress=progress, set=overrides)
     except SceneError as error:
-        refusals.append(error)
-        return Outcome(f"refused: {error}")
+        refusals.append(_named(error, varied))
+        return Outcome(f"refused: {refusals[-1]}")
     except SimulationError as error:
         return Outcome(f"failed: {error}", getattr(error, "results", None))
     except Exception as error:  # a stranger's method may raise anything, hours into a comparison
         _log.exception("contact %r with shape %r failed", contact, shape)
         return Outcome(f"failed: {type(error).__name__}: {error}")
     return Outcome(str(tree.attrs.get("status", "ok")), tree)
+
+
+def _named(error: SceneError, varied: Iterable[str]) -> SceneError:
+    """The error with the keys that are varied called so: to a run they are set as others are."""
+    text = str(error)
+    for key in varied:
+        text = re.sub(rf"^--set (?={re.escape(key)}(?::|$))", "--vary ", text, flags=re.MULTILINE)
+    return error if text == str(error) else SceneError(text)
 
 
 @contextmanager
@@ -148,7 +161,11 @@ def _methods(kind: Kind, chosen: Sequence[Any]) -> list[_Method]:
     if isinstance(chosen, str) or len(chosen) == 0:
         raise SceneError(f"{kind}: expected a list of at least one method, got {chosen!r}")
     methods: list[_Method] = []
-    for method in chosen:
+    for k, method in enumerate(chosen):
+        if any(method is other or (isinstance(method, str) and method == other) for other in chosen[:k]):
+            raise SceneError(
+                f"{kind}: {_label(method) if not isinstance(method, str) else method} is given twice"
+            )
         if isinstance(method, str) and method not in available(kind):
             raise SceneError(f"unknown {kind} plug-in '{method}'; {did_you_mean(method, available(kind))}")
         base = method if isinstance(method, str) else _label(method)
@@ -162,6 +179,48 @@ def _methods(kind: Kind, chosen: Sequence[Any]) -> list[_Method]:
 
 def _label(method: Any) -> str:
     return str(getattr(method, "label", None) or getattr(method, "name", None) or type(method).__name__)
+
+
+def _check(
+    methods: Mapping[str, Sequence[_Method]], shared: Mapping[str, Any], varied: Mapping[str, Any]
+) -> None:
+    """Refuse keys that choose methods, have no effect on those that run, or take each other's place."""
+    names = {kind: [_plugin(one.value) for one in chosen] for kind, chosen in methods.items()}
+    check_requested(shared, varied)
+    check_methods_run(shared, names, "set")
+    check_methods_run(varied, names, "vary")
+
+
+def _plugin(method: Any) -> str:
+    return method if isinstance(method, str) else str(getattr(method, "name", type(method).__name__))
+
+
+def _value_labels(key: str, values: Sequence[Any]) -> list[Any]:
+    """The values of a varied key as coordinates; text where they are not of one scalar type.
+
+    Raises
+    ------
+    SceneError
+        There is no value, or one is given twice.
+    """
+    if isinstance(values, str) or not hasattr(values, "__len__"):
+        raise SceneError(f"vary {key}: expected a list of values, got {values!r}")
+    if len(values) == 0:
+        raise SceneError(f"vary: {key} has no values")
+    labels = [plain(value) for value in values]
+    of_one_type = any(
+        all(
+            isinstance(label, kinds) and not (kinds != (bool,) and isinstance(label, bool))
+            for label in labels
+        )
+        for kinds in ((bool,), (int, float), (str,))
+    )
+    if not of_one_type:
+        labels = [label if isinstance(label, str) else value_text(label) for label in labels]
+    for k, label in enumerate(labels):
+        if label in labels[:k]:
+            raise SceneError(f"vary {key}: {label} is given twice")
+    return labels
 
 
 def _dimension_names(varied: Mapping[str, Sequence[Any]]) -> dict[str, str]:

@@ -43,7 +43,11 @@ class Outcome:
     notes: tuple[str, ...] = ()
 
 
-def join(coords: Mapping[str, Sequence[Any]], outcomes: Mapping[tuple[int, ...], Outcome]) -> xr.Dataset:
+def join(
+    coords: Mapping[str, Sequence[Any]],
+    outcomes: Mapping[tuple[int, ...], Outcome],
+    varied: Mapping[str, str] | None = None,
+) -> xr.Dataset:
     """Join the outcomes of a grid of runs.
 
     Parameters
@@ -52,6 +56,8 @@ def join(coords: Mapping[str, Sequence[Any]], outcomes: Mapping[tuple[int, ...],
         Values of the new dimensions, in their order.
     outcomes
         For each index into them how it went; combinations that are not there have the status "not run".
+    varied
+        Full keys of the dimensions that are varied keys of the scene, kept as the attribute ``varied``.
 
     Returns
     -------
@@ -68,6 +74,8 @@ def join(coords: Mapping[str, Sequence[Any]], outcomes: Mapping[tuple[int, ...],
     dataset = dataset.assign(_series(lead, shape, trees))
     dataset = dataset.assign(_costs(lead, shape, trees)).assign(_outlines(lead, shape, trees))
     dataset.attrs = _attributes(coords, trees)
+    if varied:
+        dataset.attrs["varied"] = json.dumps(dict(varied))
     notes = {"/".join(map(str, _choice(coords, index))): outcome.notes for index, outcome in outcomes.items()}
     if any(notes.values()):
         dataset.attrs["notes"] = json.dumps({label: said for label, said in notes.items() if said})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import json
 import tomllib
 from collections.abc import Mapping
@@ -16,6 +17,7 @@ import xarray as xr
 
 from mpmfw.analysis import RollingSolution, rolling_solution
 from mpmfw.fields import FloatArray
+from mpmfw.scene.override import merge, parse_value
 from mpmfw.units import to_si
 
 
@@ -45,6 +47,7 @@ class RingsReference:
 
     first: str  #: the left ring
     second: str  #: the right ring
+    end: float = 3.2e-3  #: until which the motions are compared [s]
 
     def describe(self) -> str:
         """Say in one sentence what the results are compared with."""
@@ -80,8 +83,40 @@ def cell_size_of(attributes: Mapping[str, Any]) -> float:
 
 def cell_size(run: xr.Dataset) -> float:
     """Cell size h of one combination of a comparison [m]: varied, or the scene's; NaN if it is not known."""
-    varied = run.coords["cell_size"].item() if "cell_size" in run.coords else None
-    return cell_size_of(run.attrs) if varied is None else _si(varied, "m")
+    return cell_size_of(own_attributes(run))
+
+
+def own_attributes(run: xr.Dataset) -> dict[str, Any]:
+    """Attributes of one combination of a comparison, its own values of the varied keys set into the scene.
+
+    Parameters
+    ----------
+    run
+        The comparison at one value of each varied key; ``varied`` among its attributes holds their keys.
+    """
+    keys = json.loads(run.attrs.get("varied", "{}"))
+    own = {key: run.coords[dim].item() for dim, key in keys.items() if dim in run.coords}
+    if not own:
+        return dict(run.attrs)
+    values = {key: parse_value(value) if isinstance(value, str) else value for key, value in own.items()}
+    scene, _ = merge(scene_of(run.attrs), values)
+    return {**run.attrs, "scene": json.dumps(scene, default=str)}
+
+
+def own_references(dataset: xr.Dataset) -> list[Reference | None]:
+    """The different references of a comparison's rows: one, unless a varied key changes it."""
+    varied = [dim for dim in dataset["status"].dims if dim not in ("contact", "shape")]
+    labels = itertools.product(*(range(dataset.sizes[dim]) for dim in varied))
+    rows = (dataset.isel(dict(zip(varied, index, strict=True))) for index in labels)
+    return list(dict.fromkeys(reference_of(own_attributes(row)) for row in rows))
+
+
+def described(dataset: xr.Dataset) -> str:
+    """What the rows of a comparison are compared with; empty if there is nothing."""
+    references = own_references(dataset)
+    if len(references) > 1:
+        return "each row against its own closed form, as the varied keys change it"
+    return references[0].describe() if references and references[0] is not None else ""
 
 
 def grid_lower_of(attributes: Mapping[str, Any]) -> list[float]:
@@ -101,9 +136,9 @@ def reference_of(attributes: Mapping[str, Any]) -> Reference | None:
     Returns
     -------
     RollingReference, RingsReference or None
-        A single disc on one fixed body with gravity given as magnitude and tilt rolls. Two rings with the
-        properties, sizes and velocities of the shipped reference are that collision. Everything else has no
-        reference.
+        A single free disc, at rest at the start, on one fixed rectangle along x with gravity given as
+        magnitude and tilt rolls. Two rings with the properties, sizes and velocities of the shipped reference,
+        under no load, are that collision. Everything else has no reference.
     """
     scene = scene_of(attributes)
     bodies = scene.get("bodies", {})
@@ -114,11 +149,13 @@ def reference_of(attributes: Mapping[str, Any]) -> Reference | None:
 
 def _rolling(scene: Mapping[str, Any], bodies: Mapping[str, Any]) -> RollingReference | None:
     discs = [
-        name for name, body in bodies.items() if _geometry(body).get("type") == "disc" and not _fixed(body)
+        name
+        for name, body in bodies.items()
+        if _geometry(body).get("type") == "disc" and not body.get("sides") and _at_rest(body)
     ]
-    planes = [name for name, body in bodies.items() if _fixed(body)]
+    planes = [name for name, body in bodies.items() if _is_plane(body)]
     gravity = scene.get("gravity", {})
-    if len(discs) != 1 or len(planes) != 1 or not {"magnitude", "tilt"} <= gravity.keys():
+    if len(discs) != 1 or len(planes) != 1 or gravity.keys() != {"magnitude", "tilt"}:
         return None
     radius = _si(_geometry(bodies[discs[0]]).get("radius"), "m")
     tilt, g = _si(gravity["tilt"], "rad"), _si(gravity["magnitude"], "m/s^2")
@@ -130,11 +167,16 @@ def _rolling(scene: Mapping[str, Any], bodies: Mapping[str, Any]) -> RollingRefe
 
 def _rings(scene: Mapping[str, Any], bodies: Mapping[str, Any]) -> RingsReference | None:
     expected = {"K": 121.7e6, "G": 26.1e6, "rho": 1010.0, "inner": 0.03, "outer": 0.04, "speed": 30.0}
-    centres: dict[str, float] = {}
+    if scene.get("gravity"):
+        return None
+    centres: dict[str, list[float]] = {}
+    velocities: dict[str, list[float]] = {}
     for name, body in bodies.items():
         geometry, material = _geometry(body), scene.get("materials", {}).get(body.get("material"), {})
-        velocity = body.get("velocity", [])
-        if geometry.get("type") != "ring" or material.get("model") != "neo_hookean" or not velocity:
+        velocity = [_si(component, "m/s") for component in body.get("velocity", [])]
+        if geometry.get("type") != "ring" or material.get("model") != "neo_hookean" or len(velocity) != 2:
+            return None
+        if material.get("energy", "split") != "split" or body.get("sides") or not _spinless(body):
             return None
         found = {
             "K": _si(material.get("bulk_modulus"), "Pa"),
@@ -142,15 +184,18 @@ def _rings(scene: Mapping[str, Any], bodies: Mapping[str, Any]) -> RingsReferenc
             "rho": _si(material.get("density"), "kg/m^3"),
             "inner": _si(geometry.get("inner_radius"), "m"),
             "outer": _si(geometry.get("outer_radius"), "m"),
-            "speed": abs(_si(velocity[0], "m/s")),
+            "speed": abs(velocity[0]),
         }
         if not all(np.isclose(found[key], expected[key], rtol=1e-9) for key in expected):
             return None
-        centres[name] = _si(geometry.get("centre", [None])[0], "m")
-    first, second = sorted(centres, key=lambda name: centres[name])
-    apart = centres[second] - centres[first] - 2.0 * expected["outer"]
-    # contact_force is on the pair's first body: only in this order does the reference's sign hold.
-    return RingsReference(first, second) if np.isclose(apart, 0.004) and first == next(iter(bodies)) else None
+        centres[name] = [_si(x, "m") for x in geometry.get("centre", [])]
+        velocities[name] = velocity
+    # contact_force is on the pair's first body: only with the left one first does the reference's sign hold
+    first, second = centres
+    apart = np.subtract(centres[second], centres[first])
+    along_x = np.allclose(apart, [2.0 * expected["outer"] + 0.004, 0.0], atol=1e-9)
+    towards = np.allclose([velocities[first], velocities[second]], [[30.0, 0.0], [-30.0, 0.0]])
+    return RingsReference(first, second) if along_x and towards else None
 
 
 def _geometry(body: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -158,8 +203,24 @@ def _geometry(body: Mapping[str, Any]) -> Mapping[str, Any]:
     return geometry if isinstance(geometry, Mapping) else {}
 
 
-def _fixed(body: Mapping[str, Any]) -> bool:
-    return any(side.get("fixed") is True for side in body.get("sides", []))
+def _is_plane(body: Mapping[str, Any]) -> bool:
+    """A rectangle along the axes that fixed sides, and nothing else, hold."""
+    geometry, sides = _geometry(body), body.get("sides", [])
+    return (
+        geometry.get("type") == "rectangle"
+        and _si(geometry.get("angle", 0.0), "rad") == 0.0
+        and all("fixed" in side for side in sides)
+        and any(side.get("fixed") is True for side in sides)
+        and _at_rest(body)
+    )
+
+
+def _at_rest(body: Mapping[str, Any]) -> bool:
+    return _spinless(body) and all(_si(component, "m/s") == 0.0 for component in body.get("velocity", []))
+
+
+def _spinless(body: Mapping[str, Any]) -> bool:
+    return _si(body.get("angular_velocity", 0.0), "rad/s") == 0.0
 
 
 def _friction(scene: Mapping[str, Any]) -> float:

@@ -6,10 +6,10 @@ import os
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from mpmfw.errors import SimulationError
+from mpmfw.errors import SceneError, SimulationError
 from mpmfw.results import RunWriter
 from mpmfw.results.memory import peak_memory, restart_peak_memory
-from mpmfw.scene import load_scene
+from mpmfw.scene import load_scene, located
 from mpmfw.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -51,7 +51,11 @@ def run(
         The run failed; what it reached is in the file, and in the error's attribute ``results``.
     """
     restart_peak_memory()
-    simulation = Simulation(load_scene(scene, set=set), contact=contact, shape=shape)
+    loaded = load_scene(scene, set=set)
+    try:
+        simulation = Simulation(loaded, contact=contact, shape=shape)
+    except SceneError as error:
+        raise located(error, loaded) from error
     with RunWriter(output, simulation.header()) as writer:
         try:
             simulation.run(writer.write, progress)

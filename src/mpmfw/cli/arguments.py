@@ -62,6 +62,7 @@ def chosen_scene(scene: str, contact: str | None, shape: str | None, set_: list[
         The scene or an option is wrong, or two options choose the same thing.
     """
     from mpmfw.scene import load_scene
+    from mpmfw.scene.requested import check_methods_run
 
     overrides = assignments(set_)
     choices: tuple[tuple[Kind, str | None], ...] = (("contact", contact), ("shape", shape))
@@ -73,7 +74,10 @@ def chosen_scene(scene: str, contact: str | None, shape: str | None, set_: list[
                 f"--{kind} {name}: --set {kind}.method chooses another one; leave one of them out"
             )
         overrides[f"{kind}.method"] = installed(kind, name)
-    return load_scene(scene, set=overrides)
+    loaded = load_scene(scene, set=overrides)
+    methods = {"contact": [loaded.contact.method] if loaded.contact else [], "shape": [loaded.shape.method]}
+    check_methods_run(assignments(set_), methods, "--set")
+    return loaded
 
 
 def installed(kind: Kind, name: str) -> str:
@@ -120,5 +124,8 @@ def variations(texts: list[str] | None) -> dict[str, list[Any]]:
             raise SceneError(
                 f"--vary {key}: expected values with a comma between them, such as {key}=0.4,0.2"
             )
+        for k, value in enumerate(values):
+            if any(value == other and type(value) is type(other) for other in values[:k]):
+                raise SceneError(f"--vary {key}: {value} is given twice")
         found[key] = values
     return found

@@ -37,6 +37,7 @@ def benchmark(
     function at the nearest number of points.
     """
     from mpmfw.benchmark import measure_kernels, measure_scene, table
+    from mpmfw.scene import load_scene
 
     known = ("linear", "gimp", "bspline", "cpdi")
     chosen = [name for name in shapes.split(",") if name]
@@ -47,11 +48,15 @@ def benchmark(
         points = [int(text) for text in counts.split(",")]
     except ValueError:
         raise SceneError(f"--counts {counts}: expected whole numbers between commas") from None
+    if min(points) < 1:
+        raise SceneError(f"--counts {counts}: expected numbers of material points, 1 or more")
+    names = [name for name in scenes.split(",") if name]
+    for name in names:
+        load_scene(name)  # an unknown one is refused before anything is measured
     console = Console(width=max(Console().width, WIDTH))
     rows = measure_kernels(chosen, points, repeats, dim=dim)
     blocks = [_without(row, ("dim",)) for row in rows]
     console.print(table(blocks, f"{dim}D block without contact: ns per material point and step"))
-    names = [name for name in scenes.split(",") if name]
     if names:
         measured = [measure_scene(name, repeats, start=IN_CONTACT.get(name, 0)) for name in names]
         console.print(

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from mpmfw.cli.arguments import SceneArgument, SetOption, assignments, names, variations
-from mpmfw.cli.errors import check_writable
+from mpmfw.cli.errors import check_apart, check_writable
 from mpmfw.cli.progress import compare_progress
 from mpmfw.cli.summary import print_comparison
 
@@ -41,16 +41,22 @@ def compare(
     A method that fails does not stop the others: its status says why.
     """
     from mpmfw.scene import load_scene
+    from mpmfw.scene.requested import check_methods_run, check_requested
 
     contacts, shapes = names(contact, "contact"), names(shape, "shape")
     varied = variations(vary)
-    loaded = load_scene(scene, set=assignments(set_))
+    shared = assignments(set_)
+    check_requested(shared, varied, ("--set", "--vary"))
+    loaded = load_scene(scene, set=shared)
+    check_apart(loaded, output=output, report=report)
     for path in (output, report):
         if path is not None:
             check_writable(path)
     # A single body needs no contact; the dimension is there all the same
     contacts = contacts or [loaded.contact.method if loaded.contact else "none"]
     shapes = shapes or [loaded.shape.method]
+    for option, keys in (("--set", shared), ("--vary", varied)):
+        check_methods_run(keys, {"contact": contacts, "shape": shapes}, option)
     combinations = len(contacts) * len(shapes) * math.prod(len(values) for values in varied.values())
 
     from mpmfw.comparison import compare as run_all

@@ -8,11 +8,14 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
+
+if TYPE_CHECKING:
+    from mpmfw.scene import Scene
 
 
 def exit_status(command: Callable[..., Any]) -> Callable[..., None]:
@@ -49,6 +52,32 @@ def _plain_warnings() -> Iterator[None]:
         yield
     finally:
         warnings.showwarning = shown
+
+
+def check_apart(scene: Scene, **files: Path | None) -> None:
+    """Ask that no file to be written takes the place of the scene's or of another.
+
+    Parameters
+    ----------
+    scene
+        The scene as read.
+    files
+        What is written, by the name of the option.
+
+    Raises
+    ------
+    SceneError
+        Two of them are the same file.
+    """
+    taken = {}
+    if scene.source.name is not None and scene.source.directory is not None:
+        taken[Path(scene.source.name).resolve()] = "the scene"
+    for option, path in files.items():
+        if path is None:
+            continue
+        if path.resolve() in taken:
+            raise SceneError(f"--{option} {path}: is the file of {taken[path.resolve()]}; give another name")
+        taken[path.resolve()] = f"--{option}"
 
 
 def check_writable(path: Path) -> Path:

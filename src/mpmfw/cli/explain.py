@@ -11,6 +11,7 @@ from rich.text import Text
 
 from mpmfw.cli.arguments import ContactOption, SceneArgument, SetOption, ShapeOption, chosen_scene
 from mpmfw.cli.tables import print_rows
+from mpmfw.errors import SceneError
 
 if TYPE_CHECKING:
     from mpmfw.simulation import Simulation
@@ -22,9 +23,13 @@ def explain(
     """Print what SCENE would run: effects, hooks, arrays, the time step, and facts that are not used."""
     loaded = chosen_scene(scene, contact, shape, set_)
 
+    from mpmfw.scene import located
     from mpmfw.simulation import Simulation
 
-    simulation = Simulation(loaded)
+    try:
+        simulation = Simulation(loaded)
+    except SceneError as error:
+        raise located(error, loaded) from error
     _print_head(simulation)
     _print_effects(simulation)
     _print_hooks(simulation)

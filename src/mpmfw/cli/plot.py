@@ -23,7 +23,11 @@ def plot(
 
     Several FILEs, comparisons of a rolling cylinder with slip and without, make one figure, a row each.
     """
-    for one in file:
+    for k, one in enumerate(file):
+        if one.is_dir():
+            raise SceneError(f"{one}: is a folder; give the name of a file")
+        if one.resolve() in [other.resolve() for other in file[:k]]:
+            raise SceneError(f"{one}: given twice")
         if not one.is_file():
             raise SceneError(f"{one}: no such file")
     if output is not None and output.suffix not in ("", ".png"):
@@ -32,6 +36,9 @@ def plot(
     path = check_writable(default if output is None else output)
 
     from mpmfw.plots import plot_file, plot_files
+    from mpmfw.results import check_results
 
+    for one in file:
+        check_results(one)
     for written in plot_file(file[0], path) if len(file) == 1 else [plot_files(file, path)]:
         typer.echo(str(written))

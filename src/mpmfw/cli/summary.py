@@ -19,7 +19,7 @@ _LEFT_OUT = {"largest_penetration", "material_points", "peak_memory", "steps"}
 
 def print_comparison(dataset: xr.Dataset) -> None:
     """Print the table of a comparison, as wide as the terminal allows, and why runs failed."""
-    from mpmfw.references import reference_of
+    from mpmfw.references import described
     from mpmfw.report import COLUMNS, method_dims, shown, table
 
     console, rows = Console(), table(dataset)
@@ -40,9 +40,10 @@ def print_comparison(dataset: xr.Dataset) -> None:
     for row in rows:
         if row["status"] != "ok":
             console.print(Text(f"{', '.join(str(row[label]) for label in labels)}: {row['status']}"))
-    reference = reference_of(dataset.attrs)
-    if reference is not None:
-        console.print(Text(f"Errors against {reference.describe()}", style="dim"))
+    reference = described(dataset)
+    if reference:
+        own = reference.startswith("each row")
+        console.print(Text(f"Errors: {reference}" if own else f"Errors against {reference}", style="dim"))
 
 
 def _unit(unit: str) -> str:

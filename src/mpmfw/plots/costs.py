@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from mpmfw.clock import STEP_STAGES
-from mpmfw.plots.style import FONT, combinations, dress, legend_below, new_figure
+from mpmfw.plots.style import FONT, combinations, dress, head, legend_below, new_figure
 
 _STAGE_COLOURS = ("#0072B2", "#56B4E9", "#009E73", "#D55E00", "#E69F00", "#CC79A7")
 
@@ -16,6 +16,7 @@ def cost_bars(dataset: xr.Dataset) -> Figure:
     """CPU time per material point and step, stacked by stage, one bar for each combination."""
     runs = list(combinations(dataset))
     figure = new_figure(1, 1, 20.0 + 7.0 * len(runs))
+    head(figure, dataset)
     axes = figure.subplots()
     left = np.zeros(len(runs))
     for stage, colour in zip(STEP_STAGES, _STAGE_COLOURS, strict=True):

@@ -10,12 +10,13 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from mpmfw.errors import MpmfwError
+from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.plots.costs import cost_bars
 from mpmfw.plots.generic import gap_history, series_overview
 from mpmfw.plots.rings import contact_force
 from mpmfw.plots.rolling import deviation, motion, positions
-from mpmfw.references import RingsReference, RollingReference, reference_of
+from mpmfw.plots.style import at_last, drawn_reference, drawn_values
+from mpmfw.references import RingsReference, RollingReference
 from mpmfw.results import open as open_results
 
 
@@ -23,7 +24,7 @@ def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     """Figures of a comparison that its content allows: ``{name: (figure, caption)}``."""
     if "time" not in dataset.dims or dataset.sizes["time"] < 2:
         return {}
-    reference = reference_of(dataset.attrs)
+    reference = drawn_reference(dataset)
     figures: dict[str, tuple[Figure, str]] = {}
     if isinstance(reference, RollingReference):
         figures |= _rolling(dataset)
@@ -42,7 +43,8 @@ def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
         )
     if "cpu_stage" in dataset and np.isfinite(dataset["cpu_stage"].values).any():
         figures["cost"] = (cost_bars(dataset), "CPU time per material point and step, by stage of the step.")
-    return figures
+    said = f" {drawn_values(dataset)}." if drawn_values(dataset) else ""
+    return {name: (figure, caption + said) for name, (figure, caption) in figures.items()}
 
 
 def _rolling(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
@@ -58,17 +60,12 @@ def _rolling(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
             "Left: spin against the closed form. Right: displacement less the closed form, without the runs "
             "whose cylinder sticks.",
         )
-    if "outline" in dataset and np.isfinite(dataset["outline"].isel(_last(dataset)).values).any():
+    if "outline" in dataset and np.isfinite(at_last(dataset)["outline"].values).any():
         figures["positions"] = (
             positions(dataset),
-            "First and last position of the outlines; beside them the contact at the end, over the cells.",
+            "First (dashed) and last position of the outlines; beside them the contact at the end, over the cells.",
         )
     return figures
-
-
-def _last(dataset: xr.Dataset) -> dict[str, int]:
-    """Indices of what the figures show of varied keys: the last value."""
-    return {str(dim): -1 for dim in dataset["status"].dims if dim not in ("contact", "shape")}
 
 
 def plot_file(path: str | os.PathLike[str], output: str | os.PathLike[str] | None = None) -> list[Path]:
@@ -88,8 +85,10 @@ def plot_file(path: str | os.PathLike[str], output: str | os.PathLike[str] | Non
 
     Raises
     ------
+    SceneError
+        The file holds nothing to draw.
     MpmfwError
-        The file cannot be read or holds nothing to draw, or a figure cannot be written.
+        The file cannot be read, or a figure cannot be written.
     """
     tree = open_results(path)
     if "series" in tree.children:
@@ -101,7 +100,7 @@ def plot_file(path: str | os.PathLike[str], output: str | os.PathLike[str] | Non
             {name: figure for name, (figure, _) in figures_of(dataset).items()} if "status" in dataset else {}
         )
     if not drawn:
-        raise MpmfwError(f"'{os.fspath(path)}' holds no series with two outputs or more to draw")
+        raise SceneError(f"'{os.fspath(path)}' holds no series with two outputs or more to draw")
     stem = Path(output if output is not None else path).with_suffix("")
     return [
         _write(figure, stem.with_name(f"{stem.name}.png" if len(drawn) == 1 else f"{stem.name}-{name}.png"))
@@ -114,13 +113,15 @@ def plot_files(paths: Sequence[str | os.PathLike[str]], output: str | os.PathLik
 
     Raises
     ------
+    SceneError
+        A file is no comparison of a rolling cylinder.
     MpmfwError
-        A file cannot be read or is no comparison of a rolling cylinder, or the figure cannot be written.
+        A file cannot be read, or the figure cannot be written.
     """
     datasets = [open_results(path).to_dataset() for path in paths]
     for path, dataset in zip(paths, datasets, strict=True):
-        if "status" not in dataset or not isinstance(reference_of(dataset.attrs), RollingReference):
-            raise MpmfwError(
+        if "status" not in dataset or not isinstance(drawn_reference(dataset), RollingReference):
+            raise SceneError(
                 f"'{os.fspath(path)}' is no comparison of a rolling cylinder; plot other files one by one"
             )
     return _write(motion(datasets), Path(output).with_suffix(".png"))

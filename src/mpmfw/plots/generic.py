@@ -10,7 +10,7 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from mpmfw.plots.style import Look, combinations, dress, legend_below, new_figure
+from mpmfw.plots.style import Look, combinations, dress, head, legend_below, new_figure
 from mpmfw.references import cell_size
 
 _PANELS = (
@@ -31,6 +31,7 @@ _CYCLE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 def gap_history(dataset: xr.Dataset) -> Figure:
     """Least distance between the surfaces of the first pair, in cells where the cell size is known."""
     figure = new_figure(1, 1)
+    head(figure, dataset)
     axes = figure.subplots()
     look, time = Look(dataset), dataset["time"].values
     unit, scale = "gap [m]", 1.0 if time[-1] > 0.1 else 1e3
@@ -54,6 +55,7 @@ def series_overview(dataset: xr.Dataset) -> Figure:
     """Series of a run or a comparison, one panel for each; a run's bodies and pairs by colour."""
     present = [panel for panel in _PANELS if panel[0] in dataset]
     figure = new_figure(2, (len(present) + 1) // 2, 48.0)
+    head(figure, dataset)
     panels = figure.subplots((len(present) + 1) // 2, 2, squeeze=False).ravel()
     compared = "contact" in dataset.dims
     for axes, (name, label, over) in zip(panels, present, strict=False):

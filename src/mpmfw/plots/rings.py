@@ -12,8 +12,8 @@ from matplotlib.lines import Line2D
 
 from mpmfw import analysis
 from mpmfw.fields import FloatArray
-from mpmfw.plots.style import Look, combinations, dress, legend_below, new_figure
-from mpmfw.references import RingsReference, reference_of, rings_table
+from mpmfw.plots.style import Look, combinations, drawn_reference, dress, head, legend_below, new_figure
+from mpmfw.references import RingsReference, rings_table
 
 WINDOW = 100e-6  #: of the averaged panel [s]
 
@@ -30,6 +30,7 @@ def contact_force(dataset: xr.Dataset) -> Figure:
         contact force, such as ``none``, are left out.
     """
     figure = new_figure(2, 2, 52.0)
+    head(figure, dataset)
     panels = figure.subplot_mosaic([["raw", "raw"], ["mean", "impulse"]])
     look, time = Look(dataset), dataset["time"].values
     drawn = []
@@ -45,7 +46,7 @@ def contact_force(dataset: xr.Dataset) -> Figure:
         panels["mean"].plot(1e3 * time, 1e-3 * mean, **line)
         panels["impulse"].plot(1e3 * time, analysis.impulse(time, force), **line)
     rows = look.key({contact for contact, _ in drawn}, {shape for _, shape in drawn})
-    if isinstance(reference_of(dataset.attrs), RingsReference):
+    if isinstance(drawn_reference(dataset), RingsReference):
         rows[0].insert(0, _draw_reference(panels, time))
     dress(panels["raw"], "time [ms]", "force [kN/m]", "contact force, mean over each output interval")
     dress(panels["mean"], "time [ms]", "force [kN/m]", "contact force, mean over 100 µs")

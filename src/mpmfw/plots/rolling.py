@@ -10,8 +10,18 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from mpmfw.plots.style import FONT, Look, combinations, dress, legend_below, new_figure
-from mpmfw.references import RollingReference, cell_size, grid_lower_of, reference_of
+from mpmfw.plots.style import (
+    FONT,
+    Look,
+    combinations,
+    drawn_reference,
+    drawn_values,
+    dress,
+    head,
+    legend_below,
+    new_figure,
+)
+from mpmfw.references import RollingReference, cell_size, grid_lower_of, own_attributes
 
 _EXACT: dict[str, Any] = {"color": "black", "linewidth": 0.8, "zorder": 5}
 
@@ -30,6 +40,8 @@ def motion(datasets: Sequence[xr.Dataset]) -> Figure:
         A dataset is not of a rolling cylinder.
     """
     figure = new_figure(2, len(datasets))
+    if len(datasets) == 1:
+        head(figure, datasets[0])
     panels = figure.subplots(len(datasets), 2, squeeze=False)
     for row, dataset in zip(panels, datasets, strict=True):
         reference, look, time = _reference(dataset), Look(dataset), dataset["time"].values
@@ -41,6 +53,8 @@ def motion(datasets: Sequence[xr.Dataset]) -> Figure:
         row[0].plot(time, reference.solution.displacement(time), **_EXACT)
         row[1].plot(time, reference.solution.velocity(time), **_EXACT)
         case = "slip" if reference.solution.slips else "no slip"
+        if len(datasets) > 1 and drawn_values(dataset):
+            case = f"{case}, {drawn_values(dataset)}"
         dress(row[0], "time [s]", "displacement [m]", case)
         dress(row[1], "time [s]", "velocity [m/s]", case)
         for axes in row:
@@ -58,6 +72,7 @@ def deviation(dataset: xr.Dataset) -> Figure:
     reference, look, time = _reference(dataset), Look(dataset), dataset["time"].values
     exact = reference.solution.displacement(time)
     figure = new_figure(2, 1)
+    head(figure, dataset)
     spins, departs = figure.subplots(1, 2)
     for turn, (contact, shape, run) in enumerate(combinations(dataset)):
         line = look.line(contact, shape, len(time), turn)
@@ -77,7 +92,7 @@ def deviation(dataset: xr.Dataset) -> Figure:
 
 
 def _reference(dataset: xr.Dataset) -> RollingReference:
-    reference = reference_of(dataset.attrs)
+    reference = drawn_reference(dataset)
     if not isinstance(reference, RollingReference):
         raise ValueError("not a comparison of a rolling cylinder")
     return reference
@@ -112,15 +127,17 @@ def positions(dataset: xr.Dataset, shape: str | None = None) -> Figure:
     if not runs:
         raise ValueError(f"no run with shape '{chosen}' stored an outline")
     figure = new_figure(2, len(runs), 40.0)
+    head(figure, dataset)
     look = Look(dataset)
     panels = figure.subplots(len(runs), 2, squeeze=False, width_ratios=(6, 1))
     for (axes, near), (contact, shape_name, run) in zip(panels, runs, strict=True):
-        for frame, colour in (("first", "0.6"), ("last", look.colours[contact])):
+        # The start on top and dashed: it shows where the end covers it
+        for frame, colour, style in (("last", look.colours[contact], "-"), ("first", "0.35", (0, (3, 3)))):
             for line in run["outline"].sel(frame=frame).values:
-                axes.plot(line[:, 0], line[:, 1], color=colour, linewidth=0.9)
+                axes.plot(line[:, 0], line[:, 1], color=colour, linestyle=style, linewidth=0.9)
         axes.set_aspect("equal")
         time = float(run["outline_time"].sel(frame="last"))
-        dress(axes, "", "y [m]", f"{contact}, {shape_name}: start (grey) and {time:.3g} s{_gap_text(run)}")
+        dress(axes, "", "y [m]", f"{contact}, {shape_name}: start (dashed) and {time:.3g} s{_gap_text(run)}")
         axes.grid(False)
         _closer(axes, near, run, look.colours[contact])
     panels[-1][0].set_xlabel("x [m]", fontsize=FONT)
@@ -164,7 +181,7 @@ def _closer(axes: Any, near: Any, run: xr.Dataset, colour: str) -> None:
 
 
 def _draw_cells(near: Any, run: xr.Dataset, centre: tuple[float, float], span: float) -> None:
-    h, lower = cell_size(run), grid_lower_of(run.attrs)
+    h, lower = cell_size(run), grid_lower_of(own_attributes(run))
     if not (h > 0.0 and len(lower) == 2):
         return
     for middle, start, draw in zip(centre, lower, (near.axvline, near.axhline), strict=True):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
@@ -11,6 +12,8 @@ from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+
+from mpmfw.references import Reference, own_attributes, reference_of
 
 #: Width of one panel [inch]: 85 mm, a journal's column.
 PANEL = 85.0 / 25.4
@@ -90,10 +93,41 @@ class Look:
         return [colours, styles]
 
 
+def varied_dims(dataset: xr.Dataset) -> list[str]:
+    """Dimensions of a comparison that are varied keys; none of a run."""
+    dims = dataset["status"].dims if "status" in dataset else ()
+    return [str(dim) for dim in dims if dim not in ("contact", "shape")]
+
+
+def at_last(dataset: xr.Dataset) -> xr.Dataset:
+    """The comparison at the last value of each varied key, which is what figures draw."""
+    return dataset.isel(dict.fromkeys(varied_dims(dataset), -1))
+
+
+def drawn_reference(dataset: xr.Dataset) -> Reference | None:
+    """The reference of what figures draw of a comparison."""
+    return reference_of(own_attributes(at_last(dataset)))
+
+
+def drawn_values(dataset: xr.Dataset) -> str:
+    """``cell_size = 0.8 (last of 0.4, 0.8)`` for each varied key; empty if nothing is varied."""
+    return "; ".join(
+        f"{dim} = {values[-1]} (last of {', '.join(map(str, values))})"
+        for dim in varied_dims(dataset)
+        if len(values := dataset[dim].values.tolist()) > 1
+    )
+
+
+def head(figure: Figure, dataset: xr.Dataset) -> None:
+    """Say above the panels which of the varied values are drawn."""
+    said = drawn_values(dataset)
+    if said:
+        figure.suptitle(textwrap.fill(said, round(28 * figure.get_figwidth())), fontsize=FONT)
+
+
 def combinations(dataset: xr.Dataset) -> Iterator[tuple[str, str, xr.Dataset]]:
     """Yield (contact, shape, results) of a comparison, at the last value of each varied key."""
-    extra = [dim for dim in dataset["status"].dims if dim not in ("contact", "shape")]
-    last = dataset.isel(dict.fromkeys(extra, -1))
+    last = at_last(dataset)
     for contact, shape in itertools.product(last["contact"].values.tolist(), last["shape"].values.tolist()):
         yield str(contact), str(shape), last.sel(contact=contact, shape=shape)
 

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from mpmfw.errors import MpmfwError
 from mpmfw.plots import figures_of
-from mpmfw.references import reference_of
+from mpmfw.references import described
 from mpmfw.report.columns import COLUMNS, COSTS
 from mpmfw.report.table import method_dims, shown, table
 
@@ -52,7 +52,7 @@ def write_report(
     """
     title = str(dataset.attrs.get("title", "Comparison of contact methods"))
     rows = table(dataset)
-    parts = [f"<h1>{escape(title)}</h1>", _reference(dataset.attrs), "<h2>Error</h2>"]
+    parts = [f"<h1>{escape(title)}</h1>", _reference(dataset), "<h2>Error</h2>"]
     parts.append(_table(dataset, rows, [name for name in _columns(rows) if name not in COSTS]))
     parts += ["<h2>Cost</h2>", _table(dataset, rows, COSTS), _notes(dataset.attrs)]
     for name, (figure, caption) in figures_of(dataset).items():
@@ -79,9 +79,8 @@ def write_report(
         raise MpmfwError(f"cannot write '{os.fspath(path)}': {error.strerror}") from error
 
 
-def _reference(attributes: Mapping[str, Any]) -> str:
-    reference = reference_of(attributes)
-    said = "none is known for this scene" if reference is None else reference.describe()
+def _reference(dataset: xr.Dataset) -> str:
+    said = described(dataset) or "none is known for this scene"
     return f"<p>Reference: {escape(said)}.</p>"
 
 

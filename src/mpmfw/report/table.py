@@ -11,7 +11,14 @@ import xarray as xr
 
 from mpmfw import analysis
 from mpmfw.fields import FloatArray
-from mpmfw.references import RingsReference, RollingReference, cell_size, reference_of, rings_table
+from mpmfw.references import (
+    RingsReference,
+    RollingReference,
+    cell_size,
+    own_attributes,
+    reference_of,
+    rings_table,
+)
 from mpmfw.report.columns import Column
 
 
@@ -26,7 +33,7 @@ def table(dataset: xr.Dataset) -> list[dict[str, Any]]:
     Parameters
     ----------
     dataset
-        Of ``compare``; which errors there are depends on the scene in its attributes.
+        Of ``compare``; which errors there are depends on the scene in its attributes and on the varied keys.
 
     Returns
     -------
@@ -34,7 +41,6 @@ def table(dataset: xr.Dataset) -> list[dict[str, Any]]:
         The method's labels, ``status`` and the measures of :data:`COLUMNS` that apply; errors in per cent;
         NaN where a run did not reach the time of the measure.
     """
-    reference = reference_of(dataset.attrs)
     dims = method_dims(dataset)
     rows = []
     for labels in itertools.product(*(dataset[dim].values.tolist() for dim in dims)):
@@ -42,6 +48,7 @@ def table(dataset: xr.Dataset) -> list[dict[str, Any]]:
         one = dataset.sel(choice)
         row: dict[str, Any] = {str(dim): label for dim, label in choice.items()}
         row["status"] = str(one["status"].item())
+        reference = reference_of(own_attributes(one))
         if isinstance(reference, RollingReference):
             row |= rolling_measures(one, reference)
         elif isinstance(reference, RingsReference):
@@ -97,7 +104,23 @@ def rings_measures(run: xr.Dataset, reference: RingsReference) -> dict[str, floa
         "energy_least": float(least),
         "energy_most": float(most),
     }
-    return energies | _force_measures(run)
+    measures = energies | _force_measures(run)
+    if _reached(run) < reference.end * (1.0 - 1e-9):
+        against = ("energy_curve_error", "impulse_curve_error", "force_error_100us", "force_error_200us")
+        measures |= {name: float("nan") for name in against if name in measures}
+    return measures
+
+
+def _reached(run: xr.Dataset) -> float:
+    """Time [s] of the last output that a run has."""
+    known = [
+        run["time"].values[
+            np.isfinite(run[name].transpose("time", ...).values.reshape(run.sizes["time"], -1)).all(axis=1)
+        ]
+        for name in ("kinetic_energy", "contact_force")
+        if name in run
+    ]
+    return max((float(times[-1]) for times in known if len(times)), default=0.0)
 
 
 def _force_measures(run: xr.Dataset) -> dict[str, float]:

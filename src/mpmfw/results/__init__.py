@@ -3,7 +3,7 @@
 from mpmfw.results import locking as _locking  # noqa: F401  before anything that loads HDF5
 from mpmfw.results.frame import Frame, RunHeader
 from mpmfw.results.provenance import provenance
-from mpmfw.results.reading import open
+from mpmfw.results.reading import check_results, open
 from mpmfw.results.writing import RunWriter
 
-__all__ = ["Frame", "RunHeader", "RunWriter", "open", "provenance"]
+__all__ = ["Frame", "RunHeader", "RunWriter", "check_results", "open", "provenance"]

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from xarray.backends import NetCDF4DataStore
 
-from mpmfw.errors import MpmfwError
+from mpmfw.errors import MpmfwError, SceneError
 
 
 def open(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree:
@@ -49,6 +49,20 @@ def open(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree:
         return tree_of(dataset)
     finally:
         dataset.close()
+
+
+def check_results(path: str | os.PathLike[str]) -> None:
+    """Ask that a file is a results' file.
+
+    Raises
+    ------
+    SceneError
+        It is none.
+    """
+    try:
+        netCDF4.Dataset(os.fspath(path)).close()
+    except OSError as error:
+        raise SceneError(f"{os.fspath(path)}: is no results' file ({error.strerror or error})") from error
 
 
 def tree_of(dataset: netCDF4.Dataset, *, load: bool = True) -> xr.DataTree:

@@ -2,6 +2,7 @@
 
 from mpmfw.scene.gravity import ConstantGravity, Gravity
 from mpmfw.scene.loading import load_scene, shipped_scenes
+from mpmfw.scene.location import located
 from mpmfw.scene.scene import Scene, Source
 from mpmfw.scene.schema import json_schema
 from mpmfw.scene.tables import (
@@ -36,5 +37,6 @@ __all__ = [
     "Time",
     "json_schema",
     "load_scene",
+    "located",
     "shipped_scenes",
 ]

@@ -8,6 +8,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from mpmfw.discovery import nearest
+from mpmfw.scene.cells import may_be_in_cells
 from mpmfw.scene.expectation import Schema, expected, keys, subschemas
 from mpmfw.scene.locator import Path
 from mpmfw.scene.problem import Problem
@@ -58,11 +59,14 @@ def _problem(
     item = items[0]
     schemas = subschemas(schema, path, data)
     where = prefix + path
+    expectation = expected(schemas)
+    if may_be_in_cells(where):
+        expectation = expectation.replace("such as '2 mm'", "such as '2 mm' or '0.5 cells'")
     match item["type"]:
         case "extra_forbidden":
             return unknown_key(where, [*keys(subschemas(schema, path[:-1], data)), *also_valid])
         case "missing":
-            return Problem(where, _join("missing", expected(schemas)), "missing")
+            return Problem(where, _join("missing", expectation), "missing")
         case "union_tag_not_found":
             names = item["ctx"].get("discriminator", "'type'").strip("'")
             return Problem(
@@ -76,7 +80,7 @@ def _problem(
             choices = [c for s in schemas for c in s.get("enum", [s.get("const")]) if isinstance(c, str)]
             return Problem(where, choice_message(item["input"], choices))
         case _:
-            return Problem(where, _value_message(item, expected(schemas)))
+            return Problem(where, _value_message(item, expectation))
 
 
 def unknown_key(path: Path, valid: list[str]) -> Problem:

@@ -125,7 +125,8 @@ def _with_options(scene: Scene, chosen: Chosen) -> Scene:
     return scene.model_copy(update={"shape": shape, "contact": contact, "materials": materials})
 
 
-def _message(problems: list[Problem], source: Source, overrides: Mapping[str, Any]) -> str:
+def origin_of(source: Source, overrides: Mapping[str, Any]) -> Origin:
+    """Where the keys of a scene were written."""
     targets = {}
     for key in overrides:
         try:
@@ -133,7 +134,11 @@ def _message(problems: list[Problem], source: Source, overrides: Mapping[str, An
         except ValueError:
             continue  # it is a problem of its own
     locator = Locator(source.text) if source.text is not None else None
-    origin = Origin(source.name, locator, targets)
+    return Origin(source.name, locator, targets)
+
+
+def _message(problems: list[Problem], source: Source, overrides: Mapping[str, Any]) -> str:
+    origin = origin_of(source, overrides)
     return "\n".join(
         origin.describe(problem) for problem in sorted(distinct(problems), key=origin.line_number)
     )
@@ -156,8 +161,8 @@ def _read(scene: str | os.PathLike[str]) -> Source:
     if name in shipped:
         return _parse(shipped[name], f"{name}.toml", None)
     close = difflib.get_close_matches(name.removesuffix(".toml"), shipped, n=1)
-    hint = f"did you mean '{close[0]}'? " if close else ""
-    raise SceneError(f"{name}: no such file, and no shipped scene; {hint}(shipped: {', '.join(shipped)})")
+    hint = f"; did you mean '{close[0]}'?" if close else ""
+    raise SceneError(f"{name}: no such file, and no shipped scene{hint} (shipped: {', '.join(shipped)})")
 
 
 def _parse(text: str, name: str, directory: Path | None) -> Source:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
@@ -54,36 +55,53 @@ class Origin:
     locator: Lines
     overrides: Mapping[str, Path]
 
-    def describe(self, problem: Problem) -> str:
+    def describe(self, problem: Problem, line_of: Path | None = None) -> str:
         """The problem as one line: ``file.toml:12: key: message``, or ``--set key: message``."""
-        override = problem.override or self._override_of(problem.path)
+        override = problem.override or self._override_of(problem.path, problem.message)
+        at = problem.path if line_of is None else line_of
         key = dotted(problem.path)
         parts = []
         if override is not None:
             parts.append(f"--set {override}")
             key = "" if key == override else key
         elif self.name is not None:
-            parts.append(
-                self.name if self.locator is None else f"{self.name}:{self.locator.line(problem.path)}"
-            )
+            parts.append(self.name if self.locator is None else f"{self.name}:{self.locator.line(at)}")
         return ": ".join([*parts, *([key] if key else []), problem.message])
+
+    def of_key(self, path: Path, text: str) -> str:
+        """``text``, which is about the key at ``path``, with where the key was written in front of it."""
+        return self.describe(Problem((), text, override=self._override_of(path, text)), line_of=path)
 
     def line_number(self, problem: Problem) -> int:
         """Line for sorting; overrides come last."""
-        if problem.override or self._override_of(problem.path) is not None:
+        if problem.override or self._override_of(problem.path, problem.message) is not None:
             return 1 << 30
         return 0 if self.locator is None else self.locator.line(problem.path)
 
-    def _override_of(self, path: Path) -> str | None:
-        """The last override that set this key or one around it, or that made the table it is missing from."""
-        for key, target in reversed(list(self.overrides.items())):
-            if path and path[: len(target)] == target:
+    def _override_of(self, path: Path, message: str) -> str | None:
+        """The last override that set this key or one around it, or that made the table it is missing from.
+
+        What is wrong between the keys of a table is reported of the table: an override of one of them that the message
+        names is meant.
+        """
+        if not path:
+            return None
+        overrides = list(self.overrides.items())[::-1]
+        for key, target in overrides:
+            if path[: len(target)] == target:
                 return key
-            # The file has no such table: an override made it
-            absent = self.locator is not None and len(path) > 1 and path[:-1] not in self.locator.lines
-            if absent and len(target) >= len(path) and target[: len(path) - 1] == path[:-1]:
+        for key, target in overrides:
+            named = re.search(rf"(?<![\w.]){re.escape(str(target[-1]))}(?!\w)", message)
+            if named and len(target) > len(path) and target[: len(path)] == path:
                 return key
-        return None
+        # The file has no such table: an override made it
+        absent = self.locator is not None and len(path) > 1 and path[:-1] not in self.locator.lines
+        made = (
+            key
+            for key, target in overrides
+            if len(target) >= len(path) and target[: len(path) - 1] == path[:-1]
+        )
+        return next(made, None) if absent else None
 
 
 def distinct(problems: Iterable[Problem]) -> list[Problem]:

@@ -21,21 +21,22 @@ def _table(lines: list[str], path: tuple[str, ...], mapping: Mapping[str, Any]) 
     values = {key: value for key, value in mapping.items() if key not in inner}
     if path and (values or not inner):
         lines += ["", f"[{dotted(path)}]"]
-    lines += [f"{dotted((key,))} = {_value(value)}" for key, value in values.items()]
+    lines += [f"{dotted((key,))} = {value_text(value)}" for key, value in values.items()]
     for key, value in inner.items():
         _table(lines, (*path, key), value)
 
 
-def _value(value: Any) -> str:
+def value_text(value: Any) -> str:
+    """One value as TOML writes it."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
         # JSON's escapes are TOML's, except that TOML also wants DEL escaped
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, list | tuple):
-        return f"[{', '.join(_value(item) for item in value)}]"
+        return f"[{', '.join(value_text(item) for item in value)}]"
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{dotted((key,))} = {_value(item)}" for key, item in value.items()) + "}"
+        return "{" + ", ".join(f"{dotted((key,))} = {value_text(item)}" for key, item in value.items()) + "}"
     if isinstance(value, int | float):
         return repr(value).replace("e+", "e")
     return str(value)

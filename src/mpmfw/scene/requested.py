@@ -1,0 +1,84 @@
+"""What must hold between the keys that a request sets or varies, and the methods that it runs."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Literal
+
+from mpmfw.discovery import available
+from mpmfw.errors import SceneError
+from mpmfw.scene.locator import Path
+from mpmfw.scene.options import CORE_KEYS
+from mpmfw.scene.override import parse_path
+
+_KINDS: tuple[Literal["contact", "shape"], ...] = ("contact", "shape")
+
+
+def check_requested(
+    shared: Iterable[str], varied: Iterable[str], said: tuple[str, str] = ("set", "vary")
+) -> None:
+    """Refuse a comparison's keys that choose methods, or of which one takes another's place.
+
+    Parameters
+    ----------
+    shared, varied
+        Keys that all runs share, and keys that differ between them.
+    said
+        What the request calls the two.
+
+    Raises
+    ------
+    SceneError
+        A key is none, chooses a method, or is set and varied.
+    """
+    set_paths = {key: _path(key, said[0]) for key in shared}
+    vary_paths = {key: _path(key, said[1]) for key in varied}
+    for name, paths in zip(said, (set_paths, vary_paths), strict=True):
+        for key, path in paths.items():
+            if path in [(kind, "method") for kind in _KINDS]:
+                option = f"--{path[0]} A,B,…" if name.startswith("--") else f"{path[0]}=[…]"
+                raise SceneError(f"{name} {key}: the methods of a comparison are chosen by {option}")
+    for (key, path), (other, around) in itertools.product(set_paths.items(), vary_paths.items()):
+        if path[: len(around)] == around:
+            raise SceneError(f"{said[0]} {key}: {said[1]} {other} takes its place; leave one of them out")
+    for (key, path), (other, around) in itertools.permutations(vary_paths.items(), 2):
+        if path[: len(around)] == around:
+            raise SceneError(f"{said[1]} {key}: {said[1]} {other} takes its place; leave one of them out")
+
+
+def check_methods_run(keys: Iterable[str], methods: Mapping[str, Sequence[str]], said: str = "set") -> None:
+    """Refuse options of a method that does not run: setting them would have no effect.
+
+    Parameters
+    ----------
+    keys
+        Keys of the request; tables of other methods in a scene's file are alternatives, and allowed.
+    methods
+        Names of the plug-ins that run, by kind.
+    said
+        What the request calls the keys.
+
+    Raises
+    ------
+    SceneError
+        A key is an option of an installed method that is not among those that run.
+    """
+    for key in keys:
+        path = _path(key, said)
+        for kind in _KINDS:
+            name = path[1] if path[0] == kind and len(path) > 1 else None
+            if not isinstance(name, str) or name in CORE_KEYS[kind] or name not in available(kind):
+                continue
+            if name not in methods.get(kind, ()):
+                runs = ", ".join(methods.get(kind, ())) or "no method"
+                raise SceneError(
+                    f"{said} {key}: has no effect: {kind} '{name}' does not run here; what runs is {runs}"
+                )
+
+
+def _path(key: str, said: str) -> Path:
+    try:
+        return parse_path(key)
+    except ValueError as error:
+        raise SceneError(f"{said} {key}: {error}") from error
