@@ -23,16 +23,11 @@ from mpmfw.results import Frame, RunHeader
 from mpmfw.settling import settle
 from mpmfw.steppers import SCHEMES
 from mpmfw.steppers.operations import interpolate
+from mpmfw.timestep import TimeStep
 from mpmfw.windows import lay_windows
 
 if TYPE_CHECKING:
     from mpmfw.scene import Scene
-
-#: Largest Courant number c Δt / h that is not refused: GIMP and B-splines diverge at 0.9, all shape functions hold at 0.8.
-COURANT = 0.8
-
-#: Share of the bulk's limit below which a time step is taken for a failure: such a run would never end.
-COLLAPSED = 1e-4
 
 #: Steps between two reports of progress.
 REPORT_EVERY = 50
@@ -79,12 +74,12 @@ class Simulation:
         lay_windows(self.state.grid, self.state.particles, reach, self.state.surface)
         self._check_supports()
         self._step = SCHEMES[self.scheme]
-        self._bulk_limit = 2.0 / made.bulk_frequency
+        self._time_step = TimeStep(self.scene, self.state, 2.0 / made.bulk_frequency)
         self._recorder = Recorder(self.scene, self.state, self.fields, self.hook)
         self._started = False
         self._settled: dict[str, float] = {}
         self.settle_time = self.compile_time = 0.0
-        self._check_step()
+        self._time_step.check(self.hook)
 
     # -- what it is
     # ---------------------------------------------------------------------------------------------------
@@ -98,47 +93,11 @@ class Simulation:
 
     def limits(self) -> list[tuple[float, str]]:
         """Every stable time step [s] with its owner, before the safety factor."""
-        answers = self.hook.stable_timestep(state=self.state) or []
-        return [(self._bulk_limit, "bulk wave speed (h / c)"), *answers]
+        return self._time_step.limits(self.hook)
 
     def stable_step(self) -> float:
-        """Length of the next step [s]: the safety factor times the least limit, or the scene's fixed step.
-
-        Raises
-        ------
-        SimulationError
-            The step is past a stability limit and the scene does not allow it, or the limit has collapsed.
-        """
-        step, limits = self._next_step()
-        refusal = self._refusal(step, limits)
-        if refusal is not None:
-            raise SimulationError(
-                refusal, time=self.state.time, advice="a smaller time.step, or allow_unstable = true"
-            )
-        limit, owner = min(limits)
-        if limit < COLLAPSED * self._bulk_limit:
-            raise SimulationError(
-                f"the stable time step fell to {limit:.3g} s, set by {owner}; that of the bulk is "
-                f"{self._bulk_limit:.3g} s",
-                time=self.state.time,
-                advice="another surface map (contact.penalty.map), another shape function, or a softer contact",
-            )
-        return step
-
-    def _next_step(self) -> tuple[float, list[tuple[float, str]]]:
-        """Length of the next step [s], refused or not, and the limits that it comes from."""
-        limits, given = self.limits(), self.scene.time.step
-        return float(self.scene.time.safety * min(limits)[0] if given is None else given), limits
-
-    def _refusal(self, step: float, limits: list[tuple[float, str]]) -> str | None:
-        """Why a step is past a stability limit, or None. The bulk is unstable well below h / c."""
-        if self.scene.allow_unstable:
-            return None
-        bulk = (COURANT * self._bulk_limit, f"the bulk ({COURANT:g} h / c)")
-        limit, owner = min([bulk, *limits[1:]])
-        if step <= limit * (1.0 + 1e-12):
-            return None
-        return f"a step of {step:.4g} s is past the stability limit {limit:.4g} s of {owner}"
+        """Length of the next step [s]; see :meth:`mpmfw.timestep.TimeStep.next`."""
+        return self._time_step.next(self.hook)
 
     def _check_supports(self) -> None:
         """Refuse a body whose shape functions reach beyond the grid before it has moved."""
@@ -149,13 +108,6 @@ class Simulation:
                 f"bodies.{error.body}: the shape function '{self.shape.name}' reaches beyond the grid at the start; "
                 "expected grid.lower and grid.upper two cells farther out"
             ) from error
-
-    def _check_step(self) -> None:
-        """Refuse a step past the limit before the run begins."""
-        refusal = self._refusal(*self._next_step())
-        if refusal is not None:
-            key = "time.safety" if self.scene.time.step is None else "time.step"
-            raise SceneError(f"{key}: {refusal}; expected a smaller {key}, or allow_unstable = true")
 
     # -- how it runs
     # --------------------------------------------------------------------------------------------------

@@ -39,6 +39,29 @@ def tangent_rows(t_x: Float, t_y: Float, out: Floats) -> None:
         out[0, d], out[1, d], out[2, d] = 0.0, -t, t
 
 
+@device
+def relative_motion(rows: Floats, s: int, m: int, end: int, displacement: Floats) -> Float:
+    """Σ rows · u over slave node and segment ends [m]: how far the pair moved along the rows in the last step."""
+    total = 0.0
+    for d in range(2):
+        total += (
+            rows[0, d] * displacement[s, d]
+            + rows[1, d] * displacement[m, d]
+            + rows[2, d] * displacement[end, d]
+        )
+    return total
+
+
+@device
+def stored_force(s: int, touched: int, old_master: Ints, old_tangential: Floats) -> tuple[Float, bool]:
+    """Tangential force that node s had with body ``touched`` in the last step [N/m], and whether it had one."""
+    stored, known = 0.0, False
+    for i in range(old_master.shape[1]):
+        if old_master[s, i] == touched:
+            stored, known = old_tangential[s, i], True
+    return stored, known
+
+
 @kernel
 def contact_forces(
     slots: int,
@@ -75,8 +98,7 @@ def contact_forces(
     """Forces of all slave nodes in contact, added to ``force`` (n_s, 2) of slaves and segment ends.
 
     Every slave node has ``slots`` places; ``segment`` −1 or ``gap`` ≥ 0 is no contact. ``stiffness`` k [N/m²]
-    and
-    ``damping`` c / Δt [N/m²] are (n_s, slots). Return mapping: f_t ← clip(f_t − k_t Δg_t, ±μ f_n) with Δg_t =
+    and ``damping`` c / Δt [N/m²] are (n_s, slots). Return mapping: f_t ← clip(f_t − k_t Δg_t, ±μ f_n) with Δg_t =
     C_tᵀ Δu on the present segment; at first contact Δg_t is scaled by the part of the step that was spent in
     penetration. ``rows`` is scratch, (3, 3, 2).
     """
@@ -98,12 +120,8 @@ def contact_forces(
             lever = -e_y * (position[end, 0] - position[m, 0]) + e_x * (position[end, 1] - position[m, 1])
             normal_rows(e_x, e_y, xi, n)
             tangential_rows(e_x, e_y, xi, g, lever, c_t)
-            # How far the pair moved in the last step, along C_t and N.
-            slip, approach = 0.0, 0.0
-            for d in range(2):
-                u_s, u_1, u_2 = displacement[s, d], displacement[m, d], displacement[end, d]
-                slip += c_t[0, d] * u_s + c_t[1, d] * u_1 + c_t[2, d] * u_2
-                approach += n[0, d] * u_s + n[1, d] * u_1 + n[2, d] * u_2
+            slip = relative_motion(c_t, s, m, end, displacement)
+            approach = relative_motion(n, s, m, end, displacement)
             pair = pair_of[body[s], body[m]]
             k = stiffness[s, j]
             f_n = -k * g
@@ -118,10 +136,7 @@ def contact_forces(
                     f_t = -k_t * slip
                     frictional_work[pair] += k_t * slip * slip
             else:
-                stored, known = 0.0, False
-                for i in range(slots):
-                    if old_master[s, i] == body[m]:
-                        stored, known = old_tangential[s, i], True
+                stored, known = stored_force(s, body[m], old_master, old_tangential)
                 if not known and approach < 0.0:
                     slip *= min(1.0, g / approach)
                 trial = stored - k_t * slip
@@ -133,18 +148,18 @@ def contact_forces(
             tangential[s, j] = f_t
             energy[pair] += 0.5 * k * g * g
             count[pair] += 1.0
-            length = 1.0
-            if keep_q:
+            if keep_q:  # C_n = N − (g_n / l) Q
                 t_x, t_y = position[end, 0] - position[m, 0], position[end, 1] - position[m, 1]
                 length = math.sqrt(t_x * t_x + t_y * t_y)
                 tangent_rows(t_x / length, t_y / length, q)
+                for row in range(3):
+                    for d in range(2):
+                        n[row, d] -= g / length * q[row, d]
             sign = 1.0 if body[s] == pair_first[pair] else -1.0
             for d in range(2):
-                for row in range(3):
-                    value = f_n * n[row, d] + f_t * c_t[row, d]
-                    if keep_q:
-                        value -= f_n * g / length * q[row, d]
-                    force[s if row == 0 else m if row == 1 else end, d] += value
+                force[s, d] += f_n * n[0, d] + f_t * c_t[0, d]
+                force[m, d] += f_n * n[1, d] + f_t * c_t[1, d]
+                force[end, d] += f_n * n[2, d] + f_t * c_t[2, d]
                 pair_impulse[pair, d] += sign * dt * (f_n * n[0, d] + f_t * c_t[0, d])
 
 

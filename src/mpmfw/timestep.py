@@ -1,0 +1,85 @@
+"""The length of a time step: a fraction of the least stability limit, or fixed, and never silently past a limit."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from mpmfw.errors import SceneError, SimulationError
+from mpmfw.state import State
+
+if TYPE_CHECKING:
+    from mpmfw.scene import Scene
+
+#: Largest Courant number c Δt / h that is not refused: GIMP and B-splines diverge at 0.9, all shape functions hold at 0.8.
+COURANT = 0.8
+
+#: Share of the bulk's limit below which a time step is taken for a failure: such a run would never end.
+COLLAPSED = 1e-4
+
+
+class TimeStep:
+    """Chooses the length of every step.
+
+    Parameters
+    ----------
+    bulk_limit
+        h / c of the fastest body [s].
+    """
+
+    def __init__(self, scene: Scene, state: State, bulk_limit: float) -> None:
+        self.scene, self.state, self.bulk_limit = scene, state, bulk_limit
+
+    def limits(self, hook: Any) -> list[tuple[float, str]]:
+        """Every stable time step [s] with its owner, before the safety factor; the bulk's comes first."""
+        answers = hook.stable_timestep(state=self.state) or []
+        return [(self.bulk_limit, "bulk wave speed (h / c)"), *answers]
+
+    def next(self, hook: Any) -> float:
+        """Length of the next step [s]: the safety factor times the least limit, or the scene's fixed step.
+
+        Raises
+        ------
+        SimulationError
+            The step is past a stability limit and the scene does not allow it, or the limit has collapsed.
+        """
+        step, limits = self._chosen(hook)
+        refusal = self._refusal(step, limits)
+        if refusal is not None:
+            advice = "a smaller time.step, or allow_unstable = true"
+            raise SimulationError(refusal, time=self.state.time, advice=advice)
+        limit, owner = min(limits)
+        if limit < COLLAPSED * self.bulk_limit:
+            raise SimulationError(
+                f"the stable time step fell to {limit:.3g} s, set by {owner}; that of the bulk is {self.bulk_limit:.3g} s",
+                time=self.state.time,
+                advice="another surface map (contact.penalty.map), another shape function, or a softer contact",
+            )
+        return step
+
+    def check(self, hook: Any) -> None:
+        """Refuse a step past the limit before the run begins.
+
+        Raises
+        ------
+        SceneError
+            ``time.step`` or ``time.safety`` asks for it.
+        """
+        refusal = self._refusal(*self._chosen(hook))
+        if refusal is not None:
+            key = "time.safety" if self.scene.time.step is None else "time.step"
+            raise SceneError(f"{key}: {refusal}; expected a smaller {key}, or allow_unstable = true")
+
+    def _chosen(self, hook: Any) -> tuple[float, list[tuple[float, str]]]:
+        """Length of the next step [s], refused or not, and the limits that it comes from."""
+        limits, given = self.limits(hook), self.scene.time.step
+        return float(self.scene.time.safety * min(limits)[0] if given is None else given), limits
+
+    def _refusal(self, step: float, limits: list[tuple[float, str]]) -> str | None:
+        """Why a step is past a stability limit, or None. The bulk is unstable below h / c already."""
+        if self.scene.allow_unstable:
+            return None
+        bulk = (COURANT * self.bulk_limit, f"the bulk ({COURANT:g} h / c)")
+        limit, owner = min([bulk, *limits[1:]])
+        if step <= limit * (1.0 + 1e-12):
+            return None
+        return f"a step of {step:.4g} s is past the stability limit {limit:.4g} s of {owner}"

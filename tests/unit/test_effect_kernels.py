@@ -1,0 +1,189 @@
+"""Kernels of the effects and of CPDI2 against plain NumPy, written from their formulas."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mpmfw.effects.constraint import prescribe_side
+from mpmfw.effects.local_inertia import correct_locally
+from mpmfw.effects.pressure import add_pressure
+from mpmfw.effects.rotation import correct_rotation
+from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, move_points, weigh_by_mass, weigh_plain
+from mpmfw.settling import damp_locally
+from mpmfw_shape.cpdi2 import fill_cpdi2, move_corners
+
+RNG = np.random.default_rng(7)
+NODES, POINTS, WIDTH = 40, 25, 4
+
+
+def table(points=POINTS, nodes=NODES):
+    """A table of ``WIDTH`` entries a point with weights that sum to 1, and the same as a dense matrix."""
+    row = np.arange(points + 1) * WIDTH
+    index = np.concatenate([RNG.choice(nodes, WIDTH, replace=False) for _ in range(points)]).astype(np.int32)
+    weight = RNG.random((points, WIDTH))
+    weight /= weight.sum(axis=1, keepdims=True)
+    return row, index, weight.ravel().copy()
+
+
+def dense(row, index, weight, nodes=NODES):
+    matrix = np.zeros((len(row) - 1, nodes))
+    np.add.at(matrix, (np.repeat(np.arange(len(row) - 1), WIDTH), index), weight)
+    return matrix
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_side_prescribes_the_momentum_of_its_nodes(dim):
+    spacing = (0.1,) * dim
+    x, mass = RNG.uniform(-1, 1, (NODES, dim)), RNG.random(NODES)
+    momentum = RNG.normal(size=(NODES, dim))
+    velocity = np.array([0.3, np.nan, -0.2][:dim])
+    low, high = np.full(dim, -0.8), np.full(dim, 0.9)
+    expected = momentum.copy()
+    held = -(x[:, 1] - 0.05) > -0.05 * (1 - 2e-6)
+    held &= (x >= low).all(axis=1) & (x <= high).all(axis=1)
+    held[:3] = held[37:] = False  # outside the range of nodes
+    for d in range(dim):
+        if d != 1:
+            expected[held, d] = mass[held] * velocity[d]
+    prescribe_side(3, 37, 1, -1.0, 0.05, velocity, low, high, x, mass, momentum, spacing)
+    assert 5 < held.sum() < 30
+    np.testing.assert_allclose(momentum, expected, rtol=1e-15)
+
+
+def test_pressure_is_that_of_the_outward_normals():
+    angle = np.linspace(0.0, 2 * np.pi, POINTS, endpoint=False)
+    position = np.column_stack([np.cos(angle), np.sin(angle)])
+    following = np.roll(np.arange(POINTS), -1)
+    t = table()
+    segments = np.array([0, 1, 2, 7])
+    force = np.zeros((NODES, 2))
+    add_pressure(5.0, segments, following, position, *t, force)
+    on_nodes = np.zeros((POINTS, 2))
+    for a in segments:
+        tangent = position[following[a]] - position[a]
+        load = -5.0 * np.array([tangent[1], -tangent[0]])
+        assert load @ (position[a] + position[following[a]]) < 0.0  # pushes inwards
+        on_nodes[a] += 0.5 * load
+        on_nodes[following[a]] += 0.5 * load
+    np.testing.assert_allclose(force, dense(*t).T @ on_nodes, atol=1e-14)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_rotation_gives_the_torque_the_true_inertia(dim):
+    spacing = (0.1,) * dim
+    x, m = RNG.uniform(-1, 1, (POINTS, dim)), RNG.random(POINTS)
+    node_x, node_m = RNG.uniform(-1.2, 1.2, (NODES, dim)), RNG.random(NODES)
+    f = np.eye(dim) + 0.1 * RNG.normal(size=(POINTS, dim, dim))
+    edges = 0.1 * RNG.normal(size=(POINTS, dim, dim))
+    start, momentum = RNG.normal(size=(NODES, dim)), RNG.normal(size=(NODES, dim))
+    centre = node_m @ node_x / node_m.sum()
+    r, q, e = node_x - centre, x - centre, f @ edges
+    second = np.einsum("p,pi,pj->ij", m, q, q) + np.einsum("p,pia,pja->ij", m, e, e) / 3.0
+    lumped = np.einsum("n,ni,nj->ij", node_m, r, r)
+    change = momentum - node_m[:, None] * start
+    r3, change3 = (np.pad(a, ((0, 0), (0, 3 - dim))) for a in (r, change))
+    torque = np.cross(r3, change3).sum(axis=0)
+
+    def inverse(s):
+        if dim == 2:
+            return np.diag([0.0, 0.0, 1.0 / np.trace(s)])
+        return np.linalg.inv(np.trace(s) * np.eye(3) - s)
+
+    spin = (inverse(second) - inverse(lumped)) @ torque
+    expected = momentum + node_m[:, None] * np.cross(spin, r3)[:, :dim]
+    correct_rotation(0, POINTS, 0, NODES, m, x, f, edges, node_x, node_m, start, momentum, spacing)
+    np.testing.assert_allclose(momentum, expected, rtol=1e-10, atol=1e-12)
+
+
+def test_the_local_correction_is_the_series_second_term():
+    t = table()
+    matrix = dense(*t)
+    m = RNG.random(POINTS)
+    node_m = matrix.T @ m + 0.01
+    start, momentum = RNG.normal(size=(NODES, 2)), RNG.normal(size=(NODES, 2))
+    a = momentum / node_m[:, None] - start
+    expected = momentum + np.einsum("pi,p,pid->id", matrix, m, a[None] - (matrix @ a)[:, None])
+    scratch = (np.empty((NODES, 2)), np.empty((NODES, 2)))
+    correct_locally(0, POINTS, 0, NODES, *t, m, node_m, start, momentum, *scratch, (1.0, 1.0))
+    np.testing.assert_allclose(momentum, expected, rtol=1e-12, atol=1e-13)
+
+
+def test_damping_takes_a_share_of_the_change_against_the_motion():
+    mass, start, momentum = RNG.random(NODES), RNG.normal(size=(NODES, 2)), RNG.normal(size=(NODES, 2))
+    change = np.abs(momentum - mass[:, None] * start)
+    expected = momentum - 0.8 * change * np.sign(momentum)
+    total = damp_locally(0.8, mass, start, momentum, (1.0, 1.0))
+    np.testing.assert_allclose(momentum, expected, rtol=1e-13)
+    assert total == pytest.approx(change.sum(), rel=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["plain", "mass_weighted"])
+def test_surface_maps_weigh_the_nodes_and_sum_to_one(kind):
+    row, index, weight = table()
+    node_mass = RNG.random(NODES) * (RNG.random(NODES) > 0.4)
+    cell = RNG.uniform(1.0, 3.0, POINTS)
+    old = weight.reshape(-1, WIDTH).copy()
+    mass = node_mass[index].reshape(-1, WIDTH)
+    if kind == "plain":
+        new = np.where(mass > LIGHT * cell[:, None] * old**2, old, 0.0)
+        weigh_plain(row, index, weight, cell, node_mass)
+    else:
+        new = old * mass / (mass + CRITICAL_MASS * cell[:, None])
+        weigh_by_mass(row, index, weight, cell, node_mass)
+    total = new.sum(axis=1, keepdims=True)
+    carried = total[:, 0] > 0.0
+    assert carried.sum() > POINTS // 2
+    np.testing.assert_allclose(weight.reshape(-1, WIDTH)[carried], new[carried] / total[carried], rtol=1e-13)
+
+
+def test_points_move_with_the_table():
+    t = table()
+    velocity, position = RNG.normal(size=(NODES, 2)), RNG.normal(size=(POINTS, 2))
+    moved, displacement = position.copy(), np.empty((POINTS, 2))
+    move_points(*t, velocity, moved, displacement, 0.1)
+    np.testing.assert_allclose(displacement, 0.1 * dense(*t) @ velocity, rtol=1e-12, atol=1e-15)
+    np.testing.assert_allclose(moved, position + displacement, rtol=1e-14)
+
+
+def quadrilaterals():
+    """Random convex quadrilaterals (n, 4, 2), counter-clockwise, inside a grid of 8 × 8 unit cells."""
+    square = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    return RNG.uniform(2, 6, (POINTS, 1, 2)) + 0.6 * square + RNG.uniform(-0.25, 0.25, (POINTS, 4, 2))
+
+
+def integrals(corners, functions=40):
+    """w_c = 1/V ∫ M_c dV and 1/V ∫ ∇M_c dV by a fine midpoint rule over the unit square."""
+    s = (np.arange(functions) + 0.5) / functions
+    u, v = (a.ravel() for a in np.meshgrid(s, s, indexing="ij"))
+    m = np.stack([(1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v])
+    du, dv = np.stack([-(1 - v), 1 - v, v, -v]), np.stack([-(1 - u), -u, u, 1 - u])
+    jacobian = np.stack([np.stack([du.T @ corners, dv.T @ corners])], 0)[0]  # (2, n, 2): dx/du, dx/dv
+    det = jacobian[0, :, 0] * jacobian[1, :, 1] - jacobian[0, :, 1] * jacobian[1, :, 0]
+    grad_x = du * jacobian[1, :, 1] - dv * jacobian[0, :, 1]
+    grad_y = dv * jacobian[0, :, 0] - du * jacobian[1, :, 0]
+    return (m * det).sum(1) / det.sum(), np.column_stack([grad_x.sum(1), grad_y.sum(1)]) / det.sum()
+
+
+def test_cpdi2_averages_over_the_quadrilateral_and_follows_the_grid():
+    corners, n = quadrilaterals(), 9
+    first, zeros, shape = np.array([0, POINTS]), np.zeros((1, 2), dtype=np.int64), np.full((1, 2), n)
+    nodes, weight = np.zeros(16 * POINTS, dtype=np.int32), np.zeros(16 * POINTS)
+    gradient = np.zeros((16 * POINTS, 2))
+    where = (first, np.zeros(2), zeros, shape, np.array([0, n * n]))
+    assert fill_cpdi2(corners, *where, nodes, weight, gradient, (1.0, 1.0)) == -1
+    x = np.stack(np.meshgrid(np.arange(n), np.arange(n), indexing="ij"), -1).reshape(-1, 2)
+    hat = np.prod(np.maximum(1 - np.abs(corners[:, :, None] - x), 0.0), axis=-1)  # (points, corners, nodes)
+    for p in range(POINTS):
+        w, g = integrals(corners[p])
+        phi, slope = np.zeros(n * n), np.zeros((n * n, 2))
+        np.add.at(phi, nodes[16 * p : 16 * p + 16], weight[16 * p : 16 * p + 16])
+        np.add.at(slope, nodes[16 * p : 16 * p + 16], gradient[16 * p : 16 * p + 16])
+        np.testing.assert_allclose(phi, w @ hat[p], atol=2e-4)
+        np.testing.assert_allclose(slope, np.einsum("cd,cn->nd", g, hat[p]), atol=2e-4)
+    velocity = RNG.normal(size=(n * n, 2))
+    moved, position = corners.copy(), np.empty((POINTS, 2))
+    move_corners(nodes, weight, velocity, moved, position, 0.05, (1.0, 1.0))
+    np.testing.assert_allclose(moved, corners + 0.05 * hat @ velocity, rtol=1e-12, atol=1e-13)
+    centroids = np.array([integrals(c)[0] @ c for c in moved])
+    np.testing.assert_allclose(position, centroids, atol=2e-4)
