@@ -66,6 +66,7 @@ def build(scene: Scene, contact: ContactStrategy | None = None, shape: ShapeFunc
     if chosen_contact is None and scene.contact is not None:
         chosen_contact = _plugin("contact", scene.contact.method, scene.contact.options)
     if len(scene.bodies) == 1:
+        _check_unused_contact(scene, contact)
         chosen_contact = None
     _check_dimension(scene, chosen_shape, chosen_contact)
     layouts = _layouts(scene)
@@ -123,6 +124,16 @@ def _plugin(kind: Any, name: str, options: Any) -> Any:
     if options is None or not hasattr(plugin, "from_options"):
         return plugin()
     return plugin.from_options(options)
+
+
+def _check_unused_contact(scene: Scene, contact: ContactStrategy | None) -> None:
+    """Refuse options of the scene's contact where there is one body and so nothing to touch."""
+    if contact is None and scene.contact is not None and scene.contact.options is not None:
+        given = sorted(scene.contact.options.model_fields_set)
+        if given:
+            raise SceneError(
+                f"contact.{scene.contact.method}.{given[0]}: has no effect, since the scene has one body only"
+            )
 
 
 def _check_dimension(scene: Scene, shape: ShapeFunction, contact: ContactStrategy | None) -> None:

@@ -215,3 +215,10 @@ def test_a_body_may_have_any_name_that_a_scene_accepts(name: str) -> None:
     tree = mpmfw.run(scene)
     assert tree["series"]["body"].values.tolist() == [name]
     assert list(tree["particles"].children) == [name]
+
+
+def test_options_of_a_contact_are_refused_where_nothing_can_touch() -> None:
+    contact = {"method": "penalty", "penalty": {"kappa": 3.0}}
+    with pytest.raises(SceneError, match=r"contact\.penalty\.kappa.*one body"):
+        Simulation(disc(contact=contact))
+    assert Simulation(disc(contact={"method": "penalty"})).contact is None
