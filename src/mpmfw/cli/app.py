@@ -15,6 +15,7 @@ from mpmfw.cli.plot import plot
 from mpmfw.cli.plugins import plugins
 from mpmfw.cli.run import run
 from mpmfw.cli.schema import schema
+from mpmfw.cli.validate import validate
 
 app = typer.Typer(
     name="mpmfw",
@@ -24,7 +25,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-for command in (run, compare, plot, explain, schema, plugins, benchmark):
+for command in (run, compare, plot, explain, schema, plugins, benchmark, validate):
     app.command()(exit_status(command))
 
 

@@ -1,0 +1,84 @@
+"""``mpmfw validate``: the suite of cases, one table, and the figures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+if TYPE_CHECKING:
+    from mpmfw.validation import Outcome
+
+#: Terminal width below which the table would be cut.
+WIDTH = 170
+
+
+def validate(
+    cases: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[CASE …]", help="Cases by name; all if left out.", show_default=False),
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="The reduced version: fewer methods, coarser grids.")
+    ] = False,
+    suite: Annotated[Path, typer.Option(metavar="FOLDER", help="Folder of the cases.")] = Path("validation"),
+    output: Annotated[
+        Path,
+        typer.Option("-o", "--output", metavar="FOLDER", help="Folder for the figures and the table (CSV)."),
+    ] = Path("validation-results"),
+    document: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Page of documentation (Markdown) to write as well."),
+    ] = None,
+    jobs: Annotated[
+        int | None,
+        typer.Option("-j", "--jobs", min=1, help="Cases at a time; one for each core if left out."),
+    ] = None,
+) -> None:
+    """Run validation cases: closed forms and references that tell contact algorithms apart.
+
+    Ends with 0 if every gate holds, with 1 if one is red.
+    """
+    from mpmfw.validation import find_cases, run_cases
+    from mpmfw.validation.report import summary, terminal_table, write_csv, write_page
+
+    found = find_cases(suite, cases or ())
+    with _progress(len(found)) as done:
+        outcomes = run_cases(found, output, quick=quick, jobs=jobs, done=done)
+    console = Console()
+    Console(width=max(console.width, WIDTH)).print(terminal_table(outcomes))
+    for outcome in outcomes:
+        if outcome.error:
+            typer.echo(f"{outcome.folder.name} went wrong:\n{outcome.error}", err=True)
+    write_csv(outcomes, output / "validation.csv")
+    if document is not None:
+        write_page(outcomes, document, quick)
+    typer.echo(summary(outcomes))
+    typer.echo(f"{output}: validation.csv and {sum(len(one.figures) for one in outcomes)} figures")
+    if not all(outcome.holds for outcome in outcomes):
+        raise typer.Exit(1)
+
+
+@contextmanager
+def _progress(total: int) -> Iterator[Callable[[Outcome], None] | None]:
+    """How many cases are done, on a terminal; None in a pipe."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield None
+        return
+    columns = (TextColumn("cases"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}"))
+    with Progress(*columns, TimeElapsedColumn(), console=console, transient=True) as bar:
+        task = bar.add_task("", total=total)
+
+        def done(outcome: Outcome) -> None:
+            verdict = "holds" if outcome.holds else "RED"
+            bar.update(
+                task, advance=1, description=f"{outcome.folder.name}: {verdict}, {outcome.seconds:.0f} s"
+            )
+
+        yield done

@@ -1,0 +1,11 @@
+"""The validation suite: cases that judge methods against closed forms and references, and what came of them.
+
+A case is a folder with ``README.md`` (source, set-up, tolerances), ``check.py`` and what it needs. ``check.py``
+defines ``check(case)``, which runs scenes and records rows and figures with the :class:`Case` that it is given.
+"""
+
+from mpmfw.validation.case import CONTACTS, SHAPES, Case, Method
+from mpmfw.validation.rows import Row, Verdict
+from mpmfw.validation.suite import Outcome, find_cases, run_cases
+
+__all__ = ["CONTACTS", "SHAPES", "Case", "Method", "Outcome", "Row", "Verdict", "find_cases", "run_cases"]

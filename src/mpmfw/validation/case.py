@@ -1,0 +1,208 @@
+"""What a case's ``check.py`` works with: runs, rows and figures."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import time
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mpmfw.errors import ResultsWarning, SceneError, SimulationError
+from mpmfw.validation.rows import Row
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+CONTACTS = ("none", "bardenhagen", "penalty")
+SHAPES = ("linear", "gimp", "cpdi", "cpdi2", "bspline")
+
+
+@dataclass(frozen=True)
+class Method:
+    """One way to run a scene.
+
+    Attributes
+    ----------
+    contact, shape
+        Names; an empty contact is a scene without.
+    set
+        Values by dotted key, set over the scene's own.
+    label
+        What ``set`` is about, in words; empty if it need not be said.
+    """
+
+    contact: str
+    shape: str
+    set: Mapping[str, Any] = field(default_factory=dict, hash=False)
+    label: str = ""
+
+    @property
+    def recommended(self) -> bool:
+        """Whether it is the combination that the gates are for: penalty with CPDI or CPDI2, all else as given
+        by the scene."""
+        return self.contact in ("penalty", "") and self.shape in ("cpdi", "cpdi2") and not self.label
+
+    def __str__(self) -> str:
+        return ", ".join(filter(None, (self.contact, self.shape, self.label)))
+
+
+@dataclass
+class Case:
+    """A case while it is checked; ``check.py`` receives one.
+
+    Attributes
+    ----------
+    folder
+        Of the case; its name is the case's.
+    quick
+        Whether the reduced version runs.
+    rows, figures
+        What was recorded.
+    """
+
+    folder: Path
+    quick: bool = False
+    rows: list[Row] = field(default_factory=list)
+    figures: dict[str, Figure] = field(default_factory=dict)
+    _cpu_time: float = math.nan
+
+    @property
+    def name(self) -> str:
+        """The folder's name."""
+        return self.folder.name
+
+    def table(self, name: str = "reference.csv") -> dict[str, np.ndarray[Any, Any]]:
+        """Columns of a CSV file of the case by their headings; comment lines begin with ``#``."""
+        read = np.genfromtxt(self.folder / name, delimiter=",", names=True, dtype=None, encoding="utf-8")
+        return {column: np.atleast_1d(read[column]) for column in read.dtype.names or ()}
+
+    def methods(
+        self,
+        contact: Sequence[str] = ("penalty",),
+        shape: Sequence[str] = ("cpdi",),
+        settings: Mapping[str, Mapping[str, Any]] | None = None,
+    ) -> list[Method]:
+        """Every combination; ``settings`` are values by dotted key, under the label that says what they are."""
+        given = {"": {}} if settings is None else settings
+        return [
+            Method(c, s, dict(values), label)
+            for c, s, (label, values) in itertools.product(contact, shape, given.items())
+        ]
+
+    def run(
+        self,
+        scene: str = "scene.toml",
+        method: Method | None = None,
+        set: Mapping[str, Any] | None = None,
+    ) -> xr.DataTree:
+        """Run a scene: a file of the case, or the name of a shipped one.
+
+        Raises
+        ------
+        SimulationError, SceneError
+            As :func:`mpmfw.run`; :meth:`runs` records them instead.
+        """
+        from mpmfw.runs import run
+
+        own = self.folder / scene
+        values = {**(set or {}), **(method.set if method else {})}
+        with warnings.catch_warnings():
+            # Methods that creep at rest end their settling with a warning; what they then do is in the rows.
+            warnings.simplefilter("ignore", ResultsWarning)
+            tree = run(
+                own if own.exists() else scene,
+                contact=(method.contact or None) if method else None,
+                shape=method.shape if method else None,
+                set=values,
+            )
+        self._cpu_time = float(tree.attrs["cpu_time"]) + float(tree.attrs.get("settle_time", 0.0))
+        return tree
+
+    def runs(
+        self,
+        methods: Sequence[Method],
+        scene: str = "scene.toml",
+        set: Mapping[str, Any] | None = None,
+    ) -> Iterator[tuple[Method, xr.DataTree]]:
+        """Run a scene with each method; one that fails keeps its row, which is red if the method is the
+        recommended one, and is not yielded."""
+        for method in methods:
+            try:
+                tree = self.run(scene, method, set)
+            except (SimulationError, SceneError) as error:
+                self._cpu_time = math.nan
+                self.failed(method, str(error))
+            else:
+                yield method, tree
+
+    def failed(self, method: Method | str, why: str, binds: bool | None = None) -> None:
+        """Record that a method got no result, and why."""
+        if binds is None:
+            binds = isinstance(method, Method) and method.recommended
+        row = Row(self.name, str(method), "run", math.nan, reference="ends", least=0.0, binds=binds, note=why)
+        self.rows.append(row)
+
+    def gate(
+        self,
+        quantity: str,
+        value: float,
+        *,
+        within: tuple[float, float],
+        reference: float | str = "",
+        unit: str = "",
+        method: Method | str = "",
+        binds: bool = True,
+    ) -> None:
+        """Record a value that must lie within limits, or, if it does not bind, a value that may."""
+        least, most = (float(limit) for limit in within)
+        row = Row(
+            self.name,
+            str(method),
+            quantity,
+            float(value),
+            unit,
+            reference,
+            least,
+            most,
+            binds,
+            self._cpu_time,
+        )
+        self.rows.append(row)
+
+    def judge(self, method: Method, quantity: str, value: float, **limits: Any) -> None:
+        """Record a value whose gate binds the recommended method only."""
+        self.gate(quantity, value, method=method, binds=method.recommended, **limits)
+
+    def show(
+        self,
+        quantity: str,
+        value: float,
+        *,
+        reference: float | str = "",
+        within: tuple[float, float] = (-math.inf, math.inf),
+        unit: str = "",
+        method: Method | str = "",
+    ) -> None:
+        """Record a value that decides nothing."""
+        self.gate(quantity, value, within=within, reference=reference, unit=unit, method=method, binds=False)
+
+    def figure(self, name: str, figure: Figure) -> None:
+        """Keep a figure, to be saved as ``<case>-<name>.png``, or ``<case>.png`` without a name."""
+        self.figures[f"{self.name}-{name}" if name else self.name] = figure
+
+    @contextmanager
+    def timed(self) -> Iterator[None]:
+        """Take the CPU time of what is inside as that of the rows recorded afterwards."""
+        start = time.process_time()
+        try:
+            yield
+        finally:
+            self._cpu_time = time.process_time() - start

@@ -1,0 +1,159 @@
+"""The suite's table: on a terminal, as CSV, and as a page of documentation."""
+
+from __future__ import annotations
+
+import csv
+import math
+import os
+import platform
+import shutil
+from collections.abc import Iterable, Sequence
+from importlib.metadata import version
+from pathlib import Path
+
+from rich.table import Table
+
+from mpmfw.validation.rows import Row, Verdict
+from mpmfw.validation.suite import Outcome
+
+HEADINGS = ("case", "method", "quantity", "reference", "value", "tolerance", "verdict", "CPU s")
+_STYLE = {
+    Verdict.RED: "bold red",
+    Verdict.HOLDS: "green",
+    Verdict.FAILED: "yellow",
+    Verdict.OUTSIDE: "yellow",
+}
+
+
+def number(value: float | str, unit: str = "") -> str:
+    """Four significant digits and the unit; a dash for what is not known."""
+    if isinstance(value, str):
+        return value
+    if math.isnan(value):
+        return "–"
+    return f"{value:.4g}{' ' if unit and unit != '%' else ''}{unit}"
+
+
+def cells(row: Row) -> tuple[str, ...]:
+    """The texts of one row, in the order of :data:`HEADINGS`."""
+    seconds = "–" if math.isnan(row.cpu_time) else f"{row.cpu_time:.2g}"
+    value = row.note or number(row.value, row.unit)
+    reference = number(row.reference, row.unit)
+    return (row.case, row.method, row.quantity, reference, value, row.tolerance, row.verdict.value, seconds)
+
+
+def terminal_table(outcomes: Iterable[Outcome]) -> Table:
+    """One table of all rows."""
+    table = Table(title="Validation", title_justify="left")
+    for heading in HEADINGS:
+        table.add_column(heading, justify="right" if heading in ("value", "CPU s") else "left")
+    for outcome in outcomes:
+        for row in outcome.rows:
+            table.add_row(*cells(row), style=_STYLE.get(row.verdict, ""))
+        table.add_section()
+    return table
+
+
+def summary(outcomes: Sequence[Outcome]) -> str:
+    """One sentence: gates that hold and do not."""
+    rows = [row for outcome in outcomes for row in outcome.rows]
+    count = {verdict: sum(row.verdict is verdict for row in rows) for verdict in Verdict}
+    broken = [outcome.folder.name for outcome in outcomes if outcome.error]
+    said = (
+        f"{len(outcomes)} cases, {count[Verdict.HOLDS] + count[Verdict.RED]} gates: {count[Verdict.HOLDS]} hold, "
+        f"{count[Verdict.RED]} red; {len(rows) - count[Verdict.HOLDS] - count[Verdict.RED]} more values, of which "
+        f"{count[Verdict.OUTSIDE]} outside the gates' limits and {count[Verdict.FAILED]} of runs that failed"
+    )
+    return said + (f"; broken cases: {', '.join(broken)}" if broken else "")
+
+
+def write_csv(outcomes: Iterable[Outcome], path: Path) -> None:
+    """Write every row with its full digits."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(
+            [
+                "case",
+                "method",
+                "quantity",
+                "reference",
+                "value",
+                "unit",
+                "least",
+                "most",
+                "verdict",
+                "cpu_s",
+                "note",
+            ]
+        )
+        for outcome in outcomes:
+            for r in outcome.rows:
+                values = (r.case, r.method, r.quantity, r.reference, r.value, r.unit, r.least, r.most)
+                writer.writerow([*values, r.verdict.value, r.cpu_time, r.note])
+
+
+def write_page(outcomes: Sequence[Outcome], path: Path, quick: bool, repository: str = "..") -> None:
+    """Write the page of documentation, its figures in a folder of its name beside it.
+
+    Parameters
+    ----------
+    repository
+        The way from the page to the folder that holds ``validation/``, for links to the cases.
+    """
+    pictures = path.with_suffix("")
+    pictures.mkdir(parents=True, exist_ok=True)
+    parts = [_head(outcomes, quick), *(_section(outcome, pictures, repository) for outcome in outcomes)]
+    path.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
+
+
+def _head(outcomes: Sequence[Outcome], quick: bool) -> str:
+    red = [row for outcome in outcomes for row in outcome.rows if row.verdict is Verdict.RED]
+    packages = ", ".join(f"{name} {version(name)}" for name in ("mpmfw", "numpy", "numba"))
+    command = "mpmfw validate" + (" --quick" if quick else "") + " --document docs/validation.md"
+    lines = [
+        "# Validation",
+        f"Written by `{command}`, which ran every case and drew every figure. {summary(outcomes)}.",
+        f"Conditions: Python {platform.python_version()}, {packages}; {os.cpu_count()} cores, one process on each, so "
+        "that CPU times were measured while cores were shared. They are of the steps, settling included, without "
+        "compilation.",
+        "A *gate* decides whether the suite passes; it binds the recommended combination, penalty contact with CPDI "
+        "or CPDI2 and the scene's defaults. Other methods are shown at the same limits: *within* or *outside*. A "
+        "method that failed keeps its row.",
+    ]
+    if red:
+        lines.append("Gates that do not hold:")
+        lines.append(
+            "\n".join(
+                f"- {r.case}: {r.method}, {r.quantity} {number(r.value, r.unit)} ({r.tolerance})" for r in red
+            )
+        )
+    return "\n\n".join(lines)
+
+
+def _section(outcome: Outcome, pictures: Path, repository: str) -> str:
+    """Title and first paragraph of the case's README, table, figures."""
+    readme = (outcome.folder / "README.md").read_text(encoding="utf-8").strip().split("\n\n")
+    title, introduction = readme[0].lstrip("# "), readme[1] if len(readme) > 1 else ""
+    link = f"{repository}/{outcome.folder.parent.name}/{outcome.folder.name}/README.md"
+    lines = [
+        f"## {title}",
+        f"{introduction}",
+        f"[Set-up, tolerances and their sources]({link}); `mpmfw validate {outcome.folder.name}`.",
+    ]
+    if outcome.error:
+        lines.append(f"The case went wrong:\n\n```\n{outcome.error}```")
+    if outcome.rows:
+        lines.append(_markdown(outcome.rows))
+    for figure in outcome.figures:
+        shutil.copyfile(figure, pictures / figure.name) if figure.parent != pictures else None
+        lines.append(f"![{title}]({pictures.name}/{figure.name})")
+    return "\n\n".join(lines)
+
+
+def _markdown(rows: Sequence[Row]) -> str:
+    lines = [" | ".join(HEADINGS[1:]), " | ".join("---" for _ in HEADINGS[1:])]
+    for row in rows:
+        verdict = f"**{row.verdict.value}**" if row.verdict is Verdict.RED else row.verdict.value
+        texts = cells(row)[1:6] + (verdict, cells(row)[7])
+        lines.append(" | ".join(text.replace("|", "\\|").replace("\n", " ") for text in texts))
+    return "\n".join(f"| {line} |" for line in lines)
