@@ -13,6 +13,7 @@ from pathlib import Path
 
 from rich.table import Table
 
+from mpmfw.validation.known import KnownRed
 from mpmfw.validation.rows import Row, Verdict
 from mpmfw.validation.suite import Outcome
 
@@ -92,42 +93,58 @@ def write_csv(outcomes: Iterable[Outcome], path: Path) -> None:
                 writer.writerow([*values, r.verdict.value, r.cpu_time, r.note])
 
 
-def write_page(outcomes: Sequence[Outcome], path: Path, quick: bool, repository: str = "..") -> None:
+def write_page(
+    outcomes: Sequence[Outcome],
+    path: Path,
+    quick: bool,
+    known: Sequence[KnownRed] = (),
+    repository: str = "..",
+) -> None:
     """Write the page of documentation, its figures in a folder of its name beside it.
 
     Parameters
     ----------
+    known
+        Gates that are known not to hold, for their reasons.
     repository
-        The way from the page to the folder that holds ``validation/``, for links to the cases.
+        The way from the page to the folder that holds the suite, for links to the cases.
     """
     pictures = path.with_suffix("")
     pictures.mkdir(parents=True, exist_ok=True)
-    parts = [_head(outcomes, quick), *(_section(outcome, pictures, repository) for outcome in outcomes)]
+    parts = [_head(outcomes, quick, known), *(_section(one, pictures, repository) for one in outcomes)]
     path.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
 
 
-def _head(outcomes: Sequence[Outcome], quick: bool) -> str:
-    red = [row for outcome in outcomes for row in outcome.rows if row.verdict is Verdict.RED]
+def _head(outcomes: Sequence[Outcome], quick: bool, known: Sequence[KnownRed]) -> str:
+    """What the tables are, under which conditions, and which gates do not hold."""
     packages = ", ".join(f"{name} {version(name)}" for name in ("mpmfw", "numpy", "numba"))
     command = "mpmfw validate" + (" --quick" if quick else "") + " --document docs/validation.md"
-    lines = [
-        "# Validation",
-        f"Written by `{command}`, which ran every case and drew every figure. {summary(outcomes)}.",
-        f"Conditions: Python {platform.python_version()}, {packages}; {os.cpu_count()} cores, one process on each, so "
-        "that CPU times were measured while cores were shared. They are of the steps, settling included, without "
-        "compilation.",
-        "A *gate* decides whether the suite passes; it binds the recommended combination, penalty contact with CPDI "
-        "or CPDI2 and the scene's defaults. Other methods are shown at the same limits: *within* or *outside*. A "
-        "method that failed keeps its row.",
-    ]
-    if red:
-        lines.append("Gates that do not hold:")
-        lines.append(
-            "\n".join(
-                f"- {r.case}: {r.method}, {r.quantity} {number(r.value, r.unit)} ({r.tolerance})" for r in red
-            )
-        )
-    return "\n\n".join(lines)
+    return "\n\n".join(
+        [
+            "# Validation",
+            f"Written by `{command}`, which ran every case and drew every figure. {summary(outcomes)}.",
+            f"Conditions: Python {platform.python_version()}, {packages}; {os.cpu_count()} cores, one process on "
+            "each, so that CPU times were measured while cores were shared. They are of the steps and of settling, "
+            "without compilation.",
+            "A *gate* decides whether the suite passes; it binds the recommended combination, penalty contact with "
+            "CPDI or CPDI2 and the scene's defaults. Other methods are shown at the same limits: *within* or "
+            "*outside*. A method that failed keeps its row.",
+            *_red(outcomes, known),
+        ]
+    )
+
+
+def _red(outcomes: Sequence[Outcome], known: Sequence[KnownRed]) -> list[str]:
+    """The gates that do not hold, with the reason where it is known."""
+    rows = [row for outcome in outcomes for row in outcome.rows if row.verdict is Verdict.RED]
+    if not rows:
+        return ["Every gate holds."]
+    lines = []
+    for row in rows:
+        why = next((gate.why for gate in known if gate.is_of(row)), "not known why")
+        value = f"{number(row.value, row.unit)} ({row.tolerance})"
+        lines.append(f"- {row.case}: {row.method}, {row.quantity} {value}: {why}")
+    return ["Gates that do not hold:", "\n".join(lines)]
 
 
 def _section(outcome: Outcome, pictures: Path, repository: str) -> str:
@@ -154,6 +171,6 @@ def _markdown(rows: Sequence[Row]) -> str:
     lines = [" | ".join(HEADINGS[1:]), " | ".join("---" for _ in HEADINGS[1:])]
     for row in rows:
         verdict = f"**{row.verdict.value}**" if row.verdict is Verdict.RED else row.verdict.value
-        texts = cells(row)[1:6] + (verdict, cells(row)[7])
+        texts = (*cells(row)[1:6], verdict, cells(row)[7])
         lines.append(" | ".join(text.replace("|", "\\|").replace("\n", " ") for text in texts))
     return "\n".join(f"| {line} |" for line in lines)

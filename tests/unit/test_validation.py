@@ -1,0 +1,189 @@
+"""The suite's own logic, on suites of a few lines: verdicts, exit status, table, page, and cases that go wrong."""
+
+import csv
+import math
+
+import pytest
+from typer.testing import CliRunner
+
+from mpmfw.cli import app
+from mpmfw.errors import SceneError
+from mpmfw.validation import Case, Method, Row, Verdict, find_cases, run_cases
+from mpmfw.validation.known import KnownRed, departures, read_known_red
+
+GREEN = """
+from measures import SIX
+def check(case):
+    case.gate("six", SIX, within=(5.0, 7.0), reference=6.0, unit="m", method="by hand")
+    case.show("size", 2.0 if case.quick else 3.0)
+"""
+RED = "def check(case): case.gate('six', 8.0, within=(5.0, 7.0), method='by hand')"
+BROKEN = "def check(case):\n    case.show('before', 1.0)\n    raise ZeroDivisionError('no reference')"
+FIGURE = """
+from mpmfw.plots.style import new_figure
+def check(case):
+    figure = new_figure(1, 1)
+    figure.subplots().plot([0, 1])
+    case.figure("line", figure)
+"""
+
+
+@pytest.fixture
+def suite(tmp_path):
+    """Make a suite of cases: name → check.py."""
+
+    def make(**cases):
+        for name, text in cases.items():
+            folder = tmp_path / "suite" / name
+            folder.mkdir(parents=True)
+            (folder / "check.py").write_text(text)
+            (folder / "README.md").write_text(f"# Case {name}\n\nWhat it is about.\n\n## More\n")
+        (tmp_path / "suite" / "measures.py").write_text("SIX = 6.0\n")
+        return tmp_path / "suite"
+
+    return make
+
+
+def outcomes(folder, tmp_path, **options):
+    return run_cases(find_cases(folder), tmp_path / "out", jobs=1, **options)
+
+
+@pytest.mark.parametrize(
+    ("value", "limits", "binds", "verdict"),
+    [
+        (1.0, (0.0, 2.0), True, Verdict.HOLDS),
+        (2.0, (0.0, 2.0), True, Verdict.HOLDS),
+        (2.1, (0.0, 2.0), True, Verdict.RED),
+        (math.nan, (0.0, 2.0), True, Verdict.RED),
+        (math.nan, (-math.inf, math.inf), True, Verdict.RED),
+        (1.0, (0.0, 2.0), False, Verdict.WITHIN),
+        (math.nan, (0.0, 2.0), False, Verdict.OUTSIDE),
+        (-1.0, (0.0, math.inf), False, Verdict.OUTSIDE),
+        (1.0, (-math.inf, math.inf), False, Verdict.SHOWN),
+    ],
+)
+def test_verdict(value, limits, binds, verdict):
+    assert Row("case", "method", "quantity", value, "", "", *limits, binds).verdict is verdict
+
+
+def test_gates_bind_the_recommended_methods_alone(tmp_path):
+    case = Case(tmp_path)
+    for method in case.methods(("none", "penalty", ""), ("gimp", "cpdi"), {"": {}, "soft": {"a.b": 1}}):
+        case.judge(method, "q", 3.0, within=(0.0, 1.0))
+    red = {row.method for row in case.rows if row.verdict is Verdict.RED}
+    assert red == {"penalty, cpdi", "cpdi"}
+    assert len(case.rows) == 12
+
+
+def test_a_failing_method_keeps_its_row(tmp_path):
+    case = Case(tmp_path)
+    grid = {"cell_size": 0.1, "lower": [0, 0], "upper": [1, 1]}
+    disc = {"type": "disc", "centre": [0.9, 0.5], "radius": 0.3}  # beyond the grid
+    (tmp_path / "scene.toml").write_text(
+        f"grid = {toml(grid)}\ntime = {{ end = 1e-3, output_interval = 1e-3 }}\nshape = {{ method = 'cpdi' }}\n"
+        f"[materials.m]\nmodel = 'neo_hookean'\ndensity = 1\nbulk_modulus = 1\nshear_modulus = 1\n"
+        f"[bodies.b]\nmaterial = 'm'\ngeometry = {toml(disc)}\nparticles = {{ size = 0.05 }}\n"
+    )
+    assert list(case.runs([Method("", "cpdi"), Method("", "gimp")])) == []
+    assert [row.verdict for row in case.rows] == [Verdict.RED, Verdict.FAILED]
+    assert all("is not inside the grid" in row.note for row in case.rows)
+
+
+def toml(table):
+    return "{ " + ", ".join(f"{key} = {value!r}" for key, value in table.items()) + " }"
+
+
+def test_cases_run_apart_and_in_the_reduced_version(suite, tmp_path):
+    folder = suite(one=GREEN, two=GREEN)
+    full, quick = outcomes(folder, tmp_path), outcomes(folder, tmp_path, quick=True)
+    assert [outcome.folder.name for outcome in full] == ["one", "two"]
+    assert all(outcome.holds for outcome in full)
+    assert (full[0].rows[1].value, quick[1].rows[1].value) == (3.0, 2.0)
+
+
+def test_what_goes_wrong_in_a_case_stops_no_other(suite, tmp_path):
+    broken, green = outcomes(suite(a=BROKEN, b=GREEN), tmp_path)
+    assert not broken.holds
+    assert "no reference" in broken.error
+    assert [row.quantity for row in broken.rows] == ["before"]
+    assert green.holds
+
+
+def test_processes_bring_the_same_rows(suite, tmp_path):
+    folder = suite(a=GREEN, b=RED)
+    alone = run_cases(find_cases(folder), tmp_path / "alone", jobs=1)
+    together = run_cases(find_cases(folder), tmp_path / "together", jobs=2)
+    assert [(r.case, r.value, r.verdict) for o in alone for r in o.rows] == [
+        (r.case, r.value, r.verdict) for o in together for r in o.rows
+    ]
+
+
+@pytest.mark.parametrize(
+    ("cases", "arguments", "status", "said"),
+    [
+        ({"a": GREEN}, [], 0, "1 gates: 1 hold, 0 red"),
+        ({"a": GREEN, "b": RED}, [], 1, "red, and not known to be"),
+        ({"a": GREEN, "b": RED}, ["a"], 0, "1 cases"),
+        ({"a": BROKEN}, [], 1, "went wrong"),
+        ({"slide": GREEN}, ["silde"], 2, "did you mean 'slide'?"),
+    ],
+)
+def test_exit_status(suite, tmp_path, cases, arguments, status, said):
+    result = command(suite(**cases), tmp_path, *arguments)
+    assert result.exit_code == status
+    assert said in " ".join(result.output.split())
+
+
+def command(folder, tmp_path, *arguments):
+    options = ["--suite", str(folder), "-o", str(tmp_path / "out"), "-j", "1"]
+    return CliRunner().invoke(app, ["validate", *options, *arguments])
+
+
+def test_no_suite_is_a_wrong_request(tmp_path):
+    assert command(tmp_path / "nowhere", tmp_path).exit_code == 2
+    with pytest.raises(SceneError, match=r"no folder in it has a check\.py"):
+        find_cases(tmp_path)
+
+
+def test_known_red_gates_must_be_exactly_those(suite, tmp_path):
+    folder, listed = suite(a=GREEN, b=RED), tmp_path / "known.toml"
+    listed.write_text("[[red]]\ncase = 'b'\nmethod = 'by hand'\nquantity = 'six'\nwhy = 'eight is more'\n")
+    page = tmp_path / "page.md"
+    result = command(folder, tmp_path, "--known-red", str(listed), "--document", str(page))
+    assert result.exit_code == 0
+    assert "b: by hand, six 8 (5 … 7): eight is more" in page.read_text()
+    listed.write_text(listed.read_text().replace("'b'", "'a'"))
+    result = command(folder, tmp_path, "--known-red", str(listed))
+    assert result.exit_code == 1
+    assert "take it off the list" in result.output
+    assert "red, and not known to be" in result.output
+
+
+def test_a_gate_that_was_not_measured_departs_from_nothing():
+    assert departures([], [KnownRed(case="a", method="b", quantity="c", why="d")]) == []
+
+
+def test_a_list_that_cannot_be_read_is_a_wrong_request(tmp_path):
+    path = tmp_path / "known.toml"
+    path.write_text("[[red]]\ncase = 'a'\n")
+    with pytest.raises(SceneError, match="Field required"):
+        read_known_red(path)
+
+
+def test_table_and_page_and_figures_are_written(suite, tmp_path):
+    page = tmp_path / "docs" / "validation.md"
+    page.parent.mkdir()
+    result = command(suite(a=GREEN, b=FIGURE), tmp_path, "--document", str(page))
+    assert result.exit_code == 0
+    with (tmp_path / "out" / "validation.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [(row["quantity"], float(row["value"]), row["verdict"]) for row in rows] == [
+        ("six", 6.0, "holds"),
+        ("size", 3.0, "shown"),
+    ]
+    text = page.read_text()
+    assert "## Case a\n\nWhat it is about." in text
+    assert "Every gate holds." in text
+    assert "| by hand | six | 6 m | 6 m | 5 … 7 | holds |" in text
+    assert (page.parent / "validation" / "b-line.png").stat().st_size > 1000
+    assert "(validation/b-line.png)" in text
