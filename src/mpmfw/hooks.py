@@ -31,7 +31,8 @@ def hook_names() -> list[str]:
 class BoundHooks:
     """The hooks of one simulation as plain callables: ``hook.advect(grid=…, dt=…)``.
 
-    A hook that nobody implements costs one empty call. Hook wrappers go through pluggy itself.
+    A hook that nobody implements costs one empty call. Wrappers of the old style (``hookwrapper``) go through pluggy
+    itself.
     """
 
     def __init__(self, manager: pluggy.PluginManager, clock: Clock) -> None:
@@ -51,14 +52,52 @@ def _bind(caller: pluggy.HookCaller, clock: Clock) -> Callable[..., Any]:
     implementations = list(reversed(caller.get_hookimpls()))  # pluggy calls the last registered first
     if not implementations:
         return _nothing
-    if any(impl.hookwrapper or impl.wrapper for impl in implementations):
+    if any(impl.hookwrapper for impl in implementations):
         return caller
-    calls = [_with_stage(impl, clock) for impl in implementations]
-    if caller.spec is not None and caller.spec.opts.get("firstresult"):
+    calls = [_with_stage(impl, clock) for impl in implementations if not impl.wrapper]
+    bound = _all(calls, bool(caller.spec is not None and caller.spec.opts.get("firstresult")))
+    for impl in reversed([impl for impl in implementations if impl.wrapper]):
+        bound = _around(impl, bound, clock)
+    return bound
+
+
+def _all(calls: list[Callable[[dict[str, Any]], Any]], first_result: bool) -> Callable[..., Any]:
+    if not calls:
+        return (lambda **_: None) if first_result else (lambda **_: [])
+    if first_result:
         return _first_result(calls)
-    if len(calls) == 1:
-        return _single(calls[0])
-    return _all_results(calls)
+    return _single(calls[0]) if len(calls) == 1 else _all_results(calls)
+
+
+def _around(impl: pluggy.HookImpl, inner: Callable[..., Any], clock: Clock) -> Callable[..., Any]:
+    """A wrapper round a hook: what it does before its ``yield``, the hook, and what it does with the result."""
+    function, names = impl.function, impl.argnames
+    stage: str | None = getattr(impl.plugin, "stage", None)
+
+    def resume(step: Callable[[], Any]) -> Any:
+        previous = clock(stage) if stage is not None else None
+        try:
+            return step()
+        finally:
+            if previous is not None:
+                clock(previous)
+
+    def hook(**arguments: Any) -> Any:
+        generator = function(*[arguments[name] for name in names])
+        resume(lambda: next(generator))
+        try:
+            result = inner(**arguments)
+            resume(lambda: generator.send(result))
+        except StopIteration as stop:
+            return stop.value
+        except BaseException as error:
+            try:
+                generator.throw(error)
+            except StopIteration as stop:
+                return stop.value
+        raise RuntimeError(f"the wrapper of '{impl.plugin_name}' yields more than once")
+
+    return hook
 
 
 def _with_stage(impl: pluggy.HookImpl, clock: Clock) -> Callable[[dict[str, Any]], Any]:

@@ -227,8 +227,26 @@ def _outputs(made: Build) -> None:
     energy = made.scene.output.energy
     made.note("energies", energy, "series of every body" if energy else "output.energy = false")
     made.plugins.append(BodySeries(materials, affine=made.transfer.affine is not None, energy=energy))
+    _ledger(made, materials)
     frames = made.scene.output.particles
     if made.note(
         "von Mises stress", frames, "frames hold material points" if frames else "output.particles = false"
     ):
         made.plugins.append(VonMises(materials))
+
+
+def _ledger(made: Build, materials: tuple[Any, ...]) -> None:
+    asked = made.scene.output.ledger
+    reason = "output.ledger = false"
+    if asked:
+        stops = "and runs on whatever it shows" if made.scene.allow_unstable else "and stops where energy grows"
+        reason = f"output.ledger; measured in every step, {stops}"
+    if not made.note("energy ledger", asked, reason):
+        return
+    from mpmfw.effects.ledger import EnergyLedger
+
+    named = {plugin.name: plugin for plugin in made.plugins}
+    gravity, pressure = named.get("gravity"), named.get("pressure")
+    made.plugins.append(
+        EnergyLedger(materials, gravity, pressure, bounded=not made.scene.allow_unstable)
+    )

@@ -151,12 +151,25 @@ class Settle(Table):
 
 
 class Output(Table):
-    """What a run records besides the series that every run has."""
+    """What a run records besides the series that every run has.
+
+    Attributes
+    ----------
+    gap
+        Least gap of every pair.
+    particles, surface
+        Fields of material points and surface nodes.
+    energy
+        Kinetic, affine and strain energy of every body.
+    ledger
+        Energy balance: work, dissipation and residual, measured in every step; a run whose energy grows is stopped.
+    """
 
     gap: bool = True
     particles: bool = True
     surface: bool = True
     energy: bool = True
+    ledger: bool = False
 
 
 class Tables(Table):
