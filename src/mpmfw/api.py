@@ -102,6 +102,10 @@ class ContactStrategy(PlugIn):
         """Plug-ins that the strategy's options call for beside it, registered with it."""
         return []
 
+    def monitors(self) -> list[Any]:
+        """Plug-ins that watch the strategy's own stability, registered where a scene says ``output.stability``."""
+        return []
+
     def restart(self) -> None:
         """Time zero, after settling: forget accumulated work and impulse, keep the state of contact."""
 

@@ -7,7 +7,7 @@ and with its selection of arguments. Each plug-in's time goes to its own stage o
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from typing import TYPE_CHECKING, Any
 
 import pluggy
@@ -71,7 +71,8 @@ def _all(calls: list[Callable[[dict[str, Any]], Any]], first_result: bool) -> Ca
 
 def _around(impl: pluggy.HookImpl, inner: Callable[..., Any], clock: Clock) -> Callable[..., Any]:
     """A wrapper round a hook: what it does before its ``yield``, the hook, and what it does with the result."""
-    function, names = impl.function, impl.argnames
+    start: Callable[..., Any] = impl.function
+    names = impl.argnames
     stage: str | None = getattr(impl.plugin, "stage", None)
 
     def resume(step: Callable[[], Any]) -> Any:
@@ -83,7 +84,7 @@ def _around(impl: pluggy.HookImpl, inner: Callable[..., Any], clock: Clock) -> C
                 clock(previous)
 
     def hook(**arguments: Any) -> Any:
-        generator = function(*[arguments[name] for name in names])
+        generator: Generator[None, Any, Any] = start(*[arguments[name] for name in names])
         resume(lambda: next(generator))
         try:
             result = inner(**arguments)

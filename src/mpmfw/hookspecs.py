@@ -149,3 +149,11 @@ class HookSpecs:
         accumulators that restart at outputs.
         """
         raise NotImplementedError
+
+    @hookspec
+    def concerns(self) -> list[str]:
+        """Once, after the last step: what a reader of the results must know, a sentence each.
+
+        They become warnings, and the attribute ``warnings`` of the results. May change nothing.
+        """
+        raise NotImplementedError

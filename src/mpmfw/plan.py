@@ -228,6 +228,7 @@ def _outputs(made: Build) -> None:
     made.note("energies", energy, "series of every body" if energy else "output.energy = false")
     made.plugins.append(BodySeries(materials, affine=made.transfer.affine is not None, energy=energy))
     _ledger(made, materials)
+    _stability(made)
     frames = made.scene.output.particles
     if made.note(
         "von Mises stress", frames, "frames hold material points" if frames else "output.particles = false"
@@ -239,7 +240,9 @@ def _ledger(made: Build, materials: tuple[Any, ...]) -> None:
     asked = made.scene.output.ledger
     reason = "output.ledger = false"
     if asked:
-        stops = "and runs on whatever it shows" if made.scene.allow_unstable else "and stops where energy grows"
+        stops = (
+            "and runs on whatever it shows" if made.scene.allow_unstable else "and stops where energy grows"
+        )
         reason = f"output.ledger; measured in every step, {stops}"
     if not made.note("energy ledger", asked, reason):
         return
@@ -247,6 +250,14 @@ def _ledger(made: Build, materials: tuple[Any, ...]) -> None:
 
     named = {plugin.name: plugin for plugin in made.plugins}
     gravity, pressure = named.get("gravity"), named.get("pressure")
-    made.plugins.append(
-        EnergyLedger(materials, gravity, pressure, bounded=not made.scene.allow_unstable)
-    )
+    made.plugins.append(EnergyLedger(materials, gravity, pressure, bounded=not made.scene.allow_unstable))
+
+
+def _stability(made: Build) -> None:
+    asked = made.scene.output.stability
+    if not made.note("stability series", asked, f"output.stability = {str(asked).lower()}"):
+        return
+    from mpmfw.effects.time_step_series import TimeStepSeries
+
+    watching = made.contact.monitors() if made.contact is not None else []
+    made.plugins += [TimeStepSeries(), *watching]

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import os
+import warnings
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from mpmfw.errors import SceneError, SimulationError
+from mpmfw.errors import ResultsWarning, SceneError, SimulationError
 from mpmfw.results import RunWriter
 from mpmfw.results.memory import peak_memory, restart_peak_memory
 from mpmfw.scene import load_scene, located
@@ -60,8 +62,16 @@ def run(
         try:
             simulation.run(writer.write, progress)
         except SimulationError as error:
-            writer.finish({**simulation.costs(), "peak_memory": peak_memory(), "status": f"failed: {error}"})
+            writer.finish(_end(simulation, f"failed: {error}"))
             error.results = writer.results()
             raise
-        writer.finish({**simulation.costs(), "peak_memory": peak_memory(), "status": "ok"})
+        writer.finish(_end(simulation, "ok"))
+        for concern in simulation.concerns():
+            warnings.warn(concern, ResultsWarning, stacklevel=2)
         return writer.results()
+
+
+def _end(simulation: Simulation, status: str) -> dict[str, Any]:
+    """The attributes that are known at the end."""
+    remarks = {name: json.dumps(said) for name, said in simulation.remarks().items() if said}
+    return {**simulation.costs(), **remarks, "peak_memory": peak_memory(), "status": status}

@@ -76,6 +76,9 @@ class Simulation:
         self._step = SCHEMES[self.scheme]
         self._time_step = TimeStep(self.scene, self.state, 2.0 / made.bulk_frequency)
         self._recorder = Recorder(self.scene, self.state, self.fields, self.hook)
+        watch = self.manager.get_plugin("time_step_series")
+        if watch is not None:
+            watch.limits = self.limits
         self._started = False
         self._settled: dict[str, float] = {}
         self.settle_time = self.compile_time = 0.0
@@ -238,6 +241,16 @@ class Simulation:
     def _rotation(self, body: str) -> str:
         prefix = f"rotation of {body}: "
         return next(e.name.removeprefix(prefix) for e in self.effects if e.name.startswith(prefix))
+
+    def concerns(self) -> list[str]:
+        """What a reader of the results must know, a sentence each; complete after the last step."""
+        return [said for answer in self.hook.concerns() or [] for said in answer]
+
+    def remarks(self) -> dict[str, list[str]]:
+        """Lists of words for the results: ``warnings``, and ``time_step_owners`` where these are followed."""
+        watch = self.manager.get_plugin("time_step_series")
+        owners = {} if watch is None else {"time_step_owners": list(watch.owners)}
+        return {"warnings": self.concerns(), **owners}
 
     def costs(self) -> dict[str, float]:
         """Steps, material points, and seconds in all and by stage, of the steps after time zero."""

@@ -11,7 +11,14 @@ from mpmfw.api import SimulationError
 from mpmfw.effects.ledger import GROWTH_LIMIT
 from mpmfw.simulation import Simulation
 
-TERMS = ("gravity_work", "external_work", "contact_work", "inertia_work", "transfer_dissipation", "energy_residual")
+TERMS = (
+    "gravity_work",
+    "external_work",
+    "contact_work",
+    "inertia_work",
+    "transfer_dissipation",
+    "energy_residual",
+)
 
 
 def ledger(mapping, **keys):

@@ -180,3 +180,68 @@ def test_wrappers_go_through_pluggy(new_style: bool) -> None:
 
     hook, _ = bound(plugin("a", stable_timestep=answer("a")), plugin("w", stable_timestep=stable_timestep))
     assert hook.stable_timestep(state=None) == ["a", "wrapped"]
+
+
+class Wrapping:
+    """Adds to the result of what it wraps, and says what it saw."""
+
+    def __init__(self, name: str, *, catches: bool = False) -> None:
+        self.name, self.catches, self.seen = name, catches, []
+
+    @hookimpl(wrapper=True)
+    def stable_timestep(self, state: Any) -> Any:  # noqa: ARG002
+        self.seen.append("before")
+        try:
+            result = yield
+        except ZeroDivisionError:
+            self.seen.append("error")
+            if not self.catches:
+                raise
+            result = []
+        self.seen.append("after")
+        return [*result, (1.0, self.name)]
+
+
+class Limiting:
+    """Answers, or divides by zero."""
+
+    name = "limiting"
+
+    def __init__(self, *, fails: bool = False) -> None:
+        self.fails = fails
+
+    @hookimpl
+    def stable_timestep(self) -> tuple[float, str]:
+        return (1.0 / 0.0 if self.fails else 2.0), "limiting"
+
+
+@pytest.mark.parametrize("fails", [False, True])
+@pytest.mark.parametrize("catches", [(False, False), (True, False), (False, True)])
+def test_bound_wrappers_do_what_pluggy_does(catches: tuple[bool, bool], fails: bool) -> None:
+    """Two wrappers round one implementation: same order, same result, same errors."""
+
+    def outcome(bound: bool) -> tuple[Any, ...]:
+        plugins = [Wrapping("outer", catches=catches[0]), Wrapping("inner", catches=catches[1])]
+        manager = make_manager()
+        for one in (Limiting(fails=fails), *plugins):
+            manager.register(one, name=one.name)
+        hook = BoundHooks(manager, Clock()) if bound else manager.hook
+        try:
+            result = hook.stable_timestep(state=None)
+        except ZeroDivisionError:
+            result = "raised"
+        return result, [one.seen for one in plugins]
+
+    assert outcome(bound=True) == outcome(bound=False)
+
+
+def test_a_wrapper_has_its_own_stage() -> None:
+    clock = Clock()
+    wrapping = Wrapping("output")
+    wrapping.stage = "output"  # type: ignore[attr-defined]
+    manager = make_manager()
+    manager.register(wrapping, name="wrapping")
+    clock("force")
+    BoundHooks(manager, clock).stable_timestep(state=None)
+    clock.flush()
+    assert clock.cpu["output"] > 0.0

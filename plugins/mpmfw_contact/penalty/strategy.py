@@ -76,6 +76,12 @@ class Penalty(ContactStrategy):
         """The surface layer's inertia, where it has a thickness."""
         return [InterfaceLayer(self.options.interface_thickness)] if self.adds_mass else []
 
+    def monitors(self) -> list[Any]:
+        """Steps per contact and deepest penetration."""
+        from mpmfw_contact.penalty.events import monitors
+
+        return monitors(self)
+
     @hookimpl
     def declare_fields(self) -> list[Field]:
         """Force of the surface nodes, and the pairs' series."""

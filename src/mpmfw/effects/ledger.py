@@ -1,11 +1,11 @@
 """Energy ledger: where every joule comes from and goes to, measured where it changes hands.
 
-Between the projection and the gather a node's momentum changes from m v⁰ to m v¹ by impulses: of gravity, pressures, contact,
-inertia corrections, prescribed sides, and of the internal forces. The work of an impulse is its product with
+Between the projection and the gather a node's momentum changes from m v⁰ to m v¹ by impulses: of gravity, pressures,
+contact, inertia corrections, prescribed sides, and of the internal forces. The work of an impulse is its product with
 (v⁰ + v¹) / 2; the works of all add up to the change of the grid's kinetic energy exactly. What the transfer loses is
-measured across it: the kinetic energy of the material points less the grid's at the projection, and the reverse at the gather. What is
-left over against kinetic and strain energy, the residual, is the difference between the work of the internal forces and
-the strain energy: the error of the strain's integration in time.
+measured across it: the kinetic energy of the material points less the grid's at the projection, and the reverse at
+the gather. What is left over against kinetic and strain energy, the residual, is the difference between the work of
+the internal forces and the strain energy: the error of the strain's integration in time.
 """
 
 from __future__ import annotations
@@ -38,7 +38,9 @@ def _series(name: str, meaning: str) -> Field:
 LEDGER_FIELDS = [
     _series("gravity_work", "work of gravity on all bodies since time zero"),
     _series("external_work", "work of pressures and prescribed sides on all bodies since time zero"),
-    _series("contact_work", "work of contact on all bodies since time zero (spring energy taken up is negative)"),
+    _series(
+        "contact_work", "work of contact on all bodies since time zero (spring energy taken up is negative)"
+    ),
     _series("inertia_work", "kinetic energy that the inertia corrections added on the grid since time zero"),
     _series("transfer_dissipation", "kinetic energy lost between material points and grid since time zero"),
     _series("energy_residual", "kinetic and strain energy that no other term of the ledger accounts for"),
@@ -222,7 +224,10 @@ class EnergyLedger:
         if growth <= GROWTH_LIMIT * allowed:
             return
         causes = {
-            "contact": (self.work["contact"], "a smaller time.safety, or a softer contact (contact.penalty.kappa)"),
+            "contact": (
+                self.work["contact"],
+                "a smaller time.safety, or a softer contact (contact.penalty.kappa)",
+            ),
             "the inertia correction": (self.work["inertia"], "a smaller time.safety, or rotation = 'lumped'"),
             "the transfer between points and grid": (-self.dissipated, "another stepping.transfer or shape"),
             "the strain's integration in time": (residual, "a smaller time.safety, or scheme 'usl'"),

@@ -163,6 +163,8 @@ class Output(Table):
         Kinetic, affine and strain energy of every body.
     ledger
         Energy balance: work, dissipation and residual, measured in every step; a run whose energy grows is stopped.
+    stability
+        The time step, its limit and who sets it; what the contact strategy knows of its own stability.
     """
 
     gap: bool = True
@@ -170,6 +172,7 @@ class Output(Table):
     surface: bool = True
     energy: bool = True
     ledger: bool = False
+    stability: bool = False
 
 
 class Tables(Table):

@@ -1,0 +1,58 @@
+"""Series of the time step: its length, the limit, and who sets the limit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from mpmfw.fields import AnyArray, Field
+from mpmfw.hookspecs import hookimpl
+from mpmfw.state import State
+
+TIME_STEP_FIELDS = [
+    Field("time_step", (), "s", "mean length of the steps since the last output", "series", output=True),
+    Field("time_step_limit", (), "s", "stable time step at the output", "series", output=True),
+    Field(
+        "time_step_owner",
+        (),
+        "1",
+        "who sets the limit: index into the attribute time_step_owners of the root",
+        "series",
+        output=True,
+    ),
+]
+
+
+class TimeStepSeries:
+    """What the steps are limited by, at outputs.
+
+    Parameters
+    ----------
+    limits
+        Every stable time step [s] with its owner, the safety factor left out.
+    """
+
+    name = "time_step_series"
+    stage = "output"
+
+    def __init__(self) -> None:
+        self.limits: Callable[[], list[tuple[float, str]]] = list
+        self.owners: list[str] = []
+        self.last = 0
+
+    @hookimpl
+    def declare_fields(self) -> list[Field]:
+        """The three series."""
+        return TIME_STEP_FIELDS
+
+    @hookimpl
+    def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
+        """Values at this output; an owner is numbered when it first sets the limit."""
+        limit, owner = min(self.limits())
+        if owner not in self.owners:
+            self.owners.append(owner)
+        steps, self.last = state.steps - self.last, state.steps
+        mean = interval / steps if steps > 0 and interval > 0.0 else np.nan
+        values = {"time_step": mean, "time_step_limit": limit, "time_step_owner": self.owners.index(owner)}
+        return {name: np.asarray(float(value)) for name, value in values.items()}

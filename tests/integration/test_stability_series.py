@@ -1,0 +1,66 @@
+"""Time step and contact events as series, and the warnings that come of them."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from contact_scenes import impact
+from mpmfw import run
+from mpmfw.errors import ResultsWarning
+from mpmfw.simulation import Simulation
+
+
+def colliding(kappa=1.0, gap=0.01, end=0.12, **keys):
+    """Two equal blocks that meet."""
+    mapping = impact(gap=gap, speed=1.0, slide=0.0, right="soft")
+    mapping["contact"] |= {"method": "penalty", "penalty": {"kappa": kappa}}
+    mapping["time"] = {"end": end, "output_interval": 0.01}
+    return {**mapping, "output": {"stability": True}, **keys}
+
+
+def test_steps_and_limits_are_recorded():
+    tree = run(colliding(gap=0.25, end=0.3))  # apart by more than the search radius for half of the time
+    series = tree["series"].to_dataset()
+    owners = json.loads(tree.attrs["time_step_owners"])
+    named = {owners[int(index)] for index in series["time_step_owner"].values}
+    assert named == set(owners) == {"bulk wave speed (h / c)", "penalty springs and bulk"}
+    steps = (0.01 / series["time_step"].values[1:]).round().sum()
+    assert steps == tree.attrs["steps"]
+    assert (series["time_step"].values[1:] <= 0.5 * series["time_step_limit"].max().item()).all()
+
+
+def test_contacts_are_counted_in_steps():
+    """A block touches for 2 L / c; nodes at the rim bounce more often, but none for fewer than 3 steps."""
+    tree = run(colliding())
+    series = tree["series"].to_dataset()
+    ended = series["steps_per_contact"].isel(pair=0).values
+    assert np.isnan(ended[0])
+    assert np.nanmin(ended) >= 3
+    depth = series["penetration"].isel(pair=0).values
+    gap = -series["min_gap"].isel(pair=0).values / 0.1
+    assert depth.max() > 0.0
+    assert depth.max() >= 0.99 * gap.max()
+
+
+def test_soft_springs_are_reported():
+    with pytest.warns(ResultsWarning, match=r"left-right: the bodies penetrate by .* cells, more than 0\.15"):
+        tree = run(colliding(kappa=0.01))
+    assert "penetrate" in json.loads(tree.attrs["warnings"])[0]
+
+
+def test_contacts_that_steps_do_not_resolve_are_reported():
+    scene = colliding(kappa=200.0, allow_unstable=True)
+    scene["time"]["step"] = 1.5e-3
+    with pytest.warns(ResultsWarning, match=r"left-right: a contact lasted [12] steps, fewer than 3"):
+        run(scene)
+
+
+def test_what_is_not_asked_for_is_not_there():
+    simulation = Simulation({**colliding(), "output": {}})
+    assert simulation.manager.get_plugin("time_step_series") is None
+    assert simulation.manager.get_plugin("contact_events") is None
+    assert not [name for name in simulation.state.arrays if name.startswith("contact_events/")]
+    assert simulation.concerns() == []
