@@ -1,0 +1,107 @@
+"""Physics broken in one line turns gates of the suite red: which, for each line, is written down here.
+
+A copy of the plug-in package with that line changed takes the package's place in a process of its own, which runs the
+reduced version of a case.
+"""
+
+from __future__ import annotations
+
+import csv
+import os
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One line of physics, broken; and gates that must turn red, as (method, quantity)."""
+
+    file: str  #: in plugins/
+    line: str
+    broken: str
+    case: str
+    red: tuple[tuple[str, str], ...]
+
+
+CPDI = "penalty, cpdi"
+CPDI2 = "penalty, cpdi2"
+PAIR = "mpmfw_contact/penalty/pair_force.py"
+SLIDING = "fitted acceleration, error"
+
+FAULTS = {
+    "reversed normal": Fault(  # bodies are pulled into each other until points invert: the runs fail
+        PAIR,
+        "f_n = -k * g",
+        "f_n = k * g",
+        "sliding-block",
+        ((CPDI, "run"), (CPDI2, "run")),
+    ),
+    "friction halved": Fault(
+        PAIR,
+        "limit = friction[pair] * f_n",
+        "limit = 0.5 * friction[pair] * f_n",
+        "sliding-block",
+        ((CPDI, SLIDING), (CPDI2, SLIDING)),
+    ),
+    "P dropped": Fault(
+        PAIR,
+        "couple = gap / lever * e_n",
+        "couple = 0.0 * gap / lever * e_n",
+        "pair-force",
+        (("", "l δξ − C_t, largest"), ("", "net moment of C_t"), ("", "net moment of the kernel's pairs")),
+    ),
+    "wrong surface map": Fault(
+        "mpmfw_contact/penalty/strategy.py",
+        "self.surface_map = self.options.map",
+        'self.surface_map = "mass_weighted"',
+        "contact-stress",
+        ((CPDI, "mean σ_yy, error, at 0.37 h"), (CPDI, "largest departure, at 0.37 h")),
+    ),
+    "MUSL for rotation": Fault(
+        "mpmfw_shape/cpdi.py",
+        '    name = "cpdi"\n',
+        '    name = "cpdi"\n    auto_scheme = "musl"\n',
+        "spinning-disc",
+        (("cpdi", "angular momentum, change per turn"),),
+    ),
+}
+
+
+def gates(fault: Fault, folder: Path) -> dict[tuple[str, str], str]:
+    """Verdicts of the gates that the broken package reaches, by (method, quantity)."""
+    package = fault.file.partition("/")[0]
+    shutil.copytree(
+        ROOT / "plugins" / package, folder / package, ignore=shutil.ignore_patterns("__pycache__")
+    )
+    path = folder / fault.file
+    text = path.read_text(encoding="utf-8")
+    assert text.count(fault.line) == 1, f"{fault.file} has no longer one line '{fault.line}'"
+    path.write_text(text.replace(fault.line, fault.broken), encoding="utf-8")
+    command = "from mpmfw.cli import main; main()"
+    options = ["--quick", "--suite", str(ROOT / "validation"), "-o", str(folder / "out"), "-j", "1"]
+    done = subprocess.run(
+        [sys.executable, "-c", command, "validate", fault.case, *options],
+        env={**os.environ, "PYTHONPATH": str(folder)},
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
+    assert done.returncode == 1, done.stdout[-3000:] + done.stderr[-3000:]
+    with (folder / "out" / "validation.csv").open(encoding="utf-8") as file:
+        return {(row["method"], row["quantity"]): row["verdict"] for row in csv.DictReader(file)}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_broken_physics_turns_gates_red(name, tmp_path):
+    fault = FAULTS[name]
+    found = gates(fault, tmp_path)
+    red = {gate for gate, verdict in found.items() if verdict == "RED"}
+    assert set(fault.red) <= red, f"red: {sorted(red)}"

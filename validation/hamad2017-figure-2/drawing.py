@@ -1,0 +1,124 @@
+"""Domains and surfaces of the cylinder at the start and at the end."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from rolling import BODY, motion_of
+
+from mpmfw.fields import FloatArray
+from mpmfw.plots.style import dress, legend_below, new_figure
+from mpmfw.validation import Method
+
+_COLOURS = {"penalty": "#0072B2", "bardenhagen": "#D55E00"}
+_GREY = {"plane": "0.85", BODY: "0.93"}
+_SHADE = 0.35  #: of the marked quarter
+_HEIGHTS = (32.0, 46.0, 46.0)  #: of the panels [mm]
+_ZOOM = (2.1, 0.9)  #: size of the enlarged window [m]
+_TOP = 0.8  #: of the plane [m]
+_CELLS: dict[str, Any] = {"color": "#117733", "linewidth": 0.7, "linestyle": (0, (4, 3)), "zorder": 1.5}
+
+
+def positions(runs: Mapping[Method, xr.DataTree]) -> Figure:
+    """One column for each method: the whole plane, and where the bodies meet at the start and at the end."""
+    figure = new_figure(len(runs), 1, sum(_HEIGHTS))
+    panels = figure.subplots(3, len(runs), squeeze=False, height_ratios=_HEIGHTS)
+    for column, (method, tree) in zip(panels.T, runs.items(), strict=True):
+        _whole(column[0], method, tree)
+        for axes, frame in zip(column[1:], (0, -1), strict=True):
+            _near(axes, method, tree, frame)
+    legend_below(figure, [_key()])
+    return figure
+
+
+def _whole(axes: Any, method: Method, tree: xr.DataTree) -> None:
+    for frame in (0, -1):
+        _domains(axes, method, tree, frame, 0.15)
+        _surfaces(axes, method, tree, frame, 0.7, "")
+    axes.set_aspect("equal")
+    axes.set_xlim(-0.4, 20.4)
+    axes.set_ylim(-0.3, 5.0)
+    end = float(np.asarray(tree["time"])[-1])
+    dress(axes, "x [m]", "y [m]", f"{method}: 0 s and {end:.3f} s")
+    axes.grid(False)
+
+
+def _near(axes: Any, method: Method, tree: xr.DataTree, frame: int) -> None:
+    """Enlarge the place under the cylinder's centre, with the cells of the grid."""
+    h = float(tree.attrs["cell_size"])
+    centre = float(_groups(tree, "particles")[BODY]["position"].isel(time=frame).sel(axis="x").mean())
+    left, bottom = centre - 0.5 * _ZOOM[0], _TOP - 0.4 * _ZOOM[1]
+    # Grid lines are at whole multiples of h from its lower corner, which the shipped scene has at -4 h
+    for position in h * np.arange(np.floor(left / h), np.ceil((left + _ZOOM[0]) / h) + 1):
+        axes.axvline(position, **_CELLS)
+    for position in h * np.arange(np.floor(bottom / h), np.ceil((bottom + _ZOOM[1]) / h) + 1):
+        axes.axhline(position, **_CELLS)
+    _domains(axes, method, tree, frame, 0.4)
+    _surfaces(axes, method, tree, frame, 1.3, "o")
+    axes.set_aspect("equal")
+    axes.set_xlim(left, left + _ZOOM[0])
+    axes.set_ylim(bottom, bottom + _ZOOM[1])
+    motion = motion_of(tree)
+    time, gap = motion.time[frame], float(motion.gap[frame])
+    said = f"gap {gap:.2f} h" if gap > 0.0 else f"penetration {-gap:.3f} h"
+    if gap > 0.05:
+        ends = {"xy": (centre, _TOP), "xytext": (centre, _TOP + gap * h)}
+        axes.annotate(
+            "", **ends, arrowprops={"arrowstyle": "<->", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
+        )
+    dress(axes, "x [m]", "y [m]", f"{time:.3f} s: {said}")
+    axes.grid(False)
+
+
+def _groups(tree: xr.DataTree, kind: str) -> dict[str, xr.Dataset]:
+    return {str(body): group.to_dataset() for body, group in tree[kind].children.items()}
+
+
+def _domains(axes: Any, method: Method, tree: xr.DataTree, frame: int, width: float) -> None:
+    """Quadrilaterals of the material points; a quarter of the cylinder is dark, to show how it turned."""
+    for body, group in _groups(tree, "particles").items():
+        corners = group["corners"]
+        colours: Any = _GREY[body]
+        if body == BODY:
+            marked = _quarter(group["position"].isel(time=0).values)
+            colours = [_tint(_COLOURS[method.contact], _SHADE if dark else 0.1) for dark in marked]
+        quads = PolyCollection(
+            list(corners.isel(time=frame).values), facecolors=colours, edgecolors="0.45", linewidths=width
+        )
+        axes.add_collection(quads)
+
+
+def _quarter(position: FloatArray) -> FloatArray:
+    """Whether points lie above and to the right of their centre."""
+    away = position - position.mean(axis=0)
+    return np.asarray((away > 0.0).all(axis=1))
+
+
+def _tint(colour: str, strength: float) -> tuple[float, ...]:
+    channels = (int(colour[k : k + 2], 16) / 255.0 for k in (1, 3, 5))
+    return tuple(1.0 - strength * (1.0 - channel) for channel in channels)
+
+
+def _surfaces(axes: Any, method: Method, tree: xr.DataTree, frame: int, width: float, marker: str) -> None:
+    for body, group in _groups(tree, "surface").items():
+        start = group["position"].isel(time=frame).values
+        segments = np.stack([start, start[group["next"].values]], axis=1)
+        colour = _COLOURS[method.contact] if body == BODY else "0.15"
+        style = {"color": colour, "linewidth": width, "marker": marker, "markersize": 2.5}
+        axes.plot(*segments.transpose(2, 1, 0), **style)
+
+
+def _key() -> list[Any]:
+    return [
+        Patch(facecolor="0.93", edgecolor="0.45", linewidth=0.4, label="particles' domains"),
+        Patch(facecolor="0.7", edgecolor="0.45", linewidth=0.4, label="a quarter, marked"),
+        Line2D([], [], color="0.15", marker="o", markersize=2.5, linewidth=1.3, label="surface, nodes"),
+        Line2D([], [], **_CELLS, label="cells of the grid"),
+    ]

@@ -1,0 +1,192 @@
+"""Pair force: what the penalty contact's kernel puts on a slave node and a segment, against finite differences."""
+
+# cost: 3
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from mpmfw.fields import FloatArray
+from mpmfw.kernels.polyline import segment_coordinate
+from mpmfw.plots.style import dress, legend_below, new_figure
+from mpmfw.validation import Case
+from mpmfw_contact.penalty.pair_force import contact_forces, normal_rows, tangent_rows, tangential_rows
+
+# Only an error of the closed form is left: the step's truncation is h² / l² ~ 1e-12, its rounding 1e-16 / h ~ 1e-10.
+STEP = 1e-6  # of the central differences, in segment lengths
+VARIATION, BALANCE = 1e-8, 1e-14
+STIFFNESS, FRICTION, PASSED = 1e4, 0.3, 1e-3  # N/m², 1, s: of the kernel's own call
+
+Rows = dict[str, FloatArray]
+
+
+class Errors(NamedTuple):
+    """Largest errors over all pairs, by the name of the rows."""
+
+    of_gap: dict[str, float]  #: from δg_n
+    of_slip: dict[str, float]  #: from l δξ
+    force: dict[str, float]  #: net force over Σ |f|
+    moment: dict[str, float]  #: net moment over Σ |x| |f|
+
+
+def check(case: Case) -> None:
+    """The closed forms, those of [H17] that are not the variation, and the force of the compiled kernel."""
+    count = 200 if case.quick else 5000
+    rng = np.random.default_rng(20170)
+    with case.timed():
+        pairs = [random_pair(rng) for _ in range(count)]
+        found = measure(pairs)
+        force, moment = kernel_balance(pairs[: 200 if case.quick else 1000], rng)
+    limit = {"within": (-np.inf, VARIATION)}
+    case.gate("δg_n − N, largest", found.of_gap["N"], reference=0.0, **limit)
+    case.gate("l δξ − C_t, largest", found.of_slip["C_t"], reference=0.0, **limit)
+    case.show("δg_n − (N − g_n Q / l), largest", found.of_gap["C_n with Q"], reference=0.0, **limit)
+    case.show("l δξ − T, without P, largest", found.of_slip["C_t without P"], reference=0.0, **limit)
+    limit = {"within": (-np.inf, BALANCE)}
+    for name in ("N", "C_t", "C_n with Q", "C_t without P"):
+        for quantity, value in (("net force", found.force[name]), ("net moment", found.moment[name])):
+            binds = name in ("N", "C_t")
+            case.gate(f"{quantity} of {name}", value, reference=0.0, binds=binds, **limit)
+    case.gate("net force of the kernel's pairs", force, reference=0.0, **limit)
+    case.gate("net moment of the kernel's pairs", moment, reference=0.0, **limit)
+    case.figure("", figure(pairs))
+
+
+def random_pair(rng: np.random.Generator) -> FloatArray:
+    """x_s, x_1, x_2 (3, 2) with the projection within a segment of length 0.3 to 2 and |g_n| to 0.5 [m]."""
+    start, angle, length = rng.normal(size=2), rng.uniform(0.0, 2.0 * np.pi), rng.uniform(0.3, 2.0)
+    tangent = np.array([np.cos(angle), np.sin(angle)])
+    normal = np.array([tangent[1], -tangent[0]])
+    slave = start + rng.uniform(0.02, 0.98) * length * tangent + rng.uniform(-0.5, 0.5) * normal
+    return np.array([slave, start, start + length * tangent])
+
+
+def gap_and_coordinate(points: FloatArray) -> tuple[float, float]:
+    """g_n and ξ of eq. 3 and 4 of [H17], written out here and not taken from the product."""
+    slave, one, two = points
+    along = two - one
+    length = np.hypot(*along)
+    tangent = along / length
+    normal = np.array([tangent[1], -tangent[0]])
+    return float((slave - one) @ normal), float((slave - one) @ tangent / length)
+
+
+def variations(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """δg_n and l δξ by central differences, (3, 2) each."""
+    length = np.hypot(*(points[2] - points[1]))
+    of_gap, of_slip = np.empty((2, 3, 2))
+    for index in np.ndindex(3, 2):
+        ahead, behind = points.copy(), points.copy()
+        ahead[index] += STEP * length
+        behind[index] -= STEP * length
+        (gap_a, xi_a), (gap_b, xi_b) = gap_and_coordinate(ahead), gap_and_coordinate(behind)
+        width = ahead[index] - behind[index]
+        of_gap[index], of_slip[index] = (gap_a - gap_b) / width, length * (xi_a - xi_b) / width
+    return of_gap, of_slip
+
+
+def product_rows(points: FloatArray) -> Rows:
+    """The rows (3, 2) that the product's own functions give, and the two of [H17] and of common practice."""
+    xi, gap, length, tx, ty = segment_coordinate(*points.ravel())
+    normal, tangential, q = np.empty((3, 3, 2))
+    normal_rows(ty, -tx, xi, normal)
+    tangential_rows(ty, -tx, xi, gap, length, tangential)
+    tangent_rows(tx, ty, q)
+    without_p = np.outer([1.0, xi - 1.0, -xi], [tx, ty])
+    return {
+        "N": normal,
+        "C_t": tangential,
+        "C_n with Q": normal - gap / length * q,
+        "C_t without P": without_p,
+    }
+
+
+def measure(pairs: list[FloatArray]) -> Errors:
+    """The largest errors of all pairs."""
+    result = Errors({}, {}, {}, {})
+    for points in pairs:
+        of_gap, of_slip = variations(points)
+        for name, rows in product_rows(points).items():
+            keep(result.of_gap, name, float(np.abs(rows - of_gap).max()))
+            keep(result.of_slip, name, float(np.abs(rows - of_slip).max()))
+            net, moment = balance(points, rows)
+            keep(result.force, name, net)
+            keep(result.moment, name, moment)
+    return result
+
+
+def keep(largest: dict[str, float], name: str, value: float) -> None:
+    """Keep the larger one."""
+    largest[name] = max(largest.get(name, 0.0), value)
+
+
+def balance(points: FloatArray, force: FloatArray) -> tuple[float, float]:
+    """Net force over Σ |f| and net moment about the origin over Σ |x| |f|."""
+    sizes = np.hypot(*force.T)
+    moment = np.sum(points[:, 0] * force[:, 1] - points[:, 1] * force[:, 0])
+    lever = np.hypot(*points.T)
+    return float(np.hypot(*force.sum(axis=0)) / sizes.sum()), float(abs(moment) / (lever @ sizes))
+
+
+def kernel_balance(pairs: list[FloatArray], rng: np.random.Generator) -> tuple[float, float]:
+    """Balance of the forces that the compiled kernel puts on a touching pair that slides, friction included."""
+    worst = np.zeros(2)
+    for points in pairs:
+        gap, _ = gap_and_coordinate(points)
+        touching = points if gap < 0.0 else points[[0, 2, 1]]  # the other sense turns the outward normal
+        worst = np.maximum(worst, balance(touching, kernel_force(touching, 1e-3 * rng.normal(size=(3, 2)))))
+    return float(worst[0]), float(worst[1])
+
+
+def kernel_force(points: FloatArray, moved: FloatArray) -> FloatArray:
+    """Force on x_s, x_1, x_2 [N/m] by the kernel that runs in a step, for one slave node of body 0."""
+    gap, xi = gap_and_coordinate(points)
+    along = (points[2] - points[1]) / np.hypot(*(points[2] - points[1]))
+    body, follow = np.array([0, 1, 1]), np.array([0, 2, 1])
+    segment, master = np.array([[1], [-1], [-1]]), np.array([[1], [-1], [-1]])
+    value = {name: np.zeros((3, 1)) for name in ("xi", "gap", "old", "f_t", "c")}
+    value["xi"][0], value["gap"][0] = xi, gap
+    normal, force = np.zeros((3, 1, 2)), np.zeros((3, 2))
+    normal[0, 0] = along[1], -along[0]
+    pair_of, first, friction = np.array([[-1, 0], [0, -1]]), np.array([0]), np.array([FRICTION])
+    contact_forces(
+        1, master.copy(), segment, value["xi"], value["gap"], normal, master, value["f_t"], value["old"],
+        body, pair_of, first, points, moved, follow, follow, np.full((3, 1), STIFFNESS), value["c"], friction,
+        1.0, False, False, PASSED, np.zeros((3, 3, 2)), force, np.zeros((1, 2)), *np.zeros((4, 1)),
+    )  # fmt: skip
+    return force
+
+
+def figure(pairs: list[FloatArray]) -> Figure:
+    """Error of each form over the depth of the node, in segment lengths."""
+    result = new_figure(1, 1)
+    axes = result.subplots()
+    points: dict[str, list[tuple[float, float]]] = {}
+    for pair in pairs[:150]:
+        gap, _ = gap_and_coordinate(pair)
+        depth = abs(gap) / np.hypot(*(pair[2] - pair[1]))
+        of_gap, of_slip = variations(pair)
+        rows = product_rows(pair)
+        for label, target, name in (
+            ("$N$", of_gap, "N"),
+            ("$N-(g_n/l)Q$", of_gap, "C_n with Q"),
+            ("$T+(g_n/l)P$", of_slip, "C_t"),
+            ("$T$", of_slip, "C_t without P"),
+        ):
+            points.setdefault(label, []).append((depth, float(np.abs(rows[name] - target).max())))
+    looks = zip(points, ("#0072B2", "#D55E00", "#009E73", "#CC79A7"), "osv^", strict=True)
+    for label, colour, marker in looks:
+        x, y = np.array(points[label]).T
+        hollow = {"markerfacecolor": "none", "markersize": 5.0} if "Q" in label else {"markersize": 2.5}
+        axes.loglog(x, y, marker, color=colour, label=label, **hollow)
+    depth = np.array([1e-3, 2.0])
+    axes.loglog(depth, depth, "-", color="black", linewidth=0.8, label="$|g_n|/l$")
+    axes.axhline(VARIATION, color="black", linestyle="--", linewidth=0.8, label="gate")
+    axes.set_xlim(1e-3, 2.0)
+    dress(axes, "distance from the segment, $|g_n|/l$ [1]", "error of the variation [1]")
+    handles = axes.get_legend_handles_labels()[0]
+    legend_below(result, [handles[:4], handles[4:]])
+    return result

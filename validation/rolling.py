@@ -1,0 +1,156 @@
+"""The rolling cylinder of [H17], section 4.1: closed forms, and what the cases about it measure of a run.
+
+[H17] is Hamad, Giridharan & Moormann (2017), Procedia Engineering 175, 116-123.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from mpmfw.analysis import RollingSolution, end_displacement_error, fitted_acceleration, value_at
+from mpmfw.fields import FloatArray
+from mpmfw.report.table import gap_measures
+
+RADIUS, GRAVITY = 1.6, 10.0  #: R [m], g [m/s²]
+DISTANCE = 10.0  #: along the plane, at which displacement and spin are judged [m]
+BODY = "cylinder"
+
+#: Nothing but the series of motion is looked at; the shipped scenes measure an energy balance besides, at every step.
+SERIES_ONLY = {"output.particles": False, "output.surface": False, "output.ledger": False}
+#: Grid inertia as lumping leaves it.
+LUMPED = {"bodies.cylinder.rotation": "lumped"}
+
+
+@dataclass(frozen=True)
+class Roll:
+    """One of the two cases of [H17].
+
+    Attributes
+    ----------
+    scene
+        Name of the shipped scene.
+    solution
+        Rigid cylinder: eq. 13 of [H17], and the spin that belongs to it.
+    """
+
+    scene: str
+    solution: RollingSolution
+
+    @property
+    def name(self) -> str:
+        """``slip`` or ``no slip``, as in [H17]."""
+        return "slip" if self.solution.slips else "no slip"
+
+    @property
+    def end(self) -> float:
+        """Time at which the rigid cylinder has moved by 10 m [s]: 1.663 and 2.060."""
+        return self.solution.time_to(DISTANCE)
+
+
+#: 60°: d = (5/2)(√3 − 2/7) t² (eq. 13), α = 2 μ g cos θ / R with the same μ = 2/7 (the scene: 0.286, as [H17]'s text).
+SLIP = Roll(
+    "rolling-cylinder-slip",
+    RollingSolution(
+        5.0 * (math.sqrt(3.0) - 2.0 / 7.0),
+        -2.0 * (2.0 / 7.0) * GRAVITY * math.cos(math.pi / 3.0) / RADIUS,
+        True,
+    ),
+)
+#: 45°: d = (5√2/3) t² (eq. 13), α = a / R.
+NO_SLIP = Roll(
+    "rolling-cylinder-no-slip",
+    RollingSolution(10.0 * math.sqrt(2.0) / 3.0, -10.0 * math.sqrt(2.0) / 3.0 / RADIUS, False),
+)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Series of one run.
+
+    Attributes
+    ----------
+    time
+        (time,) [s].
+    displacement, velocity
+        Of the centre of mass along the plane, (time,) [m], [m/s].
+    spin
+        Clockwise, positive when rolling down, (time,) [rad/s].
+    gap
+        Least distance of the surfaces in cells, negative where they penetrate, (time,).
+    """
+
+    time: FloatArray
+    displacement: FloatArray
+    velocity: FloatArray
+    spin: FloatArray
+    gap: FloatArray
+
+
+def motion_of(tree: xr.DataTree) -> Motion:
+    """Take the motion from the results of a run."""
+    series = tree["series"].to_dataset()
+    along = series.sel(body=BODY, axis="x")
+    x = along["centre_of_mass"].values
+    return Motion(
+        series["time"].values,
+        x - x[0],
+        along["mean_velocity"].values,
+        -series["angular_velocity"].sel(body=BODY, rotation="z").values,
+        series["min_gap"].isel(pair=0).values / float(tree.attrs["cell_size"]),
+    )
+
+
+def measures(motion: Motion, roll: Roll) -> dict[str, float]:
+    """What the gates are about.
+
+    Returns
+    -------
+    dict
+        Errors against the rigid cylinder [%]: ``displacement`` and ``spin`` when it has moved by 10 m,
+        ``acceleration`` and ``angular acceleration`` fitted to the last 80 % of that time; in cells the ``gap``
+        at the end of the run and the ``penetration``, the mean over all outputs of the deepest.
+    """
+    exact, end = roll.solution, roll.end
+    fitted = fitted_acceleration(motion.time, motion.displacement, 0.2 * end, end)
+    alpha = fitted_slope(motion.time, motion.spin, 0.2 * end, end)
+    gaps = gap_measures(motion.gap)
+    displaced = end_displacement_error(motion.time, motion.displacement, exact.acceleration, DISTANCE)
+    return {
+        "displacement": 100.0 * displaced,
+        "acceleration": 100.0 * (fitted / exact.acceleration - 1.0),
+        "spin": 100.0 * (value_at(motion.time, motion.spin, end) / -float(exact.spin(end)) - 1.0),
+        "angular acceleration": 100.0 * (alpha / -exact.angular_acceleration - 1.0),
+        "gap": gaps["gap"],
+        "penetration": gaps["penetration"],
+    }
+
+
+def fitted_slope(time: FloatArray, values: FloatArray, start: float, end: float) -> float:
+    """Slope of the least-squares line between ``start`` and ``end``; NaN if a value there is missing."""
+    inside = (time >= start - 1e-9) & (time <= end + 1e-9)
+    if time[-1] < end or not np.all(np.isfinite(values[inside])):
+        return math.nan
+    return float(np.polyfit(time[inside], values[inside], 1)[0])
+
+
+def lumping_loss(cell_size: Any, particle_size: Any) -> Any:
+    """Relative surplus ε of the grid's rotational inertia under CPDI with a lumped mass.
+
+    I_grid = I + m (h² + l_p²)/3 with I = m R²/2, see the guide's page on rotation. Rolling without slip, a = g sin θ
+    / (1 + I/(m R²)), then loses ε/3 of its acceleration, and the spin of a slipping cylinder ε, to first order.
+    """
+    return (cell_size**2 + particle_size**2) / 3.0 / (0.5 * RADIUS**2)
+
+
+def line(look: tuple[str, Any]) -> dict[str, Any]:
+    """Keywords of ``Axes.plot`` for a colour and a line style."""
+    return {"color": look[0], "linestyle": look[1], "linewidth": 1.2}
+
+
+#: The closed form, on top of all curves.
+EXACT: dict[str, Any] = {"color": "black", "linewidth": 0.8, "zorder": 5}
