@@ -12,7 +12,7 @@ from mpmfw.errors import ResultsWarning, SceneError, SimulationError
 from mpmfw.results import RunWriter
 from mpmfw.results.memory import peak_memory, restart_peak_memory
 from mpmfw.scene import load_scene, located
-from mpmfw.simulation import Simulation
+from mpmfw.simulation import Simulation, chosen_methods
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -53,7 +53,7 @@ def run(
         The run failed; what it reached is in the file, and in the error's attribute ``results``.
     """
     restart_peak_memory()
-    loaded = load_scene(scene, set=set)
+    loaded = load_scene(scene, set={**chosen_methods(contact, shape), **(set or {})})
     try:
         simulation = Simulation(loaded, contact=contact, shape=shape)
     except SceneError as error:

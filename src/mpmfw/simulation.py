@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import math
-import time as wall_clock
 from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -139,10 +138,11 @@ class Simulation:
         if self._started:
             return
         if self.scene.settle is not None:
-            begin = wall_clock.perf_counter()
-            with CompileTimer(self.clock) as compiling:
+            self.clock.restart()
+            with CompileTimer(self.clock):
                 self._settle()
-            self.settle_time = wall_clock.perf_counter() - begin - compiling.seconds
+            self.clock.flush()
+            self.settle_time = sum(self.clock.cpu.values())
         initial_velocity(self.scene, self.state, interpolate(self.state, self.hook, self.clock))
         self._started = True
         self.clock.restart()
@@ -283,13 +283,14 @@ def _outputs(end: float, interval: float) -> int:
     return max(1, math.ceil(end / interval - 1e-9))
 
 
+def chosen_methods(contact: Any, shape: Any) -> dict[str, str]:
+    """What methods given by name set in the scene; strategy objects set nothing."""
+    given = {"contact.method": contact, "shape.method": shape}
+    return {key: value for key, value in given.items() if isinstance(value, str)}
+
+
 def _with_methods(scene: Any, contact: Any, shape: Any) -> Scene:
     """The scene with methods chosen by name in place of its own."""
     from mpmfw.scene import load_scene
 
-    chosen = {
-        f"{kind}.method": value
-        for kind, value in (("contact", contact), ("shape", shape))
-        if isinstance(value, str)
-    }
-    return load_scene(scene, set=chosen)
+    return load_scene(scene, set=chosen_methods(contact, shape))

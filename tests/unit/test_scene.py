@@ -10,6 +10,7 @@ import tomllib
 import pytest
 from pydantic import ValidationError
 
+import mpmfw
 from mpmfw.errors import SceneError
 from mpmfw.scene import Scene, json_schema, load_scene, shipped_scenes
 from mpmfw.scene.toml_text import toml_text
@@ -321,3 +322,13 @@ def test_the_json_schema_has_the_plugins_options():
     steel = schema["$defs"]["material.neo_hookean.Options"]["properties"]
     assert steel["model"] == {"const": "neo_hookean"}
     assert steel["bulk_modulus"]["unit"] == "Pa"
+
+
+def test_options_are_judged_with_the_methods_that_the_call_names():
+    """A PIC share has no effect with the scene's CPDI (aflip), and has one with linear functions (FLIP)."""
+    given = {"stepping.pic_fraction": 0.05, "time.end": 1e-3, "output.particles": False}
+    scene = load_scene("colliding-rings", set={"grid.cell_size": 4e-3}).text
+    with pytest.raises(SceneError, match="pic_fraction"):
+        mpmfw.run(tomllib.loads(scene), contact="none", set=given)
+    tree = mpmfw.run(tomllib.loads(scene), contact="none", shape="linear", set=given)
+    assert tree.attrs["status"] == "ok"

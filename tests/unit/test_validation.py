@@ -123,7 +123,7 @@ def test_processes_bring_the_same_rows(suite, tmp_path):
     [
         ({"a": GREEN}, [], 0, "1 gates: 1 hold, 0 red"),
         ({"a": GREEN, "b": RED}, [], 1, "red, and not known to be"),
-        ({"a": GREEN, "b": RED}, ["a"], 0, "1 cases"),
+        ({"a": GREEN, "b": RED}, ["a"], 0, "1 case, 1 gates"),
         ({"a": BROKEN}, [], 1, "went wrong"),
         ({"slide": GREEN}, ["silde"], 2, "did you mean 'slide'?"),
     ],

@@ -7,6 +7,7 @@ import math
 from mpmfw.kernels import device, kernel
 from mpmfw.kernels.polyline import segment_coordinate, signed_distance
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
+from mpmfw_contact.penalty.facing import turn_to_facing
 
 
 @kernel
@@ -215,7 +216,9 @@ def find_pairs(
     gap: Floats,
     normal: Floats,
 ) -> int:
-    """Step 3: for every slave node in a tagged cell the closest point of each other body within ``radius``.
+    """Step 3: for every slave node in a tagged cell the closest point of each other body within ``radius``, on a segment
+    that faces it.
+
 
     ``literal`` takes instead, as [H17] writes it, every segment with g_n < 0 and 0 ≤ ξ ≤ 1 one of whose ends
     lies within the radius, up to the number of slots. ``is_slave[a, b]`` tells whether nodes of body a are
@@ -253,6 +256,11 @@ def find_pairs(
                     g, xi, e_x, e_y = signed_distance(x, y, m, position, following, previous)
                     if abs(g) < radius:
                         keep_nearest(s, m, other, g, xi, e_x, e_y, master, segment, coordinate, gap, normal)
+        if not literal:
+            turn_to_facing(
+                s, radius, position, following, previous,
+                master, segment, coordinate, gap, normal,
+            )  # fmt: skip
         for j in range(master.shape[1]):
             if segment[s, j] >= 0:
                 count += 1

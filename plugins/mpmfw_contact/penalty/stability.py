@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from mpmfw.kernels import kernel
-from mpmfw.kernels.types import Floats, Indices, Ints
+import math
+
+from mpmfw.kernels import device, kernel
+from mpmfw.kernels.types import Float, Floats, Indices, Ints
 
 
 @kernel
@@ -14,15 +16,36 @@ def spring_stiffness(
     body: Ints,
     node_factor: Floats,
     modulus: Floats,
+    position: Floats,
+    following: Ints,
+    previous: Ints,
+    normal: Floats,
+    projected: bool,
     stiffness: Floats,
 ) -> None:
-    """k = κ M l_trib / h of every candidate; ``node_factor`` is κ l_trib / h, ``modulus`` M of each two
-    bodies."""
+    """k = κ M l_trib / h of every candidate; ``node_factor`` is κ l_trib / h, ``modulus`` M of each two bodies.
+
+    If ``projected``, l_trib is only the part of the node's tributary length that lies across the contact's normal: at a
+    corner the segment round it carries none of the face's pressure.
+    """
     for s in range(len(body)):
         for j in range(slots):
             stiffness[s, j] = 0.0
             if segment[s, j] >= 0:
-                stiffness[s, j] = node_factor[s] * modulus[body[s], master[s, j]]
+                share = 1.0
+                if projected:
+                    share = share_across(s, normal[s, j, 0], normal[s, j, 1], position, following, previous)
+                stiffness[s, j] = share * node_factor[s] * modulus[body[s], master[s, j]]
+
+
+@device
+def share_across(s: int, e_x: Float, e_y: Float, position: Floats, following: Ints, previous: Ints) -> Float:
+    """Of a node's two segments, the part of their length that lies across e_n and faces it; 1 on a flat face."""
+    a, b = previous[s], following[s]
+    before_x, before_y = position[s, 0] - position[a, 0], position[s, 1] - position[a, 1]
+    after_x, after_y = position[b, 0] - position[s, 0], position[b, 1] - position[s, 1]
+    length = math.hypot(before_x, before_y) + math.hypot(after_x, after_y)
+    return (max(before_x * e_y - before_y * e_x, 0.0) + max(after_x * e_y - after_y * e_x, 0.0)) / length
 
 
 @kernel

@@ -190,7 +190,18 @@ class Penalty(ContactStrategy):
         """Spring stiffness of every candidate, and the highest frequency that they give the grid."""
         c, s = self.candidates, self.surface
         spring_stiffness(
-            c.slots, c.segment, c.master, s.body, self.node_factor, self.laws.modulus, c.stiffness
+            c.slots,
+            c.segment,
+            c.master,
+            s.body,
+            self.node_factor,
+            self.laws.modulus,
+            s.position,
+            s.next,
+            s.previous,
+            c.normal,
+            self.options.detection != "hamad2017",
+            c.stiffness,
         )
         if len(self.node_stiffness) != len(grid.mass):
             self.node_stiffness = np.zeros(len(grid.mass))

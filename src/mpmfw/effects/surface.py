@@ -58,18 +58,22 @@ def weigh_plain(row: Ints, nodes: Indices, weight: Floats, cell_mass: Floats, no
 
     Under a straight boundary that reaches into a cell by the share N, the node beyond has the mass N² ρ h² / 2 (CPDI). A
     node with less than a tenth of that belongs to points that have barely arrived: a force on it would be all acceleration.
-    ``cell_mass`` is ρ h² of the surface node's body.
+    ``cell_mass`` is ρ h² of the surface node's body; of a body thinner than a cell no node has that much, and four times the
+    heaviest takes its place.
     """
     for s in range(len(row) - 1):
-        lost, kept = 0.0, 0.0
+        lost, kept, heaviest = 0.0, 0.0, 0.0
         for k in range(row[s], row[s + 1]):
-            if node_mass[nodes[k]] > LIGHT * cell_mass[s] * weight[k] * weight[k]:
+            heaviest = max(heaviest, node_mass[nodes[k]])
+        light = LIGHT * min(cell_mass[s], 4.0 * heaviest)
+        for k in range(row[s], row[s + 1]):
+            if node_mass[nodes[k]] > light * weight[k] * weight[k]:
                 kept += weight[k]
             else:
                 lost += weight[k]
         if lost > 0.0 and kept > 0.0:
             for k in range(row[s], row[s + 1]):
-                heavy = node_mass[nodes[k]] > LIGHT * cell_mass[s] * weight[k] * weight[k]
+                heavy = node_mass[nodes[k]] > light * weight[k] * weight[k]
                 weight[k] = weight[k] / kept if heavy else 0.0
 
 

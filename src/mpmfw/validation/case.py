@@ -131,15 +131,18 @@ class Case:
         methods: Sequence[Method],
         scene: str = "scene.toml",
         set: Mapping[str, Any] | None = None,
+        binds: bool | None = None,
     ) -> Iterator[tuple[Method, xr.DataTree]]:
-        """Run a scene with each method; one that fails keeps its row, which is red if the method is the
-        recommended one, and is not yielded."""
+        """Run a scene with each method; one that fails keeps its row and is not yielded.
+
+        The row is red if the method is the recommended one, or as ``binds`` says.
+        """
         for method in methods:
             try:
                 tree = self.run(scene, method, set)
             except (SimulationError, SceneError) as error:
                 self._cpu_time = math.nan
-                self.failed(method, str(error))
+                self.failed(method, str(error), binds)
             else:
                 yield method, tree
 

@@ -61,7 +61,7 @@ def summary(outcomes: Sequence[Outcome]) -> str:
     count = {verdict: sum(row.verdict is verdict for row in rows) for verdict in Verdict}
     broken = [outcome.folder.name for outcome in outcomes if outcome.error]
     said = (
-        f"{len(outcomes)} cases, {count[Verdict.HOLDS] + count[Verdict.RED]} gates: {count[Verdict.HOLDS]} hold, "
+        f"{len(outcomes)} {'case' if len(outcomes) == 1 else 'cases'}, {count[Verdict.HOLDS] + count[Verdict.RED]} gates: {count[Verdict.HOLDS]} hold, "
         f"{count[Verdict.RED]} red; {len(rows) - count[Verdict.HOLDS] - count[Verdict.RED]} more values, of which "
         f"{count[Verdict.OUTSIDE]} outside the gates' limits and {count[Verdict.FAILED]} of runs that failed"
     )

@@ -162,6 +162,7 @@ def _loaded(folder: Path) -> Iterator[ModuleType]:
     if spec is None or spec.loader is None:
         raise SceneError(f"{folder / 'check.py'} cannot be imported")
     module = importlib.util.module_from_spec(spec)
+    sys.modules["check"] = module  # dataclasses look their module up
     try:
         spec.loader.exec_module(module)
         yield module
@@ -169,5 +170,5 @@ def _loaded(folder: Path) -> Iterator[ModuleType]:
         sys.path[:] = path
         for name in set(sys.modules) - before:
             origin = getattr(sys.modules[name], "__file__", None)
-            if origin and Path(origin).is_relative_to(folder.parent):
+            if name == "check" or (origin and Path(origin).is_relative_to(folder.parent)):
                 del sys.modules[name]
