@@ -13,7 +13,8 @@ import numpy as np
 import xarray as xr
 from scipy.spatial import cKDTree
 
-from mpmfw.analysis import FloatArray, averaged, contact_phases, impulse, relative_l2
+from mpmfw.analysis import averaged, contact_phases, impulse, relative_l2
+from mpmfw.fields import FloatArray
 from mpmfw.references import RingsReference, rings_table
 from mpmfw.report.table import gap_measures, rings_measures
 
@@ -43,7 +44,9 @@ def series_of(tree: xr.DataTree) -> xr.Dataset:
     momentum = series["linear_momentum"].sel(body="left")
     rate = momentum.diff("time", label="upper") / momentum["time"].diff("time", label="upper")
     force = rate.reindex(time=series["time"], fill_value=0.0).drop_vars("body")
-    return series.assign(contact_force=force.expand_dims(pair=["left-right"]).transpose("time", "pair", "axis"))
+    return series.assign(
+        contact_force=force.expand_dims(pair=["left-right"]).transpose("time", "pair", "axis")
+    )
 
 
 def force_of(series: xr.Dataset) -> tuple[FloatArray, FloatArray]:
@@ -85,6 +88,7 @@ def measures_of(tree: xr.DataTree) -> dict[str, float]:
     momentum = series["linear_momentum"]
     drift = np.abs((momentum - momentum.isel(time=0)).sum("body")).max()
     velocity = series["mean_velocity"].sel(axis="x").isel(time=-1)
+    lost = series["transfer_dissipation"].values[-1] if "transfer_dissipation" in series else math.nan
     return {
         **rings_measures(series, REFERENCE),
         **gap_measures(series["min_gap"].isel(pair=0).values / tree.attrs["cell_size"]),
@@ -94,6 +98,7 @@ def measures_of(tree: xr.DataTree) -> dict[str, float]:
         "plateau_start": start,
         "plateau_end": end,
         "momentum": float(drift / np.abs(momentum.isel(time=0)).max()),
+        "transfer": float(lost) / float(series["kinetic_energy"].isel(time=0).sum()),
         "mirror": mirror_error(tree),
         "rebound": 0.5 * float(velocity.sel(body="right") - velocity.sel(body="left")),
     }
@@ -103,8 +108,8 @@ def mirror_error(tree: xr.DataTree) -> float:
     """Largest distance of a surface node from the mirror image of its partner [h]; NaN without surfaces."""
     if "surface" not in tree.children:
         return math.nan
-    left = tree["surface/left/position"].values
-    right = tree["surface/right/position"].values * np.array([-1.0, 1.0])
+    left = tree["surface/left"].to_dataset()["position"].values
+    right = tree["surface/right"].to_dataset()["position"].values * np.array([-1.0, 1.0])
     apart, partner = cKDTree(left[0]).query(right[0])
     if apart.max() > 1e-9:
         return math.nan  # the two surfaces are no images of each other at the start

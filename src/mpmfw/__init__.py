@@ -15,15 +15,17 @@ if TYPE_CHECKING:
     from mpmfw.results import open
     from mpmfw.runs import run
     from mpmfw.scene import load_scene
+    from mpmfw.studies.study import study
 
 _MODULES = {
     "compare": "mpmfw.comparison",
     "load_scene": "mpmfw.scene",
     "open": "mpmfw.results",
     "run": "mpmfw.runs",
+    "study": "mpmfw.studies.study",
 }
 
-__all__ = ["__version__", "compare", "load_scene", "open", "run"]
+__all__ = ["__version__", "compare", "load_scene", "open", "run", "study"]
 
 
 def __getattr__(name: str) -> Any:

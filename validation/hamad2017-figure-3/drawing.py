@@ -21,7 +21,7 @@ MOST = 20e6  #: end of the colour scale of [H17] [Pa]
 
 def beside_finite_elements(stresses: Stresses, elements: Collision) -> Figure:
     """[H17] fig. 3: material points left, finite elements right, one row for each time."""
-    figure = new_figure(2, 4, 52.0)
+    figure = new_figure(2, 4, 60.0)
     panels = figure.subplots(4, 2, sharex=True, sharey=True)
     for k, ((left, right), time) in enumerate(zip(panels, TIMES, strict=True)):
         _draw_points(left, stresses, k)
@@ -30,9 +30,8 @@ def beside_finite_elements(stresses: Stresses, elements: Collision) -> Figure:
         dress(right, "x [mm]", "y [mm]", f"{1e3 * time:.1f} ms: finite elements of 2 mm")
         for axes in (left, right):
             axes.label_outer()
-    bar = figure.colorbar(
-        drawn, ax=panels, location="bottom", shrink=0.6, aspect=40, extend="max", pad=0.015
-    )
+            axes.set_axisbelow(True)
+    bar = figure.colorbar(drawn, ax=panels, location="bottom", shrink=0.6, aspect=40, extend="max", pad=0.015)
     bar.set_label("von Mises stress [MPa]", fontsize=FONT)
     bar.ax.tick_params(labelsize=FONT - 1)
     return figure
@@ -41,7 +40,7 @@ def beside_finite_elements(stresses: Stresses, elements: Collision) -> Figure:
 def _draw_points(axes: Any, stresses: Stresses, k: int) -> None:
     """Each point's domain, as finite elements are drawn."""
     drawn = PolyCollection(
-        list(1e3 * stresses.domains[k]), array=1e-6 * stresses.von_mises[k], cmap="turbo", linewidth=0.1
+        list(1e3 * stresses.domains[k]), array=1e-6 * stresses.von_mises[k], cmap="turbo", linewidth=0.3
     )
     drawn.set_edgecolor("face")
     drawn.set_clim(0.0, 1e-6 * MOST)

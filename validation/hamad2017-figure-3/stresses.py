@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from importlib.resources import files
 from io import StringIO
+from typing import Any
 
 import numpy as np
 import shapely
@@ -95,6 +96,6 @@ def outline_distance(tree: xr.DataTree) -> float:
     return 1e3 * largest
 
 
-def _table(name: str) -> np.ndarray:
+def _table(name: str) -> np.ndarray[Any, Any]:
     text = files("mpmfw").joinpath("reference", f"rings_fem_{name}.csv").read_text(encoding="utf-8")
     return np.genfromtxt(StringIO(text), delimiter=",", names=True, dtype=None, encoding="utf-8")

@@ -1,6 +1,6 @@
 """Convergence of the rolling cylinder with the cell size: against the rigid cylinder and the elastic one."""
 
-# cost: 360
+# cost: 400
 
 from __future__ import annotations
 

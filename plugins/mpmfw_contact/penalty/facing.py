@@ -32,6 +32,9 @@ def faces(s: int, m: int, position: Floats, following: Ints, previous: Ints) -> 
 #: How far along the outline, in search radii, a segment that faces the node may be from the closest point.
 ROUND_THE_CORNER = 0.25
 
+#: How far outside, in lengths of the closest segment, a node still counts as flush with it.
+FLUSH = 0.05
+
 
 @device
 def facing_segment(
@@ -68,19 +71,20 @@ def turn_to_facing(
     """Candidates of node s that do not face it give way to a segment round the corner that does, or are dropped.
 
     Where two bodies are flush, the node at the corner of one lies on the side of the other, with no gap: it would be held
-    there, and its part of the face would carry nothing.
+    there, and its part of the face would carry nothing. A node that is outside is not turned: it may be inside of nothing
+    but the line of a far face.
     """
     for j in range(segment.shape[1]):
         m = segment[s, j]
         if m >= 0 and not faces(s, m, position, following, previous):
-            m = facing_segment(
-                s, m, coordinate[s, j], ROUND_THE_CORNER * radius, position, following, previous
-            )
+            e = following[m]
+            length = math.hypot(position[e, 0] - position[m, 0], position[e, 1] - position[m, 1])
+            reach = ROUND_THE_CORNER * radius if gap[s, j] <= FLUSH * length else -1.0
+            m = facing_segment(s, m, coordinate[s, j], reach, position, following, previous)
             segment[s, j] = m
             if m < 0:
                 master[s, j] = -1
             else:
-                g, xi, e_x, e_y = signed_distance(
-                    position[s, 0], position[s, 1], m, position, following, previous
-                )
+                x, y = position[s, 0], position[s, 1]
+                g, xi, e_x, e_y = signed_distance(x, y, m, position, following, previous)
                 coordinate[s, j], gap[s, j], normal[s, j, 0], normal[s, j, 1] = xi, g, e_x, e_y

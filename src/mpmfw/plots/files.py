@@ -15,13 +15,16 @@ from mpmfw.plots.costs import cost_bars
 from mpmfw.plots.generic import gap_history, series_overview
 from mpmfw.plots.rings import contact_force
 from mpmfw.plots.rolling import deviation, motion, positions
+from mpmfw.plots.study import study_figures
 from mpmfw.plots.style import at_last, drawn_reference, drawn_values
 from mpmfw.references import RingsReference, RollingReference
 from mpmfw.results import open as open_results
 
 
 def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
-    """Figures of a comparison that its content allows: ``{name: (figure, caption)}``."""
+    """Figures of a comparison or a study that its content allows: ``{name: (figure, caption)}``."""
+    if dataset.attrs.get("kind") == "study":
+        return study_figures(dataset)
     if "time" not in dataset.dims or dataset.sizes["time"] < 2:
         return {}
     reference = drawn_reference(dataset)
@@ -69,12 +72,12 @@ def _rolling(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
 
 
 def plot_file(path: str | os.PathLike[str], output: str | os.PathLike[str] | None = None) -> list[Path]:
-    """Draw the figures of a run or a comparison as PNG files.
+    """Draw the figures of a run, a comparison or a study as PNG files.
 
     Parameters
     ----------
     path
-        File of a run or a comparison.
+        File of a run, a comparison or a study.
     output
         Name of the figure, or stem of the names where there are several; next to ``path`` by default.
 

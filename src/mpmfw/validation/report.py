@@ -60,10 +60,11 @@ def summary(outcomes: Sequence[Outcome]) -> str:
     rows = [row for outcome in outcomes for row in outcome.rows]
     count = {verdict: sum(row.verdict is verdict for row in rows) for verdict in Verdict}
     broken = [outcome.folder.name for outcome in outcomes if outcome.error]
+    gates = count[Verdict.HOLDS] + count[Verdict.RED]
     said = (
-        f"{len(outcomes)} {'case' if len(outcomes) == 1 else 'cases'}, {count[Verdict.HOLDS] + count[Verdict.RED]} gates: {count[Verdict.HOLDS]} hold, "
-        f"{count[Verdict.RED]} red; {len(rows) - count[Verdict.HOLDS] - count[Verdict.RED]} more values, of which "
-        f"{count[Verdict.OUTSIDE]} outside the gates' limits and {count[Verdict.FAILED]} of runs that failed"
+        f"{len(outcomes)} {'case' if len(outcomes) == 1 else 'cases'}, {gates} gates: {count[Verdict.HOLDS]} hold, "
+        f"{count[Verdict.RED]} red; {len(rows) - gates} more values, of which {count[Verdict.OUTSIDE]} outside the "
+        f"gates' limits and {count[Verdict.FAILED]} of runs that failed"
     )
     return said + (f"; broken cases: {', '.join(broken)}" if broken else "")
 

@@ -101,13 +101,19 @@ def run_cases(
         In the order of ``cases``.
     """
     output.mkdir(parents=True, exist_ok=True)
-    jobs = min(jobs or len(os.sched_getaffinity(0)), len(cases))
+    jobs = min(jobs or _cores(), len(cases))
     outcomes = {}
     for outcome in _outcomes(cases, output, quick, jobs):
         outcomes[outcome.folder] = outcome
         if done is not None:
             done(outcome)
     return [outcomes[folder] for folder in cases]
+
+
+def _cores() -> int:
+    """Cores that this process may use, where the system says so."""
+    allowed = getattr(os, "sched_getaffinity", None)
+    return len(allowed(0)) if allowed is not None else os.cpu_count() or 1
 
 
 def _outcomes(cases: Sequence[Path], output: Path, quick: bool, jobs: int) -> Iterator[Outcome]:

@@ -1,0 +1,177 @@
+"""``mpmfw study``: what accuracy costs in time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich import box
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+from rich.table import Table
+from rich.text import Text
+
+from mpmfw.cli.errors import check_writable
+from mpmfw.errors import SceneError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from mpmfw.studies.loading import Study
+    from mpmfw.studies.schedule import Event
+
+
+class Timing(StrEnum):
+    """How costs are measured."""
+
+    shared = "shared"
+    exclusive = "exclusive"
+
+
+def study(
+    study: Annotated[
+        str,
+        typer.Argument(
+            metavar="STUDY", help="A TOML file, or the name of a shipped study.", show_default=False
+        ),
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FILE",
+            help="File to write; named as the study if left out.",
+            show_default=False,
+        ),
+    ] = None,
+    timing: Annotated[
+        Timing,
+        typer.Option(help="Take costs as runs come, or one run at a time after all results are there."),
+    ] = Timing.shared,
+    jobs: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            help="Processes at a time, one thread each; one for each core if left out.",
+            show_default=False,
+        ),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Dask scheduler whose workers run the study instead."),
+    ] = None,
+    repeats: Annotated[
+        int | None,
+        typer.Option(min=1, help="Runs of each combination, instead of the study's.", show_default=False),
+    ] = None,
+    under: Annotated[
+        float | None,
+        typer.Option(metavar="PERCENT", help="Error below which the cheapest is named.", show_default=False),
+    ] = None,
+) -> None:
+    """Run all combinations of STUDY, and say what accuracy costs in time.
+
+    Finished runs are kept in the folder FILE.runs: a study that was broken off goes on from there.
+    """
+    from mpmfw.studies.conclusion import conclusions
+    from mpmfw.studies.loading import load_study
+
+    loaded = load_study(study)
+    path = check_writable(Path(f"{loaded.name}.nc") if output is None else output)
+    _check_apart(loaded, path)
+    if under is not None and not under > 0.0:
+        raise SceneError(f"--under {under:g}: must be greater than 0")
+
+    from mpmfw.studies.study import study as run_study
+
+    with _progress() as progress:
+        dataset = run_study(
+            loaded,
+            output=path,
+            timing=timing.value,
+            jobs=jobs,
+            scheduler=scheduler,
+            repeats=repeats,
+            under=None if under is None else under / 100.0,
+            progress=progress,
+        )
+    _print(dataset)
+    for sentence in conclusions(dataset):
+        typer.echo(sentence)
+    typer.echo(f"{path}: errors and costs. For figures: mpmfw plot {path}")
+
+
+def _check_apart(study: Study, path: Path) -> None:
+    """Refuse an output in place of the study or of a scene."""
+    sources = [study.source.name, *(scene for scene in study.scenes.values() if isinstance(scene, str))]
+    if any(source is not None and Path(source).resolve() == path.resolve() for source in sources):
+        raise SceneError(f"--output {path}: is a file that the study reads; give another name")
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[Event], None] | None]:
+    """How many runs are done, on a terminal; None in a pipe."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield None
+        return
+    columns = (TextColumn("runs"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("left"))
+    last = (TimeRemainingColumn(), TextColumn("{task.description}"))
+    with Progress(*columns, *last, console=console, transient=True) as bar:
+        task = bar.add_task("compiling", total=None)
+
+        def report(event: Event) -> None:
+            said = f"{event.name}: {event.status.partition(':')[0]}" if event.name else "compiling"
+            bar.update(task, completed=event.done, total=event.total, description=said)
+
+        yield report
+
+
+def _print(dataset: xr.Dataset) -> None:
+    """One line a combination; those without a result say why below the table."""
+    from mpmfw.studies.conclusion import rows
+
+    dims = [str(dim) for dim in dataset["status"].dims]
+    found = list(rows(dataset))
+    table = Table(
+        title=dataset.attrs["title"],
+        title_justify="left",
+        box=box.SIMPLE_HEAD,
+        padding=(0, 1, 0, 0),
+        pad_edge=False,
+        show_edge=False,
+    )
+    for dim in dims:
+        table.add_column(dim.replace("_", " "), overflow="fold")
+    for head in ("error\n[%]", "CPU\n[s]", "±\n[s]", "steps", "front"):
+        table.add_column(Text(head), justify="right", no_wrap=True)
+    for before, row in zip([None, *found], found, strict=False):
+        if before is not None and before[dims[0]] != row[dims[0]]:
+            table.add_section()
+        table.add_row(*(Text(str(row[dim])) for dim in dims), *_cells(row))
+    Console().print(table)
+    for row in found:
+        if row["status"] != "ok":
+            typer.echo(f"{', '.join(str(row[dim]) for dim in dims)}: {row['status']}")
+    typer.echo(f"\nErrors of {dataset.attrs['quantity']} against {dataset.attrs['error_against']}")
+    typer.echo(f"Timing: {dataset.attrs['timing']}")
+
+
+def _cells(row: Mapping[str, Any]) -> list[str]:
+    """Error in per cent, costs, steps, and a mark on the front; a dash for what is not known."""
+    numbers = (100.0 * row["error"], row["cpu_time"], row["cpu_time_spread"])
+    texts = [f"{number:.{digits}g}" for number, digits in zip(numbers, (3, 3, 2), strict=True)]
+    texts.append(f"{row['steps']:.0f}")
+    return ["–" if text == "nan" else text for text in texts] + ["●" if row["pareto"] else ""]

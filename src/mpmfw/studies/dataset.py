@@ -1,0 +1,214 @@
+"""Error and cost of all combinations as one dataset, the Pareto front marked."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from mpmfw.clock import STEP_STAGES
+from mpmfw.fields import FloatArray
+from mpmfw.joining import COSTS
+from mpmfw.results.provenance import provenance
+from mpmfw.scene import Scene
+from mpmfw.studies.grid import Grid, Index
+from mpmfw.studies.judging import Judge, Judgement
+from mpmfw.studies.loading import Study
+from mpmfw.studies.pareto import front
+from mpmfw.studies.schedule import counted
+from mpmfw.studies.store import Cost, Record
+
+#: Where settling counts it is a stage of its own.
+SETTLING = "settling"
+
+
+def assemble(
+    study: Study,
+    grid: Grid,
+    judge: Judge,
+    records: Mapping[Index, Record | None],
+    judgements: Mapping[Index, Judgement],
+    exclusive: bool,
+) -> xr.Dataset:
+    """Join what is known of every combination.
+
+    Parameters
+    ----------
+    study, grid, judge
+        What was asked for, and how it is judged.
+    records
+        How each combination went; None where it has not been run.
+    judgements
+        Errors, by index.
+    exclusive
+        Whether exclusive costs alone count.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``error``, ``cpu_time``, ``cpu_time_spread``, ``stage_time`` (…, stage), ``pareto``, ``status``, ``timing``,
+        ``repeats`` and the other costs of a run, over the dimensions of the grid.
+    """
+    dataset = xr.Dataset(coords={dim: list(labels) for dim, labels in grid.coords.items()})
+    dataset = dataset.assign_coords(_methods(grid))
+    costs = {index: counted(record, exclusive) for index, record in records.items()}
+    dataset = dataset.assign(_errors(grid, judge, judgements))
+    dataset = dataset.assign(_costs(grid, costs, study.tables.cost.settling))
+    dataset["status"] = _words(grid, {i: _status(grid, i, r) for i, r in records.items()}, "ok, or why not")
+    marks = {i: _timing(costs[i]) for i in grid.combinations}
+    dataset["timing"] = _words(grid, marks, "whether other runs of the study shared the cores meanwhile")
+    dataset["pareto"] = _front(grid, dataset)
+    dataset.attrs = _attributes(study, grid, judge, records, set(marks.values()) - {""})
+    return dataset
+
+
+def _filled(grid: Grid, values: Mapping[Index, Any], dtype: Any, empty: Any) -> Any:
+    array = np.full(tuple(len(labels) for labels in grid.coords.values()), empty, dtype=dtype)
+    for index, value in values.items():
+        array[index] = value
+    return array
+
+
+def _words(grid: Grid, values: Mapping[Index, str], meaning: str) -> xr.DataArray:
+    return xr.DataArray(
+        _filled(grid, values, object, ""), dims=tuple(grid.coords), attrs={"long_name": meaning}
+    )
+
+
+def _numbers(grid: Grid, values: Mapping[Index, float], unit: str, meaning: str) -> xr.DataArray:
+    attributes = {"units": unit, "long_name": meaning}
+    return xr.DataArray(_filled(grid, values, float, np.nan), dims=tuple(grid.coords), attrs=attributes)
+
+
+def _methods(grid: Grid) -> dict[str, Any]:
+    """Contact and shape where they are not varied, if all scenes have the same."""
+    methods = {
+        "contact": {_contact(scene) for scene in grid.scenes.values()},
+        "shape": {scene.shape.method for scene in grid.scenes.values()},
+    }
+    return {
+        name: next(iter(chosen))
+        for name, chosen in methods.items()
+        if name not in grid.coords and len(chosen) == 1
+    }
+
+
+def _contact(scene: Scene) -> str:
+    return scene.contact.method if scene.contact is not None else "none"
+
+
+def _errors(grid: Grid, judge: Judge, judgements: Mapping[Index, Judgement]) -> dict[str, xr.DataArray]:
+    measure = judge.measure
+    errors = {i: one.error for i, one in judgements.items()}
+    found = {"error": _numbers(grid, errors, "1", f"relative error of: {measure.meaning}")}
+    if measure.kind == "number":
+        for name, meaning in (("value", measure.meaning), ("expected", "what it is judged by")):
+            values = {i: getattr(one, name) for i, one in judgements.items()}
+            found[name] = _numbers(grid, values, measure.unit, meaning)
+    return found
+
+
+def _costs(grid: Grid, costs: Mapping[Index, list[Cost]], settling: bool) -> dict[str, xr.DataArray]:
+    totals = {i: np.array([_total(cost, settling) for cost in many]) for i, many in costs.items() if many}
+    what = "CPU time of the steps" + (" and of settling" if settling else "")
+    found = {
+        "cpu_time": _numbers(
+            grid,
+            {i: float(np.median(total)) for i, total in totals.items()},
+            "s",
+            f"{what}, without compilation and output; median of the repeats",
+        ),
+        "cpu_time_spread": _numbers(
+            grid,
+            {i: float(np.ptp(total)) / 2.0 if len(total) > 1 else np.nan for i, total in totals.items()},
+            "s",
+            "half the range of the repeats; NaN of a single one",
+        ),
+        "repeats": _numbers(grid, {i: len(total) for i, total in totals.items()}, "1", "runs of the cost"),
+        "stage_time": _stages(grid, costs, settling),
+    }
+    for name, unit, meaning in COSTS:
+        if name not in found:
+            medians = {
+                i: float(np.median([c.values[name] for c in many])) for i, many in costs.items() if many
+            }
+            found[name] = _numbers(grid, medians, unit, meaning)
+    return found
+
+
+def _total(cost: Cost, settling: bool) -> float:
+    return cost.values["cpu_time"] + (cost.values["settle_time"] if settling else 0.0)
+
+
+def _stages(grid: Grid, costs: Mapping[Index, list[Cost]], settling: bool) -> xr.DataArray:
+    stages = [*STEP_STAGES, *([SETTLING] if settling else [])]
+    shape = (*(len(labels) for labels in grid.coords.values()), len(stages))
+    times: FloatArray = np.full(shape, np.nan)
+    for index, many in costs.items():
+        if many:
+            rows = [
+                [*(c.stages[s] for s in STEP_STAGES), c.values["settle_time"]][: len(stages)] for c in many
+            ]
+            times[index] = np.median(rows, axis=0)
+    meaning = "CPU time by stage of the step; median of the repeats"
+    attributes = {"units": "s", "long_name": meaning}
+    return xr.DataArray(times, dims=(*grid.coords, "stage"), coords={"stage": stages}, attrs=attributes)
+
+
+def _status(grid: Grid, index: Index, record: Record | None) -> str:
+    if record is not None:
+        return record.status
+    one = grid.combinations[index]
+    return f"refused: {one.why}" if one.scene is None else "not run"
+
+
+def _timing(costs: list[Cost]) -> str:
+    """``exclusive`` if all costs that count are."""
+    marks = {cost.timing for cost in costs}
+    return marks.pop() if len(marks) == 1 else "shared cores" if marks else ""
+
+
+def _front(grid: Grid, dataset: xr.Dataset) -> xr.DataArray:
+    """The front of each problem; what failed has no error and is on none."""
+    dims = tuple(grid.coords)
+    inner = tuple(dim for dim in dims if dim not in grid.problem_dims)
+    ordered = dataset[["error", "cpu_time"]].transpose(*grid.problem_dims, *inner)
+    error, cost = ordered["error"].values, ordered["cpu_time"].values
+    marked = np.zeros(error.shape, dtype=bool)
+    outer = error.shape[: len(grid.problem_dims)]
+    for problem in np.ndindex(*outer):
+        marked[problem] = front(error[problem], cost[problem])
+    attributes = {"long_name": "no other run of the problem has a smaller error at no larger CPU time"}
+    return xr.DataArray(marked, dims=(*grid.problem_dims, *inner), attrs=attributes).transpose(*dims)
+
+
+def _attributes(
+    study: Study, grid: Grid, judge: Judge, records: Mapping[Index, Record | None], marks: set[str]
+) -> dict[str, Any]:
+    tables = study.tables
+    notes = {
+        grid.combinations[i].name: list(record.notes)
+        for i, record in records.items()
+        if record and record.notes
+    }
+    versions = provenance()
+    return {
+        "kind": "study",
+        "title": tables.title or study.name,
+        "study": study.source.text or json.dumps(study.source.mapping, default=str),
+        "scenes": json.dumps({label or scene.name: scene.text for label, scene in grid.scenes.items()}),
+        "quantity": judge.measure.name,
+        "error_kind": tables.error.kind,
+        "error_norm": "" if judge.measure.kind == "number" else judge.norm,
+        "error_against": judge.describe(),
+        "under": float(tables.under),
+        "varied": json.dumps(dict(grid.keys)),
+        "problem_dims": json.dumps(grid.problem_dims),
+        "timing": "exclusive" if marks == {"exclusive"} else "shared cores",
+        "versions": json.dumps(versions["versions"]),
+        **({"commit": versions["commit"]} if "commit" in versions else {}),
+        **({"notes": json.dumps(notes)} if notes else {}),
+    }

@@ -1,0 +1,142 @@
+"""What is known of a scene without running it: closed forms, and the reference that ships with mpmfw."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from mpmfw.analysis import RollingSolution
+from mpmfw.fields import FloatArray
+from mpmfw.geometry import Rectangle
+from mpmfw.references import RingsReference, RollingReference, reference_of
+from mpmfw.scene import Body, Scene
+from mpmfw.scene.toml_text import toml_text
+
+
+@dataclass(frozen=True)
+class Exact:
+    """What a quantity must be.
+
+    Attributes
+    ----------
+    kind
+        ``closed-form`` or ``reference``, as a study's ``error.kind``.
+    says
+        What it is, for a reader.
+    at
+        The value at times [s] of shape (n,), in SI units; a number's or a field's is the same at all.
+    """
+
+    kind: str
+    says: str
+    at: Callable[[FloatArray], FloatArray]
+
+
+@dataclass(frozen=True)
+class Incline:
+    """A body that leaves rest and runs down a plane along x under tilted gravity.
+
+    Attributes
+    ----------
+    body
+        Its name.
+    acceleration, angular_acceleration
+        Of the centre along the plane [m/s²], and counter-clockwise [rad/s²].
+    until
+        Time until which its motion is judged [s]: 10 m of a cylinder's way, or the end of the scene.
+    says
+        The closed form in words.
+    """
+
+    body: str
+    acceleration: float
+    angular_acceleration: float
+    until: float
+    says: str
+
+
+def incline(scene: Scene) -> Incline | None:
+    """Recognise a cylinder or a block on an inclined plane; None for any other scene."""
+    rolling = reference_of({"scene": toml_text(scene.to_mapping())})
+    end = float(scene.time.end)
+    if isinstance(rolling, RollingReference):
+        solution: RollingSolution = rolling.solution
+        until = min(solution.time_to(rolling.distance), end)
+        return Incline(
+            rolling.body, solution.acceleration, solution.angular_acceleration, until, rolling.describe()
+        )
+    return _sliding(scene, end)
+
+
+def _sliding(scene: Scene, end: float) -> Incline | None:
+    """A free block on a fixed rectangle along x, steep enough to slide and too flat to tip over."""
+    gravity = scene.gravity
+    if len(scene.bodies) != 2 or gravity is None or gravity.magnitude is None or gravity.tilt is None:
+        return None
+    blocks = [name for name, body in scene.bodies.items() if not body.sides and _at_rest(body)]
+    planes = [name for name, body in scene.bodies.items() if body.sides and all(s.fixed for s in body.sides)]
+    along = all(isinstance(b.geometry, Rectangle) and b.geometry.angle == 0.0 for b in scene.bodies.values())
+    if len(blocks) != 1 or len(planes) != 1 or not along:
+        return None
+    friction = scene.pairs[0][2]
+    block = scene.bodies[blocks[0]].geometry
+    width, height = np.subtract(block.upper, block.lower)  # type: ignore[union-attr]
+    g, tilt = float(gravity.magnitude), float(gravity.tilt)
+    acceleration = g * (np.sin(tilt) - friction * np.cos(tilt))
+    if acceleration <= 0.0 or friction > width / height:
+        return None
+    says = (
+        f"a rigid block under Coulomb friction, from rest: g (sin θ − μ cos θ) = {acceleration:.4g} m/s² "
+        f"with θ = {np.degrees(tilt):.4g}° and μ = {friction:g}"
+    )
+    return Incline(blocks[0], float(acceleration), 0.0, end, says)
+
+
+def _at_rest(body: Body) -> bool:
+    spin = body.angular_velocity
+    return not any(body.velocity or ()) and not np.any(0.0 if spin is None else spin)
+
+
+def rings(scene: Scene) -> RingsReference | None:
+    """Recognise the collision of rings that the shipped finite elements are of."""
+    found = reference_of({"scene": toml_text(scene.to_mapping())})
+    return found if isinstance(found, RingsReference) else None
+
+
+@dataclass(frozen=True)
+class Column:
+    """Two blocks, one on the other between smooth walls, under a pressure from above.
+
+    Attributes
+    ----------
+    lower, upper
+        Names of the blocks.
+    pressure
+        On top [Pa]: every vertical stress at rest is its negative.
+    """
+
+    lower: str
+    upper: str
+    pressure: float
+
+
+def column(scene: Scene) -> Column | None:
+    """Recognise two pressed blocks; None for any other scene."""
+    if scene.dim != 2 or len(scene.bodies) != 2 or scene.gravity is not None:
+        return None
+    ends: dict[str, tuple[str, float]] = {}
+    for name, body in scene.bodies.items():
+        sides = {side.side: side for side in body.sides}
+        walls = all(s in sides and sides[s].fixed in (("x",), ["x"]) for s in ("left", "right"))
+        if not walls or not isinstance(body.geometry, Rectangle) or body.geometry.angle != 0.0:
+            return None
+        top, bottom = sides.get("top"), sides.get("bottom")
+        if top is not None and top.pressure is not None and bottom is None:
+            ends["upper"] = (name, float(top.pressure))
+        elif bottom is not None and bottom.fixed and top is None:
+            ends["lower"] = (name, 0.0)
+    if ends.keys() != {"lower", "upper"}:
+        return None
+    return Column(ends["lower"][0], ends["upper"][0], ends["upper"][1])

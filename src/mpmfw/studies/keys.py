@@ -1,0 +1,98 @@
+"""Keys of a study: short names, the keys of the scene that they stand for, and what each of them changes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from typing import Any
+
+from mpmfw.errors import SceneError
+from mpmfw.scene import Scene
+from mpmfw.scene.locator import dotted
+from mpmfw.scene.override import parse_path
+from mpmfw.units import to_si
+
+#: Short names and the keys of the scene that they stand for; ``*`` stands for every body.
+SHORT = {
+    "contact": "contact.method",
+    "shape": "shape.method",
+    "transfer": "stepping.transfer",
+    "scheme": "stepping.scheme",
+    "cell_size": "grid.cell_size",
+    "particle_size": "bodies.*.particles.size",
+    "particles_per_cell": "bodies.*.particles.size",
+    "segment": "bodies.*.segment",
+    "kappa": "contact.penalty.kappa",
+    "cfl": "time.safety",
+}
+
+#: Keys of a scene that choose how it is computed; all others change what is computed.
+_NUMERICAL = re.compile(
+    r"contact\.(?!friction|pairs)|shape\.|stepping\.|grid\.|time\.(safety|step|output_interval)|output\.|settle\.(?!gravity)"
+    r"|bodies\.[^.]+\.(particles|segment|rotation)"
+)
+
+#: Names that a study's dataset has for itself.
+_TAKEN = ("scene", "stage", "time")
+
+
+def full_key(key: str) -> str:
+    """The key of the scene that a short name stands for; other keys are as they are."""
+    return SHORT.get(key, key)
+
+
+def is_numerical(key: str) -> bool:
+    """Whether the key changes the method alone, so that errors and costs under its values may be compared."""
+    return _NUMERICAL.match(full_key(key)) is not None
+
+
+def finer(key: str) -> int:
+    """-1 where smaller values are finer, 1 where larger ones are, 0 where neither is."""
+    last = full_key(key).rpartition(".")[2]
+    if key == "particles_per_cell":
+        return 1
+    return -1 if last in ("cell_size", "size", "segment", "safety", "step") else 0
+
+
+def as_number(value: Any) -> float | None:
+    """A value that can be put in order: a number, a length, a number of cells; None for others."""
+    if isinstance(value, bool):
+        return None
+    if isinstance(value, int | float):
+        return float(value)
+    cells = re.fullmatch(r"\s*([0-9.eE+-]+)\s*cells?\s*", value) if isinstance(value, str) else None
+    try:
+        number = float(cells.group(1)) if cells else to_si(value, "m") if isinstance(value, str) else None
+    except ValueError:
+        return None
+    return float(number) if isinstance(number, int | float) else None
+
+
+def overrides_of(scene: Scene, key: str, value: Any) -> dict[str, Any]:
+    """The keys of the scene that a study's key sets, and their values.
+
+    Raises
+    ------
+    SceneError
+        ``particles_per_cell`` is not a positive number.
+    """
+    if key == "particles_per_cell":
+        if isinstance(value, bool) or not isinstance(value, int | float) or value <= 0:
+            raise SceneError(f"{value!r} is no number of particles; expected a positive number, such as 4")
+        value = f"{value ** (-1.0 / scene.dim):.12g} cells"
+    full = full_key(key)
+    if "*" not in full:
+        return {full: value}
+    head, tail = parse_path(full.partition(".*.")[0]), parse_path(full.partition(".*.")[2])
+    return {dotted((*head, body, *tail)): value for body in scene.bodies}
+
+
+def dimension_names(keys: Iterable[str]) -> dict[str, str]:
+    """Names of the dimensions by key: its last part, or the whole where that is taken or not unique."""
+    keys = list(keys)
+    last = [re.sub(r"\W+", "_", key.rpartition(".")[2]).strip("_") for key in keys]
+    whole = [re.sub(r"\W+", "_", key).strip("_") for key in keys]
+    return {
+        key: name if last.count(name) == 1 and name not in _TAKEN else full
+        for key, name, full in zip(keys, last, whole, strict=True)
+    }

@@ -1,0 +1,201 @@
+"""From a study's file, a shipped study's name or a mapping to a valid study, or one error that lists all problems."""
+
+from __future__ import annotations
+
+import os
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from mpmfw.discovery import nearest
+from mpmfw.errors import SceneError
+from mpmfw.scene import Scene, Source
+from mpmfw.scene.complaint import problems_of, unknown_key
+from mpmfw.scene.loading import origin_of, plain
+from mpmfw.scene.locator import Path as KeyPath
+from mpmfw.scene.override import parse_path
+from mpmfw.scene.problem import Problem, distinct
+from mpmfw.studies.keys import SHORT, full_key
+from mpmfw.studies.measures import MEASURES
+from mpmfw.studies.tables import StudyTables
+
+
+@dataclass(frozen=True)
+class Study:
+    """A valid study and where it came from.
+
+    Attributes
+    ----------
+    tables
+        What it says.
+    source
+        Where its keys were written.
+    """
+
+    tables: StudyTables
+    source: Source
+
+    @property
+    def name(self) -> str:
+        """The file's name without its ending, or ``study``."""
+        return Path(self.source.name).stem if self.source.name else "study"
+
+    @property
+    def scenes(self) -> dict[str, Any]:
+        """The scenes by label, files as paths from here; the label of a single one is empty."""
+        chosen: dict[str, Any] = {**self.tables.scenes} or {"": self.tables.scene}
+        return {label: self.beside(scene) for label, scene in chosen.items()}
+
+    def beside(self, name: Any) -> Any:
+        """A file's path from the study's folder, if there is such a file; anything else as it is."""
+        folder = self.source.directory
+        if isinstance(name, str) and folder is not None and (folder / name).is_file():
+            return os.fspath(folder / name)
+        return name
+
+    def at(self, path: KeyPath, message: str) -> SceneError:
+        """An error about the key at ``path``, with its file and line."""
+        return SceneError(origin_of(self.source, {}).describe(Problem(path, message)))
+
+
+def shipped_studies() -> dict[str, str]:
+    """TOML texts of the studies inside the package, by name."""
+    folder = resources.files("mpmfw") / "studies"
+    files = sorted((one for one in folder.iterdir() if one.name.endswith(".toml")), key=lambda one: one.name)
+    return {one.name.removesuffix(".toml"): one.read_text(encoding="utf-8") for one in files}
+
+
+def load_study(study: str | os.PathLike[str] | Mapping[str, Any] | Study) -> Study:
+    """Read and validate a study.
+
+    Parameters
+    ----------
+    study
+        A TOML file, the name of a shipped study such as ``rolling-cylinder``, or nested mappings; a study passes
+        through.
+
+    Raises
+    ------
+    SceneError
+        One line for each thing that is wrong: file, line, key, what was expected, the nearest valid name.
+    """
+    if isinstance(study, Study):
+        return study
+    source = Source(plain(study)) if isinstance(study, Mapping) else _read(study)
+    data, problems, tables = dict(source.mapping), [], None
+    try:
+        tables = StudyTables.model_validate(data)
+        problems = list(_checks(tables))
+    except ValidationError as error:
+        problems = problems_of(error, StudyTables, data)
+    if problems or tables is None:
+        origin = origin_of(source, {})
+        ordered = sorted(distinct(problems), key=origin.line_number)
+        raise SceneError("\n".join(origin.describe(problem) for problem in ordered))
+    return Study(tables, source)
+
+
+def _checks(tables: StudyTables) -> Iterator[Problem]:
+    """Problems between keys that are valid by themselves."""
+    if tables.scene is None and not tables.scenes:
+        yield Problem(("scene",), "missing; expected the name of a shipped scene or of a file", "missing")
+    if tables.scene is not None and tables.scenes:
+        yield Problem(("scene",), "has no effect beside the table scenes; leave one of them out")
+    for table in ("vary", "set"):
+        for key in getattr(tables, table):
+            yield from _key((table, key))
+    taken: dict[str, str] = {}
+    for key in tables.vary:
+        if taken.setdefault(full_key(key), key) != key:
+            message = f"sets the same key of the scene as {taken[full_key(key)]}; leave one of them out"
+            yield Problem(("vary", key), message)
+    for key in tables.set:
+        if full_key(key) in taken:
+            message = f"vary {taken[full_key(key)]} takes its place; leave one of them out"
+            yield Problem(("set", key), message)
+    for key, values in tables.vary.items():
+        for k, value in enumerate(values):
+            if value in values[:k]:
+                yield Problem(("vary", key, k), f"{value} is given twice")
+    yield from _error(tables)
+
+
+def _key(path: tuple[str, str]) -> Iterator[Problem]:
+    """Problems of a key of ``vary`` or ``set`` that the scene need not be known for."""
+    key = path[1]
+    try:
+        first = parse_path(key)[0]
+    except ValueError as error:
+        yield Problem(path, str(error))
+        return
+    tables = [*Scene.model_fields]
+    if key not in SHORT and first not in tables:
+        alone = not re.search(r"[.\[]", key)
+        yield unknown_key(path, [*SHORT, *tables] if alone else tables)
+
+
+def _error(tables: StudyTables) -> Iterator[Problem]:
+    """Problems of the table ``error``: names, and keys that would have no effect."""
+    error = tables.error
+    measure = MEASURES.get(error.quantity)
+    if measure is None:
+        close = nearest(error.quantity, MEASURES)
+        hint = f"did you mean '{close}'? " if close else ""
+        yield Problem(
+            ("error", "quantity"), f"'{error.quantity}' is unknown; {hint}(one of {', '.join(MEASURES)})"
+        )
+        return
+    for key, kind in (
+        ("file", "reference"),
+        ("column", "reference"),
+        ("value", "reference"),
+        ("finest", "finest"),
+    ):
+        if getattr(error, key) not in (None, {}) and error.kind != kind:
+            yield Problem(("error", key), f"has no effect; expected only with kind = '{kind}'")
+    if error.value is not None and measure.kind != "number":
+        yield Problem(("error", "value"), f"{error.quantity} is a {measure.kind}, not a number; give a file")
+    if error.file is not None and measure.kind != "curve":
+        yield Problem(("error", "file"), f"{error.quantity} is a {measure.kind}, not a curve in time")
+    if error.column is not None and error.file is None:
+        yield Problem(("error", "column"), "has no effect without file")
+    if error.kind == "finest" and measure.kind == "field":
+        yield Problem(("error", "kind"), f"{error.quantity} is a field: other runs have it at other points")
+    if error.norm is not None and measure.kind == "number":
+        yield Problem(("error", "norm"), f"has no effect: {error.quantity} is a number")
+    for key in error.finest:
+        if key not in tables.vary:
+            yield Problem(
+                ("error", "finest", key), f"is not varied; expected one of {', '.join(tables.vary)}"
+            )
+
+
+def _read(study: str | os.PathLike[str]) -> Source:
+    """Read a file, or else a shipped study of that name."""
+    path, name, shipped = Path(study), os.fspath(study), shipped_studies()
+    if path.is_file():
+        try:
+            return _parse(path.read_text(encoding="utf-8-sig"), name, path.parent)
+        except (UnicodeDecodeError, OSError) as error:
+            raise SceneError(f"{path}: cannot be read as UTF-8 text: {error}") from error
+    if name in shipped:
+        return _parse(shipped[name], f"{name}.toml", None)
+    close = nearest(name.removesuffix(".toml"), shipped)
+    hint = f"; did you mean '{close}'?" if close else ""
+    raise SceneError(f"{name}: no such file, and no shipped study{hint} (shipped: {', '.join(shipped)})")
+
+
+def _parse(text: str, name: str, directory: Path | None) -> Source:
+    try:
+        return Source(tomllib.loads(text), text, name, directory)
+    except tomllib.TOMLDecodeError as error:
+        found = re.search(r"^(.*) \(at (?:line (\d+), column \d+|end of document)\)$", str(error))
+        what, line = (found.group(1), found.group(2)) if found else (str(error), None)
+        at = line or max(1, len(text.splitlines()))
+        raise SceneError(f"{name}:{at}: not valid TOML: {what}") from error

@@ -1,0 +1,279 @@
+"""Measures by name: what a study reads off a run, and what is known of it beforehand.
+
+A measure is a function ``(run, scene, about) -> Measured`` under ``@measure(name, unit, kind, exact)``. A script may
+register its own in the same way before it calls ``mpmfw.study``: measures are read here, not by the workers, off the
+runs' stored series.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+import xarray as xr
+
+from mpmfw.analysis import fitted_acceleration, impulse, value_at
+from mpmfw.errors import SceneError
+from mpmfw.fields import FloatArray
+from mpmfw.references import rings_table
+from mpmfw.scene import Scene
+from mpmfw.studies.exact import Exact, column, incline, rings
+
+Kind: TypeAlias = Literal["number", "curve", "field"]
+
+
+@dataclass(frozen=True)
+class About:
+    """What a quantity is of: names as a study's table ``error`` gives them; None lets the scene decide."""
+
+    body: str | None = None
+    pair: str | None = None
+    axis: str = "x"
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A quantity of one run.
+
+    Attributes
+    ----------
+    values
+        Shape (1,) for a number, (time,) for a curve, (points,) for a field; NaN where it is not known.
+    time
+        Of a curve [s], shape (time,); empty for others.
+    """
+
+    values: FloatArray
+    time: FloatArray
+
+
+Extract: TypeAlias = Callable[[xr.DataTree, Scene, About], Measured]
+Known: TypeAlias = Callable[[Scene, About], Exact | None]
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A named quantity.
+
+    Attributes
+    ----------
+    name, meaning, unit
+        For a reader; SI.
+    kind
+        A number, a curve in time, or a field at points.
+    of
+        Reads it off a run, given its scene.
+    exact
+        What it must be in a scene, or None where nobody knows.
+    norm
+        Of differences, where a study does not say.
+    particles
+        Whether it needs the arrays of the material points.
+    """
+
+    name: str
+    meaning: str
+    unit: str
+    kind: Kind
+    of: Extract
+    exact: Known
+    norm: Literal["largest", "l2"] = "largest"
+    particles: bool = False
+
+
+#: All measures by name.
+MEASURES: dict[str, Measure] = {}
+
+
+def measure(
+    name: str,
+    unit: str,
+    kind: Kind,
+    exact: Known = lambda scene, about: None,  # noqa: ARG005
+    *,
+    norm: Literal["largest", "l2"] = "largest",
+    particles: bool = False,
+) -> Callable[[Extract], Extract]:
+    """Register the function below under a name; the first line of its docstring says what it means."""
+
+    def register(function: Extract) -> Extract:
+        meaning = (function.__doc__ or name).strip().splitlines()[0].rstrip(".")
+        MEASURES[name] = Measure(name, meaning, unit, kind, function, exact, norm, particles)
+        return function
+
+    return register
+
+
+# -- which body and pair
+# ------------------------------------------------------------------------------------------------------------
+
+
+def body_of(scene: Scene, about: About) -> str:
+    """The body that is meant: the named one, the one with a closed form, or the scene's first.
+
+    Raises
+    ------
+    SceneError
+        The scene has no such body.
+    """
+    if about.body is not None and about.body not in scene.bodies:
+        raise SceneError(f"error.body: '{about.body}' is no body; expected one of {', '.join(scene.bodies)}")
+    known = incline(scene)
+    return about.body or (known.body if known else next(iter(scene.bodies)))
+
+
+def pair_of(scene: Scene, about: About) -> str:
+    """The pair that is meant, as ``a-b``: the named one, or the scene's first.
+
+    Raises
+    ------
+    SceneError
+        The scene has no such pair.
+    """
+    pairs = [f"{a}-{b}" for a, b, _ in scene.pairs]
+    if not pairs or (about.pair is not None and about.pair not in pairs):
+        raise SceneError(
+            f"error.pair: '{about.pair}' is no pair; expected one of {', '.join(pairs) or 'none'}"
+        )
+    return about.pair or pairs[0]
+
+
+def _displacement(run: xr.DataTree, scene: Scene, about: About) -> Measured:
+    series = run["series"].to_dataset()
+    x = series["centre_of_mass"].sel(body=body_of(scene, about), axis=about.axis).values
+    return Measured(x - x[0], series["time"].values)
+
+
+def _number(value: float) -> Measured:
+    return Measured(np.array([value]), np.empty(0))
+
+
+def _down_the_plane(value: Callable[[float, float, float], float]) -> Known:
+    """Closed form of a number from (acceleration, angular acceleration, time of judgement) of a motion."""
+
+    def exact(scene: Scene, about: About) -> Exact | None:
+        known = incline(scene)
+        if known is None or about.axis != "x" or about.body not in (None, known.body):
+            return None
+        number = value(known.acceleration, known.angular_acceleration, known.until)
+        return Exact("closed-form", known.says, lambda _: np.array([number])) if number else None
+
+    return exact
+
+
+def _until(scene: Scene) -> float:
+    known = incline(scene)
+    return known.until if known else float(scene.time.end)
+
+
+# -- numbers
+# ------------------------------------------------------------------------------------------------------------
+
+
+@measure("end-displacement", "m", "number", _down_the_plane(lambda a, _, t: 0.5 * a * t * t))
+def end_displacement(run: xr.DataTree, scene: Scene, about: About) -> Measured:
+    """Displacement of a body's centre at the end, or when the closed form of a rolling one has moved by 10 m."""
+    moved = _displacement(run, scene, about)
+    return _number(value_at(moved.time, moved.values, _until(scene)))
+
+
+@measure("acceleration", "m s-2", "number", _down_the_plane(lambda a, *_: a))
+def acceleration(run: xr.DataTree, scene: Scene, about: About) -> Measured:
+    """Acceleration of a body's centre, least-squares fit of d0 + v0 t + a t²/2 over the last 80 % of the time."""
+    moved, end = _displacement(run, scene, about), _until(scene)
+    return _number(fitted_acceleration(moved.time, moved.values, 0.2 * end, end))
+
+
+@measure("spin", "rad s-1", "number", _down_the_plane(lambda _, alpha, t: alpha * t))
+def spin(run: xr.DataTree, scene: Scene, about: About) -> Measured:
+    """Angular velocity of a body at the end, or when the closed form of a rolling one has moved by 10 m."""
+    series = run["series"].to_dataset()
+    omega = series["angular_velocity"].sel(body=body_of(scene, about)).isel(rotation=-1).values
+    return _number(value_at(series["time"].values, omega, _until(scene)))
+
+
+# -- curves
+# ------------------------------------------------------------------------------------------------------------
+
+
+def _parabola(scene: Scene, about: About) -> Exact | None:
+    known = incline(scene)
+    if known is None or about.axis != "x" or about.body not in (None, known.body):
+        return None
+    a = known.acceleration
+    return Exact("closed-form", known.says, lambda time: 0.5 * a * time**2)
+
+
+@measure("displacement", "m", "curve", _parabola)
+def displacement(run: xr.DataTree, scene: Scene, about: About) -> Measured:
+    """Displacement of a body's centre over time."""
+    return _displacement(run, scene, about)
+
+
+def _rings_curve(table: str, column_name: str, pair: str | None, about: About, scene: Scene) -> Exact | None:
+    known = rings(scene)
+    if known is None or about.axis != "x" or pair not in (None, f"{known.first}-{known.second}"):
+        return None
+    columns = rings_table(table)
+    curve = columns[column_name]
+    return Exact("reference", known.describe(), lambda time: np.interp(time, columns["time"], curve))
+
+
+@measure(
+    "impulse",
+    "N s m-1",
+    "curve",
+    lambda scene, about: _rings_curve("force", "fine_impulse_Ns_per_m", about.pair, about, scene),
+)
+def impulse_curve(run: xr.DataTree, scene: Scene, about: About) -> Measured:
+    """Impulse of the contact force on the second body of a pair over time."""
+    series = run["series"].to_dataset()
+    if "contact_force" not in series:
+        return _nothing(series)
+    force = -series["contact_force"].sel(pair=pair_of(scene, about), axis=about.axis).values
+    return Measured(impulse(series["time"].values, force), series["time"].values)
+
+
+@measure(
+    "kinetic-energy",
+    "J m-1",
+    "curve",
+    lambda scene, about: _rings_curve("energy", "fine_kinetic_J_per_m", None, about, scene),
+)
+def kinetic_energy(run: xr.DataTree, scene: Scene, about: About) -> Measured:
+    """Kinetic energy of all bodies, or of the named one, over time."""
+    series = run["series"].to_dataset()
+    energy = series["kinetic_energy"]
+    chosen = energy.sel(body=body_of(scene, about)) if about.body else energy.sum("body", skipna=False)
+    return Measured(chosen.values, series["time"].values)
+
+
+def _nothing(series: xr.Dataset) -> Measured:
+    return Measured(np.full(series.sizes["time"], np.nan), series["time"].values)
+
+
+# -- fields
+# ------------------------------------------------------------------------------------------------------------
+
+
+def _uniform(scene: Scene, about: About) -> Exact | None:  # noqa: ARG001
+    known = column(scene)
+    if known is None:
+        return None
+    says = f"a uniform vertical stress of {-known.pressure:.4g} Pa, the pressure from above"
+    return Exact("closed-form", says, lambda _: np.array([-known.pressure]))
+
+
+@measure("interface-stress", "Pa", "field", _uniform, norm="l2", particles=True)
+def interface_stress(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
+    """Vertical stress, at rest after settling, of the material points within a cell of two blocks' interface."""
+    known = column(scene)
+    names = (known.lower, known.upper) if known else tuple(scene.bodies)[:2]
+    found = [run[f"particles/{name}"].to_dataset().isel(time=0) for name in names]
+    heights = [one["position"].sel(axis="y").values for one in found]
+    middle = 0.5 * (heights[0].max() + heights[1].min())
+    stress = [one["stress"].sel(axis="y", axis2="y").values for one in found]
+    near = [np.abs(y - middle) <= float(scene.grid.cell_size) for y in heights]
+    return Measured(np.concatenate([s[n] for s, n in zip(stress, near, strict=True)]), np.empty(0))

@@ -1,0 +1,257 @@
+"""Studies of a scene of milliseconds: results, costs, failures, executors, what is kept and taken up again."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+import xarray as xr
+from typer.testing import CliRunner
+
+import mpmfw
+from mpmfw.cli import app
+from mpmfw.errors import SceneError
+from mpmfw.scene.toml_text import toml_text
+from mpmfw.studies.executors import InProcess, Pool
+from mpmfw.studies.store import Record
+from mpmfw.studies.work import Finished, Task
+from studies_for_tests import SLIDING, tiny_study
+
+SAME = ("error", "value", "expected", "status", "steps", "material_points")
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """A folder with ``tiny.nc``, a finished study."""
+    folder = tmp_path_factory.mktemp("study")
+    mpmfw.study(tiny_study(), output=folder / "tiny.nc", jobs=1)
+    return folder
+
+
+@pytest.fixture
+def folder(finished, tmp_path):
+    """A copy of it."""
+    return shutil.copytree(finished, tmp_path / "copy")
+
+
+def events_of(study, output, **arguments):
+    events = []
+    dataset = mpmfw.study(study, output=output, progress=events.append, **{"jobs": 1, **arguments})
+    return dataset, events
+
+
+def assert_same(a, b):
+    for name in SAME:
+        xr.testing.assert_equal(a[name], b[name])
+
+
+def test_a_study_has_error_cost_and_front_over_what_varies(folder):
+    dataset = mpmfw.open(folder / "tiny.nc").dataset
+    assert dataset["error"].dims == ("contact", "cell_size")
+    assert dataset["shape"].item() == "cpdi"
+    assert dataset["pareto"].dtype == bool
+    assert dataset["pareto"].any()
+    assert set(dataset["status"].values.ravel()) == {"ok"}
+    assert dataset["stage_time"].dims == ("contact", "cell_size", "stage")
+    np.testing.assert_allclose(dataset["stage_time"].sum("stage"), dataset["cpu_time"])
+    assert dataset["cpu_time_spread"].isnull().all()
+    assert dataset.attrs["timing"] == "exclusive"
+    relative = np.abs(dataset["value"] / dataset["expected"] - 1.0)
+    np.testing.assert_allclose(dataset["error"], relative)
+    assert (dataset["peak_memory"] > 1e6).all()
+
+
+def test_what_is_finished_is_not_run_again(folder):
+    before = mpmfw.open(folder / "tiny.nc").dataset
+    dataset, events = events_of(tiny_study(), folder / "tiny.nc")
+    assert events[-1].total == 0
+    xr.testing.assert_identical(dataset.drop_attrs(), before.drop_attrs())
+
+
+def test_a_changed_study_takes_what_still_applies(folder):
+    wider = tiny_study(vary={"contact": ["penalty", "separate", "none"], "cell_size": [0.1]})
+    dataset, events = events_of(wider, folder / "tiny.nc")
+    assert events[-1].total == 1
+    assert dataset.sizes == {"contact": 3, "cell_size": 1, "stage": 6}
+    judged_otherwise = tiny_study(error={"quantity": "displacement", "kind": "finest"})
+    assert events_of(judged_otherwise, folder / "tiny.nc")[1][-1].total == 0
+
+
+def test_repeats_add_costs_alone(folder):
+    study = tiny_study(vary={"contact": ["penalty"], "cell_size": [0.2, 0.1]}, cost={"repeats": 3})
+    files = sorted(path.name for path in (folder / "tiny.nc.runs").iterdir())
+    dataset, events = events_of(study, folder / "tiny.nc")
+    assert events[-1].total == 4
+    assert (dataset["repeats"] == 3).all()
+    assert (dataset["cpu_time_spread"] >= 0.0).all()
+    assert sorted(path.name for path in (folder / "tiny.nc.runs").iterdir()) == files
+    assert "notes" not in dataset.attrs  # every repeat gave the same bits
+
+
+def test_combinations_that_differ_in_nothing_are_one_run(tmp_path):
+    study = tiny_study(vary={"contact": ["separate", "penalty"], "kappa": [0.5, 1.0]})
+    dataset, events = events_of(study, tmp_path / "s.nc")
+    assert events[-1].total == 3
+    assert float(dataset["error"].sel(contact="separate").std()) == 0.0
+
+
+def test_processes_give_the_same_bits_and_say_that_they_shared(folder, tmp_path):
+    study = tiny_study(vary={"contact": ["separate", "penalty"], "cell_size": [0.2]})
+    dataset, events = events_of(study, tmp_path / "pool.nc", jobs=2)
+    assert [event.done for event in events] == [0, 1, 2]
+    assert_same(dataset, mpmfw.open(folder / "tiny.nc").dataset.sel(cell_size=[0.2]))
+    assert set(dataset["timing"].values.ravel()) == {"shared cores"}
+    assert dataset.attrs["timing"] == "shared cores"
+    alone, events = events_of(study, tmp_path / "pool.nc", jobs=2, timing="exclusive")
+    assert events[-1].total == 2
+    assert set(alone["timing"].values.ravel()) == {"exclusive"}
+    assert_same(dataset, alone)
+
+
+def test_a_run_that_fails_is_a_result(tmp_path):
+    # The grid ends below the block, which falls out of it without contact
+    scene = {**SLIDING, "time": {"end": 0.6, "output_interval": 0.05}}
+    study = tiny_study(scene=scene, vary={"contact": ["separate", "penalty"]}, cost={"repeats": 2})
+    dataset, events = events_of(study, tmp_path / "s.nc")
+    failed = dataset.sel(contact="separate")
+    assert failed["status"].item().startswith("failed: ")
+    assert np.isnan(failed["error"])
+    assert not failed["pareto"]
+    assert dataset.sel(contact="penalty")["status"].item() == "ok"
+    assert events[-1].done == events[-1].total == 3  # it is not repeated
+    assert events_of(study, tmp_path / "s.nc")[1][-1].total == 0
+
+
+def test_scenes_have_fronts_of_their_own():
+    steep = {**SLIDING, "gravity": {"magnitude": 10.0, "tilt": 0.7}}
+    study = tiny_study(scenes={"flat": SLIDING, "steep": steep}, vary={"contact": ["separate", "penalty"]})
+    del study["scene"]
+    dataset = mpmfw.study(study, jobs=1)
+    assert dataset["error"].dims == ("scene", "contact")
+    assert dataset["pareto"].any("contact").all()
+    assert len(np.unique(dataset["expected"])) == 2
+
+
+def dies(task):
+    """Work whose process ends when the task says so."""
+    if task.name == "deadly":
+        os.kill(os.getpid(), signal.SIGKILL)
+    return Finished(Record(task.key, "ok"))
+
+
+def test_a_process_that_dies_takes_no_other_run_with_it():
+    tasks = [Task(str(k), "deadly" if k == 2 else "", None, "", "") for k in range(4)]
+    found = {task.key: finished for task, finished in Pool(2).outcomes(dies, tasks)}
+    assert found.pop("2") is None
+    assert {key: one.record.status for key, one in found.items()} == dict.fromkeys("013", "ok")
+
+
+def test_an_error_of_the_worker_is_not_kept(tmp_path, monkeypatch):
+    def broken(*_, **__):
+        raise RuntimeError("the disk is on fire")
+
+    study = tiny_study(vary={"contact": ["penalty"]})
+    with monkeypatch.context() as patched:
+        patched.setattr("mpmfw.studies.work.run", broken)
+        dataset, _ = events_of(study, tmp_path / "s.nc")
+    assert "RuntimeError: the disk is on fire" in dataset["status"].item()
+    assert events_of(study, tmp_path / "s.nc")[0]["status"].item() == "ok"
+
+
+def test_a_worker_with_other_code_does_not_run(monkeypatch):
+    monkeypatch.setattr("mpmfw.studies.work.code_of", lambda _: "another")
+    dataset = mpmfw.study(tiny_study(vary={"contact": ["penalty"]}), jobs=1)
+    assert "another version" in dataset["status"].item()
+
+
+def test_an_interruption_leaves_what_is_known(tmp_path):
+    def stop(event):
+        if event.done == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        mpmfw.study(tiny_study(), output=tmp_path / "s.nc", jobs=1, progress=stop)
+    partial = mpmfw.open(tmp_path / "s.nc").dataset
+    assert sorted(partial["status"].values.ravel()) == ["not run", "not run", "ok", "ok"]
+    dataset, events = events_of(tiny_study(), tmp_path / "s.nc")
+    assert events[-1].total == 2
+    assert_same(dataset, mpmfw.study(tiny_study(), jobs=1))
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this platform")
+def test_a_study_that_is_killed_goes_on_where_it_stopped(tmp_path):
+    """The study is started as a program and killed once two of its eight runs are there."""
+    study = tiny_study(vary={"contact": ["separate", "penalty"], "cfl": [0.5, 0.4, 0.3, 0.2]})
+    (tmp_path / "s.toml").write_text(toml_text(study), encoding="utf-8")
+    program = "from mpmfw.cli import main; main()"
+    command = [sys.executable, "-c", program, "study", "s.toml", "-o", "s.nc", "--jobs", "1"]
+    runs = tmp_path / "s.nc.runs"
+    with subprocess.Popen(command, cwd=tmp_path) as process:
+        while not runs.is_dir() or len(list(runs.glob("*.json"))) < 2:
+            assert process.poll() is None
+            time.sleep(0.002)
+        process.send_signal(signal.SIGKILL)
+    done = len(list(runs.glob("*.json")))
+    assert 2 <= done < 8
+    dataset, events = events_of(study, tmp_path / "s.nc")
+    assert events[-1].total == 8 - done
+    assert_same(dataset, mpmfw.study(study, jobs=1))
+    assert len(list(runs.glob("*.json"))) == len(list(runs.glob("*.nc"))) == 8
+
+
+def test_requests_that_make_no_sense_are_refused(tmp_path):
+    for arguments, message in (
+        ({"jobs": 0}, "jobs: must be at least 1"),
+        ({"repeats": 0}, "repeats: must be at least 1"),
+        ({"under": 0.0}, "under: must be greater"),
+        ({"timing": "alone"}, "timing: 'alone' is unknown"),
+        ({"jobs": 2, "scheduler": "tcp://127.0.0.1:1"}, "no effect with a scheduler"),
+    ):
+        with pytest.raises(SceneError, match=message):
+            mpmfw.study(tiny_study(), output=tmp_path / "s.nc", **arguments)
+    assert InProcess.timing == "exclusive"
+
+
+# -- the command
+
+
+def test_the_command_prints_a_table_and_a_sentence_and_its_figures_are_drawn(tmp_path):
+    (tmp_path / "s.toml").write_text(toml_text(tiny_study()), encoding="utf-8")
+    output = tmp_path / "out.nc"
+    runner = CliRunner()
+    done = runner.invoke(
+        app, ["study", str(tmp_path / "s.toml"), "-o", str(output), "--jobs", "1", "--under", "5000"]
+    )
+    assert done.exit_code == 0, done.output
+    assert "The cheapest combination under 5e+03 % error is" in done.output
+    assert done.output.count("\n") < 25
+    drawn = runner.invoke(app, ["plot", str(output)])
+    assert drawn.exit_code == 0, drawn.output
+    assert (tmp_path / "out-front.png").stat().st_size > 10_000
+    assert (tmp_path / "out-stages.png").stat().st_size > 10_000
+
+
+def test_exit_statuses_of_the_command(tmp_path):
+    runner = CliRunner()
+    (tmp_path / "bad.toml").write_text("scene = 1\n", encoding="utf-8")
+    good = toml_text(tiny_study())
+    (tmp_path / "good.toml").write_text(good, encoding="utf-8")
+    for arguments in (
+        ["bad.toml"],
+        ["nowhere.toml"],
+        ["good.toml", "-o", "good.toml"],
+        ["good.toml", "-o", "no/folder.nc"],
+        ["good.toml", "--timing", "alone"],
+        ["good.toml", "--under", "0"],
+        ["good.toml", "--jobs", "0"],
+    ):
+        named = [str(tmp_path / one) if "." in one else one for one in arguments]
+        assert runner.invoke(app, ["study", *named]).exit_code == 2, arguments
+    (tmp_path / "x.nc.runs").write_text("no folder", encoding="utf-8")
+    arguments = ["study", str(tmp_path / "good.toml"), "-o", str(tmp_path / "x.nc"), "--jobs", "1"]
+    assert runner.invoke(app, arguments).exit_code == 1
+    assert (tmp_path / "good.toml").read_text(encoding="utf-8") == good

@@ -1,0 +1,43 @@
+"""Small studies: a coarse block on an inclined plane, cheap to run, with a closed form of its own."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+from scenes_for_tests import SOFT
+
+#: A block of 6 × 4 points on a plane, not settled: a run of milliseconds. Surfaces lie off the grid lines.
+SLIDING: dict[str, Any] = {
+    "grid": {"cell_size": 0.2, "lower": [-0.6, -0.6], "upper": [1.8, 1.0]},
+    "time": {"end": 0.02, "output_interval": 0.002},
+    "shape": {"method": "cpdi"},
+    "contact": {"method": "penalty", "friction": 0.1},
+    "materials": {"soft": SOFT},
+    "bodies": {
+        "block": {
+            "material": "soft",
+            "geometry": {"type": "rectangle", "lower": [0.11, 0.013], "upper": [0.71, 0.413]},
+            "particles": {"size": 0.1},
+        },
+        "plane": {
+            "material": "soft",
+            "geometry": {"type": "rectangle", "lower": [-0.2, -0.2], "upper": [1.4, 0.013]},
+            "particles": {"size": 0.1},
+            "sides": [{"side": "bottom", "fixed": True}],
+        },
+    },
+    "gravity": {"magnitude": 10.0, "tilt": 0.4},
+}
+
+
+def tiny_study(**changes: Any) -> dict[str, Any]:
+    """Two contacts at two cell sizes; ``changes`` replace whole tables."""
+    study = {
+        "title": "tiny",
+        "scene": copy.deepcopy(SLIDING),
+        "vary": {"contact": ["separate", "penalty"], "cell_size": [0.2, 0.1]},
+        "error": {"quantity": "end-displacement"},
+        "cost": {"repeats": 1},
+    }
+    return {**study, **changes}

@@ -1,0 +1,44 @@
+"""Figure of the case: the mirror error over time, and the contact stress along the interface."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+from questions import BLUE, GREEN, ORANGE, REFERENCE
+
+from mpmfw.fields import FloatArray
+from mpmfw.plots.style import FONT, dress, legend_below, new_figure
+
+if TYPE_CHECKING:
+    from measures import Points
+    from matplotlib.figure import Figure
+
+#: Two passes; one with the first body of the scene as master, and one with the second.
+LOOKS = ((BLUE, "o", "-"), (ORANGE, "^", "-"), (GREEN, "s", (0, (4, 1.5))))
+
+
+def draw(
+    mirrors: Mapping[str, tuple[FloatArray, FloatArray]], stresses: Mapping[tuple[str, str], Points]
+) -> Figure:
+    """Mirror error of the rings [h]; σ_yy/(−p) of the upper block's points nearest to the interface."""
+    figure = new_figure(2, 1, 62.0)
+    left, right = figure.subplots(1, 2)
+    names = ("two passes", "one pass, first body master", "one pass, second body master")
+    handles = []
+    for (time, error), (colour, _, style) in zip(mirrors.values(), LOOKS, strict=False):
+        left.semilogy(1e3 * time, np.maximum(error, 1e-16), color=colour, linestyle=style, linewidth=1.1)
+    left.set_xlim(0.0, 1e3 * max(time[-1] for time, _ in mirrors.values()))
+    left.axhline(0.01, **REFERENCE)
+    left.text(left.get_xlim()[1], 0.0085, "0.01 h ", fontsize=FONT - 1, ha="right", va="top")
+    left.set_ylim(1e-5, 1.0)
+    dress(left, "time [ms]", "mirror error [h]", "(a) rings: asymmetry")
+    coarse = [points for (mesh, _), points in stresses.items() if mesh == "upper segments 2h"]
+    for points, (colour, marker, _), name in zip(coarse, LOOKS, names, strict=False):
+        x, ratio = points.row(upper=True)
+        handles += right.plot(x, ratio, color=colour, marker=marker, markersize=3, linewidth=1.0, label=name)
+    right.axhline(1.0, **REFERENCE)
+    dress(right, "x [m]", "stress σ_yy / (−p) [–]", "(b) blocks: lower segments h/4, upper 2h")
+    legend_below(figure, [handles])
+    return figure
