@@ -18,9 +18,11 @@ from rolling import GRAVITY, RADIUS, SERIES_ONLY
 from mpmfw.analysis import running_average
 from mpmfw.fields import FloatArray
 
+sys.path.insert(0, str(Path(__file__).parent / "contact-stress"))
+from measures import PRESSURE, Points, points_of
+
 STRESS = "../contact-stress/scene.toml"
 BLOCK = "../sliding-block/scene.toml"
-sys.path.insert(0, str(Path(__file__).parent / "contact-stress"))
 
 #: Energy balances and frames that no row needs are left out.
 RINGS_SERIES: dict[str, Any] = {"output.particles": False, "output.ledger": False}
@@ -37,7 +39,7 @@ CYLINDER_MASS = 1000.0 * np.pi * RADIUS**2
 BLUE, ORANGE, GREEN, PINK, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "0.4"
 REFERENCE: dict[str, Any] = {"color": "black", "linewidth": 0.9, "linestyle": "--"}
 
-__all__ = ["GRAVITY", "RADIUS", "SERIES_ONLY"]
+__all__ = ["GRAVITY", "PRESSURE", "RADIUS", "SERIES_ONLY", "Points", "points_of"]
 
 
 def noise(time: FloatArray, force: FloatArray, window: float) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -13,7 +14,7 @@ from mpmfw.plots.style import FONT, dress, legend_below, new_figure
 
 #: Time step [ms] and error of the displacement [%], by the fraction of the stability limit.
 Curve = dict[float, tuple[float, float]]
-LOOKS = {
+LOOKS: dict[str, dict[str, Any]] = {
     "": {"color": BLUE, "marker": "o", "linestyle": "-", "label": "return map"},
     "literal increments": {"color": ORANGE, "marker": "^", "linestyle": "-", "label": "literal increments"},
     "viscous": {**REFERENCE, "label": "rigid, viscous friction k_t Δt"},
@@ -42,22 +43,22 @@ def draw(
         axes = panels[-1]
         _exact(axes)
         for label, values in over_friction.items():
-            axes.plot(
-                *np.array(sorted(values.items())).T, markersize=3.5, linewidth=1.1, **_of(label)
-            )
+            look = {key: value for key, value in LOOKS[label].items() if key not in ("label", "linestyle")}
+            axes.plot(*np.array(sorted(values.items())).T, linestyle="", markersize=4, **look)
         axes.legend(fontsize=FONT - 2, frameon=False)
-        dress(axes, "friction coefficient μ [–]", "fitted acceleration [m/s²]", f"({'abc'[count - 1]}) 60°")
+        dress(
+            axes,
+            "friction coefficient μ [–]",
+            "fitted acceleration [m/s²]",
+            f"({'abc'[count - 1]}) slope of 60°, several μ",
+        )
     legend_below(figure, [[handles[label] for label in LOOKS if label in handles]])
     return figure
 
 
-def _of(label: str) -> dict[str, object]:
-    return {key: value for key, value in LOOKS[label].items() if key != "label"}
-
-
-def _exact(axes: object) -> None:
+def _exact(axes: Any) -> None:
     tilt = math.pi / 3.0
     friction = np.linspace(0.0, 0.8, 161)
     slips = math.sin(tilt) - friction * math.cos(tilt)
     exact = GRAVITY * np.maximum(slips, 2.0 * math.sin(tilt) / 3.0)
-    axes.plot(friction, exact, color="black", linewidth=0.9, label="rigid, Coulomb")  # type: ignore[attr-defined]
+    axes.plot(friction, exact, color="black", linewidth=0.9, label="rigid, Coulomb")

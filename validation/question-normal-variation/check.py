@@ -1,6 +1,6 @@
 """C_n with and without the Q term of [H17], eq. 7: what it changes in rolling and in the rings."""
 
-# cost: 75
+# cost: 40
 
 from __future__ import annotations
 

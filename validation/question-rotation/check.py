@@ -1,6 +1,6 @@
 """Rotational inertia exact, lumped and local: rolling over grid offsets and cell sizes."""
 
-# cost: 140
+# cost: 110
 
 from __future__ import annotations
 
@@ -69,7 +69,13 @@ def _statements(case: Case, found: Found) -> None:
         for rotation in ("exact", "local"):
             gained = means.get(rotation, np.nan) - means.get("lumped", np.nan)
             what = f"no slip, h = {cell:g} m: acceleration gained over lumped"
-            case.show(what, gained, unit="%", reference=f"ε/3 = {closed:.3g} %", method=Method("penalty", "cpdi", {}, rotation))
+            case.show(
+                what,
+                gained,
+                unit="%",
+                reference=f"ε/3 = {closed:.3g} %",
+                method=Method("penalty", "cpdi", {}, rotation),
+            )
     for name in ("displacement", "acceleration"):
         exact, lumped = (
             float(np.max(np.abs(found["no slip", rotation, CELL][name]))) for rotation in ("exact", "lumped")

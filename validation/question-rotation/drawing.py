@@ -17,7 +17,12 @@ LOOKS: dict[str, dict[str, Any]] = {
     "lumped": {"color": ORANGE, "marker": "^"},
     "local": {"color": GREEN, "marker": "s"},
 }
-SHORT = {"displacement": "displ.", "acceleration": "accel.", "spin": "spin", "angular acceleration": "ang. accel."}
+SHORT = {
+    "displacement": "displ.",
+    "acceleration": "accel.",
+    "spin": "spin",
+    "angular acceleration": "ang. accel.",
+}
 
 
 def draw(found: Mapping[tuple[str, str, float], Mapping[str, list[float]]]) -> Figure:
@@ -29,7 +34,9 @@ def draw(found: Mapping[tuple[str, str, float], Mapping[str, list[float]]]) -> F
     figure = new_figure(count, 1, 58.0)
     panels = figure.subplots(1, count, squeeze=False)[0]
     for axes, roll, letter in zip(panels, rolls, "ab", strict=False):
-        _measures(axes, {key[1]: errors for key, errors in found.items() if key[0] == roll and key[2] == paper})
+        _measures(
+            axes, {key[1]: errors for key, errors in found.items() if key[0] == roll and key[2] == paper}
+        )
         dress(axes, "", "error [%]", f"({letter}) {roll}, h = {paper:g} m, each grid offset")
     if len(sizes) > 1:
         _over_size(panels[-1], found, sizes)

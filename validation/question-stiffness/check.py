@@ -1,6 +1,6 @@
 """The stiffness factor κ: penetration, accuracy and stable time step, from 0.01 to 100."""
 
-# cost: 130
+# cost: 70
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import xarray as xr
 from drawing import Found, draw
-from questions import RINGS_COARSE, SERIES_ONLY, STRESS, cost_of, rings_noise
-from measures import PRESSURE, points_of  # isort: skip  (of the case contact-stress, through questions)
+from questions import PRESSURE, RINGS_COARSE, SERIES_ONLY, STRESS, cost_of, points_of, rings_noise
 from rings import SCENE, measures_of
 from rolling import NO_SLIP, measures, motion_of
 
@@ -21,7 +20,7 @@ DECADES = (0.01, 0.1, 1.0, 10.0, 100.0)
 HALVES = tuple(float(kappa) for kappa in np.logspace(-2.0, 2.0, 9))
 QUICK = (0.1, 1.0, 10.0)
 MODULUS, DENSITY = 20e6, 1000.0  #: K + 4 G / 3 [Pa] and density of the two blocks [kg/m³]
-#: The penetration's exponent in κ, exact −1; from 0.1 on, below which the blocks no longer are small-strain springs.
+#: The penetration's exponent in κ, exact −1; from 0.1 on, below which it is deeper than a segment is long.
 EXPONENT = (-1.03, -0.97)
 LINEAR = 0.1
 

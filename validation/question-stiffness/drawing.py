@@ -25,33 +25,46 @@ def draw(found: Found, strain: float) -> Figure:
     depth.plot(kappas, strain / kappas, **REFERENCE, label="p/(κ M), blocks")
     depth.set_yscale("log")
     dress(depth, "", "penetration [h]", "(a) penetration")
-    _curve(errors, found, "displacement", GREEN, "s", "rolling: displacement")
-    _curve(errors, found, "acceleration", BLUE, "o", "rolling: acceleration")
-    _curve(errors, found, "impulse", ORANGE, "^", "rings: impulse curve")
-    _curve(errors, found, "spin", PINK, "D", "rolling: spin")
-    errors.set_yscale("symlog", linthresh=1.0)
-    errors.axhline(0.0, color="black", linewidth=0.5)
-    dress(errors, "", "error [%]", "(b) accuracy")
+    _accuracy(errors, found)
     _curve(limit, found, "limit", BLUE, "o", "blocks")
     limit.plot(kappas, 1.0 / np.sqrt(1.0 + kappas), **REFERENCE, label="(1 + κ)^(−1/2)")
     limit.set_yscale("log")
     dress(limit, "stiffness factor κ", "limit of the time step [h/c]", "(c) stable time step")
-    fine = np.logspace(np.log10(kappas[0]), np.log10(kappas[-1]), 60)
-    for name, colour, marker, label in (
-        ("rolling_steps", GREEN, "s", "rolling"),
-        ("rings_steps", ORANGE, "^", "rings"),
-    ):
-        _curve(steps, found, name, colour, marker, label)
-    if "rings_steps" in found:
-        scale = found["rings_steps"][1.0] / np.sqrt(2.0)
-        steps.plot(fine, scale * np.sqrt(1.0 + fine), **REFERENCE, label="∝ (1 + κ)^(1/2)")
-    steps.set_yscale("log")
-    dress(steps, "stiffness factor κ", "steps", "(d) cost")
+    _cost(steps, found)
     for axes in (depth, errors, limit, steps):
         axes.set_xscale("log")
-        axes.set_xticks([kappa for kappa in (0.01, 0.1, 1.0, 10.0, 100.0) if kappas[0] <= kappa <= kappas[-1]])
-        axes.legend(fontsize=FONT - 2, frameon=False)
+        axes.set_xlim(0.008, 125.0)
+        axes.set_xticks([0.01, 0.1, 1, 10, 100], ["0.01", "0.1", "1", "10", "100"])
+        axes.set_xticks([], minor=True)
+        if axes.lines:
+            axes.legend(fontsize=FONT - 2, frameon=False)
     return figure
+
+
+def _accuracy(axes: Any, found: Found) -> None:
+    _curve(axes, found, "displacement", GREEN, "s", "rolling: displacement")
+    _curve(axes, found, "acceleration", BLUE, "o", "rolling: acceleration")
+    _curve(axes, found, "spin", PINK, "D", "rolling: spin")
+    _curve(axes, found, "impulse", ORANGE, "^", "rings: impulse curve")
+    axes.set_yscale("symlog", linthresh=1.0)
+    axes.set_ylim(-10.0, 3e3)  # room for the legend
+    axes.set_yticks([-10, -1, 0, 1, 10, 100], ["−10", "−1", "0", "1", "10", "100"])
+    axes.axhline(0.0, color="black", linewidth=0.5)
+    dress(axes, "", "error [%]", "(b) accuracy")
+
+
+def _cost(axes: Any, found: Found) -> None:
+    _curve(axes, found, "rolling_steps", GREEN, "s", "rolling")
+    _curve(axes, found, "rings_steps", ORANGE, "^", "rings")
+    if "rings_steps" in found:
+        kappas = np.logspace(-2.0, 2.0, 60)
+        scale = found["rings_steps"][10.0] / np.sqrt(11.0)
+        axes.plot(kappas, scale * np.sqrt(1.0 + kappas), **REFERENCE, label="rings, ∝ (1 + κ)^(1/2)")
+    axes.set_yscale("log")
+    axes.set_ylim(1e3, 4e4)
+    axes.set_yticks([1000, 2000, 5000, 10000, 20000], ["1000", "2000", "5000", "10 000", "20 000"])
+    axes.set_yticks([], minor=True)
+    dress(axes, "stiffness factor κ", "steps", "(d) cost")
 
 
 def _curve(axes: Any, found: Found, name: str, colour: str, marker: str, label: str) -> None:

@@ -1,27 +1,26 @@
 """Influence of the surface mesh: segments of h/8 to 2h in rolling, static contact stress and an impact."""
 
-# cost: 75
+# cost: 70
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
 
+import xarray as xr
 from drawing import Found, draw
 from questions import (
     RINGS_COARSE,
     ROLLING_FINE,
     STRESS,
     cost_of,
+    points_of,
     rings_noise,
     rolling_noise,
     segments,
 )
-from measures import points_of  # isort: skip  (of the case contact-stress, through questions)
 from rings import SCENE, STIFF, measures_of
 from rolling import SLIP, measures, motion_of
-
-import xarray as xr
 
 from mpmfw.validation import Case, Method
 

@@ -1,6 +1,6 @@
 """Balanced two-pass contact against master and slave: symmetry, force noise, accuracy, contact stress, cost."""
 
-# cost: 90
+# cost: 60
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ from questions import (
     RINGS_SERIES,
     ROLLING_FINE,
     STRESS,
+    Points,
     cost_of,
+    points_of,
     rings_noise,
     rolling_noise,
     segments,
 )
-from measures import Points, points_of  # isort: skip  (of the case contact-stress, through questions)
 from rings import SCENE, measures_of
 from rolling import NO_SLIP, SLIP, Roll, measures, motion_of
 from sliding import acceleration_error, friction_error
@@ -63,7 +64,9 @@ def _rings(case: Case) -> dict[str, tuple[FloatArray, FloatArray]]:
         case.judge(method, "rings: mirror error", found["mirror"], within=within, unit="h", reference=0.0)
         case.show("rings: noise of the force", rings_noise(tree), unit="%", method=method)
         if not case.quick:
-            case.show("rings: impulse curve, largest error", found["impulse_curve_error"], unit="%", method=method)
+            case.show(
+                "rings: impulse curve, largest error", found["impulse_curve_error"], unit="%", method=method
+            )
             case.show("rings: force over 100 us, L2 error", found["force_error_100us"], method=method)
             case.show("rings: largest penetration", found["largest_penetration"], unit="h", method=method)
         _cost(case, method, "rings", cost_of(tree))
@@ -75,8 +78,12 @@ def _rolling(case: Case, roll: Roll) -> None:
     for method, tree in case.runs(passes(case, "cylinder", "plane"), roll.scene, ROLLING_FINE):
         found = measures(motion_of(tree), roll)
         for name in ("displacement", "acceleration", "spin"):
-            case.show(f"rolling, {roll.name}: {name}, error", found[name], unit="%", reference=0.0, method=method)
-        case.show(f"rolling, {roll.name}: noise of the normal force", rolling_noise(tree), unit="%", method=method)
+            case.show(
+                f"rolling, {roll.name}: {name}, error", found[name], unit="%", reference=0.0, method=method
+            )
+        case.show(
+            f"rolling, {roll.name}: noise of the normal force", rolling_noise(tree), unit="%", method=method
+        )
         case.show(f"rolling, {roll.name}: mean penetration", found["penetration"], unit="h", method=method)
         _cost(case, method, f"rolling, {roll.name}", cost_of(tree))
 

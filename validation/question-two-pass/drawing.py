@@ -12,8 +12,8 @@ from mpmfw.fields import FloatArray
 from mpmfw.plots.style import FONT, dress, legend_below, new_figure
 
 if TYPE_CHECKING:
-    from measures import Points
     from matplotlib.figure import Figure
+    from questions import Points
 
 #: Two passes; one with the first body of the scene as master, and one with the second.
 LOOKS = ((BLUE, "o", "-"), (ORANGE, "^", "-"), (GREEN, "s", (0, (4, 1.5))))
