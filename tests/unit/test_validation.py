@@ -10,6 +10,7 @@ from mpmfw.cli import app
 from mpmfw.errors import SceneError
 from mpmfw.validation import Case, Method, Row, Verdict, find_cases, run_cases
 from mpmfw.validation.known import KnownRed, departures, read_known_red
+from mpmfw.validation.store import kept
 
 GREEN = """
 from measures import SIX
@@ -187,3 +188,17 @@ def test_table_and_page_and_figures_are_written(suite, tmp_path):
     assert "| by hand | six | 6 m | 6 m | 5 … 7 | holds |" in text
     assert (page.parent / "validation" / "b-line.png").stat().st_size > 1000
     assert "(validation/b-line.png)" in text
+
+
+def test_cases_run_one_by_one_make_one_table(suite, tmp_path):
+    folder, page = suite(a=GREEN, b=RED), tmp_path / "page.md"
+    assert command(folder, tmp_path, "b").exit_code == 1
+    assert command(folder, tmp_path, "a", "--document", str(page)).exit_code == 0
+    with (tmp_path / "out" / "validation.csv").open() as file:
+        assert [row["case"] for row in csv.DictReader(file)] == ["a", "a", "b"]
+    assert "## Case b" in page.read_text()
+    assert "**RED**" in page.read_text()
+    (row,) = kept([folder / "b"], tmp_path / "out", quick=False)[0].rows
+    assert (row.value, row.least, row.most, row.verdict) == (8.0, 5.0, 7.0, Verdict.RED)
+    assert math.isnan(row.cpu_time)
+    assert kept([folder / "b"], tmp_path / "out", quick=True) == []

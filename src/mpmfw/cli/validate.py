@@ -48,26 +48,35 @@ def validate(
 ) -> None:
     """Run validation cases: closed forms and references that tell contact algorithms apart.
 
-    Ends with 0 if every gate holds, with 1 if one is red.
+    Ends with 0 if every gate holds, with 1 if one is red. The table and the page of documentation are of all cases
+    whose results lie in the output folder, so that cases may be run one by one.
     """
     from mpmfw.validation import find_cases, run_cases
     from mpmfw.validation.known import departures, read_known_red
     from mpmfw.validation.report import summary, terminal_table, write_csv, write_page
+    from mpmfw.validation.store import kept, save
 
     found = find_cases(suite, cases or ())
     known = read_known_red(known_red) if known_red is not None else []
     with _progress(len(found)) as done:
-        outcomes = run_cases(found, output, quick=quick, jobs=jobs, done=done)
+
+        def finished(outcome: Outcome) -> None:
+            save(outcome, output, quick)
+            if done is not None:
+                done(outcome)
+
+        outcomes = run_cases(found, output, quick=quick, jobs=jobs, done=finished)
     console = Console()
     Console(width=max(console.width, WIDTH)).print(terminal_table(outcomes))
     for outcome in outcomes:
         if outcome.error:
             typer.echo(f"{outcome.folder.name} went wrong:\n{outcome.error}", err=True)
-    write_csv(outcomes, output / "validation.csv")
+    everything = kept(find_cases(suite), output, quick)
+    write_csv(everything, output / "validation.csv")
     if document is not None:
-        write_page(outcomes, document, quick, known)
+        write_page(everything, document, quick, known)
     typer.echo(summary(outcomes))
-    typer.echo(f"{output}: validation.csv and {sum(len(one.figures) for one in outcomes)} figures")
+    typer.echo(f"{output}: {sum(len(one.figures) for one in outcomes)} figures, and validation.csv")
     unexpected = departures([row for outcome in outcomes for row in outcome.rows], known)
     for line in unexpected:
         typer.echo(line)
