@@ -52,7 +52,8 @@ def draw(
             "fitted acceleration [m/s²]",
             f"({'abc'[count - 1]}) slope of 60°, several μ",
         )
-    legend_below(figure, [[handles[label] for label in LOOKS if label in handles]])
+    lines = [handles[label] for label in LOOKS]
+    legend_below(figure, [lines] if count > 1 else [[line] for line in lines])
     return figure
 
 

@@ -28,7 +28,7 @@ PANELS = (
 def draw(found: Mapping[tuple[str, str], Difference]) -> Figure:
     """One panel for each scene."""
     panels = [panel for panel in PANELS if any(scene == panel[0] for scene, _ in found)]
-    figure = new_figure(max(2, len(panels)) if len(panels) > 1 else 1, 1, 58.0)
+    figure = new_figure(len(panels), 1, 58.0)
     handles = {}
     for number, (axes, (scene, label, scale, unit)) in enumerate(
         zip(figure.subplots(1, len(panels), squeeze=False)[0], panels, strict=True)
@@ -44,5 +44,6 @@ def draw(found: Mapping[tuple[str, str], Difference]) -> Figure:
             for limit in (-0.06, 0.06):
                 axes.axhline(limit, **REFERENCE)
             axes.text(0.0, 0.058, "±0.06 %", fontsize=FONT - 1, va="top")
-    legend_below(figure, [[handles[name] for name in LOOKS if name in handles]])
+    lines = [handles[name] for name in LOOKS if name in handles]
+    legend_below(figure, [lines] if len(panels) > 1 else [[line] for line in lines])
     return figure

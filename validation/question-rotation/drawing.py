@@ -43,6 +43,7 @@ def draw(found: Mapping[tuple[str, str, float], Mapping[str, list[float]]]) -> F
     handles = [
         figure.axes[0].plot([], [], linestyle="", markersize=4, label=f"rotation = {name}", **look)[0]
         for name, look in LOOKS.items()
+        if any(key[1] == name for key in found)
     ]
     legend_below(figure, [handles])
     return figure

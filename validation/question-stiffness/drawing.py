@@ -29,6 +29,9 @@ def draw(found: Found, strain: float) -> Figure:
     _curve(limit, found, "limit", BLUE, "o", "blocks")
     limit.plot(kappas, 1.0 / np.sqrt(1.0 + kappas), **REFERENCE, label="(1 + κ)^(−1/2)")
     limit.set_yscale("log")
+    limit.set_ylim(0.08, 1.3)
+    limit.set_yticks([0.1, 0.2, 0.5, 1.0], ["0.1", "0.2", "0.5", "1"])
+    limit.set_yticks([], minor=True)
     dress(limit, "stiffness factor κ", "limit of the time step [h/c]", "(c) stable time step")
     _cost(steps, found)
     for axes in (depth, errors, limit, steps):
@@ -36,8 +39,11 @@ def draw(found: Found, strain: float) -> Figure:
         axes.set_xlim(0.008, 125.0)
         axes.set_xticks([0.01, 0.1, 1, 10, 100], ["0.01", "0.1", "1", "10", "100"])
         axes.set_xticks([], minor=True)
-        if axes.lines:
+        if axes.get_legend_handles_labels()[0]:
             axes.legend(fontsize=FONT - 2, frameon=False)
+    if "displacement" not in found:  # the quick version has the blocks alone
+        errors.remove()
+        steps.remove()
     return figure
 
 

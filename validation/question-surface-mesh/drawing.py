@@ -24,7 +24,7 @@ def draw(found: Found) -> Figure:
     _curve(motion, found, "spin", PINK, "D", "rolling: spin")
     _curve(motion, found, "impulse", ORANGE, "^", "rings: impulse curve, κ = 0.25")
     _curve(motion, found, "stiff_impulse", GREY, "v", "the same, κ = 1")
-    motion.set_ylim(top=17.0)
+    motion.set_ylim(top=9.0)
     motion.axhline(0.0, **REFERENCE)
     dress(motion, "", "error [%]", "(a) accuracy")
     _curve(force, found, "rolling_noise", BLUE, "o", "rolling")
@@ -35,11 +35,11 @@ def draw(found: Found) -> Figure:
     force.set_yticks([2, 5, 10, 20, 50, 100], ["2", "5", "10", "20", "50", "100"])
     force.set_yticks([], minor=True)
     dress(force, "", "noise of the force [%]", "(b) force")
-    _curve(stress, found, "stress", BLUE, "o", "all points at the interface")
-    _curve(stress, found, "stress_inner", GREEN, "s", "off the walls")
+    _curve(stress, found, "stress", BLUE, "o", "h times a power of two")
+    _curve(stress, found, "stress_between", ORANGE, "D", "lengths between", linestyle="")
     stress.axhline(3.0, **REFERENCE, label="limit of 3 %")
     stress.set_yscale("log")
-    dress(stress, "length of a segment", "departure of σ_yy [%]", "(c) static contact stress")
+    dress(stress, "length of a segment", "departure of σ_yy [%]", "(c) blocks: static contact stress")
     for name, colour, marker, label in (
         ("rolling_step", BLUE, "o", "rolling"),
         ("rings_step", ORANGE, "^", "rings"),
@@ -56,7 +56,8 @@ def draw(found: Found) -> Figure:
     return figure
 
 
-def _curve(axes: Any, found: Found, name: str, colour: str, marker: str, label: str) -> None:
+def _curve(axes: Any, found: Found, name: str, colour: str, marker: str, label: str, **look: Any) -> None:
     if name in found:
         values = np.array(sorted(found[name].items()))
-        axes.plot(*values.T, color=colour, marker=marker, markersize=3.5, linewidth=1.1, label=label)
+        given = {"color": colour, "marker": marker, "markersize": 3.5, "linewidth": 1.1, **look}
+        axes.plot(*values.T, **given, label=label)

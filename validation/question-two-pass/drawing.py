@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from questions import Points
 
 #: Two passes; one with the first body of the scene as master, and one with the second.
-LOOKS = ((BLUE, "o", "-"), (ORANGE, "^", "-"), (GREEN, "s", (0, (4, 1.5))))
+#: Curves coincide: the first lies under the others.
+LOOKS = ((BLUE, 2.0, "-"), (ORANGE, 1.3, (0, (4, 1.5))), (GREEN, 0.8, "-"))
 
 
 def draw(
@@ -27,17 +28,23 @@ def draw(
     left, right = figure.subplots(1, 2)
     names = ("two passes", "one pass, first body master", "one pass, second body master")
     handles = []
-    for (time, error), (colour, _, style) in zip(mirrors.values(), LOOKS, strict=False):
-        left.semilogy(1e3 * time, np.maximum(error, 1e-16), color=colour, linestyle=style, linewidth=1.1)
+    for (time, error), (colour, width, style) in zip(mirrors.values(), LOOKS, strict=False):
+        left.semilogy(1e3 * time, np.maximum(error, 1e-16), color=colour, linestyle=style, linewidth=width)
     left.set_xlim(0.0, 1e3 * max(time[-1] for time, _ in mirrors.values()))
     left.axhline(0.01, **REFERENCE)
     left.text(left.get_xlim()[1], 0.0085, "0.01 h ", fontsize=FONT - 1, ha="right", va="top")
     left.set_ylim(1e-5, 1.0)
     dress(left, "time [ms]", "mirror error [h]", "(a) rings: asymmetry")
     coarse = [points for (mesh, _), points in stresses.items() if mesh == "upper segments 2h"]
-    for points, (colour, marker, _), name in zip(coarse, LOOKS, names, strict=False):
-        x, ratio = points.row(upper=True)
-        handles += right.plot(x, ratio, color=colour, marker=marker, markersize=3, linewidth=1.0, label=name)
+    for points, (colour, width, style), name in zip(coarse, LOOKS, names, strict=False):
+        look = {
+            "color": colour,
+            "linewidth": width,
+            "linestyle": style,
+            "marker": "o",
+            "markersize": 1.5 + 2.0 * width,
+        }
+        handles += right.plot(*points.row(upper=True), **look, fillstyle="none", label=name)
     right.axhline(1.0, **REFERENCE)
     dress(right, "x [m]", "stress σ_yy / (−p) [–]", "(b) blocks: lower segments h/4, upper 2h")
     legend_below(figure, [handles])
