@@ -17,7 +17,7 @@ def with_changes(scene: dict[str, Any], **changes: Any) -> dict[str, Any]:
         table = scene
         for part in path:
             table = table.setdefault(part, {})
-        table[last] = value
+        table[last] = copy.deepcopy(value)
     return scene
 
 

@@ -102,6 +102,10 @@ class ContactStrategy(PlugIn):
         """Plug-ins that the strategy's options call for beside it, registered with it."""
         return []
 
+    def reach(self, cell_size: float) -> float | None:  # noqa: ARG002
+        """Distance of two bodies' bounding boxes [m] beyond which nothing is searched; None without a search."""
+        return None
+
     def monitors(self) -> list[Any]:
         """Plug-ins that watch the strategy's own stability, registered where a scene says ``output.stability``."""
         return []

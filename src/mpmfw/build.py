@@ -13,7 +13,7 @@ from mpmfw.errors import SceneError
 from mpmfw.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, FloatArray
 from mpmfw.geometry import Layout, discretise
 from mpmfw.setup import Setup
-from mpmfw.state import Body, Pair, Particles, State, Stencil
+from mpmfw.state import Body, Pair, Particles, State, Stencil, joined
 from mpmfw.transfer import Transfer, make_transfer
 from mpmfw.windows import make_grid
 
@@ -96,7 +96,7 @@ def build(scene: Scene, contact: ContactStrategy | None = None, shape: ShapeFunc
     )
     for body in bodies:
         material = materials[scene.bodies[body.name].material]
-        material.slices = (*material.slices, body.particles)
+        material.slices = joined(material.slices, body.particles)
     state = State(particles, grid, bodies, pairs)
     return Build(scene, layouts, state, chosen_shape, chosen_contact, materials, scheme, transfer)
 

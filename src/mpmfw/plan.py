@@ -9,7 +9,7 @@ import numpy as np
 
 from mpmfw.build import Build
 from mpmfw.errors import SceneError
-from mpmfw.series import BodySeries, VonMises
+from mpmfw.recording import recorded
 from mpmfw.state import Body
 
 if TYPE_CHECKING:
@@ -24,12 +24,14 @@ def plan(made: Build) -> None:
     needs it."""
     made.plugins += [*made.materials.values(), made.shape]
     _transfer(made)
+    _domains(made)
     _contact(made)
     _surface(made)
     _gravity(made)
+    _settling(made)
     _sides(made)
     _rotation(made)
-    _outputs(made)
+    recorded(made)
 
 
 def _transfer(made: Build) -> None:
@@ -43,6 +45,16 @@ def _transfer(made: Build) -> None:
     if transfer.affine is not None:
         how = "C is carried along with the motion" if transfer.transported else "C stays as gathered"
         made.note("transported affine gradient", transfer.transported, how)
+    stored = transfer.affine == "moment"
+    how = "stores B, D⁻¹ comes at the next projection" if stored else "does not store B"
+    made.note("affine moments", stored, f"transfer {transfer.name} {how}")
+
+
+def _domains(made: Build) -> None:
+    """Domains with a state of their own, which a shape function moves in every step."""
+    moves = hasattr(made.shape, "update_particle_domains")
+    how = "moves its domains in every step" if moves else "has no domains that it would move"
+    made.note("domain tracking", moves, f"shape {made.shape.name} {how}")
 
 
 def _contact(made: Build) -> None:
@@ -63,14 +75,33 @@ def _contact(made: Build) -> None:
         made.note("friction", False, f"contact '{made.contact.name}' does not use it")
     else:
         made.note("friction", bool(frictional), ", ".join(frictional) or "μ = 0 in every pair")
+    _search(made, made.contact.reach(made.state.grid.cell_size))
     made.plugins += [made.contact, *made.contact.parts()]
+
+
+def _search(made: Build, reach: float | None) -> None:
+    """Whether bodies are near enough to be searched at the start; a strategy without a reach has no search."""
+    if reach is None or not made.state.pairs:
+        return
+    bodies = made.state.bodies
+    apart = {pair.label: _apart(bodies[pair.first], bodies[pair.second]) for pair in made.state.pairs}
+    nearest = min(apart, key=lambda label: apart[label])
+    awake = apart[nearest] <= reach
+    what = f"the boxes of {nearest} are {apart[nearest]:.4g} m apart at the start, its reach is {reach:.4g} m"
+    made.note("contact search", awake, what if awake else f"asleep until bodies are near: {what}")
+
+
+def _apart(first: Body, second: Body) -> float:
+    """Distance of two bounding boxes along the axis on which they are farthest apart [m], as a search takes it."""
+    gaps = zip(first.lower, first.upper, second.lower, second.upper, strict=True)
+    return max(0.0, *(max(low - top, bottom - high) for bottom, top, low, high in gaps))
 
 
 def _surface(made: Build) -> None:
     """Outlines are tracked if the contact, a pressure or the gap diagnostic needs them."""
     contact, scene, state = made.contact, made.scene, made.state
     pressed = any(side.pressure is not None for body in scene.bodies.values() for side in body.sides)
-    measured = scene.output.gap and len(state.pairs) > 0 and scene.dim == 2
+    measured = _gap(made)
     by_contact = contact is not None and contact.needs_surface
     users = [
         *([f"contact '{contact.name}'"] if by_contact and contact is not None else []),
@@ -92,6 +123,18 @@ def _surface(made: Build) -> None:
     made.plugins.append(SurfaceTracker(chosen, stage))
     if measured:
         made.plugins.append(GapDiagnostic())
+
+
+def _gap(made: Build) -> bool:
+    """Whether the least distance of every pair is measured."""
+    scene = made.scene
+    if not scene.output.gap:
+        return made.note("least gap", False, "output.gap = false")
+    if not made.state.pairs:
+        return made.note("least gap", False, "one body")
+    return made.note(
+        "least gap", scene.dim == 2, "output.gap" if scene.dim == 2 else "outlines exist in 2D only"
+    )
 
 
 def _gravity(made: Build) -> None:
@@ -116,6 +159,16 @@ def _gravity(made: Build) -> None:
         rows = np.array(gravity.table)
         times, values = rows[:, 0], rows[:, 1:]
     made.plugins.append(Gravity(times, values))
+
+
+def _settling(made: Build) -> None:
+    """The damping itself is registered only while the scene settles, so nothing of it is planned here."""
+    settle = made.scene.settle
+    reason = "no [settle]"
+    if settle is not None:
+        given_up = "60 crossings" if settle.max_time is None else f"{settle.max_time:g} s"
+        reason = f"[settle]: to {settle.tolerance:g} of the first force, for {given_up} at most"
+    made.note("settling", settle is not None, reason)
 
 
 def _sides(made: Build) -> None:
@@ -220,44 +273,3 @@ def _rotation_of(made: Build, body: Body) -> tuple[str, str]:
             )
         return "lumped", "it is not connected"
     return "exact", "free, connected body" if model.rotation is None else "given"
-
-
-def _outputs(made: Build) -> None:
-    materials = tuple(made.material_of(body) for body in made.state.bodies)
-    energy = made.scene.output.energy
-    made.note("energies", energy, "series of every body" if energy else "output.energy = false")
-    made.plugins.append(BodySeries(materials, affine=made.transfer.affine is not None, energy=energy))
-    _ledger(made, materials)
-    _stability(made)
-    frames = made.scene.output.particles
-    if made.note(
-        "von Mises stress", frames, "frames hold material points" if frames else "output.particles = false"
-    ):
-        made.plugins.append(VonMises(materials))
-
-
-def _ledger(made: Build, materials: tuple[Any, ...]) -> None:
-    asked = made.scene.output.ledger
-    reason = "output.ledger = false"
-    if asked:
-        stops = (
-            "and runs on whatever it shows" if made.scene.allow_unstable else "and stops where energy grows"
-        )
-        reason = f"output.ledger; measured in every step, {stops}"
-    if not made.note("energy ledger", asked, reason):
-        return
-    from mpmfw.effects.ledger import EnergyLedger
-
-    named = {plugin.name: plugin for plugin in made.plugins}
-    gravity, pressure = named.get("gravity"), named.get("pressure")
-    made.plugins.append(EnergyLedger(materials, gravity, pressure, bounded=not made.scene.allow_unstable))
-
-
-def _stability(made: Build) -> None:
-    asked = made.scene.output.stability
-    if not made.note("stability series", asked, f"output.stability = {str(asked).lower()}"):
-        return
-    from mpmfw.effects.time_step_series import TimeStepSeries
-
-    watching = made.contact.monitors() if made.contact is not None else []
-    made.plugins += [TimeStepSeries(), *watching]

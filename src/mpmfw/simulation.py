@@ -165,11 +165,15 @@ class Simulation:
             self.contact.restart()
         self.state.time, self.state.steps = 0.0, 0
 
-    def advance(self, steps: int) -> None:
-        """Run a number of stable steps, without output."""
+    def advance(self, steps: int, write: Callable[[Frame], None] | None = None) -> None:
+        """Run a number of stable steps; hand a frame to ``write``, if there is one, at first and after every step."""
         self.start()
+        if write is not None:
+            self._output(write, 0.0)
         for _ in range(steps):
             self.step(self.stable_step())
+            if write is not None:
+                self._output(write, self.state.dt)
         self.clock("output")
 
     def run(

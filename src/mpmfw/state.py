@@ -91,6 +91,13 @@ class Particles:
         return int(self.position.shape[1])
 
 
+def joined(slices: tuple[slice, ...], own: slice) -> tuple[slice, ...]:
+    """The slices and one more; bodies that follow each other become one slice, and take one call of a kernel."""
+    if slices and slices[-1].stop == own.start:
+        return (*slices[:-1], slice(slices[-1].start, own.stop))
+    return (*slices, own)
+
+
 class OutsideGrid(Exception):
     """A point left the background grid; carries its index for the guard that names body, position and
     time."""

@@ -28,11 +28,18 @@ class TimeStep:
 
     def __init__(self, scene: Scene, state: State, bulk_limit: float) -> None:
         self.scene, self.state, self.bulk_limit = scene, state, bulk_limit
+        # Looked up once: between two steps of many points the interpreter's own data has left the caches, and
+        # whatever is asked anew in every step is waited for.
+        self._bulk = (bulk_limit, "bulk wave speed (h / c)")
+        self._least_refused = (COURANT * bulk_limit, f"the bulk ({COURANT:g} h / c)")
+        self._safety, self._fixed = scene.time.safety, scene.time.step
+        # A share of the least limit of at most COURANT is below all of them.
+        may_exceed = self._fixed is not None or self._safety > COURANT
+        self._checked = may_exceed and not scene.allow_unstable
 
     def limits(self, hook: Any) -> list[tuple[float, str]]:
         """Every stable time step [s] with its owner, before the safety factor; the bulk's comes first."""
-        answers = hook.stable_timestep(state=self.state) or []
-        return [(self.bulk_limit, "bulk wave speed (h / c)"), *answers]
+        return [self._bulk, *(hook.stable_timestep(state=self.state) or ())]
 
     def next(self, hook: Any) -> float:
         """Length of the next step [s]: the safety factor times the least limit, or the scene's fixed step.
@@ -42,12 +49,13 @@ class TimeStep:
         SimulationError
             The step is past a stability limit and the scene does not allow it, or the limit has collapsed.
         """
-        step, limits = self._chosen(hook)
-        refusal = self._refusal(step, limits)
+        limits = self.limits(hook)
+        limit, owner = min(limits)
+        step = self._length(limit)
+        refusal = self._refusal(step, limits) if self._checked else None
         if refusal is not None:
             advice = "a smaller time.step, or allow_unstable = true"
             raise SimulationError(refusal, time=self.state.time, advice=advice)
-        limit, owner = min(limits)
         if limit < COLLAPSED * self.bulk_limit:
             raise SimulationError(
                 f"the stable time step fell to {limit:.3g} s, set by {owner}; that of the bulk is {self.bulk_limit:.3g} s",
@@ -64,22 +72,19 @@ class TimeStep:
         SceneError
             ``time.step`` or ``time.safety`` asks for it.
         """
-        refusal = self._refusal(*self._chosen(hook))
+        limits = self.limits(hook)
+        refusal = self._refusal(self._length(min(limits)[0]), limits) if self._checked else None
         if refusal is not None:
             key = "time.safety" if self.scene.time.step is None else "time.step"
             raise SceneError(f"{key}: {refusal}; expected a smaller {key}, or allow_unstable = true")
 
-    def _chosen(self, hook: Any) -> tuple[float, list[tuple[float, str]]]:
-        """Length of the next step [s], refused or not, and the limits that it comes from."""
-        limits, given = self.limits(hook), self.scene.time.step
-        return float(self.scene.time.safety * min(limits)[0] if given is None else given), limits
+    def _length(self, limit: float) -> float:
+        """Length of the next step [s], refused or not."""
+        return float(self._safety * limit if self._fixed is None else self._fixed)
 
     def _refusal(self, step: float, limits: list[tuple[float, str]]) -> str | None:
         """Why a step is past a stability limit, or None. The bulk is unstable below h / c already."""
-        if self.scene.allow_unstable:
-            return None
-        bulk = (COURANT * self.bulk_limit, f"the bulk ({COURANT:g} h / c)")
-        limit, owner = min([bulk, *limits[1:]])
+        limit, owner = min([self._least_refused, *limits[1:]])
         if step <= limit * (1.0 + 1e-12):
             return None
         return f"a step of {step:.4g} s is past the stability limit {limit:.4g} s of {owner}"

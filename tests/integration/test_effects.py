@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import subprocess
 import sys
 from typing import Any
 
-import numpy as np
 import pytest
 
 import mpmfw
+from effects_table import arrays_of
 from mpmfw.simulation import Simulation
 from scenes_for_tests import block, disc, two_blocks
 
@@ -45,20 +44,6 @@ SURFACE = {
 }
 RECORDS = {"impulse", "frictional_work", "damping_work", "energy", "count"}
 CLASSICAL = {f"bardenhagen/{name}" for name in RECORDS | {"volume_gradient", "sharers"}}
-
-
-def arrays_of(sim: Simulation) -> set[str]:
-    """Names of all arrays that the state holds, the plug-ins' own included."""
-    state, names = sim.state, set(sim.state.arrays)
-    for group in ("particles", "grid", "surface"):
-        struct = getattr(state, group)
-        if struct is not None:
-            names |= {
-                f"{group}/{f.name}"
-                for f in dataclasses.fields(struct)
-                if isinstance(getattr(struct, f.name), np.ndarray)
-            }
-    return names
 
 
 @pytest.mark.parametrize(

@@ -76,6 +76,10 @@ class Penalty(ContactStrategy):
         """The surface layer's inertia, where it has a thickness."""
         return [InterfaceLayer(self.options.interface_thickness)] if self.adds_mass else []
 
+    def reach(self, cell_size: float) -> float:
+        """The search radius: bodies whose boxes are farther apart cost a comparison of boxes."""
+        return self.options.search_radius * cell_size
+
     def monitors(self) -> list[Any]:
         """Steps per contact and deepest penetration."""
         from mpmfw_contact.penalty.events import monitors
@@ -104,7 +108,7 @@ class Penalty(ContactStrategy):
         # k = κ M l_trib / h of every surface node, up to M, which depends on the body that it meets.
         self.node_factor = share * self.options.kappa * self.surface.tributary / setup.cell_size
         self.stiffest = max(1.0, self.options.tangential_ratio) if self.laws.friction.any() else 1.0
-        self.radius = self.options.search_radius * setup.cell_size
+        self.radius = self.reach(setup.cell_size)
         self.bulk_frequency = setup.bulk_frequency
         self.node_stiffness = np.zeros(0)
         self.omega_squared = 0.0

@@ -15,6 +15,7 @@ from mpmfw.cli.plot import plot
 from mpmfw.cli.plugins import plugins
 from mpmfw.cli.run import run
 from mpmfw.cli.schema import schema
+from mpmfw.cli.stability import stability
 from mpmfw.cli.study import study
 from mpmfw.cli.validate import validate
 
@@ -26,7 +27,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-for command in (run, compare, study, plot, explain, schema, plugins, benchmark, validate):
+for command in (run, compare, study, stability, plot, explain, schema, plugins, benchmark, validate):
     app.command()(exit_status(command))
 
 

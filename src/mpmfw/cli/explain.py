@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
@@ -18,9 +18,16 @@ if TYPE_CHECKING:
 
 
 def explain(
-    scene: SceneArgument, contact: ContactOption = None, shape: ShapeOption = None, set_: SetOption = None
+    scene: SceneArgument,
+    contact: ContactOption = None,
+    shape: ShapeOption = None,
+    set_: SetOption = None,
+    measure: Annotated[
+        bool,
+        typer.Option("--measure", help="Measure the times per stage on this machine first, and keep them."),
+    ] = False,
 ) -> None:
-    """Print what SCENE would run: effects, hooks, arrays, the time step, and facts that are not used."""
+    """Print what SCENE would run: effects, hooks, arrays, the time step, its cost, and facts that are not used."""
     loaded = chosen_scene(scene, contact, shape, set_)
 
     from mpmfw.scene import located
@@ -35,6 +42,7 @@ def explain(
     _print_hooks(simulation)
     _print_arrays(simulation)
     _print_step(simulation)
+    _print_cost(simulation, measure)
     _print_unused(simulation)
 
 
@@ -89,6 +97,22 @@ def _print_step(simulation: Simulation) -> None:
     typer.echo(f"dt = {simulation.stable_step():.6g} s: {why}\n")
 
 
+def _print_cost(simulation: Simulation, measure: bool) -> None:
+    """Steps, CPU time by stage and memory, predicted from measured times per stage."""
+    from mpmfw import prediction
+
+    if measure:
+        prediction.measure(prediction.own_table())
+    found = prediction.predict(simulation, [array.nbytes for _, array in named_arrays(simulation.state)])
+    rows = [{"stage": stage, "CPU [s]": f"{seconds:.3g}"} for stage, seconds in found.stages.items()]
+    print_rows([*rows, {"stage": "all", "CPU [s]": f"{found.cpu_time:.3g}"}], "Predicted cost of the steps")
+    typer.echo(f"{found.steps} steps if the limit stays as it is, {1e-6 * found.memory:.3g} MB of arrays")
+    typer.echo(f"from {found.source}; settling and output come on top")
+    if found.unknown:
+        typer.echo(f"not measured, the nearest relative's times were taken: {', '.join(found.unknown)}")
+    typer.echo("")
+
+
 def _print_unused(simulation: Simulation) -> None:
     unused = unused_facts(simulation)
     console = Console()
@@ -111,6 +135,10 @@ def unused_facts(simulation: Simulation) -> list[str]:
     if simulation.state.surface is None:
         given = [name for name, body in scene.bodies.items() if body.segment is not None]
         found += [f"bodies.{name}.segment: no surface is tracked" for name in given]
+    for effect in simulation.effects:  # asked for, but the other methods leave no room for it
+        name = effect.name.removeprefix("rotation of ").removesuffix(": lumped")
+        if name in scene.bodies and scene.bodies[name].rotation in ("exact", "local"):
+            found.append(f"bodies.{name}.rotation: lumped all the same: {effect.reason}")
     materials = {body.material for body in scene.bodies.values()}
     found += [f"materials.{name}: no body is made of it" for name in scene.materials if name not in materials]
     return found

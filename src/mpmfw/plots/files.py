@@ -15,6 +15,7 @@ from mpmfw.plots.costs import cost_bars
 from mpmfw.plots.generic import gap_history, series_overview
 from mpmfw.plots.rings import contact_force
 from mpmfw.plots.rolling import deviation, motion, positions
+from mpmfw.plots.stability import stability_figures
 from mpmfw.plots.study import study_figures
 from mpmfw.plots.style import at_last, drawn_reference, drawn_values
 from mpmfw.references import RingsReference, RollingReference
@@ -25,6 +26,8 @@ def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     """Figures of a comparison or a study that its content allows: ``{name: (figure, caption)}``."""
     if dataset.attrs.get("kind") == "study":
         return study_figures(dataset)
+    if dataset.attrs.get("kind") == "stability":
+        return stability_figures(dataset)
     if "time" not in dataset.dims or dataset.sizes["time"] < 2:
         return {}
     reference = drawn_reference(dataset)
@@ -100,7 +103,9 @@ def plot_file(path: str | os.PathLike[str], output: str | os.PathLike[str] | Non
     else:
         dataset = tree.to_dataset()
         drawn = (
-            {name: figure for name, (figure, _) in figures_of(dataset).items()} if "status" in dataset else {}
+            {name: figure for name, (figure, _) in figures_of(dataset).items()}
+            if "status" in dataset or "class" in dataset
+            else {}
         )
     if not drawn:
         raise SceneError(f"'{os.fspath(path)}' holds no series with two outputs or more to draw")

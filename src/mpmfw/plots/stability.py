@@ -1,0 +1,113 @@
+"""The map of stability: classes of runs over stiffness and time step, with the theoretical limit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+
+from mpmfw.fields import FloatArray
+from mpmfw.plots.style import FONT, dress, legend_below, new_figure
+
+#: Colours of the classes in their order; they differ in lightness too.
+COLOURS = ("#F2F2F2", "#9BD0E8", "#E69F00", "#8C1515")
+_LABELS = {"kappa": "stiffness factor κ [–]", "ratio": "stiffness of the second body / first [–]"}
+
+
+def stability_figures(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
+    """The one figure of a map: ``{name: (figure, caption)}``."""
+    caption = (
+        f"Runs of {dataset.attrs['steps_asked']} steps: {dataset.attrs['bounds']}. Line: closed form of two bodies in "
+        "line. Circles: least limit that the run at the smallest step met."
+    )
+    return {"stability": (stability_chart(dataset), caption)}
+
+
+def stability_chart(dataset: xr.Dataset) -> Figure:
+    """Classes over stiffness and Courant number, both logarithmic.
+
+    Parameters
+    ----------
+    dataset
+        Of :func:`mpmfw.stability.stability_map`.
+    """
+    axis = str(dataset["class"].dims[0])
+    names = dataset.attrs["classes"].split(", ")
+    x, y = (np.sort(dataset[name].values.astype(float)) for name in (axis, "cfl"))
+    figure = new_figure(1, 1, 64.0)
+    axes: Any = figure.subplots()
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.pcolormesh(
+        _edges(x),
+        _edges(y),
+        dataset["class"].sortby([axis, "cfl"]).transpose("cfl", axis).values,
+        cmap=ListedColormap(COLOURS),
+        norm=BoundaryNorm(np.arange(len(COLOURS) + 1) - 0.5, len(COLOURS)),
+        edgecolors="white",
+        linewidth=0.6,
+    )
+    _draw_limits(axes, dataset.sortby(axis), axis)
+    axes.set_xlim(*_edges(x)[[0, -1]])
+    axes.set_ylim(*_edges(y)[[0, -1]])
+    title = f"{dataset.attrs['contact']}, {dataset.attrs['shape']}"
+    dress(axes, _LABELS[axis], "Courant number c Δt / h [–]", title)
+    axes.grid(False)
+    _ticks(axes.xaxis, x)
+    _ticks(axes.yaxis, y)
+    met = np.unique(dataset["class"].values)
+    patches = [Patch(facecolor=COLOURS[k], edgecolor="0.6", linewidth=0.4, label=names[k]) for k in met]
+    legend_below(figure, [patches, _line_key()])
+    return figure
+
+
+def _edges(values: FloatArray) -> FloatArray:
+    """Borders of cells round points, halfway between them in the logarithm."""
+    logs = np.log(values)
+    middle = 0.5 * (logs[1:] + logs[:-1])
+    first, last = (
+        (logs - 0.35, logs + 0.35)
+        if len(logs) == 1
+        else (2 * logs[:1] - middle[:1], 2 * logs[-1:] - middle[-1:])
+    )
+    return np.asarray(np.exp(np.concatenate([first, middle, last])))
+
+
+def _draw_limits(axes: Any, dataset: xr.Dataset, axis: str) -> None:
+    """The closed form as a line, the limits of the runs as a marker for each stiffness."""
+    x = dataset[axis].values.astype(float)
+    axes.plot(x, dataset["closed_form"].values, color="white", linewidth=2.8)
+    axes.plot(x, dataset["closed_form"].values, color="black", linewidth=1.2)
+    axes.plot(x, dataset["limit"].values, **_MARKER)
+
+
+_MARKER: dict[str, Any] = {
+    "linestyle": "",
+    "marker": "o",
+    "markersize": 4.0,
+    "markerfacecolor": "white",
+    "markeredgecolor": "black",
+    "markeredgewidth": 0.9,
+}
+
+
+def _line_key() -> list[Any]:
+    return [
+        Line2D([], [], color="black", linewidth=1.2, label="closed form"),
+        Line2D([], [], **_MARKER, label="limit of the run"),
+    ]
+
+
+def _ticks(axis: Any, values: FloatArray) -> None:
+    """The points themselves, as plain numbers; every other one where they are many."""
+    every = 1 + (len(values) - 1) // 10
+    axis.set_major_locator(FixedLocator(list(values[::every])))
+    axis.set_minor_locator(NullLocator())
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_tick_params(labelsize=FONT - 1)

@@ -1,0 +1,84 @@
+"""The part of the effect plan that records: energies, the ledger and its terms, stability, frames."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mpmfw.build import Build
+from mpmfw.series import BodySeries, VonMises
+
+#: Hooks by which a contact strategy moves bodies; one that implements none of them does no work.
+CONTACT_HOOKS = ("after_momentum_projection", "add_nodal_force", "after_momentum_update")
+
+
+def recorded(made: Build) -> None:
+    """Decide what a run measures and records beside its motion."""
+    materials = tuple(made.material_of(body) for body in made.state.bodies)
+    energy = made.scene.output.energy
+    made.note("energies", energy, "series of every body" if energy else "output.energy = false")
+    made.plugins.append(BodySeries(materials, affine=made.transfer.affine is not None, energy=energy))
+    _ledger(made, materials)
+    _stability(made)
+    _frames(made, materials)
+
+
+def _ledger(made: Build, materials: tuple[Any, ...]) -> None:
+    asked = made.scene.output.ledger
+    reason = "output.ledger = false"
+    if asked:
+        stops = (
+            "and runs on whatever it shows" if made.scene.allow_unstable else "and stops where energy grows"
+        )
+        reason = f"output.ledger; measured in every step, {stops}"
+    contact = made.contact
+    if asked and contact is not None and contact.adds_mass:
+        # Its inertia is on the nodes and on no material point: every term would be that of two bodies.
+        asked, reason = False, f"contact '{contact.name}' adds inertia of its own to the nodes"
+    if not made.note("energy ledger", asked, reason):
+        return
+    from mpmfw.effects.ledger import EnergyLedger
+
+    named = {plugin.name: plugin for plugin in made.plugins}
+    _terms(made, named)
+    gravity, pressure = named.get("gravity"), named.get("pressure")
+    made.plugins.append(EnergyLedger(materials, gravity, pressure, bounded=not made.scene.allow_unstable))
+
+
+def _terms(made: Build, named: dict[str, Any]) -> None:
+    """Works that the ledger can meet in this scene; the series of the others are recorded, and stay zero."""
+    sources = {
+        "gravity": {"gravity": "gravity"},
+        "external": {"pressure": "pressures", "constraint": "prescribed sides"},
+        "inertia": {"rotation": "exact rotation", "local_inertia": "local inertia"},
+    }
+    contact = made.contact
+    acts = contact is not None and any(hasattr(contact, hook) for hook in CONTACT_HOOKS)
+    found = {term: [said for name, said in by.items() if name in named] for term, by in sources.items()}
+    found["contact"] = [f"contact '{contact.name}'"] if contact is not None and acts else []
+    for term in ("gravity", "external", "contact", "inertia"):
+        by = ", ".join(found[term])
+        made.note(f"ledger: {term} work", bool(by), by or "nothing in the scene does any; stays 0")
+
+
+def _stability(made: Build) -> None:
+    asked = made.scene.output.stability
+    if not made.note("stability series", asked, f"output.stability = {str(asked).lower()}"):
+        return
+    from mpmfw.effects.time_step_series import TimeStepSeries
+
+    watching = made.contact.monitors() if made.contact is not None else []
+    made.plugins += [TimeStepSeries(), *watching]
+
+
+def _frames(made: Build, materials: tuple[Any, ...]) -> None:
+    """Fields of material points and surface nodes in the results' file."""
+    points = made.scene.output.particles
+    if made.note(
+        "von Mises stress", points, "frames hold material points" if points else "output.particles = false"
+    ):
+        made.plugins.append(VonMises(materials))
+    asked, tracked = made.scene.output.surface, made.state.surface is not None
+    reason = (
+        "output.surface = false" if not asked else "output.surface" if tracked else "no surface is tracked"
+    )
+    made.note("surface frames", asked and tracked, reason)

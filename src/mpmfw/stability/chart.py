@@ -1,0 +1,240 @@
+"""The map of stability: stiffness of the contact, or of the bodies, against the time step."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import os
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from mpmfw._version import __version__
+from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.fields import FloatArray
+from mpmfw.scene import Scene, load_scene, located
+from mpmfw.simulation import Simulation, chosen_methods
+from mpmfw.stability.outcome import Outcome, probe
+from mpmfw.stability.ratio import stiffness_ratio
+
+#: Classes of a point, by number; the bounds are those of the largest energy ratio.
+CLASSES = ("no contact", "stable", "bounded", "diverged")
+STABLE, BOUNDED = 1.005, 1.05
+
+KAPPA = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
+CFL = (0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8)
+STEPS = 300
+
+
+def stability_map(
+    scene: Any,
+    contact: str | None = None,
+    shape: str | None = None,
+    *,
+    kappa: Sequence[float] | None = None,
+    ratio: Sequence[float] | None = None,
+    cfl: Sequence[float] = CFL,
+    steps: int = STEPS,
+    output: str | os.PathLike[str] | None = None,
+    set: Mapping[str, Any] | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> xr.Dataset:
+    """Run a scene at many stiffnesses and fixed steps, past the limit too, and class every run.
+
+    Parameters
+    ----------
+    scene
+        What ``mpmfw.run`` takes; its bodies must meet within ``steps`` steps.
+    contact, shape
+        Names of plug-ins, in place of the scene's.
+    kappa
+        Stiffness factors of the penalty contact; :data:`KAPPA` unless ``ratio`` is given.
+    ratio
+        Stiffnesses M = K + 4 G / 3 of the second body over that of the first, instead.
+    cfl
+        Courant numbers c Δt / h of the fastest body.
+    steps
+        Steps of every run.
+    output
+        NetCDF file to write.
+    set
+        Values by dotted key, set over the scene's own.
+    progress
+        Called with the numbers of runs done and to do.
+
+    Returns
+    -------
+    Dataset
+        By (kappa or ratio, cfl): ``class`` (index into the attribute ``classes``), ``energy`` (largest energy plus
+        dissipation over that of the start, positions and velocities taken at the same time), ``steps_per_contact``,
+        ``steps``. By kappa or ratio: ``limit`` (Courant number of the least limit that the run at the smallest step met, from
+        its nodal masses) and ``closed_form`` (of two bodies in line, 2 / √(ω_bulk² + ω²)).
+
+    Raises
+    ------
+    SceneError
+        The scene or a value is wrong.
+    MpmfwError
+        The file cannot be written.
+    """
+    loaded = load_scene(scene, set={**(set or {}), **chosen_methods(contact, shape)})
+    axis, values = _axis(loaded, kappa, ratio)
+    _check(values, cfl, steps)
+    scenes = [_scene_at(loaded, axis, value) for value in values]
+    found: dict[tuple[int, int], Outcome] = {}
+    ticks, closed = np.array([_theory(one) for one in scenes]).T
+    total = len(values) * len(cfl)
+    for (i, one), (j, courant) in itertools.product(enumerate(scenes), enumerate(cfl)):
+        found[i, j] = _point(one, courant * float(ticks[i]), steps)
+        if progress is not None:
+            progress(len(found), total)
+    least = int(np.argmin(cfl))
+    limits = np.array([found[i, least].limit for i in range(len(values))]) / ticks
+    dataset = _dataset(loaded, axis, values, cfl, steps, found, (limits, closed))
+    if output is not None:
+        _write(dataset, output)
+    return dataset
+
+
+def _axis(
+    scene: Scene, kappa: Sequence[float] | None, ratio: Sequence[float] | None
+) -> tuple[str, Sequence[float]]:
+    method = scene.contact.method if scene.contact is not None else "none"
+    if kappa is not None and ratio is not None:
+        raise SceneError("kappa and ratio: a map has one of them; leave the other out")
+    if ratio is not None:
+        return "ratio", ratio
+    if method != "penalty":
+        raise SceneError(f"contact '{method}' has no kappa; give stiffness ratios instead")
+    return "kappa", KAPPA if kappa is None else kappa
+
+
+def _check(values: Sequence[float], cfl: Sequence[float], steps: int) -> None:
+    for name, given in (("kappa or ratio", values), ("cfl", cfl)):
+        if not given or not all(math.isfinite(value) and value > 0.0 for value in given):
+            raise SceneError(f"{name}: expected numbers greater than 0")
+        if len({*given}) < len(given):
+            raise SceneError(f"{name}: a value is given twice")
+    if steps < 2:
+        raise SceneError(f"steps: {steps} are too few to judge")
+
+
+def _scene_at(scene: Scene, axis: str, value: float) -> Scene:
+    """The scene at one stiffness, allowed to go past its limit; a safety factor of its own gives way."""
+    changes = stiffness_ratio(scene, value) if axis == "ratio" else {"contact.penalty.kappa": value}
+    time = {"end": scene.time.end, "output_interval": scene.time.output_interval}
+    return scene.with_overrides({**changes, "allow_unstable": True, "time": time})
+
+
+def _theory(scene: Scene) -> tuple[float, float]:
+    """h / c of the fastest body [s], and the Courant number of the closed form."""
+    simulation = _simulation(scene)
+    bulk, bodies = simulation.limits()[0][0], simulation.state.bodies
+    kappa = getattr(getattr(simulation.contact, "options", None), "kappa", 0.0)
+    # ω² = 2 κ M (1/ρ_1 + 1/ρ_2) / h², ω_bulk = 2 c / h
+    first, second = bodies[0], bodies[min(1, len(bodies) - 1)]
+    modulus = min(first.p_wave_modulus, second.p_wave_modulus)
+    softness = 0.5 * modulus * (1.0 / first.density + 1.0 / second.density)
+    fastest = simulation.state.grid.cell_size / bulk
+    return bulk, 1.0 / math.sqrt(1.0 + kappa * softness / fastest**2)
+
+
+def _simulation(scene: Scene) -> Simulation:
+    try:
+        return Simulation(scene)
+    except SceneError as error:
+        raise located(error, scene) from error
+
+
+def _point(scene: Scene, step: float, steps: int) -> Outcome:
+    found = probe(scene, set={"time.step": step}, steps=steps)
+    if found.status == "refused":
+        raise SceneError(found.message)
+    return found
+
+
+_AXES = {
+    "kappa": "stiffness factor of the contact springs",
+    "ratio": "stiffness of the second body over that of the first",
+}
+
+
+def _said(meaning: str) -> dict[str, str]:
+    """Attributes of a variable; all are numbers without a unit."""
+    return {"units": "1", "long_name": meaning}
+
+
+def classed(found: Outcome) -> int:
+    """Index into :data:`CLASSES` of a run."""
+    if found.status == "failed" or not found.energy <= BOUNDED:
+        return 3
+    if not found.touched:
+        return 0
+    return 1 if found.energy <= STABLE else 2
+
+
+def _dataset(
+    scene: Scene,
+    axis: str,
+    values: Sequence[float],
+    cfl: Sequence[float],
+    steps: int,
+    found: Mapping[tuple[int, int], Outcome],
+    limits: Sequence[FloatArray],
+) -> xr.Dataset:
+    def table(pick: Callable[[Outcome], float], kind: type = float) -> Any:
+        return np.array([[pick(found[i, j]) for j in range(len(cfl))] for i in range(len(values))], kind)
+
+    picks: dict[str, tuple[Callable[[Outcome], float], type, str]] = {
+        "class": (classed, int, "index into the attribute classes"),
+        "energy": (lambda o: o.energy, float, "largest energy plus dissipation over the energy at the start"),
+        "steps_per_contact": (lambda o: o.contact_steps, float, "fewest steps that a contact lasted"),
+        "steps": (lambda o: o.steps, int, "steps that were run"),
+    }
+    lines = {
+        "limit": "Courant number of the least limit met at the smallest step",
+        "closed_form": "Courant number of the closed form",
+    }
+    dataset = xr.Dataset(
+        {
+            **{n: ((axis, "cfl"), table(pick, kind), _said(text)) for n, (pick, kind, text) in picks.items()},
+            **{n: (axis, line, _said(text)) for (n, text), line in zip(lines.items(), limits, strict=True)},
+        },
+        {
+            axis: (axis, list(values), _said(_AXES[axis])),
+            "cfl": ("cfl", list(cfl), _said("Courant number of the fixed step")),
+        },
+    )
+    dataset.attrs = _attributes(scene, steps)
+    return dataset
+
+
+def _attributes(scene: Scene, steps: int) -> dict[str, Any]:
+    return {
+        "kind": "stability",
+        "title": scene.title or scene.name,
+        "contact": scene.contact.method if scene.contact is not None else "",
+        "shape": scene.shape.method,
+        "classes": ", ".join(CLASSES),
+        "bounds": f"stable up to {STABLE}, bounded up to {BOUNDED} of the energy at the start",
+        "steps_asked": steps,
+        "scene": scene.text,
+        "version": __version__,
+    }
+
+
+def _write(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
+    try:
+        dataset.to_netcdf(path)
+    except OSError as error:
+        raise MpmfwError(f"cannot write '{os.fspath(path)}': {error.strerror or error}") from error
+
+
+def largest_stable(dataset: xr.Dataset) -> FloatArray:
+    """Per stiffness the largest Courant number up to which every point is stable; NaN if the first is not."""
+    order = np.argsort(dataset["cfl"].values)
+    cfl, stable = dataset["cfl"].values[order], dataset["class"].values[:, order] == 1
+    held = np.cumprod(stable, axis=1).sum(axis=1)
+    return np.asarray(np.where(held > 0, cfl[np.maximum(held - 1, 0)], np.nan), dtype=float)

@@ -1,0 +1,182 @@
+"""Run a scene for a number of steps and judge it by its invariants: energy, momentum, penetration, surfaces."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mpmfw.errors import ResultsWarning, SceneError, SimulationError
+from mpmfw.fields import FloatArray
+from mpmfw.simulation import Simulation
+from mpmfw.stability.record import Hopeless, Record
+from mpmfw.state import State
+
+#: What a run must record to be judged, and need not.
+OUTPUT = {
+    "output.ledger": True,
+    "output.stability": True,
+    "output.gap": True,
+    "output.energy": True,
+    "output.particles": False,
+    "output.surface": False,
+}
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a run.
+
+    Attributes
+    ----------
+    status
+        ``ok``, ``refused`` or ``failed``.
+    message
+        Why it was refused or failed.
+    steps
+        Steps taken after time zero.
+    time
+        Simulated time [s].
+    energy
+        Largest energy plus dissipation less the work put in, over the energy at the start and what was put in; of all
+        steps, positions and velocities taken at the same time. NaN if it is no number.
+    energy_end
+        The same at the end.
+    stored
+        Largest energy without dissipation, else as ``energy``.
+    momentum
+        Largest change of the bodies' total linear momentum, over the sum of the largest of each.
+    penetration
+        Deepest penetration, over the cell size.
+    lost
+        Surface nodes that ended more than half a cell farther from their body's material points than they began.
+    contact_steps
+        Fewest steps that a contact of a surface node lasted; NaN where nothing counts them.
+    limit
+        Least stable time step after the first step [s]; before it, a contact has not seen where its bodies meet.
+    touched
+        Whether bodies were in contact.
+    travel
+        (body, axis) displacement of the centres at the end, over the cell size.
+    """
+
+    status: str
+    message: str = ""
+    steps: int = 0
+    time: float = 0.0
+    energy: float = float("nan")
+    energy_end: float = float("nan")
+    stored: float = float("nan")
+    momentum: float = float("nan")
+    penetration: float = float("nan")
+    lost: int = 0
+    contact_steps: float = float("nan")
+    limit: float = float("nan")
+    touched: bool = False
+    travel: FloatArray | None = None
+
+
+def probe(
+    scene: Any,
+    contact: Any = None,
+    shape: Any = None,
+    set: Mapping[str, Any] | None = None,
+    *,
+    steps: int,
+) -> Outcome:
+    """Run a scene for a number of steps, or until it fails, and judge every step.
+
+    Parameters
+    ----------
+    scene, contact, shape, set
+        As ``mpmfw.run`` takes them; outputs and their times have no effect.
+    steps
+        Steps to take after settling.
+
+    Returns
+    -------
+    Outcome
+        Also of a run that was refused or failed.
+    """
+    with _quiet():
+        try:
+            from mpmfw.scene import load_scene
+
+            loaded = load_scene(scene, set={**(set or {}), **OUTPUT})
+            simulation = Simulation(loaded, contact=contact, shape=shape)
+        except SceneError as error:
+            return Outcome("refused", str(error))
+        begun = _centres(simulation.state), _distances(simulation.state)
+        record = Record(simulation)
+        status, message = "ok", ""
+        try:
+            simulation.start()
+            begun = _centres(simulation.state), begun[1]
+            simulation.advance(steps, record)
+        except SimulationError as error:
+            message = str(error)
+            status = "refused" if "past the stability limit" in message else "failed"
+        except Hopeless:
+            status, message = "failed", "the energy grew beyond all bounds"
+        except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
+            status, message = "failed", f"numbers ran away ({error})"
+        return _judged(simulation, record, begun, status, message)
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Without warnings of numbers that run away, and of what a reader of results must know."""
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore", ResultsWarning)
+        warnings.simplefilter("ignore", RuntimeWarning)
+        yield
+
+
+def _judged(
+    simulation: Simulation, record: Record, begun: tuple[FloatArray, FloatArray], status: str, message: str
+) -> Outcome:
+    state, h = simulation.state, simulation.state.grid.cell_size
+    if not record.energy:
+        return Outcome(status, message, steps=state.steps)
+    momentum = np.array(record.momentum)
+    drift = np.linalg.norm(momentum.sum(axis=1) - momentum[0].sum(axis=0), axis=-1)
+    largest = np.linalg.norm(momentum, axis=-1).max(axis=0).sum()
+    return Outcome(
+        status,
+        message,
+        steps=state.steps,
+        time=state.time,
+        energy=float(np.max(record.energy)),  # NaN if one is
+        energy_end=record.energy[-1],
+        stored=record.stored,
+        momentum=float(drift.max() / largest) if largest > 0.0 else 0.0,
+        penetration=max(0.0, -record.gap) / h,
+        lost=int(np.sum(~(_distances(state) - begun[1] < 0.5 * h))),
+        contact_steps=record.contact_steps if np.isfinite(record.contact_steps) else float("nan"),
+        limit=record.limit,
+        touched=record.touched,
+        travel=(_centres(state) - begun[0]) / h,
+    )
+
+
+def _centres(state: State) -> FloatArray:
+    """(body, axis) centres of mass [m]."""
+    p = state.particles
+    own = [body.particles for body in state.bodies]
+    return np.array([p.mass[s] @ p.position[s] / p.mass[s].sum() for s in own])
+
+
+def _distances(state: State) -> FloatArray:
+    """(surface_node,) distance to the nearest material point of the own body [m]."""
+    if state.surface is None:
+        return np.zeros(0)
+    nearest = np.empty(state.surface.count)
+    for body in state.bodies:
+        own = state.surface.of(body.index)
+        apart = state.surface.position[own][:, None] - state.particles.position[body.particles][None]
+        nearest[own] = np.linalg.norm(apart, axis=-1).min(axis=1)
+    return nearest

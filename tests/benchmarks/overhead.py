@@ -1,0 +1,202 @@
+"""What hooks, plan and clock cost: the simulation's own step against a reference step written out for the scene.
+
+    python tests/benchmarks/overhead.py [--points 20000] [--pairs 200]
+    pytest tests/benchmarks/overhead.py
+
+Both run in one process on the same arrays, from the same state, which is restored before every sample; which of the
+two comes first alternates. The overhead is the median of the pairs' ratios; its interval is that of the bootstrap.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]  # also when it is run as a script
+
+from written_out import OneBody, Touching, TwoApart  # noqa: E402
+
+from mpmfw.simulation import Simulation  # noqa: E402
+from scenes_for_tests import SOFT  # noqa: E402
+
+#: Largest overhead that the plan may cost.
+LIMIT = 1.02
+POINTS, PAIRS, STEPS, WARM_UP = 20_000, 200, 3, 20
+
+
+def scene(gap: float | None, friction: float, points: int) -> dict[str, Any]:
+    """One square of a metre, or two of half the points that approach at 1 m/s."""
+    bodies = 1 if gap is None else 2
+    edge = round((points / bodies) ** 0.5)
+    h = 2.0 / edge
+    made: dict[str, Any] = {
+        "grid": {"cell_size": h, "lower": [-3.0, -1.0], "upper": [3.0, 2.0]},
+        "time": {"end": 1.0, "output_interval": 1.0},
+        "shape": {"method": "cpdi"},
+        "materials": {"soft": SOFT},
+        "output": {"gap": False, "particles": False},
+        "bodies": {},
+    }
+    for index, name in enumerate(("left", "right")[:bodies]):
+        left = -1.0 if index == 0 else gap
+        speed = 1.0 - 2.0 * index
+        made["bodies"][name] = {
+            "material": "soft",
+            "geometry": {"type": "rectangle", "lower": [left, 0.0], "upper": [left + 1.0, 1.0]},
+            "particles": {"size": 0.5 * h},
+            "velocity": [speed, 0.3 * speed],
+            "rotation": "lumped",
+        }
+    if bodies == 2:
+        made["contact"] = {"method": "penalty", "friction": friction}
+    return made
+
+
+SCENES: dict[str, tuple[type[OneBody], float | None, float]] = {
+    "one body": (OneBody, None, 0.0),
+    "two bodies apart": (TwoApart, 1.0, 0.3),
+    "frictionless": (Touching, 0.0, 0.0),
+    "frictional": (Touching, 0.0, 0.3),
+}
+
+
+class Snapshot:
+    """Copies of all arrays that a step changes, and of the contact's count."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self.state, self.contact = simulation.state, simulation.contact
+        self.copies = [(array, array.copy()) for array in self._arrays()]
+        self.time = self.state.time
+        self.spring = (self.contact.count, self.contact.omega_squared) if self.contact is not None else None
+
+    def _arrays(self) -> list[Any]:
+        p, s = self.state.particles, self.state.surface
+        found = [
+            p.position,
+            p.velocity,
+            p.volume,
+            p.deformation_gradient,
+            p.velocity_gradient,
+            p.stress,
+            p.affine,
+        ]
+        found += [] if s is None else [s.position, s.displacement]
+        if self.contact is not None:
+            k, r = self.contact.candidates, self.contact.records
+            found += [
+                k.master,
+                k.segment,
+                k.coordinate,
+                k.gap,
+                k.normal,
+                k.stiffness,
+                k.tangential,
+                k.old_master,
+            ]
+            found += [k.old_tangential, r.impulse, r.frictional_work, r.damping_work, r.energy, r.count]
+            found += [self.contact.force]
+            self.turn = (k.master, k.tangential, k.old_master, k.old_tangential)
+        return found
+
+    def restore(self) -> None:
+        """Back to the state of the copies; roles that the history swaps included."""
+        for array, copy in self.copies:
+            array[...] = copy
+        self.state.time = self.time
+        if self.contact is not None:
+            k = self.contact.candidates
+            k.master, k.tangential, k.old_master, k.old_tangential = self.turn
+            self.contact.count, self.contact.omega_squared = self.spring
+
+    def now(self) -> list[Any]:
+        """The arrays as they are, copied."""
+        return [array.copy() for array, _ in self.copies]
+
+
+def prepared(name: str, points: int) -> tuple[Simulation, OneBody, Snapshot]:
+    """A scene after some steps, its reference step, and its state, from which both must reach the same."""
+    reference, gap, friction = SCENES[name]
+    simulation = Simulation(scene(gap, friction, points))
+    simulation.advance(WARM_UP)
+    written, snapshot = reference(simulation), Snapshot(simulation)
+    reached = []
+    for step in (lambda: simulation.step(simulation.stable_step()), written.step):
+        snapshot.restore()
+        for _ in range(STEPS):
+            step()
+        reached.append(snapshot.now())
+    for ours, theirs in zip(*reached, strict=True):
+        np.testing.assert_array_equal(ours, theirs)
+    return simulation, written, snapshot
+
+
+def sample(step: Callable[[], None], snapshot: Snapshot, steps: int) -> float:
+    """CPU seconds of some steps from the snapshot on."""
+    snapshot.restore()
+    begin = time.process_time()
+    for _ in range(steps):
+        step()
+    return time.process_time() - begin
+
+
+def measure(name: str, points: int = POINTS, pairs: int = PAIRS) -> dict[str, float]:
+    """Nanoseconds per point and step of both, their difference a step, the median ratio with its interval of 95 %."""
+    simulation, written, snapshot = prepared(name, points)
+
+    def own() -> None:
+        simulation.step(simulation.stable_step())
+
+    times = np.zeros((pairs, 2))
+    for index in range(pairs):
+        for which in (0, 1) if index % 2 else (1, 0):
+            times[index, which] = sample((own, written.step)[which], snapshot, STEPS)
+    count = simulation.state.particles.count
+    ratio = times[:, 0] / times[:, 1]
+    rng = np.random.default_rng(0)
+    medians = np.median(rng.choice(ratio, (2000, pairs)), axis=1)
+    ours, theirs = np.median(times, axis=0) * 1e9 / (count * STEPS)
+    low, high = np.quantile(medians, [0.025, 0.975])
+    return {
+        "points": count,
+        "ns": ours,
+        "ns_reference": theirs,
+        "extra": float(np.median(times[:, 0] - times[:, 1])) * 1e6 / STEPS,
+        "ratio": float(np.median(ratio)),
+        "low": float(low),
+        "high": float(high),
+    }
+
+
+@pytest.mark.overhead
+@pytest.mark.parametrize("name", SCENES)
+def test_the_plan_costs_next_to_nothing(name: str) -> None:
+    found = measure(name)
+    assert found["low"] <= LIMIT, found
+
+
+def main() -> int:
+    """Print a row a scene; the exit code says whether an interval lies past the limit as a whole."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--points", type=int, default=POINTS)
+    parser.add_argument("--pairs", type=int, default=PAIRS)
+    asked = parser.parse_args()
+    print("scene              points       ns  written out  µs a step   ratio  95 % interval")
+    within = True
+    for name in SCENES:
+        row = measure(name, asked.points, asked.pairs)
+        within = within and row["low"] <= LIMIT
+        times = f"{row['ns']:8.1f} {row['ns_reference']:12.1f} {row['extra']:10.1f}"
+        interval = f"{row['ratio']:7.4f}  {row['low']:.4f} … {row['high']:.4f}"
+        print(f"{name:17} {row['points']:7.0f} {times} {interval}", flush=True)
+    return 0 if within else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,230 @@
+"""Scenes that differ by few effects, and what of arrays, hooks, modules and variables each effect brings."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mpmfw.simulation import Simulation
+from scenes_for_tests import block, two_blocks, with_changes
+
+Pairs = set[tuple[str, str]]
+
+
+@dataclass(frozen=True)
+class Brings:
+    """What one effect adds to the least simulation; hooks are pairs of hook and plug-in."""
+
+    arrays: frozenset[str] = frozenset()
+    hooks: frozenset[tuple[str, str]] = frozenset()
+    modules: frozenset[str] = frozenset()
+    series: frozenset[str] = frozenset()
+    points: frozenset[str] = frozenset()
+    surface: frozenset[str] = frozenset()
+
+
+def brings(
+    plugin: str = "", *, hooks: str = "", arrays: str = "", modules: str = "", series: str = "", **more: str
+) -> Brings:
+    """Names apart by blanks; arrays without a group belong to the plug-in."""
+    owned = (name if "/" in name else f"{plugin}/{name}" for name in arrays.split())
+    return Brings(
+        arrays=frozenset(owned),
+        hooks=frozenset((hook, plugin) for hook in hooks.split()),
+        modules=frozenset(modules.split()),
+        series=frozenset(series.split()),
+        points=frozenset(more.get("points", "").split()),
+        surface=frozenset(more.get("surface", "").split()),
+    )
+
+
+#: What every simulation has.
+LEAST = Brings(
+    arrays=frozenset(
+        f"{group}/{name}"
+        for group, names in (
+            ("particles", "position velocity mass initial_volume volume stress first"),
+            ("particles", "deformation_gradient velocity_gradient"),
+            ("grid", "lower nodes window_lower window_shape offset position mass momentum"),
+            ("grid", "start_velocity force velocity"),
+        )
+        for name in names.split()
+    ),
+    hooks=frozenset(
+        (hook, who)
+        for who, hooks in (
+            ("neo_hookean soft", "setup update_stress"),
+            ("body_series", "declare_fields setup diagnostics"),
+            ("von_mises", "declare_fields diagnostics"),
+        )
+        for hook in hooks.split()
+    ),
+    modules=frozenset({"mpmfw_material.neo_hookean"}),
+    series=frozenset(
+        {
+            *("centre_of_mass", "mean_velocity", "angular_velocity", "linear_momentum", "angular_momentum"),
+            *("kinetic_energy", "strain_energy", "total_energy"),
+        }
+    ),
+    points=frozenset(
+        ["position", "velocity", "mass", "volume", "deformation_gradient", "stress", "von_mises"]
+    ),
+)
+
+_SHAPE = "setup particle_reach interpolate interpolate_surface"
+_PENALTY = (
+    *("strategy", "search", "candidates", "laws", "layer", "options", "pair_force", "stability", "facing"),
+)
+EFFECTS = {
+    "linear": brings("linear", hooks=_SHAPE, modules="mpmfw_shape.linear mpmfw_shape._bilinear_surface"),
+    "domain tracking": brings(
+        "cpdi2",
+        hooks=f"{_SHAPE} declare_fields update_particle_domains diagnostics",
+        arrays="corners",
+        modules="mpmfw_shape.cpdi2 mpmfw_shape._bilinear_surface",
+        points="corners",
+    ),
+    "affine field": brings(arrays="particles/affine", series="affine_energy"),
+    "affine moments": brings(arrays="particles/moment"),
+    "gravity": brings("gravity", hooks="add_nodal_force", modules="mpmfw.effects.gravity"),
+    "prescribed sides": brings(
+        "constraint", hooks="setup constrain_momentum", modules="mpmfw.effects.constraint"
+    ),
+    "settling": brings(),
+    "pressure": brings("pressure", hooks="add_nodal_force", modules="mpmfw.effects.pressure"),
+    "surfaces": brings(
+        "surface",
+        hooks="setup after_momentum_projection advect",
+        arrays="position displacement tributary next previous body first body_first cell_mass",
+        modules="mpmfw.effects.surface",
+        surface="position next",
+    ),
+    "least gap": brings("gap", hooks="declare_fields diagnostics", series="min_gap"),
+    "rotation": brings(
+        "rotation",
+        hooks="setup correct_inertia",
+        arrays="layout/half_edges",
+        modules="mpmfw.effects.rotation",
+    ),
+    "local inertia": brings(
+        "local_inertia",
+        hooks="declare_fields setup correct_inertia stable_timestep",
+        arrays="acceleration correction",
+        modules="mpmfw.effects.local_inertia",
+    ),
+    "separate": brings(modules="mpmfw_contact.separate"),
+    "penalty": brings(
+        "penalty",
+        hooks="declare_fields setup add_nodal_force stable_timestep diagnostics",
+        arrays="impulse frictional_work damping_work energy count force master segment coordinate gap normal "
+        "stiffness damping tangential old_master old_tangential owner shared head head_stamp link link_segment "
+        "box_lower box_upper",
+        modules=" ".join(
+            ["mpmfw_contact.penalty", "mpmfw_contact.records"]
+            + [f"mpmfw_contact.penalty.{name}" for name in _PENALTY]
+        ),
+        series="contact_force contact_count frictional_work contact_energy damping_work",
+        surface="force",
+    ),
+    "touching": brings("penalty", arrays="node_stiffness"),
+    "ledger": brings(
+        "energy_ledger",
+        hooks="declare_fields setup after_momentum_projection add_nodal_force after_momentum_update "
+        "correct_inertia constrain_momentum end_step diagnostics",
+        modules="mpmfw.effects.ledger",
+        series="gravity_work external_work contact_work inertia_work transfer_dissipation energy_residual",
+    ),
+    "stability": brings(
+        "time_step_series",
+        hooks="declare_fields diagnostics",
+        modules="mpmfw.effects.time_step_series",
+        series="time_step time_step_limit time_step_owner",
+    ),
+    "contact events": brings(
+        "contact_events",
+        hooks="declare_fields setup end_step diagnostics concerns",
+        arrays="age partner",
+        modules="mpmfw_contact.penalty.events",
+        series="steps_per_contact penetration",
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene and the effects that are on in it."""
+
+    scene: dict[str, Any]
+    effects: tuple[str, ...]
+    shape: str = "linear"
+
+    def expected(self, what: str) -> frozenset[Any]:
+        """Union of what the effects bring."""
+        parts = [LEAST, EFFECTS[self.shape], *(EFFECTS[name] for name in self.effects)]
+        return frozenset().union(*(getattr(part, what) for part in parts))
+
+
+def _apart(scene: dict[str, Any]) -> dict[str, Any]:
+    """The two blocks a metre apart and at rest: their boxes are farther from each other than any reach."""
+    for name, left in (("left", -1.0), ("right", 0.5)):
+        geometry = {"type": "rectangle", "lower": [left, -0.25], "upper": [left + 0.5, 0.25]}
+        own = {f"bodies__{name}__geometry": geometry, f"bodies__{name}__velocity": [0, 0]}
+        scene = with_changes(scene, **own)
+    return scene
+
+
+def _two(method: str, **changes: Any) -> dict[str, Any]:
+    return two_blocks(method, **{"shape__method": "linear", "output": {"gap": False}, **changes})
+
+
+ONE = block(shape__method="linear", bodies__solid__rotation="lumped")
+GRAVITY = {"vector": [0, -10]}
+HELD = [{"side": "bottom", "fixed": True}]
+TOUCHED = ("penalty", "surfaces", "rotation", "touching")
+CASES = {
+    "one body": Case(ONE, ()),
+    "two bodies apart": Case(_apart(_two("penalty")), ("penalty", "surfaces", "rotation")),
+    "frictionless": Case(_two("penalty", contact__friction=0), TOUCHED),
+    "frictional": Case(_two("penalty"), TOUCHED),
+    "gravity": Case(with_changes(ONE, gravity=GRAVITY), ("gravity",)),
+    "settled": Case(
+        with_changes(ONE, settle={"tolerance": 0.5}, gravity=GRAVITY, bodies__solid__sides=HELD),
+        ("settling", "gravity", "prescribed sides"),
+    ),
+    "ledger": Case(with_changes(ONE, output={"ledger": True}), ("ledger",)),
+    "stability of one body": Case(with_changes(ONE, output={"stability": True}), ("stability",)),
+    "stability of contact": Case(
+        _two("penalty", output={"gap": False, "stability": True}), (*TOUCHED, "stability", "contact events")
+    ),
+    "pressure": Case(
+        with_changes(ONE, bodies__solid__sides=[{"side": "top", "pressure": 1e3}]), ("pressure", "surfaces")
+    ),
+    "local inertia": Case(with_changes(ONE, bodies__solid__rotation="local"), ("local inertia",)),
+    "exact rotation": Case(with_changes(ONE, bodies__solid__rotation="exact"), ("rotation",)),
+    "least gap": Case(_two("separate", output={}), ("separate", "least gap", "surfaces", "rotation")),
+    "moving domains": Case(with_changes(ONE, shape__method="cpdi2"), ("affine field",), "domain tracking"),
+    "flip": Case(with_changes(ONE, stepping={"transfer": "flip"}), ()),
+    "pic": Case(with_changes(ONE, stepping={"transfer": "pic"}), ()),
+    "apic": Case(with_changes(ONE, stepping={"transfer": "apic"}), ("affine field", "affine moments")),
+    "tpic": Case(with_changes(ONE, stepping={"transfer": "tpic"}), ("affine field",)),
+    "aflip": Case(with_changes(ONE, stepping={"transfer": "aflip"}), ("affine field",)),
+}
+
+
+def arrays_of(sim: Simulation) -> set[str]:
+    """Names of all arrays that the state holds, the plug-ins' own included."""
+    state, names = sim.state, set(sim.state.arrays)
+    for group in ("particles", "grid", "surface"):
+        struct = getattr(state, group)
+        for entry in () if struct is None else dataclasses.fields(struct):
+            if isinstance(getattr(struct, entry.name), np.ndarray):
+                names.add(f"{group}/{entry.name}")
+    return names
+
+
+def hooks_of(sim: Simulation) -> Pairs:
+    """Pairs of hook and plug-in."""
+    return {(hook, who) for hook, callers in sim.hook_callers().items() for who in callers}

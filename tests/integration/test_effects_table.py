@@ -1,0 +1,138 @@
+"""Exactly the arrays, hooks, modules and variables of the effects that a scene calls for, scene by scene."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from typing import Any
+
+import pytest
+
+import mpmfw
+from effects_table import CASES, Case, arrays_of, hooks_of
+from mpmfw.cli.explain import unused_facts
+from mpmfw.simulation import Simulation
+from scenes_for_tests import two_blocks
+
+pytestmark = pytest.mark.effects
+each_case = pytest.mark.parametrize("case", CASES.values(), ids=CASES)
+
+#: Steps after which the two blocks have met.
+STEPS = 12
+
+#: One process for all scenes, which forgets plug-ins and effects in between, so that each scene imports its own anew.
+RUN = """
+import json, sys
+from mpmfw.simulation import Simulation
+parents = ("mpmfw_contact.", "mpmfw_shape.", "mpmfw_material.", "mpmfw.effects.")
+found = {}
+for name, scene in json.load(sys.stdin).items():
+    for module in [module for module in sys.modules if module.startswith(parents)]:
+        del sys.modules[module]
+    Simulation(scene).advance(2)
+    found[name] = [module for module in sys.modules if module.startswith(parents)]
+print(json.dumps(found))
+"""
+
+
+@pytest.fixture(scope="module")
+def imported() -> dict[str, list[str]]:
+    """Modules of plug-ins and effects that each scene of the table imports."""
+    scenes = json.dumps({name: case.scene for name, case in CASES.items()})
+    command = [sys.executable, "-c", RUN]
+    done = subprocess.run(command, input=scenes, capture_output=True, text=True, check=True, timeout=300)
+    return dict(json.loads(done.stdout))
+
+
+@each_case
+def test_exactly_the_arrays(case: Case) -> None:
+    sim = Simulation(case.scene)
+    sim.advance(STEPS)
+    assert arrays_of(sim) == case.expected("arrays")
+
+
+@each_case
+def test_exactly_the_hooks(case: Case) -> None:
+    sim = Simulation(case.scene)
+    assert hooks_of(sim) == case.expected("hooks")
+    sim.start()
+    assert hooks_of(sim) == case.expected("hooks")  # settling leaves nothing behind
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_exactly_the_modules(name: str, imported: dict[str, list[str]]) -> None:
+    assert set(imported[name]) == CASES[name].expected("modules")
+
+
+@each_case
+def test_exactly_the_variables_and_the_plan(case: Case) -> None:
+    tree = mpmfw.run({**case.scene, "time": {"end": 1e-3, "output_interval": 1e-3}})
+    assert set(tree["series"].data_vars) == case.expected("series")
+    for group in ("points", "surface"):
+        found = tree.children.get("particles" if group == "points" else group)
+        bodies: Any = {} if found is None else found.children
+        assert bool(bodies) == bool(case.expected(group))
+        for body in bodies.values():
+            assert set(body.data_vars) == case.expected(group)
+    assert "contact" not in tree.children  # no plug-in writes fields of a pair
+    stored, effects = json.loads(tree.attrs["effects"]), Simulation(case.scene).effects
+    assert stored == [{"name": e.name, "on": e.on, "reason": e.reason} for e in effects]
+    assert all(effect.reason for effect in effects)
+
+
+#: Effects of the plan that are on in every scene of the table.
+ALWAYS = {"energies", "von Mises stress"}
+_TOUCHED = {"contact", "velocity field per body", "surfaces", "surface map mass_weighted", "surface frames"}
+_TURNING = {"rotation of left: exact", "rotation of right: exact"}
+PLANNED = {
+    "one body": set(),
+    "two bodies apart": {"friction", *_TOUCHED, *_TURNING},
+    "frictionless": {"contact search", *_TOUCHED, *_TURNING},
+    "frictional": {"contact search", "friction", *_TOUCHED, *_TURNING},
+    "gravity": {"gravity"},
+    "settled": {"settling", "gravity", "prescribed sides"},
+    "ledger": {"energy ledger"},
+    "pressure": {"pressure", "surfaces", "surface map mass_weighted", "surface frames"},
+    "least gap": {"least gap", *_TOUCHED, *_TURNING},
+    "moving domains": {"domain tracking", "affine field", "transported affine gradient"},
+    "apic": {"affine field", "affine moments"},
+    "aflip": {"affine field", "transported affine gradient"},
+}
+
+
+@pytest.mark.parametrize("name", PLANNED)
+def test_the_plan_is_on_where_the_scene_calls_for_it(name: str) -> None:
+    effects = Simulation(CASES[name].scene).effects
+    assert len({effect.name for effect in effects}) == len(effects)
+    assert {effect.name for effect in effects if effect.on} == ALWAYS | PLANNED[name]
+
+
+def test_the_plan_gives_reasons_and_distances() -> None:
+    reasons = {e.name: e.reason for e in Simulation(CASES["two bodies apart"].scene).effects}
+    assert reasons["contact search"] == (
+        "asleep until bodies are near: the boxes of left-right are 1 m apart at the start, its reach is 0.25 m"
+    )
+    reasons = {e.name: e.reason for e in Simulation(CASES["frictionless"].scene).effects}
+    assert reasons["friction"] == "μ = 0 in every pair"
+    assert reasons["gravity"] == "no [gravity]"
+    assert reasons["settling"] == "no [settle]"
+
+
+def test_the_ledger_says_which_works_there_are() -> None:
+    case = CASES["settled"].scene
+    terms = {e.name: e.on for e in Simulation({**case, "output": {"ledger": True}}).effects}
+    works = {name.removeprefix("ledger: "): on for name, on in terms.items() if name.startswith("ledger: ")}
+    assert works == {
+        "gravity work": True,
+        "external work": True,
+        "contact work": False,
+        "inertia work": False,
+    }
+
+
+@pytest.mark.parametrize(("method", "unused"), [("none", True), ("separate", False)])
+def test_explain_names_a_rotation_that_is_not_used(method: str, unused: bool) -> None:
+    sim = Simulation(two_blocks(method, bodies__left__rotation="exact", output={"gap": False}))
+    line = "bodies.left.rotation: lumped all the same: shares its velocity field with other bodies"
+    assert (line in unused_facts(sim)) == unused

@@ -1,0 +1,273 @@
+"""For every option of a scene and of the bundled plug-ins: two values, and a tiny scene in which they differ.
+
+A key is ``Table.field`` for the scene's own tables and ``kind.plug-in.option`` for plug-ins.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from scenes_for_tests import SOFT, block, one_body, two_blocks, with_changes
+
+Changes = dict[str, Any]
+
+
+class Acts(NamedTuple):
+    """A scene and two sets of changes, by ``a__b`` for the key ``a.b``."""
+
+    scene: dict[str, Any]
+    first: Changes
+    second: Changes
+
+
+TIME = {"time": {"end": 6e-3, "output_interval": 3e-3}}
+G = {"vector": [0, -100]}
+HELD = [{"side": "bottom", "fixed": True}]
+SOLID = "bodies__solid"
+
+
+def body(geometry: dict[str, Any] | None = None, **changes: Any) -> dict[str, Any]:
+    """One body of few points that falls, turns and has been pushed; ``geometry`` in place of the square."""
+    scene = block() if geometry is None else one_body(geometry, size=0.125)
+    plane = len(scene["grid"]["lower"]) == 2
+    spin = {f"{SOLID}__angular_velocity": 3.0} if plane else {f"{SOLID}__angular_velocity": [0.0, 0.0, 3.0]}
+    gravity = {"vector": [0.0, -100.0] + [0.0] * (not plane)}
+    return with_changes(
+        scene, **{**TIME, **spin, "gravity": gravity, f"{SOLID}__particles__size": 0.25, **changes}
+    )
+
+
+def held(**changes: Any) -> dict[str, Any]:
+    """One square that hangs from nothing: its bottom is fixed, its weight bears on it."""
+    return with_changes(block(), **{**TIME, "gravity": G, f"{SOLID}__sides": HELD, **changes})
+
+
+def pair(method: str = "penalty", **changes: Any) -> dict[str, Any]:
+    """Two squares a millimetre apart that meet in the first steps and slip along each other."""
+    scene = two_blocks(method, **TIME)
+    right = {"type": "rectangle", "lower": [-0.004, -0.2], "upper": [0.496, 0.3]}
+    return with_changes(scene, **{"bodies__right__geometry": right, **changes})
+
+
+def values(scene: dict[str, Any], key: str, first: Any, second: Any) -> Acts:
+    """Two values of one key."""
+    return Acts(scene, {key: first}, {key: second})
+
+
+def geometry(kind: str, key: str, first: Any, second: Any) -> Acts:
+    """Two values of one key of a geometry, the others as in :data:`SHAPES`."""
+    shape = {"type": kind, **SHAPES[kind]}
+    return Acts(body({**shape, key: first}), {}, {f"{SOLID}__geometry": {**shape, key: second}})
+
+
+SHAPES: dict[str, dict[str, Any]] = {
+    "disc": {"centre": [0.03, 0.07], "radius": 0.5},
+    "ring": {"centre": [0.03, 0.07], "inner_radius": 0.3, "outer_radius": 0.7},
+    "rectangle": {"lower": [-0.5, -0.5], "upper": [0.5, 0.5]},
+    "polygon": {"points": [[-0.5, -0.5], [0.5, -0.5], [0.0, 0.5]]},
+    "box": {"lower": [-0.5, -0.5, -0.5], "upper": [0.5, 0.5, 0.5]},
+    "ball": {"centre": [0.03, 0.07, 0.05], "radius": 0.5},
+}
+HOLE = [[-0.1, -0.2], [0.1, -0.2], [0.0, 0.0]]
+SIDES = f"{SOLID}__sides"
+SETTLED = held(settle={"tolerance": 0.1, "max_time": 0.05})
+TWO_SPEEDS = {"bodies__left__velocity": [1.0, 0.3], "bodies__right__velocity": [-1.0, -0.3]}
+STICKY, SMOOTH = (
+    {"bodies": ["left", "right"], "friction": 0.5},
+    {"bodies": ["left", "right"], "friction": 0.0},
+)
+THIRD = {
+    "material": "soft",
+    "particles": {"size": 0.25},
+    "geometry": {"type": "rectangle", "lower": [0.505, -0.2], "upper": [0.9, 0.3]},
+    "velocity": [-8.0, -3.0],
+}
+OVERLAPPING = pair(bodies__right__geometry={"type": "rectangle", "lower": [-0.1, -0.2], "upper": [0.4, 0.3]})
+
+CORE: dict[str, Acts] = {
+    "Tables.title": values(body(), "title", "one", "another"),
+    "Tables.allow_overlap": values(OVERLAPPING, "allow_overlap", False, True),
+    "Tables.allow_unstable": values(body(time__safety=0.9), "allow_unstable", False, True),
+    "Tables.grid": values(body(), "grid__cell_size", 0.25, 0.3),
+    "Tables.time": values(body(), "time__end", 6e-3, 4e-3),
+    "Tables.stepping": values(body(), "stepping", {}, {"transfer": "pic"}),
+    "Tables.shape": values(body(), "shape", {"method": "cpdi"}, {"method": "gimp"}),
+    "Tables.contact": values(pair(), "contact", {"method": "penalty"}, {"method": "none"}),
+    "Tables.materials": values(body(), "materials", {"soft": SOFT}, {"soft": {**SOFT, "shear_modulus": 1e6}}),
+    "Tables.bodies": values(body(), f"{SOLID}__velocity", [1.0, 0.0], [0.0, 1.0]),
+    "Tables.gravity": values(held(), "gravity", G, {"vector": [0, -50]}),
+    "Tables.settle": Acts(held(), {}, {"settle": {"tolerance": 0.1, "max_time": 0.05}}),
+    "Tables.output": values(body(), "output", {}, {"energy": False}),
+    "Grid.cell_size": values(body(), "grid__cell_size", 0.25, 0.3),
+    "Grid.lower": values(body(), "grid__lower", [-2.0, -2.0], [-2.1, -2.1]),
+    "Grid.upper": values(body(), "grid__upper", [2.0, 2.0], [0.4, 0.4]),
+    "Time.end": values(body(), "time__end", 6e-3, 4e-3),
+    "Time.output_interval": values(body(), "time__output_interval", 3e-3, 2e-3),
+    "Time.safety": values(body(), "time__safety", 0.5, 0.3),
+    "Time.step": values(body(), "time__step", 1e-3, 5e-4),
+    "Stepping.scheme": values(body(), "stepping__scheme", "usl", "musl"),
+    "Stepping.transfer": values(body(), "stepping__transfer", "flip", "apic"),
+    "Stepping.transported": values(body(), "stepping__transported", True, False),
+    "Stepping.pic_fraction": values(body(stepping__transfer="flip"), "stepping__pic_fraction", 0.0, 0.3),
+    "Shape.method": values(body(), "shape__method", "cpdi", "bspline"),
+    "Contact.method": values(pair(), "contact__method", "penalty", "bardenhagen"),
+    "Contact.friction": values(pair(), "contact__friction", 0.1, 0.4),
+    "Contact.pairs": values(pair(), "contact__pairs", [STICKY], [SMOOTH]),
+    "PairFriction.bodies": values(
+        pair(bodies__third=THIRD), "contact__pairs", [STICKY], [{**STICKY, "bodies": ["right", "third"]}]
+    ),
+    "PairFriction.friction": values(pair(), "contact__pairs", [STICKY], [{**STICKY, "friction": 0.1}]),
+    "Material.model": values(held(), "materials__soft__model", "neo_hookean", "linear_elastic"),
+    "Material.density": values(body(), "materials__soft__density", 1000.0, 1200.0),
+    "Body.material": values(
+        held(materials__other={**SOFT, "shear_modulus": 1e6}), f"{SOLID}__material", "soft", "other"
+    ),
+    "Body.geometry": values(body(), f"{SOLID}__geometry__upper", [0.5, 0.5], [0.4, 0.5]),
+    "Body.particles": values(body(), f"{SOLID}__particles__size", 0.25, 0.125),
+    "Body.segment": values(pair(), "bodies__left__segment", 0.0625, 0.125),
+    "Body.velocity": values(body(), f"{SOLID}__velocity", [1.0, 0.0], [0.0, 1.0]),
+    "Body.angular_velocity": values(body(), f"{SOLID}__angular_velocity", 3.0, 2.0),
+    "Body.rotation": values(
+        body(gravity={"vector": [0, -1]}, **{SIDES: [{"side": "top", "pressure": 1e4}]}),
+        *(f"{SOLID}__rotation", "exact", "local"),
+    ),
+    "Body.sides": values(held(), SIDES, HELD, [{"side": "left", "fixed": True}]),
+    "Side.side": values(held(), SIDES, HELD, [{"side": "right", "fixed": True}]),
+    "Side.fixed": values(held(), SIDES, HELD, [{"side": "bottom", "fixed": ["x"]}]),
+    "Side.velocity": values(
+        held(), SIDES, [{"side": "top", "velocity": [0, 1]}], [{"side": "top", "velocity": ["free", 1]}]
+    ),
+    "Side.pressure": values(
+        held(), SIDES, [{"side": "top", "pressure": 1e3}], [{"side": "top", "pressure": 2e3}]
+    ),
+    "Gravity.vector": values(held(), "gravity", G, {"vector": [1, -100]}),
+    "Gravity.magnitude": values(
+        held(), "gravity", {"magnitude": 9.0, "tilt": 0.1}, {"magnitude": 8.0, "tilt": 0.1}
+    ),
+    "Gravity.tilt": values(
+        held(), "gravity", {"magnitude": 9.0, "tilt": 0.1}, {"magnitude": 9.0, "tilt": 0.2}
+    ),
+    "Gravity.table": values(
+        held(), "gravity", {"table": [[0, 0, -9], [1, 0, -9]]}, {"table": [[0, 0, -9], [0.01, 0, 9]]}
+    ),
+    "ConstantGravity.vector": values(SETTLED, "settle__gravity", {"vector": [0, -50]}, {"vector": [0, -20]}),
+    "ConstantGravity.magnitude": values(
+        SETTLED, "settle__gravity", {"magnitude": 9, "tilt": 0.1}, {"magnitude": 8, "tilt": 0.1}
+    ),
+    "ConstantGravity.tilt": values(
+        SETTLED, "settle__gravity", {"magnitude": 9, "tilt": 0.1}, {"magnitude": 9, "tilt": 0.2}
+    ),
+    "Settle.tolerance": values(held(settle={"max_time": 0.5}), "settle__tolerance", 0.2, 0.05),
+    "Settle.max_time": values(held(settle={"tolerance": 1e-6}), "settle__max_time", 0.01, 0.03),
+    "Settle.gravity": Acts(SETTLED, {}, {"settle__gravity": {"vector": [0, -50]}}),
+    "Output.gap": values(pair("separate"), "output__gap", True, False),
+    "Output.particles": values(body(), "output__particles", True, False),
+    "Output.surface": values(pair(), "output__surface", True, False),
+    "Output.energy": values(body(), "output__energy", True, False),
+    "Output.ledger": values(body(), "output__ledger", True, False),
+    "Output.stability": values(body(), "output__stability", True, False),
+    "Particles.layout": values(
+        body({"type": "disc", **SHAPES["disc"]}), f"{SOLID}__particles__layout", "lattice", "fitted"
+    ),
+    "Particles.size": values(body(), f"{SOLID}__particles__size", 0.25, 0.125),
+    "Particles.offset": values(
+        body({"type": "disc", **SHAPES["disc"]}), f"{SOLID}__particles__offset", [0.0], [0.3]
+    ),
+    "Disc.centre": geometry("disc", "centre", [0.03, 0.07], [0.05, 0.07]),
+    "Disc.radius": geometry("disc", "radius", 0.5, 0.6),
+    "Ring.centre": geometry("ring", "centre", [0.03, 0.07], [0.05, 0.07]),
+    "Ring.inner_radius": geometry("ring", "inner_radius", 0.3, 0.4),
+    "Ring.outer_radius": geometry("ring", "outer_radius", 0.7, 0.8),
+    "Rectangle.lower": geometry("rectangle", "lower", [-0.5, -0.5], [-0.4, -0.5]),
+    "Rectangle.upper": geometry("rectangle", "upper", [0.5, 0.5], [0.4, 0.5]),
+    "Rectangle.angle": geometry("rectangle", "angle", 0.0, 0.3),
+    "Polygon.points": geometry(
+        "polygon", "points", SHAPES["polygon"]["points"], [[-0.5, -0.5], [0.5, -0.5], [0, 0.6]]
+    ),
+    "Polygon.holes": geometry("polygon", "holes", [], [HOLE]),
+    "Box.lower": geometry("box", "lower", [-0.5] * 3, [-0.4, -0.5, -0.5]),
+    "Box.upper": geometry("box", "upper", [0.5] * 3, [0.4, 0.5, 0.5]),
+    "Ball.centre": geometry("ball", "centre", [0.03, 0.07, 0.05], [0.05, 0.07, 0.05]),
+    "Ball.radius": geometry("ball", "radius", 0.5, 0.6),
+}
+
+
+def mesh_file(folder: Path) -> Acts:
+    """Two meshes of one quadrilateral each."""
+    import meshio
+
+    paths = []
+    for width in (1.0, 0.8):
+        points = [[-0.5, -0.5, 0.0], [width - 0.5, -0.5, 0.0], [width - 0.5, 0.5, 0.0], [-0.5, 0.5, 0.0]]
+        paths.append(folder / f"{width}.msh")
+        meshio.Mesh(points, [("quad", [[0, 1, 2, 3]])]).write(paths[-1], file_format="gmsh")
+    first, second = ({f"{SOLID}__geometry": {"type": "mesh", "path": str(path)}} for path in paths)
+    return Acts(body(**{f"{SOLID}__particles__layout": "fitted"}), first, second)
+
+
+PENALTY, BARDENHAGEN = "contact__penalty", "contact__bardenhagen"
+LITERAL = {"friction_law": "hamad2017"}
+
+
+def _penalty(option: str, first: Any, second: Any, /, **beside: Any) -> Acts:
+    return values(pair(), PENALTY, {**beside, option: first}, {**beside, option: second})
+
+
+def _bardenhagen(option: str, first: Any, second: Any, /, **beside: Any) -> Acts:
+    return values(pair("bardenhagen"), BARDENHAGEN, {**beside, option: first}, {**beside, option: second})
+
+
+def _material(model: str, option: str, first: Any, second: Any) -> Acts:
+    return values(held(materials__soft__model=model), f"materials__soft__{option}", first, second)
+
+
+PLUGINS: dict[str, Acts] = {
+    "contact.penalty.variant": _penalty("variant", "default", "hamad2017"),
+    "contact.penalty.kappa": _penalty("kappa", 1.0, 2.0),
+    "contact.penalty.tangential_ratio": _penalty("tangential_ratio", 1.0, 0.3),
+    "contact.penalty.passes": _penalty("passes", "two", "one"),
+    "contact.penalty.master": _penalty("master", "left", "right", passes="one"),
+    "contact.penalty.normal_variation": _penalty("normal_variation", "exact", "hamad2017"),
+    "contact.penalty.friction_law": _penalty("friction_law", "return_map", "hamad2017"),
+    "contact.penalty.detection": _penalty("detection", "closest_point", "hamad2017", **LITERAL),
+    "contact.penalty.search_radius": _penalty("search_radius", 1.0, 0.002),
+    "contact.penalty.interface_thickness": _penalty("interface_thickness", 0.0, 0.01),
+    "contact.penalty.damping": _penalty("damping", 0.0, 0.3),
+    "contact.penalty.map": _penalty("map", "plain", "mass_weighted"),
+    "contact.bardenhagen.criterion": _bardenhagen("criterion", "velocity", "position"),
+    "contact.bardenhagen.cut_off": _bardenhagen("cut_off", 0.8, 0.1, criterion="position"),
+    "contact.bardenhagen.normal": _bardenhagen("normal", "averaged", "master"),
+    "contact.bardenhagen.direction": _bardenhagen("direction", [1.0, 0.0], [0.8, 0.6], normal="specified"),
+    **{
+        f"material.{model}.{option}": _material(model, option, first, second)
+        for model in ("neo_hookean", "linear_elastic")
+        for option, first, second in (("bulk_modulus", 6e6, 5e6), ("shear_modulus", 3e6, 2e6))
+    },
+    "material.neo_hookean.energy": _material("neo_hookean", "energy", "split", "log"),
+}
+
+#: Options where they can have no effect, and a word of the refusal.
+REFUSED: dict[str, tuple[dict[str, Any], Changes, str]] = {
+    "tangential_ratio, μ = 0": (pair(contact__friction=0), {PENALTY: {"tangential_ratio": 0.5}}, "friction"),
+    "master, two passes": (pair(), {PENALTY: {"master": "left"}}, "no effect"),
+    "master that is no body": (pair(), {PENALTY: {"passes": "one", "master": "nobody"}}, "nobody"),
+    "cut_off, velocity": (pair("bardenhagen"), {BARDENHAGEN: {"cut_off": 0.5}}, "no effect"),
+    "direction, averaged": (pair("bardenhagen"), {BARDENHAGEN: {"direction": [1.0, 0.0]}}, "direction"),
+    "contact of one body": (body(), {"contact": {"method": "penalty", "penalty": {"kappa": 2}}}, "no effect"),
+    "options of none": (pair("none"), {"contact__none": {"kappa": 2}}, "kappa"),
+    "options of a shape": (body(), {"shape__cpdi": {"width": 2}}, "width"),
+    "safety, fixed step": (body(), {"time__safety": 0.4, "time__step": 1e-3}, "no effect"),
+    "transported flip": (body(), {"stepping": {"transfer": "flip", "transported": True}}, "no effect"),
+    "pic_fraction of apic": (body(), {"stepping": {"transfer": "apic", "pic_fraction": 0.1}}, "no effect"),
+    "offset, fitted": (
+        body(),
+        {f"{SOLID}__particles": {"layout": "fitted", "size": 0.25, "offset": [0.3]}},
+        "offset",
+    ),
+    "settling under nothing": (block(), {"settle": {}}, "no effect"),
+    "tilt beside a vector": (held(), {"gravity": {"vector": [0, -1], "tilt": 0.1}}, "exactly one"),
+    "all components free": (held(), {SIDES: [{"side": "top", "velocity": ["free", "free"]}]}, "no effect"),
+    "exact rotation, held": (held(), {f"{SOLID}__rotation": "exact"}, "exact"),
+    "unknown geometry": (body(), {f"{SOLID}__geometry__type": "blob"}, "type"),
+}

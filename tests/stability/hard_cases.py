@@ -1,0 +1,216 @@
+"""The hard cases as data: name → scene, what must hold of it, and the methods that must hold it."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from hard_scenes import (
+    FULL,
+    TICK,
+    corner_on_corner,
+    corner_on_flat,
+    impact,
+    long_rest,
+    long_sliding,
+    oblique,
+    parting,
+    slow,
+    soft_and_stiff,
+    solid,
+    spin,
+    stack,
+    thin,
+    three_at_a_node,
+)
+from placing import placed
+
+from mpmfw.api import SimulationError
+from mpmfw.simulation import Simulation
+from mpmfw.stability import Outcome, probe
+
+
+def near_limit(fraction: float) -> Callable[[dict[str, Any], str], dict[str, Any]]:
+    """Set the step to a fraction of the limit: the contact's own, or the bulk's 0.8 h / c where it has none."""
+
+    def set_step(mapping: dict[str, Any], shape: str) -> dict[str, Any]:
+        own = mapping["contact"]["method"] == "penalty"
+        if fraction <= 1.0:
+            return {**mapping, "time": {**mapping["time"], "safety": fraction if own else 0.8 * fraction}}
+        sim = Simulation({**mapping, "allow_unstable": True}, shape=shape)
+        step = fraction * (min(sim.limits())[0] if own else 0.8 * TICK)
+        return {**mapping, "time": {**mapping["time"], "step": step}}
+
+    return set_step
+
+
+def stiff_springs(fraction: float, courant: float = 0.3) -> Callable[[dict[str, Any], str], dict[str, Any]]:
+    """Set κ so that the Courant number is this fraction of the limit."""
+
+    def set_kappa(mapping: dict[str, Any], shape: str) -> dict[str, Any]:
+        table = mapping["contact"]
+        mapping = {**mapping, "time": {**mapping["time"], "step": courant * TICK}}
+        limits: list[float] = []
+        sim = Simulation({**mapping, "allow_unstable": True, "output": {"stability": True}}, shape=shape)
+        with contextlib.suppress(SimulationError):  # what it met until then
+            sim.advance(200, lambda frame: limits.append(float(frame.series["time_step_limit"]) / TICK))
+        limit = min(limits) if fraction < 1.0 else limits[0]  # 1 / sqrt(1 + a κ), a refusal at once
+        kappa = ((fraction / courant) ** 2 - 1.0) / (1.0 / limit**2 - 1.0)
+        return {**mapping, "contact": {**table, "penalty": {**table.get("penalty", {}), "kappa": kappa}}}
+
+    return set_kappa
+
+
+def parts_freely(outcome: Outcome) -> list[str]:
+    """No adhesion: both bodies keep their speeds."""
+    travel = np.linalg.norm(outcome.travel, axis=1)
+    off = float(np.abs(travel - 0.01 * outcome.time / TICK).max())
+    return [f"a body that parts goes {off:.2g} cells astray"] if off > 1e-6 else []
+
+
+def stays(outcome: Outcome) -> list[str]:
+    """Bodies at rest stay where they are to 1 % of a cell."""
+    moved = float(np.linalg.norm(outcome.travel, axis=1).max())
+    return [f"a body at rest moves by {moved:.2g} cells"] if not moved <= 0.01 else []
+
+
+@dataclass(frozen=True)
+class Case:
+    """A hard case.
+
+    Parameters
+    ----------
+    build
+        The scene.
+    said
+        What it is, for the table of the documentation.
+    steps
+        Time steps of a run.
+    free
+        Whether no load acts: linear momentum must be kept.
+    depth
+        Bound of the penetration [cells].
+    refusal
+        Words of the refusal that is expected.
+    finish
+        Last changes of the placed scene, by the methods.
+    check
+        What else must hold: complaints about an outcome.
+    growth
+        Bounds of the energy at any time and at the end, of the start.
+    springs
+        Whether the case is about contact springs: for ``penalty`` alone.
+    """
+
+    build: Callable[[], dict[str, Any]]
+    said: str
+    steps: int = 200
+    free: bool = True
+    depth: float = 0.1
+    refusal: str | None = None
+    finish: Callable[[dict[str, Any], str], dict[str, Any]] | None = None
+    check: Callable[[Outcome], list[str]] | None = None
+    springs: bool = False
+    growth: tuple[float, float] = (1.005, 1.005)
+
+
+#: At 0.9 of the limit the energy must only stay bounded: springs that let go of a node then may give it much of theirs.
+NEAR = (1.25, 1.05)
+
+CASES: dict[str, Case] = {
+    "equal": Case(impact, "impact of equal blocks"),
+    "stiffness-100": Case(lambda: soft_and_stiff(1e2), "stiffness ratio 10²", 600),
+    "stiffness-10000": Case(lambda: soft_and_stiff(1e4), "stiffness ratio 10⁴", 1500),
+    "density-10": Case(lambda: impact(other=solid(density=10.0)), "density ratio 10"),
+    "density-1000": Case(lambda: impact(other=solid(density=1e3)), "density ratio 10³"),
+    "nearly-incompressible": Case(lambda: impact(other=solid(poisson=0.49)), "ν = 0.49"),
+    "corner-flat": Case(corner_on_flat, "corner against a flat", depth=0.5),
+    "corner-corner": Case(corner_on_corner, "corner on corner", depth=0.5),
+    "thin": Case(thin, "a plate half a cell thick"),
+    "gap-0": Case(lambda: impact(0.0), "initial gap of 0"),
+    "gap-0.9": Case(lambda: impact(0.9), "initial gap of 0.9 cells (0.1: equal blocks)"),
+    "overlap": Case(
+        # The guard of the energy takes springs that are loaded at first for growth.
+        lambda: {**impact(-0.1, 0.01), "allow_overlap": True, "allow_unstable": True},
+        "initial overlap of 0.1 cells, allowed",
+        depth=0.15,
+    ),
+    "overlap-refused": Case(lambda: impact(-0.1), "initial overlap of 0.1 cells", refusal="overlap"),
+    "three-at-a-node": Case(three_at_a_node, "three bodies at one grid node"),
+    "stack": Case(stack, "a stack of five at rest", free=False, check=stays),
+    "oblique": Case(oblique, "oblique impact at 0.3 c", 100, depth=0.5),
+    "long-rest": Case(long_rest, "long rest", 100000 if FULL else 1000, free=False, check=stays),
+    "long-sliding": Case(long_sliding, "long sliding", 8500 if FULL else 850, free=False),
+    "spin": Case(spin, "a disc in fast spin, in contact", depth=0.2),
+    "parting": Case(parting, "separation from contact", check=parts_freely),
+    "step-0.5": Case(slow, "step at 0.5 of the limit", finish=near_limit(0.5)),
+    "step-0.9": Case(slow, "step at 0.9 of the limit", finish=near_limit(0.9), growth=NEAR),
+    "step-1.1": Case(slow, "step at 1.1 of the limit", finish=near_limit(1.1), refusal="stability limit"),
+    "kappa-0.5": Case(slow, "κ at 0.5 of the limit", finish=stiff_springs(0.5), springs=True),
+    "kappa-0.9": Case(slow, "κ at 0.9 of the limit", finish=stiff_springs(0.9), springs=True, growth=NEAR),
+    "kappa-1.1": Case(
+        slow, "κ at 1.1 of the limit", finish=stiff_springs(1.1), springs=True, refusal="stability limit"
+    ),
+}
+
+#: Label → strategy and its options.
+CONTACTS: dict[str, tuple[str, dict[str, Any]]] = {
+    "penalty": ("penalty", {}),
+    "bardenhagen": ("bardenhagen", {}),
+    "none": ("none", {}),
+    "hamad2017": ("penalty", {"variant": "hamad2017"}),
+}
+MUST_HOLD = [("penalty", shape) for shape in ("cpdi", "cpdi2", "bspline")]
+MUST_STAY_BOUNDED = [("bardenhagen", shape) for shape in ("gimp", "cpdi")]
+OTHERS = [
+    *(("penalty", shape) for shape in ("gimp", "linear")),
+    *(("bardenhagen", shape) for shape in ("cpdi2", "bspline", "linear")),
+    ("hamad2017", "cpdi"),
+    ("none", "cpdi"),
+]
+METHODS = MUST_HOLD + MUST_STAY_BOUNDED + OTHERS
+
+
+def applies(case: str, contact: str) -> bool:
+    """Whether a case is about this contact."""
+    return not CASES[case].springs or CONTACTS[contact][0] == "penalty"
+
+
+def outcome(case: str, contact: str, shape: str, shift: tuple[float, float], turn: float) -> Outcome:
+    """Run a case by a method, shifted by cells and turned by degrees."""
+    asked = CASES[case]
+    method, options = CONTACTS[contact]
+    mapping = placed(asked.build(), shift, turn)
+    table = {**mapping["contact"], "method": method, **({method: options} if options else {})}
+    mapping = {**mapping, "contact": table}
+    if asked.finish is not None:
+        mapping = asked.finish(mapping, shape)
+    return probe(mapping, shape=shape, steps=asked.steps)
+
+
+def complaints(case: str, contact: str, shape: str, found: Outcome) -> list[str]:
+    """What does not hold of an outcome that must; empty if all does."""
+    asked = CASES[case]
+    if asked.refusal is not None:
+        refused = found.status == "refused" and asked.refusal in found.message
+        return [] if refused else [f"expected a refusal, not: {found.status} {found.message}"]
+    if found.status != "ok":
+        return [f"{found.status}: {found.message}"]
+    bounded = (contact, shape) in MUST_STAY_BOUNDED
+    said = []
+    if bounded and not found.stored <= 1.05:
+        said.append(f"energy up to {found.stored:.4g} of the start")
+    if not bounded and not (found.energy <= asked.growth[0] and found.energy_end <= asked.growth[1]):
+        said.append(f"energy up to {found.energy:.4g} of the start, {found.energy_end:.4g} at the end")
+    if asked.free and not found.momentum <= 1e-10:
+        said.append(f"linear momentum drifts by {found.momentum:.2g}")
+    if bounded:
+        return said
+    if not found.penetration <= asked.depth:
+        said.append(f"penetration of {found.penetration:.3g} cells")
+    if found.lost:
+        said.append(f"{found.lost} surface nodes lost")
+    return said + (asked.check(found) if asked.check is not None else [])

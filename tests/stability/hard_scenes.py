@@ -1,0 +1,207 @@
+"""Scenes of the hard cases: two or three blocks of a few cells.
+
+Lengths are in cells of h = 0.1 m, velocities in wave speeds c of the usual material, times in h / c.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from typing import Any
+
+from placing import CELL
+
+#: Whether the long cases run in full: 1e5 steps at rest, 100 cells of sliding.
+FULL = bool(os.environ.get("MPMFW_FULL_STABILITY"))
+
+YOUNG, DENSITY, POISSON = 1e6, 1000.0, 0.3  # Pa, kg/m³
+
+
+def solid(stiffness: float = 1.0, density: float = 1.0, poisson: float = POISSON) -> dict[str, Any]:
+    """A Neo-Hookean solid, so many times as stiff and as dense as the usual one."""
+    young = stiffness * YOUNG
+    return {
+        "model": "neo_hookean",
+        "density": density * DENSITY,
+        "bulk_modulus": young / (3.0 * (1.0 - 2.0 * poisson)),
+        "shear_modulus": young / (2.0 * (1.0 + poisson)),
+    }
+
+
+def wave_speed(material: dict[str, Any]) -> float:
+    """c = sqrt((K + 4 G / 3) / ρ) [m/s]."""
+    modulus = material["bulk_modulus"] + 4.0 / 3.0 * material["shear_modulus"]
+    return math.sqrt(modulus / material["density"])
+
+
+USUAL = solid()
+C = wave_speed(USUAL)
+TICK = CELL / C  # s
+
+
+def block(
+    lower: tuple[float, float],
+    upper: tuple[float, float],
+    velocity: tuple[float, float] = (0.0, 0.0),
+    **keys: Any,
+) -> dict[str, Any]:
+    """A rectangle [cells] with a velocity [c]."""
+    geometry = {"type": "rectangle", "lower": [CELL * x for x in lower], "upper": [CELL * x for x in upper]}
+    if "angle" in keys:
+        geometry["angle"] = keys.pop("angle")
+    return _body(geometry, velocity, **keys)
+
+
+def disc(
+    centre: tuple[float, float], radius: float, velocity: tuple[float, float], **keys: Any
+) -> dict[str, Any]:
+    """A disc [cells] with a velocity [c]."""
+    geometry = {"type": "disc", "centre": [CELL * x for x in centre], "radius": CELL * radius}
+    return _body(geometry, velocity, **{"layout": "fitted", **keys})
+
+
+def _body(geometry: Any, velocity: Any, *, layout: str = "lattice", kind: str = "usual", **keys: Any) -> Any:
+    particles = {"layout": layout, "size": 0.5 * CELL}
+    moving = {"velocity": [C * v for v in velocity]}
+    return {"material": kind, "geometry": geometry, "particles": particles, **moving, **keys}
+
+
+def scene(
+    bodies: dict[str, Any],
+    *,
+    friction: float = 0.3,
+    extent: float = 25.0,
+    materials: dict[str, Any] | None = None,
+    **keys: Any,
+) -> dict[str, Any]:
+    """A scene of these bodies."""
+    edge = CELL * extent
+    return {
+        "grid": {"cell_size": CELL, "lower": [-edge, -edge], "upper": [edge, edge]},
+        "time": {"end": 1.0, "output_interval": 1.0},  # steps are counted instead
+        "shape": {"method": "cpdi"},
+        "contact": {"method": "penalty", "friction": friction},
+        "materials": {"usual": USUAL, **(materials or {})},
+        "bodies": bodies,
+        **keys,
+    }
+
+
+def impact(
+    gap: float = 0.1, speed: float = 0.03, other: dict[str, Any] | None = None, **keys: Any
+) -> dict[str, Any]:
+    """Two blocks of three cells that approach along x, a little askew; the right one of another material."""
+    bodies = {
+        "left": block((-3.2, -1.6), (-0.2, 1.4), (0.5 * speed, 0.1 * speed)),
+        "right": block(
+            (gap - 0.2, -1.4), (gap + 2.8, 1.6), (-0.5 * speed, 0.0), kind="other" if other else "usual"
+        ),
+    }
+    return scene(bodies, materials={"other": other} if other else None, **keys)
+
+
+def soft_and_stiff(ratio: float) -> dict[str, Any]:
+    """Blocks that touch; the right one so many times as stiff."""
+    return impact(0.0, other=solid(stiffness=ratio))
+
+
+def corner_on_flat() -> dict[str, Any]:
+    """A square on its corner against a face."""
+    bodies = {
+        "corner": block((-4.0, -1.3), (-1.0, 1.7), (0.02, 0.0), angle=math.pi / 4),
+        "flat": block((-0.3, -2.0), (2.7, 2.0), (-0.02, 0.0)),
+    }
+    return scene(bodies)
+
+
+def corner_on_corner() -> dict[str, Any]:
+    """Two squares that meet tip on tip, a tenth of a cell askew."""
+    reach = 1.5 * math.sqrt(2.0)
+    bodies = {
+        "left": block((-1.5 - reach, -1.5), (1.5 - reach, 1.5), (0.02, 0.0), angle=math.pi / 4),
+        "right": block((-1.4 + reach, -1.4), (1.6 + reach, 1.6), (-0.02, 0.0), angle=math.pi / 4),
+    }
+    return scene(bodies)
+
+
+def thin() -> dict[str, Any]:
+    """A plate half a cell thick that a block hits."""
+    bodies = {
+        "block": block((-2.4, -1.5), (-0.1, 1.3), (0.02, 0.0)),
+        "plate": block((0.1, -2.0), (0.6, 2.0)),
+    }
+    return scene(bodies)
+
+
+def three_at_a_node() -> dict[str, Any]:
+    """Three blocks whose corners meet at the origin."""
+    bodies = {
+        "left": block((-3.05, -2.0), (-0.05, 1.0), (0.02, 0.0)),
+        "right": block((0.05, -2.0), (3.05, 1.0), (-0.02, 0.0)),
+        "top": block((-1.5, 1.05), (1.5, 4.05), (0.0, -0.02)),
+    }
+    return scene(bodies)
+
+
+def oblique() -> dict[str, Any]:
+    """0.2 c along the normal and 0.224 c across it: 0.3 c in all."""
+    bodies = {
+        "left": block((-3.2, -2.6), (-0.2, 0.4), (0.1, 0.112)),
+        "right": block((0.2, -0.4), (3.2, 2.6), (-0.1, -0.112)),
+    }
+    return scene(bodies)
+
+
+def spin() -> dict[str, Any]:
+    """A disc with a rim speed of 0.1 c that is driven onto a block."""
+    bodies = {
+        "disc": disc((0.0, 2.2), 2.0, (0.0, -0.03), angular_velocity=0.1 * C / (2.0 * CELL)),
+        "block": block((-3.0, -2.9), (3.0, 0.1)),
+    }
+    return scene(bodies, friction=0.5)
+
+
+def parting() -> dict[str, Any]:
+    """Blocks that touch and move apart."""
+    bodies = {
+        "left": block((-3.2, -1.5), (-0.2, 1.5), (-0.01, 0.0)),
+        "right": block((-0.2, -1.5), (2.8, 1.5), (0.01, 0.0)),
+    }
+    return scene(bodies)
+
+
+def rest(bodies: dict[str, Any], half_width: float = 4.0, **keys: Any) -> dict[str, Any]:
+    """Bodies that have settled on a ground under gravity; the ground's face is y = 0."""
+    sides = [{"side": "bottom", "fixed": True}]
+    ground = block((-half_width, -2.0), (half_width, 0.0), kind="ground", sides=sides)
+    del ground["velocity"]
+    return scene(
+        {**bodies, "ground": ground},
+        materials={"ground": solid(4.0)},
+        gravity={"vector": [0.0, -10.0]},
+        settle={"tolerance": 1e-3},
+        **keys,
+    )
+
+
+def stack() -> dict[str, Any]:
+    """Five blocks at rest."""
+    blocks = {f"block{k}": block((-1.0, 2.0 * k), (1.0, 2.0 * k + 2.0)) for k in range(5)}
+    return rest(blocks)
+
+
+def long_rest() -> dict[str, Any]:
+    """A block at rest."""
+    return rest({"block": block((-1.5, 0.0), (1.5, 3.0))})
+
+
+def long_sliding() -> dict[str, Any]:
+    """A block that slides across 100 cells in full and 10 else."""
+    length = 100.0 if FULL else 10.0
+    slider = block((0.5 - length / 2, 0.0), (3.5 - length / 2, 3.0), (0.04, 0.0))
+    return rest({"block": slider}, length / 2 + 5.0, friction=0.01, extent=length / 2 + 20.0)
+
+
+def slow() -> dict[str, Any]:
+    """Blocks that touch and hardly move."""
+    return impact(0.0, 0.005)

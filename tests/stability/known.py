@@ -1,0 +1,92 @@
+"""Failures that are known, with the reason found: (case, contact, shape) → reason.
+
+A method that passes where it is expected to fail is an error.
+"""
+
+from __future__ import annotations
+
+LINEAR = (
+    "linear functions: ∇φ jumps as points cross cells, and the strain that follows is paid for by nobody "
+    "(the residual of the ledger grows)"
+)
+LITERAL = (
+    "literal detection: a node within a cell of an edge meets the line of a far face, ξ in 0 … 1, and is thrown out by "
+    "springs a cell deep; the layer's own momentum drifts besides"
+)
+STICKS = (
+    "one velocity field: bodies stick and do not part; the jump of velocity where they come to share a node strains their "
+    "points at once, and the strain's integration gains 1 to 11 % (the ledger's residual, and the transfer)"
+)
+FRICTION = (
+    "friction that is counted and not lost: its record grows in every step, at rest too, while the "
+    "work of contact stays zero; kinetic and strain energy themselves stay below the start"
+)
+LIGHT = (
+    "GIMP diverges at 0.72 h / c, in free flight after the contact, by the strain's integration (the ledger's residual); its "
+    "nearly empty boundary nodes are the likely place. The refusal begins at 0.8 h / c"
+)
+LOOSE = "0.175 cells of penetration; likely from averaged normals, which tilt at the block's corners"
+SHARE = (
+    "where the nearest face of a corner changes, the springs' share of the tributary length changes with the normal, "
+    "up to tenfold, at a depth that nobody worked for: 12 to 21 % for a moment, −14 to +3 % at the end"
+)
+FIRST_STEP = (
+    "the first step of a run is taken at the closed-form limit of equal bodies, 0.707 h / c; B-splines turn out to "
+    "allow 0.607, and springs loaded in a longer step than they act in return 0.7 % more, once"
+)
+
+_FAILS: list[tuple[str, str, str, str]] = [  # contact, shape, cases, reason
+    ("penalty", "cpdi", "corner-corner", SHARE),
+    ("penalty", "cpdi2", "corner-corner stack", SHARE),
+    ("penalty", "bspline", "corner-corner", SHARE),
+    ("penalty", "gimp", "corner-corner", SHARE),
+    ("penalty", "linear", "corner-corner corner-flat stack oblique", LINEAR),
+    ("bardenhagen", "gimp", "step-0.9", LIGHT),
+    ("bardenhagen", "cpdi2", "corner-corner stack long-rest spin", FRICTION),
+    ("bardenhagen", "cpdi2", "long-sliding", LOOSE),
+    ("bardenhagen", "bspline", "stack long-rest", FRICTION),
+    (
+        "bardenhagen",
+        "linear",
+        "equal stiffness-100 stiffness-10000 density-10 density-1000 corner-flat corner-corner thin gap-0 gap-0.9 overlap "
+        "three-at-a-node stack oblique long-rest long-sliding spin step-0.5 step-0.9",
+        LINEAR,
+    ),
+    (
+        "hamad2017",
+        "cpdi",
+        "equal stiffness-100 stiffness-10000 density-10 density-1000 nearly-incompressible corner-flat corner-corner thin "
+        "gap-0 gap-0.9 overlap three-at-a-node stack oblique long-rest long-sliding spin parting step-0.5 step-0.9 "
+        "kappa-0.5 kappa-0.9",
+        LITERAL,
+    ),
+    (
+        "none",
+        "cpdi",
+        "equal stiffness-100 stiffness-10000 thin gap-0 overlap three-at-a-node long-sliding spin parting step-0.5",
+        STICKS,
+    ),
+]
+
+KNOWN: dict[tuple[str, str, str], str] = {
+    (case, contact, shape): why for contact, shape, cases, why in _FAILS for case in cases.split()
+}
+
+
+def reason(case: str, contact: str, shape: str) -> str | None:
+    """Why a method is known to fail a case; None if it must hold."""
+    return KNOWN.get((case, contact, shape))
+
+
+#: Failures at places that the tests do not visit; only the page of the documentation has them all.
+_ELSEWHERE = {
+    ("stack", "penalty", "cpdi"): SHARE,
+    ("stack", "penalty", "bspline"): SHARE,
+    ("gap-0", "penalty", "bspline"): FIRST_STEP,
+    ("step-0.5", "penalty", "bspline"): FIRST_STEP,
+}
+
+
+def placed_reason(case: str, contact: str, shape: str) -> str | None:
+    """Why a method fails a case at some other place; None if nothing is known of that."""
+    return _ELSEWHERE.get((case, contact, shape))
