@@ -120,7 +120,7 @@ EFFECTS = {
         "penalty",
         hooks="declare_fields setup add_nodal_force stable_timestep diagnostics",
         arrays="impulse frictional_work damping_work energy count force master segment coordinate gap normal "
-        "stiffness damping tangential old_master old_tangential owner shared head head_stamp link link_segment "
+        "stiffness damping tangential share old_master old_tangential old_share owner shared head head_stamp link link_segment "
         "box_lower box_upper",
         modules=" ".join(
             ["mpmfw_contact.penalty", "mpmfw_contact.records"]

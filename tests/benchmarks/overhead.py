@@ -100,9 +100,17 @@ class Snapshot:
                 k.tangential,
                 k.old_master,
             ]
-            found += [k.old_tangential, r.impulse, r.frictional_work, r.damping_work, r.energy, r.count]
+            found += [
+                k.old_tangential,
+                k.old_share,
+                r.impulse,
+                r.frictional_work,
+                r.damping_work,
+                r.energy,
+                r.count,
+            ]
             found += [self.contact.force]
-            self.turn = (k.master, k.tangential, k.old_master, k.old_tangential)
+            self.turn = (k.master, k.tangential, k.share, k.old_master, k.old_tangential, k.old_share)
         return found
 
     def restore(self) -> None:
@@ -112,7 +120,7 @@ class Snapshot:
         self.state.time = self.time
         if self.contact is not None:
             k = self.contact.candidates
-            k.master, k.tangential, k.old_master, k.old_tangential = self.turn
+            k.master, k.tangential, k.share, k.old_master, k.old_tangential, k.old_share = self.turn
             self.contact.count, self.contact.omega_squared = self.spring
 
     def now(self) -> list[Any]:

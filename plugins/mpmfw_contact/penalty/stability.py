@@ -21,21 +21,30 @@ def spring_stiffness(
     previous: Ints,
     normal: Floats,
     projected: bool,
+    old_master: Ints,
+    old_share: Floats,
+    share: Floats,
     stiffness: Floats,
 ) -> None:
     """k = κ M l_trib / h of every candidate; ``node_factor`` is κ l_trib / h, ``modulus`` M of each two bodies.
 
     If ``projected``, l_trib is only the part of the node's tributary length that lies across the contact's normal: at a
-    corner the segment round it carries none of the face's pressure.
+    corner the segment round it carries none of the face's pressure. A contact keeps the share that it began with: where
+    corners meet the normal jumps, and a spring that changes while it is loaded makes energy of nothing.
     """
     for s in range(len(body)):
         for j in range(slots):
             stiffness[s, j] = 0.0
             if segment[s, j] >= 0:
-                share = 1.0
+                share[s, j] = 1.0
                 if projected:
-                    share = share_across(s, normal[s, j, 0], normal[s, j, 1], position, following, previous)
-                stiffness[s, j] = share * node_factor[s] * modulus[body[s], master[s, j]]
+                    share[s, j] = share_across(
+                        s, normal[s, j, 0], normal[s, j, 1], position, following, previous
+                    )
+                    for i in range(slots):
+                        if old_master[s, i] == master[s, j]:
+                            share[s, j] = old_share[s, i]
+                stiffness[s, j] = share[s, j] * node_factor[s] * modulus[body[s], master[s, j]]
 
 
 @device

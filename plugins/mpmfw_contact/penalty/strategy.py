@@ -205,6 +205,9 @@ class Penalty(ContactStrategy):
             s.previous,
             c.normal,
             self.options.detection != "hamad2017",
+            c.old_master,
+            c.old_share,
+            c.share,
             c.stiffness,
         )
         if len(self.node_stiffness) != len(grid.mass):
