@@ -32,7 +32,7 @@ def number(value: float | str, unit: str = "") -> str:
         return value
     if math.isnan(value):
         return "–"
-    return f"{value:.4g}{' ' if unit and unit != '%' else ''}{unit}"
+    return f"{value:.4g} {unit}".rstrip()
 
 
 def cells(row: Row) -> tuple[str, ...]:
