@@ -36,12 +36,12 @@ PAIR = "mpmfw_contact/penalty/pair_force.py"
 SLIDING = "fitted acceleration, error"
 
 FAULTS = {
-    "reversed normal": Fault(  # bodies are pulled into each other until points invert: the runs fail
+    "reversed normal": Fault(
         PAIR,
         "f_n = -k * g",
         "f_n = k * g",
         "sliding-block",
-        ((CPDI, "run"), (CPDI2, "run")),
+        ((CPDI, SLIDING), (CPDI2, SLIDING)),
     ),
     "friction halved": Fault(
         PAIR,
