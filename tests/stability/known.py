@@ -26,6 +26,10 @@ LIGHT = (
     "nearly empty boundary nodes are the likely place. The refusal begins at 0.8 h / c"
 )
 LOOSE = "0.175 cells of penetration; likely from averaged normals, which tilt at the block's corners"
+CORNERS = (
+    "0.8 to 1.6 % at one place of four, not looked into further; the face that a corner is nearest to changes there while it "
+    "is inside"
+)
 FIRST_STEP = (
     "the first step of a run is taken at the closed-form limit of equal bodies, 0.707 h / c; B-splines turn out to "
     "allow 0.607, and springs loaded in a longer step than they act in return 0.7 % more, once"
@@ -72,6 +76,7 @@ def reason(case: str, contact: str, shape: str) -> str | None:
 
 #: Failures at places that the tests do not visit; only the page of the documentation has them all.
 _ELSEWHERE = {
+    **dict.fromkeys([("corner-corner", "penalty", shape) for shape in ("cpdi", "cpdi2", "bspline")], CORNERS),
     ("gap-0", "penalty", "bspline"): FIRST_STEP,
     ("step-0.5", "penalty", "bspline"): FIRST_STEP,
 }
