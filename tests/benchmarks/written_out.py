@@ -194,7 +194,7 @@ class Touching(TwoApart):
         s, c, k, r, t = self.s, self.contact, self.contact.candidates, self.contact.records, self.n_s
         spring_stiffness(
             k.slots, k.segment, k.master, s.body, c.node_factor, c.laws.modulus, s.position, s.next, s.previous,
-            k.normal, True, k.old_master, k.old_share, k.share, k.stiffness,
+            k.normal, True, k.gap, c.shallow, k.old_master, k.old_share, k.share, k.stiffness,
         )  # fmt: skip
         c.omega_squared = c.stiffest * contact_frequency(
             k.slots, k.segment, k.coordinate, k.stiffness, s.next, t.row, t.nodes, t.weight, self.g.mass,

@@ -27,8 +27,8 @@ LIGHT = (
 )
 LOOSE = "0.175 cells of penetration; likely from averaged normals, which tilt at the block's corners"
 CORNERS = (
-    "0.8 to 1.6 % at one place of four, not looked into further; the face that a corner is nearest to changes there while it "
-    "is inside"
+    "the springs' share of the tributary length follows the normal while the contact is shallow, below 0.02 cells, and the "
+    "normal jumps where a corner's nearest face changes: 0.8 to 2.4 %, at some places"
 )
 FIRST_STEP = (
     "the first step of a run is taken at the closed-form limit of equal bodies, 0.707 h / c; B-splines turn out to "
@@ -36,6 +36,7 @@ FIRST_STEP = (
 )
 
 _FAILS: list[tuple[str, str, str, str]] = [  # contact, shape, cases, reason
+    ("penalty", "cpdi2", "corner-corner stack", CORNERS),
     ("penalty", "linear", "corner-corner corner-flat stack oblique", LINEAR),
     ("bardenhagen", "gimp", "step-0.9", LIGHT),
     ("bardenhagen", "cpdi2", "corner-corner stack long-rest spin", FRICTION),
@@ -76,7 +77,8 @@ def reason(case: str, contact: str, shape: str) -> str | None:
 
 #: Failures at places that the tests do not visit; only the page of the documentation has them all.
 _ELSEWHERE = {
-    **dict.fromkeys([("corner-corner", "penalty", shape) for shape in ("cpdi", "cpdi2", "bspline")], CORNERS),
+    **dict.fromkeys([("corner-corner", "penalty", shape) for shape in ("cpdi", "bspline", "gimp")], CORNERS),
+    **dict.fromkeys([("stack", "penalty", shape) for shape in ("cpdi", "bspline")], CORNERS),
     ("gap-0", "penalty", "bspline"): FIRST_STEP,
     ("step-0.5", "penalty", "bspline"): FIRST_STEP,
 }

@@ -27,7 +27,7 @@ class Candidates:
     stiffness: FloatArray  #: (n_s, slots) k [N/m^2]
     damping: FloatArray  #: (n_s, slots) dashpot over the last step, c / Δt [N/m^2]
     tangential: FloatArray  #: (n_s, slots) f_t [N/m]
-    share: FloatArray  #: (n_s, slots) part of the tributary length that the contact began with
+    share: FloatArray  #: (n_s, slots) part of the tributary length across the normal
     old_master: IntArray
     old_tangential: FloatArray
     old_share: FloatArray
@@ -52,7 +52,7 @@ class Candidates:
             stiffness=array("stiffness", "N m-2", "spring stiffness"),
             damping=array("damping", "N m-2", "dashpot over the last step, c / dt"),
             tangential=array("tangential", "N m-1", "tangential force"),
-            share=array("share", "1", "part of the tributary length that the contact began with"),
+            share=array("share", "1", "part of the tributary length across the normal"),
             old_master=array("old_master", "1", "body touched in the last step", "i8"),
             old_tangential=array("old_tangential", "N m-1", "tangential force of the last step"),
             old_share=array("old_share", "1", "share of the last step"),

@@ -21,6 +21,8 @@ def spring_stiffness(
     previous: Ints,
     normal: Floats,
     projected: bool,
+    gap: Floats,
+    shallow: float,
     old_master: Ints,
     old_share: Floats,
     share: Floats,
@@ -29,8 +31,8 @@ def spring_stiffness(
     """k = κ M l_trib / h of every candidate; ``node_factor`` is κ l_trib / h, ``modulus`` M of each two bodies.
 
     If ``projected``, l_trib is only the part of the node's tributary length that lies across the contact's normal: at a
-    corner the segment round it carries none of the face's pressure. A contact keeps the share that it began with: where
-    corners meet the normal jumps, and a spring that changes while it is loaded makes energy of nothing.
+    corner the segment round it carries none of the face's pressure. A contact deeper than ``shallow`` keeps the share that it
+    has: where corners meet the normal jumps, and a loaded spring that changes makes energy of nothing.
     """
     for s in range(len(body)):
         for j in range(slots):
@@ -42,7 +44,7 @@ def spring_stiffness(
                         s, normal[s, j, 0], normal[s, j, 1], position, following, previous
                     )
                     for i in range(slots):
-                        if old_master[s, i] == master[s, j]:
+                        if old_master[s, i] == master[s, j] and gap[s, j] < -shallow:
                             share[s, j] = old_share[s, i]
                 stiffness[s, j] = share[s, j] * node_factor[s] * modulus[body[s], master[s, j]]
 

@@ -38,6 +38,10 @@ FORCE = Field(
 )
 
 
+#: Depth in cells from which on a contact keeps its springs' share of the tributary length.
+SHALLOW = 0.02
+
+
 class Penalty(ContactStrategy):
     """Surfaces of two-node segments; a node inside another body is pushed out, and held by friction, by
     springs.
@@ -109,6 +113,7 @@ class Penalty(ContactStrategy):
         self.node_factor = share * self.options.kappa * self.surface.tributary / setup.cell_size
         self.stiffest = max(1.0, self.options.tangential_ratio) if self.laws.friction.any() else 1.0
         self.radius = self.reach(setup.cell_size)
+        self.shallow = SHALLOW * setup.cell_size
         self.bulk_frequency = setup.bulk_frequency
         self.node_stiffness = np.zeros(0)
         self.omega_squared = 0.0
@@ -205,6 +210,8 @@ class Penalty(ContactStrategy):
             s.previous,
             c.normal,
             self.options.detection != "hamad2017",
+            c.gap,
+            self.shallow,
             c.old_master,
             c.old_share,
             c.share,
