@@ -123,7 +123,8 @@ def _head(outcomes: Sequence[Outcome], quick: bool, known: Sequence[KnownRed]) -
     return "\n\n".join(
         [
             "# Validation",
-            f"Written by `{command}`, which ran every case and drew every figure. {summary(outcomes)}.",
+            f"Written by `{command}`, which draws every figure anew; cases run one by one into the same folder join. "
+            f"{summary(outcomes)}.",
             f"Conditions: Python {platform.python_version()}, {packages}; {os.cpu_count()} cores, one process on "
             "each, so that CPU times were measured while cores were shared. They are of the steps and of settling, "
             "without compilation.",
