@@ -28,7 +28,7 @@ LIGHT = (
 LOOSE = "0.175 cells of penetration; likely from averaged normals, which tilt at the block's corners"
 CORNERS = (
     "the springs' share of the tributary length follows the normal while the contact is shallow, below 0.02 cells, and the "
-    "normal jumps where a corner's nearest face changes: 0.8 to 2.4 %, at some places"
+    "normal jumps where a corner's nearest face changes: 0.8 to 3.3 %, at some places"
 )
 FIRST_STEP = (
     "the first step of a run is taken at the closed-form limit of equal bodies, 0.707 h / c; B-splines turn out to "
