@@ -160,8 +160,11 @@ def test_known_red_gates_must_be_exactly_those(suite, tmp_path):
     assert "red, and not known to be" in result.output
 
 
-def test_a_gate_that_was_not_measured_departs_from_nothing():
-    assert departures([], [KnownRed(case="a", method="b", quantity="c", why="d")]) == []
+def test_a_known_gate_must_exist_where_its_case_ran_in_full():
+    gate, other = KnownRed(case="a", method="b", quantity="c", why="d"), Row("a", "b", "else", 1.0)
+    assert departures([], [gate]) == []
+    assert departures([other], [gate], quick=True) == []
+    assert departures([other], [gate]) == ["a: b, c: known as red, and there is no such gate"]
 
 
 def test_a_list_that_cannot_be_read_is_a_wrong_request(tmp_path):

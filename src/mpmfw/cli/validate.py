@@ -77,7 +77,7 @@ def validate(
         write_page(everything, document, quick, known)
     typer.echo(summary(outcomes))
     typer.echo(f"{output}: {sum(len(one.figures) for one in outcomes)} figures, and validation.csv")
-    unexpected = departures([row for outcome in outcomes for row in outcome.rows], known)
+    unexpected = departures([row for outcome in outcomes for row in outcome.rows], known, quick=quick)
     for line in unexpected:
         typer.echo(line)
     if unexpected or any(outcome.error for outcome in outcomes):

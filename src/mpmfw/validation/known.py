@@ -42,12 +42,19 @@ def read_known_red(path: Path) -> list[KnownRed]:
         raise SceneError(f"--known-red {path}: {error}") from error
 
 
-def departures(rows: Iterable[Row], known: Iterable[KnownRed]) -> list[str]:
+def departures(rows: Iterable[Row], known: Iterable[KnownRed], *, quick: bool = False) -> list[str]:
     """What differs from the list, a sentence each: gates that are red and not on it, gates on it that hold.
 
-    A gate on the list that was not measured, since its case did not run, is none.
+    A gate on the list must be among the rows of its case, unless the case did not run or ran in its ``quick`` version,
+    which leaves gates out.
     """
-    known, said = list(known), []
+    rows, known, said = list(rows), list(known), []
+    ran = set() if quick else {row.case for row in rows}
+    for gate in known:
+        if gate.case in ran and not any(gate.is_of(row) for row in rows):
+            said.append(
+                f"{gate.case}: {gate.method}, {gate.quantity}: known as red, and there is no such gate"
+            )
     for row in rows:
         listed = any(gate.is_of(row) for gate in known)
         name = f"{row.case}: {row.method}, {row.quantity}"
