@@ -144,6 +144,7 @@ def forces(loops, found, law, old_master=None, old_tangential=None):
         found.segment,
         found.coordinate,
         found.gap,
+        np.zeros((0, slots)),
         found.normal,
         np.full((n, slots), -1) if old_master is None else old_master,
         result.tangential,

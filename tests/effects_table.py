@@ -75,9 +75,7 @@ LEAST = Brings(
 )
 
 _SHAPE = "setup particle_reach interpolate interpolate_surface"
-_PENALTY = (
-    *("strategy", "search", "candidates", "laws", "layer", "options", "pair_force", "stability", "facing"),
-)
+_PENALTY = (*("strategy", "search", "candidates", "laws", "options", "pair_force", "stability", "facing"),)
 EFFECTS = {
     "linear": brings("linear", hooks=_SHAPE, modules="mpmfw_shape.linear mpmfw_shape._bilinear_surface"),
     "domain tracking": brings(
@@ -119,24 +117,34 @@ EFFECTS = {
     "penalty": brings(
         "penalty",
         hooks="declare_fields setup add_nodal_force stable_timestep diagnostics",
-        arrays="impulse frictional_work damping_work energy count force master segment coordinate gap normal "
-        "stiffness damping tangential share old_master old_tangential old_share owner shared head head_stamp link link_segment "
+        arrays="impulse frictional_work damping_work spring_work energy count force master segment coordinate gap normal "
+        "stiffness share rest old_master old_share old_rest owner shared head head_stamp link link_segment "
         "box_lower box_upper",
         modules=" ".join(
             ["mpmfw_contact.penalty", "mpmfw_contact.records"]
             + [f"mpmfw_contact.penalty.{name}" for name in _PENALTY]
         ),
-        series="contact_force contact_count frictional_work contact_energy damping_work",
+        series="contact_force contact_count frictional_work contact_energy damping_work spring_work",
         surface="force",
     ),
     "touching": brings("penalty", arrays="node_stiffness"),
+    "friction": brings("penalty", arrays="tangential old_tangential"),
+    "contact damping": brings("penalty", arrays="damping"),
+    "interface layer": brings(
+        "penalty_layer",
+        hooks="declare_fields setup after_momentum_projection after_second_projection advect",
+        arrays="interface_mass interface_velocity",
+        modules="mpmfw_contact.penalty.layer",
+    ),
     "ledger": brings(
         "energy_ledger",
         hooks="declare_fields setup after_momentum_projection add_nodal_force after_momentum_update "
         "correct_inertia constrain_momentum end_step diagnostics",
         modules="mpmfw.effects.ledger",
-        series="gravity_work external_work contact_work inertia_work transfer_dissipation energy_residual",
+        series="transfer_dissipation energy_residual",
     ),
+    "ledger of gravity": brings("energy_ledger", series="gravity_work"),
+    "ledger of contact": brings("energy_ledger", series="contact_work inertia_work"),
     "stability": brings(
         "time_step_series",
         hooks="declare_fields diagnostics",
@@ -183,18 +191,31 @@ def _two(method: str, **changes: Any) -> dict[str, Any]:
 ONE = block(shape__method="linear", bodies__solid__rotation="lumped")
 GRAVITY = {"vector": [0, -10]}
 HELD = [{"side": "bottom", "fixed": True}]
-TOUCHED = ("penalty", "surfaces", "rotation", "touching")
+FRICTIONLESS = ("penalty", "surfaces", "rotation", "touching")
+TOUCHED = (*FRICTIONLESS, "friction")
 CASES = {
     "one body": Case(ONE, ()),
-    "two bodies apart": Case(_apart(_two("penalty")), ("penalty", "surfaces", "rotation")),
-    "frictionless": Case(_two("penalty", contact__friction=0), TOUCHED),
+    "two bodies apart": Case(_apart(_two("penalty")), ("penalty", "surfaces", "rotation", "friction")),
+    "frictionless": Case(_two("penalty", contact__friction=0), FRICTIONLESS),
     "frictional": Case(_two("penalty"), TOUCHED),
+    "contact with a layer": Case(
+        _two("penalty", contact__penalty={"interface_thickness": 0.01}),
+        (*(name for name in TOUCHED if name != "rotation"), "interface layer"),
+    ),
+    "damped contact": Case(_two("penalty", contact__penalty={"damping": 0.1}), (*TOUCHED, "contact damping")),
     "gravity": Case(with_changes(ONE, gravity=GRAVITY), ("gravity",)),
     "settled": Case(
         with_changes(ONE, settle={"tolerance": 0.5}, gravity=GRAVITY, bodies__solid__sides=HELD),
         ("settling", "gravity", "prescribed sides"),
     ),
     "ledger": Case(with_changes(ONE, output={"ledger": True}), ("ledger",)),
+    "ledger of a falling body": Case(
+        with_changes(ONE, output={"ledger": True}, gravity=GRAVITY),
+        ("ledger", "gravity", "ledger of gravity"),
+    ),
+    "ledger of contact": Case(
+        _two("penalty", output={"gap": False, "ledger": True}), (*TOUCHED, "ledger", "ledger of contact")
+    ),
     "stability of one body": Case(with_changes(ONE, output={"stability": True}), ("stability",)),
     "stability of contact": Case(
         _two("penalty", output={"gap": False, "stability": True}), (*TOUCHED, "stability", "contact events")

@@ -155,6 +155,7 @@ def correct_momentum(
     node_b: Ints,
     normal: Floats,
     impulse: Floats,
+    projected: bool,
     friction: Floats,
     node_mass: Floats,
     node_momentum: Floats,
@@ -166,9 +167,12 @@ def correct_momentum(
 ) -> None:
     """Take away approach and, within Coulomb's cone, slip at shared nodes.
 
-    With Δv = v_a − v_b and the reduced mass m of the masses that a and b spend on this pair: J_n = m Δv·n if
-    positive,
+    With Δv = v_a − v_b and the reduced mass m of the masses that a and b spend on this pair: J_n = m Δv·n if positive,
     J_t = min(μ J_n, m |Δv_t|), and (m v)_a −= J_n n + J_t t, (m v)_b += the same.
+
+    The work of J_t is its product with the slip: with the mean of before and after where the momentum is as
+    ``projected``, and with what is left at the end of the step where it is updated, since J_t then acts beside the forces
+    of the step. Bodies that stick have no slip left, and friction does no work.
     """
     dim = len(spacing)
     slip = scratch.vector(spacing)
@@ -206,7 +210,8 @@ def correct_momentum(
             for d in range(dim):
                 direction = slip[d] / speed if speed > 0.0 else 0.0
                 impulse[c, d] = -m * approach * normal[c, d] - tangential * direction
-            frictional_work[pair[c]] += tangential * (speed - 0.5 * tangential / m)
+            left = speed - tangential / m
+            frictional_work[pair[c]] += tangential * (0.5 * (speed + left) if projected else left)
     for c in range(count):
         for d in range(dim):
             node_momentum[node_a[c], d] += impulse[c, d]

@@ -153,14 +153,14 @@ class Bardenhagen(ContactStrategy):
         count = self._find(grid)
         if count:
             self._normals(grid, phi, particles, count)
-            self._correct(grid, count)
+            self._correct(grid, count, projected=True)
         self.count = count
 
     @hookimpl
     def after_momentum_update(self, grid: Grid) -> None:
         """Correct the updated momentum at the same nodes, with the same normals."""
         if self.count:
-            self._correct(grid, self.count)
+            self._correct(grid, self.count, projected=False)
         else:
             self.records.count.fill(0.0)
 
@@ -208,7 +208,7 @@ class Bardenhagen(ContactStrategy):
             grid.spacing,
         )
 
-    def _correct(self, grid: Grid, count: int) -> None:
+    def _correct(self, grid: Grid, count: int, *, projected: bool) -> None:
         c, records = self.contacts, self.records
         shared.correct_momentum(
             count,
@@ -217,6 +217,7 @@ class Bardenhagen(ContactStrategy):
             c.node_b,
             c.normal,
             c.impulse,
+            projected,
             self.friction,
             grid.mass,
             grid.momentum,

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+import functools
+import os
+import sys
+from collections.abc import Callable, Iterable
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Literal, TypeAlias, get_args
 
@@ -41,8 +44,23 @@ def available(kind: Kind) -> dict[str, EntryPoint]:
     SceneError
         Two distributions announce the same name for different objects.
     """
+    return dict(_announced(kind, entry_points, _search_path()))
+
+
+def _search_path() -> tuple[tuple[str, int], ...]:
+    """The folders that distributions are looked for in, with the times at which one came or went."""
+    return tuple((folder, os.stat(folder).st_mtime_ns) for folder in sys.path if os.path.isdir(folder))
+
+
+@functools.lru_cache(maxsize=16)
+def _announced(
+    kind: Kind,
+    look_up: Callable[..., Iterable[EntryPoint]],
+    folders: tuple[tuple[str, int], ...],  # noqa: ARG001
+) -> dict[str, EntryPoint]:
+    """Read what is installed, once for each state of the search path: every simulation asks a dozen times."""
     found: dict[str, EntryPoint] = {}
-    for entry in sorted(entry_points(group=f"mpmfw.{kind}"), key=lambda entry: entry.name):
+    for entry in sorted(look_up(group=f"mpmfw.{kind}"), key=lambda entry: entry.name):
         other = found.setdefault(entry.name, entry)
         # The same distribution may be seen twice on the search path (an installation and its source tree)
         if other.value != entry.value or distribution_of(other) != distribution_of(entry):

@@ -39,13 +39,14 @@ def _ledger(made: Build, materials: tuple[Any, ...]) -> None:
     from mpmfw.effects.ledger import EnergyLedger
 
     named = {plugin.name: plugin for plugin in made.plugins}
-    _terms(made, named)
+    terms = _terms(made, named)
     gravity, pressure = named.get("gravity"), named.get("pressure")
-    made.plugins.append(EnergyLedger(materials, gravity, pressure, bounded=not made.scene.allow_unstable))
+    bounded = not made.scene.allow_unstable
+    made.plugins.append(EnergyLedger(materials, gravity, pressure, terms=terms, bounded=bounded))
 
 
-def _terms(made: Build, named: dict[str, Any]) -> None:
-    """Works that the ledger can meet in this scene; the series of the others are recorded, and stay zero."""
+def _terms(made: Build, named: dict[str, Any]) -> tuple[str, ...]:
+    """Works that the ledger can meet in this scene; the others have no series."""
     sources = {
         "gravity": {"gravity": "gravity"},
         "external": {"pressure": "pressures", "constraint": "prescribed sides"},
@@ -55,9 +56,14 @@ def _terms(made: Build, named: dict[str, Any]) -> None:
     acts = contact is not None and any(hasattr(contact, hook) for hook in CONTACT_HOOKS)
     found = {term: [said for name, said in by.items() if name in named] for term, by in sources.items()}
     found["contact"] = [f"contact '{contact.name}'"] if contact is not None and acts else []
-    for term in ("gravity", "external", "contact", "inertia"):
+    for term, hook in (("inertia", "correct_inertia"), ("external", "constrain_momentum")):
+        if contact is not None and hasattr(contact, hook):  # work counts by the place where it is done
+            found[term].append(f"contact '{contact.name}'")
+    terms = ("gravity", "external", "contact", "inertia")
+    for term in terms:
         by = ", ".join(found[term])
-        made.note(f"ledger: {term} work", bool(by), by or "nothing in the scene does any; stays 0")
+        made.note(f"ledger: {term} work", bool(by), by or "nothing in the scene does any")
+    return tuple(term for term in terms if found[term])
 
 
 def _stability(made: Build) -> None:

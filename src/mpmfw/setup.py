@@ -28,7 +28,7 @@ class Setup:
     transfer: str  #: flip, pic, apic, tpic or aflip
     bulk_frequency: float  #: largest of 2 c / h over the bodies [1/s]
     safety: float  #: fraction of the stability limit that a step may take
-    allow_unstable: bool = False
+    allow_unstable: bool = False  #: the scene lets a step exceed the stability limit
     flip: float = 1.0  #: share of FLIP in the transfer
 
     @property
@@ -66,8 +66,24 @@ class Setup:
     def allocate(self, owner: str, declaration: Field, **sizes: int) -> AnyArray:
         """Allocate a declared array and list it under ``owner/name``.
 
-        Sizes of ``particle``, ``axis``, ``axis2``, ``body``, ``pair`` and ``surface_node`` are known; others
-        are given.
+        Parameters
+        ----------
+        owner
+            The plug-in's name.
+        declaration
+            What :meth:`declare_fields` announced.
+        sizes
+            Lengths of dimensions other than ``particle``, ``axis``, ``axis2``, ``body``, ``pair`` and
+            ``surface_node``, which are known.
+
+        Returns
+        -------
+        The array, all zero, of the shape that ``declaration.dims`` says.
+
+        Raises
+        ------
+        KeyError
+            The length of a dimension is neither known nor given.
         """
         state = self.state
         known = {

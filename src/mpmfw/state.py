@@ -31,8 +31,8 @@ class Stencil(NamedTuple):
 class Body:
     """One body: what every plug-in may know of it."""
 
-    name: str
-    index: int
+    name: str  #: as in the scene
+    index: int  #: its place in the scene's order, from 0
     particles: slice  #: its material points
     field: int  #: index of its velocity field
     density: float  #: [kg/m^3]
@@ -57,9 +57,9 @@ class Body:
 class Pair:
     """Two bodies that may touch, and the facts of their interface."""
 
-    index: int
-    first: int
-    second: int
+    index: int  #: its place in ``State.pairs``, from 0
+    first: int  #: index of the first body; forces of the pair are those on it
+    second: int  #: index of the second body
     label: str  #: ``a-b`` in the scene's order
     friction: float  #: Coulomb's μ
 
@@ -184,10 +184,10 @@ class State:
 
     particles: Particles
     grid: Grid
-    bodies: tuple[Body, ...]
-    pairs: tuple[Pair, ...]
-    surface: Surface | None = None
+    bodies: tuple[Body, ...]  #: in the scene's order
+    pairs: tuple[Pair, ...]  #: in the scene's order
+    surface: Surface | None = None  #: None unless an effect or the contact strategy needs outlines
     time: float = 0.0  #: [s]
     dt: float = 0.0  #: length of the step that runs, or of the last one [s]
-    steps: int = 0
+    steps: int = 0  #: steps done since time zero
     arrays: dict[str, AnyArray] = field(default_factory=dict)  #: plug-ins' own arrays, as ``owner/name``

@@ -10,9 +10,6 @@ from mpmfw.state import State
 if TYPE_CHECKING:
     from mpmfw.scene import Scene
 
-#: Largest Courant number c Δt / h that is not refused: GIMP and B-splines diverge at 0.9, all shape functions hold at 0.8.
-COURANT = 0.8
-
 #: Share of the bulk's limit below which a time step is taken for a failure: such a run would never end.
 COLLAPSED = 1e-4
 
@@ -24,17 +21,19 @@ class TimeStep:
     ----------
     bulk_limit
         h / c of the fastest body [s].
+    courant
+        Share of it past which a step is refused: the shape function's own.
     """
 
-    def __init__(self, scene: Scene, state: State, bulk_limit: float) -> None:
+    def __init__(self, scene: Scene, state: State, bulk_limit: float, courant: float) -> None:
         self.scene, self.state, self.bulk_limit = scene, state, bulk_limit
         # Looked up once: between two steps of many points the interpreter's own data has left the caches, and
         # whatever is asked anew in every step is waited for.
         self._bulk = (bulk_limit, "bulk wave speed (h / c)")
-        self._least_refused = (COURANT * bulk_limit, f"the bulk ({COURANT:g} h / c)")
+        self._least_refused = (courant * bulk_limit, f"the bulk ({courant:g} h / c)")
         self._safety, self._fixed = scene.time.safety, scene.time.step
-        # A share of the least limit of at most COURANT is below all of them.
-        may_exceed = self._fixed is not None or self._safety > COURANT
+        # A share of the least limit of at most that is below all of them.
+        may_exceed = self._fixed is not None or self._safety > courant
         self._checked = may_exceed and not scene.allow_unstable
 
     def limits(self, hook: Any) -> list[tuple[float, str]]:

@@ -102,15 +102,20 @@ class Snapshot:
             ]
             found += [
                 k.old_tangential,
+                k.share,
+                k.rest,
                 k.old_share,
+                k.old_rest,
                 r.impulse,
                 r.frictional_work,
                 r.damping_work,
+                self.contact.spring_work,
                 r.energy,
                 r.count,
             ]
             found += [self.contact.force]
-            self.turn = (k.master, k.tangential, k.share, k.old_master, k.old_tangential, k.old_share)
+            self.turn = (k.master, k.tangential, k.share, k.rest, k.old_master, k.old_tangential)
+            self.turn += (k.old_share, k.old_rest)
         return found
 
     def restore(self) -> None:
@@ -120,7 +125,8 @@ class Snapshot:
         self.state.time = self.time
         if self.contact is not None:
             k = self.contact.candidates
-            k.master, k.tangential, k.share, k.old_master, k.old_tangential, k.old_share = self.turn
+            k.master, k.tangential, k.share, k.rest, k.old_master, k.old_tangential = self.turn[:6]
+            k.old_share, k.old_rest = self.turn[6:]
             self.contact.count, self.contact.omega_squared = self.spring
 
     def now(self) -> list[Any]:

@@ -194,7 +194,8 @@ class Touching(TwoApart):
         s, c, k, r, t = self.s, self.contact, self.contact.candidates, self.contact.records, self.n_s
         spring_stiffness(
             k.slots, k.segment, k.master, s.body, c.node_factor, c.laws.modulus, s.position, s.next, s.previous,
-            k.normal, True, k.gap, c.shallow, k.old_master, k.old_share, k.share, k.stiffness,
+            s.displacement, k.coordinate, k.normal, k.gap, c.cell_size, c.laws.pair_of, k.old_master,
+            k.old_share, k.old_rest, k.share, k.rest, k.stiffness, c.spring_work,
         )  # fmt: skip
         c.omega_squared = c.stiffest * contact_frequency(
             k.slots, k.segment, k.coordinate, k.stiffness, s.next, t.row, t.nodes, t.weight, self.g.mass,
@@ -202,7 +203,8 @@ class Touching(TwoApart):
         )  # fmt: skip
         c.force.fill(0.0)
         contact_forces(
-            k.slots, k.master, k.segment, k.coordinate, k.gap, k.normal, k.old_master, k.tangential, k.old_tangential,
+            k.slots, k.master, k.segment, k.coordinate, k.gap, k.rest, k.normal, k.old_master, k.tangential,
+            k.old_tangential,
             s.body, c.laws.pair_of, c.laws.first, s.position, s.displacement, s.next, s.previous, k.stiffness,
             k.damping, c.laws.friction, 1.0, False, False, dt, c.rows, c.force, r.impulse, r.frictional_work,
             r.damping_work, r.energy, r.count,

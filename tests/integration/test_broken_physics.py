@@ -38,15 +38,15 @@ SLIDING = "fitted acceleration, error"
 FAULTS = {
     "reversed normal": Fault(
         PAIR,
-        "f_n = -k * g",
+        "f_n = k * depth",
         "f_n = k * g",
         "sliding-block",
         ((CPDI, SLIDING), (CPDI2, SLIDING)),
     ),
     "friction halved": Fault(
         PAIR,
-        "limit = friction[pair] * f_n",
-        "limit = 0.5 * friction[pair] * f_n",
+        "return_to_cone(stored - k_t * slip, friction[pair] * f_n, k_t)",
+        "return_to_cone(stored - k_t * slip, 0.5 * friction[pair] * f_n, k_t)",
         "sliding-block",
         ((CPDI, SLIDING), (CPDI2, SLIDING)),
     ),

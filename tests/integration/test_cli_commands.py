@@ -76,6 +76,7 @@ DIMS = {
     "frictional_work": (*LEAD, "time", "pair"),
     "contact_energy": (*LEAD, "time", "pair"),
     "damping_work": (*LEAD, "time", "pair"),
+    "spring_work": (*LEAD, "time", "pair"),
     "min_gap": (*LEAD, "time", "pair"),
     "steps": LEAD,
     "material_points": LEAD,

@@ -210,7 +210,7 @@ POINTS = {"position", "velocity", "mass", "volume", "deformation_gradient", "str
         (disc(shape__method="cpdi2"), {"affine_energy"}, POINTS | {"corners"}),
         (NONE, {"affine_energy"}, POINTS),
         (VELOCITY, {"affine_energy"} | PAIRS, POINTS),
-        (PENALTY, {"affine_energy", "min_gap"} | PAIRS, POINTS),
+        (PENALTY, {"affine_energy", "min_gap", "spring_work"} | PAIRS, POINTS),
     ],
     ids=["flip-linear", "cpdi", "cpdi2", "none", "bardenhagen", "penalty"],
 )

@@ -53,7 +53,8 @@ def balance(name, mapping):
     method, options = STRATEGIES[name]
     contact = {**mapping["contact"], "method": method, **({method: options} if options else {})}
     series = run_scene({**mapping, "contact": contact})["series"]
-    spent = series["contact_energy"] + series["frictional_work"] + series["damping_work"]
+    works = ("contact_energy", "frictional_work", "damping_work", "spring_work")
+    spent = sum(series[work] for work in works if work in series)
     total = series["total_energy"].sum("body") + spent.sum("pair")
     return (total / total[0]).values
 

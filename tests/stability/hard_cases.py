@@ -29,19 +29,22 @@ from hard_scenes import (
 from placing import placed
 
 from mpmfw.api import SimulationError
+from mpmfw.discovery import load
 from mpmfw.simulation import Simulation
 from mpmfw.stability import Outcome, probe
 
 
 def near_limit(fraction: float) -> Callable[[dict[str, Any], str], dict[str, Any]]:
-    """Set the step to a fraction of the limit: the contact's own, or the bulk's 0.8 h / c where it has none."""
+    """Set the step to a fraction of the limit: the contact's own, or the shape function's of the bulk if it has none."""
 
     def set_step(mapping: dict[str, Any], shape: str) -> dict[str, Any]:
         own = mapping["contact"]["method"] == "penalty"
+        bulk = load("shape", shape).courant
         if fraction <= 1.0:
-            return {**mapping, "time": {**mapping["time"], "safety": fraction if own else 0.8 * fraction}}
+            limit = min(Simulation(mapping, shape=shape).limits())[0] / TICK if own else 1.0
+            return {**mapping, "time": {**mapping["time"], "safety": fraction * min(1.0, bulk / limit)}}
         sim = Simulation({**mapping, "allow_unstable": True}, shape=shape)
-        step = fraction * (min(sim.limits())[0] if own else 0.8 * TICK)
+        step = fraction * (min(sim.limits())[0] if own else bulk * TICK)
         return {**mapping, "time": {**mapping["time"], "step": step}}
 
     return set_step

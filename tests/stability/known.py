@@ -17,36 +17,20 @@ STICKS = (
     "one velocity field: bodies stick and do not part; the jump of velocity where they come to share a node strains their "
     "points at once, and the strain's integration gains 1 to 11 % (the ledger's residual, and the transfer)"
 )
-FRICTION = (
-    "friction that is counted and not lost: its record grows in every step, at rest too, while the "
-    "work of contact stays zero; kinetic and strain energy themselves stay below the start"
-)
-LIGHT = (
-    "GIMP diverges at 0.72 h / c, in free flight after the contact, by the strain's integration (the ledger's residual); its "
-    "nearly empty boundary nodes are the likely place. The refusal begins at 0.8 h / c"
+LEANS = (
+    "normals averaged over both bodies tilt at the corners of turned blocks: the stack settles by 0.03 to 0.2 cells, and "
+    "does not come to rest upright"
 )
 LOOSE = "0.175 cells of penetration; likely from averaged normals, which tilt at the block's corners"
-CORNERS = (
-    "the springs' share of the tributary length follows the normal while the contact is shallow, below 0.02 cells, and the "
-    "normal jumps where a corner's nearest face changes: 0.8 to 3.3 %, at some places"
-)
-FIRST_STEP = (
-    "the first step of a run is taken at the closed-form limit of equal bodies, 0.707 h / c; B-splines turn out to "
-    "allow 0.607, and springs loaded in a longer step than they act in return 0.7 % more, once"
-)
 
 _FAILS: list[tuple[str, str, str, str]] = [  # contact, shape, cases, reason
-    ("penalty", "cpdi2", "corner-corner stack", CORNERS),
     ("penalty", "linear", "corner-corner corner-flat stack oblique", LINEAR),
-    ("bardenhagen", "gimp", "step-0.9", LIGHT),
-    ("bardenhagen", "cpdi2", "corner-corner stack long-rest spin", FRICTION),
     ("bardenhagen", "cpdi2", "long-sliding", LOOSE),
-    ("bardenhagen", "bspline", "stack long-rest", FRICTION),
     (
         "bardenhagen",
         "linear",
-        "equal stiffness-100 stiffness-10000 density-10 density-1000 corner-flat corner-corner thin gap-0 gap-0.9 overlap "
-        "three-at-a-node stack oblique long-rest long-sliding spin step-0.5 step-0.9",
+        "equal stiffness-100 stiffness-10000 density-10 corner-flat corner-corner thin gap-0 gap-0.9 overlap "
+        "three-at-a-node oblique long-sliding step-0.5 step-0.9",
         LINEAR,
     ),
     (
@@ -76,11 +60,9 @@ def reason(case: str, contact: str, shape: str) -> str | None:
 
 
 #: Failures at places that the tests do not visit; only the page of the documentation has them all.
-_ELSEWHERE = {
-    **dict.fromkeys([("corner-corner", "penalty", shape) for shape in ("cpdi", "bspline", "gimp")], CORNERS),
-    **dict.fromkeys([("stack", "penalty", shape) for shape in ("cpdi", "bspline")], CORNERS),
-    ("gap-0", "penalty", "bspline"): FIRST_STEP,
-    ("step-0.5", "penalty", "bspline"): FIRST_STEP,
+_ELSEWHERE: dict[tuple[str, str, str], str] = {
+    ("stack", "bardenhagen", "cpdi2"): LEANS,
+    ("stack", "bardenhagen", "bspline"): LEANS,
 }
 
 

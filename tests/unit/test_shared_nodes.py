@@ -117,6 +117,7 @@ def correct(f, c, count, friction):
         c.node_b,
         c.normal,
         c.impulse,
+        True,
         friction,
         f.mass,
         f.momentum,

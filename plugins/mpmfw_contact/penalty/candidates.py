@@ -31,14 +31,25 @@ class Candidates:
     old_master: IntArray
     old_tangential: FloatArray
     old_share: FloatArray
+    rest: FloatArray  #: (n_s, slots) gap at which the spring has no force [m]
+    old_rest: FloatArray
 
     @classmethod
-    def allocate(cls, setup: Setup, owner: str, slots: int) -> Candidates:
-        """Allocate and list the arrays."""
+    def allocate(
+        cls, setup: Setup, owner: str, slots: int, *, friction: bool, damping: bool, shares: bool
+    ) -> Candidates:
+        """Allocate and list the arrays; those of effects that are off have no nodes, and are not listed."""
 
         def array(
-            name: str, unit: str, meaning: str, dtype: str = "f8", dims: tuple[str, ...] = ()
+            name: str,
+            unit: str,
+            meaning: str,
+            dtype: str = "f8",
+            dims: tuple[str, ...] = (),
+            on: bool = True,
         ) -> np.ndarray:
+            if not on:
+                return np.zeros((0, slots), dtype=dtype)
             field = Field(name, ("surface_node", "slot", *dims), unit, meaning, "surface", dtype)
             return setup.allocate(owner, field, slot=slots)
 
@@ -50,12 +61,14 @@ class Candidates:
             gap=array("gap", "m", "normal gap"),
             normal=array("normal", "1", "direction of the normal force", dims=("axis",)),
             stiffness=array("stiffness", "N m-2", "spring stiffness"),
-            damping=array("damping", "N m-2", "dashpot over the last step, c / dt"),
-            tangential=array("tangential", "N m-1", "tangential force"),
-            share=array("share", "1", "part of the tributary length across the normal"),
+            damping=array("damping", "N m-2", "dashpot over the last step, c / dt", on=damping),
+            tangential=array("tangential", "N m-1", "tangential force", on=friction),
+            share=array("share", "1", "part of the tributary length across the normal", on=shares),
             old_master=array("old_master", "1", "body touched in the last step", "i8"),
-            old_tangential=array("old_tangential", "N m-1", "tangential force of the last step"),
-            old_share=array("old_share", "1", "share of the last step"),
+            old_tangential=array("old_tangential", "N m-1", "tangential force of the last step", on=friction),
+            old_share=array("old_share", "1", "share of the last step", on=shares),
+            rest=array("rest", "m", "gap at which the spring has no force", on=shares),
+            old_rest=array("old_rest", "m", "rest of the last step", on=shares),
         )
         candidates.forget()
         return candidates
@@ -65,6 +78,7 @@ class Candidates:
         self.master, self.old_master = self.old_master, self.master
         self.tangential, self.old_tangential = self.old_tangential, self.tangential
         self.share, self.old_share = self.old_share, self.share
+        self.rest, self.old_rest = self.old_rest, self.rest
 
     def forget(self) -> None:
         """No contact, no history."""

@@ -20,12 +20,18 @@ def node_normal(s: int, position: Floats, following: Ints, previous: Ints) -> tu
     return before_y / before + after_y / after, -before_x / before - after_x / after
 
 
+#: Least cosine between a slave node's reversed normal and that of a segment that faces it: blocks have sides at right angles,
+#: and rounding must not decide.
+LEAST_COSINE = 1e-6
+
+
 @device
 def faces(s: int, m: int, position: Floats, following: Ints, previous: Ints) -> bool:
     """Whether the outward normals of a slave node and of a segment are against each other."""
     n_x, n_y = node_normal(s, position, following, previous)
     e = following[m]
-    against: bool = n_x * (position[e, 1] - position[m, 1]) - n_y * (position[e, 0] - position[m, 0]) < 0.0
+    x, y = position[e, 0] - position[m, 0], position[e, 1] - position[m, 1]
+    against: bool = n_y * x - n_x * y > LEAST_COSINE * math.hypot(n_x, n_y) * math.hypot(x, y)
     return against
 
 

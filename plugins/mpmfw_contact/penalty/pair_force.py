@@ -62,6 +62,18 @@ def stored_force(s: int, touched: int, old_master: Ints, old_tangential: Floats)
     return stored, known
 
 
+@device
+def return_to_cone(trial: Float, limit: Float, k_t: Float) -> tuple[Float, Float, Float]:
+    """Return mapping: f_t in ±μ f_n [N/m] of the trial force f_t − k_t Δg_t, the work that slip takes, the energy kept [J/m].
+
+    Δg_t = C_tᵀ Δu on the present segment; at first contact only the part of the step that was spent in penetration.
+    """
+    if k_t <= 0.0:
+        return 0.0, 0.0, 0.0
+    f_t = min(max(trial, -limit), limit)
+    return f_t, abs(f_t) * abs(trial - f_t) / k_t, 0.5 * f_t * f_t / k_t
+
+
 @kernel
 def contact_forces(
     slots: int,
@@ -69,6 +81,7 @@ def contact_forces(
     segment: Ints,
     coordinate: Floats,
     gap: Floats,
+    rest: Floats,
     normal: Floats,
     old_master: Ints,
     tangential: Floats,
@@ -97,22 +110,22 @@ def contact_forces(
 ) -> None:
     """Forces of all slave nodes in contact, added to ``force`` (n_s, 2) of slaves and segment ends.
 
-    Every slave node has ``slots`` places; ``segment`` −1 or ``gap`` ≥ 0 is no contact. ``stiffness`` k [N/m²]
-    and ``damping`` c / Δt [N/m²] are (n_s, slots). Return mapping: f_t ← clip(f_t − k_t Δg_t, ±μ f_n) with Δg_t =
-    C_tᵀ Δu on the present segment; at first contact Δg_t is scaled by the part of the step that was spent in
-    penetration. ``rows`` is scratch, (3, 3, 2).
+    Every slave node has ``slots`` places; ``segment`` −1 or ``gap`` ≥ 0 is no contact. ``stiffness`` k [N/m²], ``rest`` [m],
+    ``damping`` c / Δt [N/m²] and ``tangential`` [N/m] are (n_s, slots), or (0, slots) where there is no such effect. ``rows``
+    is scratch, (3, 3, 2).
     """
     n, c_t, q = rows[0], rows[1], rows[2]
     energy[:] = 0.0
     count[:] = 0.0
     for s in range(len(body)):
         for j in range(slots):
-            tangential[s, j] = 0.0
+            if len(tangential) > 0:
+                tangential[s, j] = 0.0
             m = segment[s, j]
             if m < 0 or gap[s, j] >= 0.0:
                 master[s, j] = -1
                 continue
-            g, xi = gap[s, j], coordinate[s, j]
+            g, xi, k = gap[s, j], coordinate[s, j], stiffness[s, j]
             e_x, e_y = normal[s, j, 0], normal[s, j, 1]
             if xi == 0.0 or xi == 1.0:
                 m, xi = better_segment(m, xi, e_x, e_y, position, following, previous)
@@ -120,34 +133,32 @@ def contact_forces(
             lever = -e_y * (position[end, 0] - position[m, 0]) + e_x * (position[end, 1] - position[m, 1])
             normal_rows(e_x, e_y, xi, n)
             tangential_rows(e_x, e_y, xi, g, lever, c_t)
-            slip = relative_motion(c_t, s, m, end, displacement)
             approach = relative_motion(n, s, m, end, displacement)
             pair = pair_of[body[s], body[m]]
-            k = stiffness[s, j]
-            f_n = -k * g
-            if damping[s, j] > 0.0:
+            depth = max(rest[s, j] - g, 0.0) if len(rest) > 0 else -g
+            f_n = k * depth
+            energy[pair] += 0.5 * k * depth * depth
+            count[pair] += 1.0
+            if len(damping) > 0:
                 dashpot = max(-min(damping[s, j], 2.0 * k) * approach, -f_n)
                 f_n += dashpot
                 damping_work[pair] += max(-dashpot * approach, 0.0)
             f_t = 0.0
-            k_t = tangential_ratio * k
-            if literal_friction:
-                if friction[pair] > 0.0:
-                    f_t = -k_t * slip
-                    frictional_work[pair] += k_t * slip * slip
-            else:
-                stored, known = stored_force(s, body[m], old_master, old_tangential)
-                if not known and approach < 0.0:
-                    slip *= min(1.0, g / approach)
-                trial = stored - k_t * slip
-                limit = friction[pair] * f_n
-                f_t = min(max(trial, -limit), limit)
-                frictional_work[pair] += abs(f_t) * abs(trial - f_t) / k_t
-                energy[pair] += 0.5 * f_t * f_t / k_t
+            if len(tangential) > 0:
+                slip = relative_motion(c_t, s, m, end, displacement)
+                k_t = tangential_ratio * k
+                if literal_friction:
+                    f_t = -k_t * slip if friction[pair] > 0.0 else 0.0
+                    frictional_work[pair] -= f_t * slip
+                else:
+                    stored, known = stored_force(s, body[m], old_master, old_tangential)
+                    if not known and approach < 0.0:
+                        slip *= min(1.0, g / approach)
+                    f_t, lost, kept = return_to_cone(stored - k_t * slip, friction[pair] * f_n, k_t)
+                    frictional_work[pair] += lost
+                    energy[pair] += kept
+                tangential[s, j] = f_t
             master[s, j] = body[m]
-            tangential[s, j] = f_t
-            energy[pair] += 0.5 * k * g * g
-            count[pair] += 1.0
             if keep_q:  # C_n = N − (g_n / l) Q
                 t_x, t_y = position[end, 0] - position[m, 0], position[end, 1] - position[m, 1]
                 length = math.sqrt(t_x * t_x + t_y * t_y)

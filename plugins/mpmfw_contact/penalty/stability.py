@@ -7,6 +7,15 @@ import math
 from mpmfw.kernels import device, kernel
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 
+#: Share below which a spring hardly bears.
+WEAK = 0.1
+
+#: Depth in cells up to which a node that came in by the side of a corner bears at once where a face takes it.
+SHALLOW = 0.02
+
+#: Relative change of a loaded spring's share that is let be.
+NOISE = 0.02
+
 
 @kernel
 def spring_stiffness(
@@ -19,34 +28,79 @@ def spring_stiffness(
     position: Floats,
     following: Ints,
     previous: Ints,
+    displacement: Floats,
+    coordinate: Floats,
     normal: Floats,
-    projected: bool,
     gap: Floats,
-    shallow: float,
+    cell_size: float,
+    pair_of: Ints,
     old_master: Ints,
     old_share: Floats,
+    old_rest: Floats,
     share: Floats,
+    rest: Floats,
     stiffness: Floats,
+    work: Floats,
 ) -> None:
     """k = κ M l_trib / h of every candidate; ``node_factor`` is κ l_trib / h, ``modulus`` M of each two bodies.
 
-    If ``projected``, l_trib is only the part of the node's tributary length that lies across the contact's normal: at a
-    corner the segment round it carries none of the face's pressure. A contact deeper than ``shallow`` keeps the share that it
-    has: where corners meet the normal jumps, and a loaded spring that changes makes energy of nothing.
+    Where ``share`` and ``rest`` have nodes, l_trib is only the part of the node's tributary length that lies across the
+    contact's normal: at a corner the segment round it carries none of the face's pressure. ``rest`` is the gap at which
+    the spring has no force (:func:`carried_over`); what springs lose as they change is added to the pairs' ``work`` [J/m].
     """
     for s in range(len(body)):
         for j in range(slots):
             stiffness[s, j] = 0.0
             if segment[s, j] >= 0:
-                share[s, j] = 1.0
-                if projected:
-                    share[s, j] = share_across(
-                        s, normal[s, j, 0], normal[s, j, 1], position, following, previous
-                    )
+                part, factor = 1.0, node_factor[s] * modulus[body[s], master[s, j]]
+                if len(share) > 0:
+                    part = share_across(s, normal[s, j, 0], normal[s, j, 1], position, following, previous)
+                    g, r = gap[s, j], 0.0
                     for i in range(slots):
-                        if old_master[s, i] == master[s, j] and gap[s, j] < -shallow:
-                            share[s, j] = old_share[s, i]
-                stiffness[s, j] = share[s, j] * node_factor[s] * modulus[body[s], master[s, j]]
+                        if old_master[s, i] == master[s, j] and g < 0.0:
+                            slid = slip(
+                                s, segment[s, j], coordinate[s, j], normal[s, j], displacement, following
+                            )
+                            part, r, lost = carried_over(
+                                part, old_share[s, i], old_rest[s, i], slid, g, cell_size
+                            )
+                            work[pair_of[body[s], master[s, j]]] += factor * lost
+                    share[s, j], rest[s, j] = part, r
+                stiffness[s, j] = part * factor
+
+
+@device
+def slip(s: int, m: int, xi: Float, normal: Floats, displacement: Floats, following: Ints) -> float:
+    """Motion of node s along the point ξ of segment m in the last step [m]."""
+    e, total = following[m], 0.0
+    for d in range(2):
+        t = -normal[1] if d == 0 else normal[0]
+        total += t * (displacement[s, d] - (1.0 - xi) * displacement[m, d] - xi * displacement[e, d])
+    return total
+
+
+@device
+def carried_over(
+    part: Float, kept: Float, rest: Float, slid: Float, gap: Float, cell_size: Float
+) -> tuple[Float, Float, Float]:
+    """Share and rest gap of a loaded spring whose share was ``kept`` and would be ``part``, and the energy lost, over k's factor.
+
+    Where corners meet the normal jumps, and a spring that became stiffer while it is loaded would make energy of
+    nothing. One that grows keeps its force, and so loses energy; one that shrinks keeps its rest, and loses some too.
+    Small changes are let be, so that noise does not let bodies at rest creep into one another. A rest fades over a cell of
+    sliding: nodes that come in by a corner would hold less than others for good. A node that came in by the side, with
+    next to no share, and is shallow when a face takes it, has half of its length under that face: half of its force acts
+    at once.
+    """
+    before = max(rest - gap, 0.0)
+    share, left = kept, max(max(1.0 - abs(slid) / cell_size, 0.0) * rest, gap)
+    if kept < WEAK < part and gap > -SHALLOW * cell_size:
+        share, left = part, 0.5 * gap
+    elif part > kept * (1.0 + NOISE):
+        share, left = part, gap + (left - gap) * kept / part
+    elif part < kept * (1.0 - NOISE):
+        share = part
+    return share, left, 0.5 * (kept * before * before - share * (left - gap) * (left - gap))
 
 
 @device

@@ -23,7 +23,6 @@ from mpmfw.kernels.polyline import bounding_boxes
 from mpmfw_contact.penalty import search
 from mpmfw_contact.penalty.candidates import Candidates, SearchGrid
 from mpmfw_contact.penalty.laws import PairLaws
-from mpmfw_contact.penalty.layer import InterfaceLayer
 from mpmfw_contact.penalty.options import HAMAD_2017, PenaltyOptions
 from mpmfw_contact.penalty.pair_force import contact_forces
 from mpmfw_contact.penalty.stability import (
@@ -37,9 +36,14 @@ FORCE = Field(
     "force", ("surface_node", "axis"), "N m-1", "contact force on the surface node", "surface", output=True
 )
 
-
-#: Depth in cells from which on a contact keeps its springs' share of the tributary length.
-SHALLOW = 0.02
+SPRING_WORK = Field(
+    "spring_work",
+    ("pair",),
+    "J m-1",
+    "energy lost by springs whose share or rest changes while they are loaded, since time zero",
+    "series",
+    output=True,
+)
 
 
 class Penalty(ContactStrategy):
@@ -78,7 +82,11 @@ class Penalty(ContactStrategy):
 
     def parts(self) -> list[Any]:
         """The surface layer's inertia, where it has a thickness."""
-        return [InterfaceLayer(self.options.interface_thickness)] if self.adds_mass else []
+        if not self.adds_mass:
+            return []
+        from mpmfw_contact.penalty.layer import InterfaceLayer
+
+        return [InterfaceLayer(self.options.interface_thickness)]
 
     def reach(self, cell_size: float) -> float:
         """The search radius: bodies whose boxes are farther apart cost a comparison of boxes."""
@@ -93,7 +101,8 @@ class Penalty(ContactStrategy):
     @hookimpl
     def declare_fields(self) -> list[Field]:
         """Force of the surface nodes, and the pairs' series."""
-        return [FORCE, *PairRecords.declarations()]
+        literal = self.options.detection == "hamad2017"
+        return [FORCE, *PairRecords.declarations(), *([] if literal else [SPRING_WORK])]
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
@@ -105,7 +114,15 @@ class Penalty(ContactStrategy):
         self.records = PairRecords(setup, self.name)
         literal = self.options.detection == "hamad2017"
         slots = 8 if literal else min(max(len(setup.bodies) - 1, 1), 3)
-        self.candidates = Candidates.allocate(setup, self.name, slots)
+        self.candidates = Candidates.allocate(
+            setup,
+            self.name,
+            slots,
+            friction=bool(self.laws.friction.any()),
+            damping=self.options.damping > 0.0,
+            shares=not literal,
+        )
+        self.spring_work = np.zeros(0) if literal else setup.allocate(self.name, SPRING_WORK)
         self.force: FloatArray = setup.allocate(self.name, FORCE)
         self.grid = SearchGrid.allocate(setup, self.name)
         share = 0.5 if self.options.passes == "two" else 1.0
@@ -113,7 +130,7 @@ class Penalty(ContactStrategy):
         self.node_factor = share * self.options.kappa * self.surface.tributary / setup.cell_size
         self.stiffest = max(1.0, self.options.tangential_ratio) if self.laws.friction.any() else 1.0
         self.radius = self.reach(setup.cell_size)
-        self.shallow = SHALLOW * setup.cell_size
+        self.cell_size = setup.cell_size
         self.bulk_frequency = setup.bulk_frequency
         self.node_stiffness = np.zeros(0)
         self.omega_squared = 0.0
@@ -208,14 +225,19 @@ class Penalty(ContactStrategy):
             s.position,
             s.next,
             s.previous,
+            s.displacement,
+            c.coordinate,
             c.normal,
-            self.options.detection != "hamad2017",
             c.gap,
-            self.shallow,
+            self.cell_size,
+            self.laws.pair_of,
             c.old_master,
             c.old_share,
+            c.old_rest,
             c.share,
+            c.rest,
             c.stiffness,
+            self.spring_work,
         )
         if len(self.node_stiffness) != len(grid.mass):
             self.node_stiffness = np.zeros(len(grid.mass))
@@ -247,6 +269,7 @@ class Penalty(ContactStrategy):
             c.segment,
             c.coordinate,
             c.gap,
+            c.rest,
             c.normal,
             c.old_master,
             c.tangential,
@@ -284,13 +307,18 @@ class Penalty(ContactStrategy):
             omega_squared = self.omega_squared
         else:
             return None
+        zeta = self.options.damping
+        # A dashpot that lags by a step takes away from the limit of its spring: 2 (√(1 + ζ²) − ζ) / ω.
+        omega_squared /= (math.sqrt(1.0 + zeta * zeta) - zeta) ** 2
         return 2.0 / math.sqrt(self.bulk_frequency**2 + omega_squared), "penalty springs and bulk"
 
     def restart(self) -> None:
         """Forget impulse and work of the settling; springs stay loaded."""
         self.records.restart()
+        self.spring_work.fill(0.0)
 
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:  # noqa: ARG002
         """The pairs' series and the surface nodes' forces."""
-        return {"force": self.force, **self.records.series(interval)}
+        lost = {"spring_work": self.spring_work.copy()} if len(self.spring_work) else {}
+        return {"force": self.force, **self.records.series(interval), **lost}

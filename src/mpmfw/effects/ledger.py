@@ -92,6 +92,9 @@ class EnergyLedger:
         For each body, an object with ``energy_density``.
     gravity, pressure
         The plug-ins of these names, or None.
+    terms
+        Works that something in the scene does: of ``gravity``, ``external``, ``contact``, ``inertia``. The others
+        have no series.
     bounded
         Whether a run whose energy grows past :data:`GROWTH_LIMIT` is stopped.
     """
@@ -99,9 +102,17 @@ class EnergyLedger:
     name = "energy_ledger"
     stage = "output"
 
-    def __init__(self, materials: tuple[Any, ...], gravity: Any, pressure: Any, *, bounded: bool) -> None:
+    def __init__(
+        self,
+        materials: tuple[Any, ...],
+        gravity: Any,
+        pressure: Any,
+        *,
+        terms: tuple[str, ...],
+        bounded: bool,
+    ) -> None:
         self.materials, self.gravity, self.pressure = materials, gravity, pressure
-        self.bounded = bounded
+        self.terms, self.bounded = terms, bounded
         self._restart()
 
     def _restart(self) -> None:
@@ -114,8 +125,12 @@ class EnergyLedger:
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """The ledger's series."""
-        return LEDGER_FIELDS
+        """The works that there are, what the transfer loses, and the residual."""
+        return [
+            field
+            for field in LEDGER_FIELDS
+            if not field.name.endswith("_work") or field.name.removesuffix("_work") in self.terms
+        ]
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
@@ -205,7 +220,7 @@ class EnergyLedger:
         residual = energy - self.start - sum(self.work.values()) + self.dissipated
         if self.bounded:
             self._check(energy, residual, state.time)
-        series = {f"{term}_work": np.float64(value) for term, value in self.work.items()}
+        series = {f"{term}_work": np.float64(self.work[term]) for term in self.terms}
         last = {"transfer_dissipation": np.float64(self.dissipated), "energy_residual": np.float64(residual)}
         return {name: np.asarray(value) for name, value in {**series, **last}.items()}
 

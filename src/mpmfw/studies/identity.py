@@ -16,8 +16,33 @@ from mpmfw.scene import Scene
 from mpmfw.scene.options import CORE_KEYS
 
 #: Parts of the core that no number of a run depends on.
-_APART = {"benchmark", "cli", "plots", "reference", "report", "scenes", "studies", "validation"}
-_APART_FILES = {"analysis.py", "comparison.py", "joining.py", "references.py"}
+_APART = {
+    *(
+        "benchmark",
+        "cli",
+        "paraview",
+        "plots",
+        "reference",
+        "report",
+        "scenes",
+        "stability",
+        "studies",
+        "testing",
+    ),
+    "validation",
+}
+_APART_FILES = {
+    *(
+        "analysis.py",
+        "comparison.py",
+        "domains.py",
+        "joining.py",
+        "notebook.py",
+        "outputs.py",
+        "point_fields.py",
+    ),
+    "references.py",
+}
 _LIBRARIES = ("numpy", "numba", "scipy", "shapely")
 
 
