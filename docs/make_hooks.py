@@ -25,6 +25,10 @@ takes from `mpmfw.setup.Setup`, once, and keeps itself. An implementation is a m
 `mpmfw.api.hookimpl`; it may leave out arguments that it does not use. The names of a step's steps are those of
 [methods](guide/methods.md#the-step), symbols and units those of the [glossary](glossary.md).
 
+Arguments of the same name mean the same at every hook: `particles`, `grid` and `state` are those of `mpmfw.state`,
+`phi` is the material points' table of interpolation in this step (`mpmfw.state.Stencil`), and `dt` [s] is the length
+of the step that runs.
+
 Where several plug-ins implement a hook, all are called, in the order that `mpmfw explain SCENE` prints. Of a hook
 that says *first answer counts*, the first answer that is not `None` is taken and nobody else is asked.
 """
@@ -36,10 +40,16 @@ def page() -> str:
 
 
 def _summary() -> str:
-    rows = [
-        f"| [`{name}`](#{name}) | {_lines(name)[0].partition(':')[0].rstrip('.')} |" for name in hook_names()
-    ]
-    return "\n".join(["| hook | when |", "| --- | --- |", *rows, ""])
+    rows = [f"| [`{name}`](#{name}) | {' | '.join(_when_and_what(name))} |" for name in hook_names()]
+    return "\n".join(["| hook | when | what |", "| --- | --- | --- |", *rows, ""])
+
+
+def _when_and_what(name: str) -> tuple[str, str]:
+    """First sentence of the first line, which is ``when: what``; the colons of a role are none."""
+    when, _, what = _markdown(_lines(name)[0]).partition(": ")
+    if not what:
+        raise SystemExit(f"the first line of the hook '{name}' is not 'when: what'")
+    return when, re.split(r"\.(?=$| [A-Z])", what)[0]
 
 
 def _section(name: str) -> str:

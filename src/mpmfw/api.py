@@ -1,9 +1,24 @@
-"""What plug-ins may import, together with :mod:`mpmfw.kernels`.
+"""What plug-ins may import, together with :mod:`mpmfw.kernels` and :mod:`mpmfw.testing`.
 
 A plug-in is a class with an ``Options`` model (pydantic), a constructor that takes those options as keywords,
 a ``name``, and implementations of the hooks of :class:`mpmfw.hookspecs.HookSpecs`, marked with
-:data:`hookimpl`. Options with a unit are annotated with the quantity types of :mod:`mpmfw.units`, which are
-named here too.
+:data:`hookimpl`. It derives from :class:`ContactStrategy`, :class:`ShapeFunction` or :class:`Material`, and is
+announced as an entry point of the group ``mpmfw.contact``, ``mpmfw.shape`` or ``mpmfw.material``.
+
+Names that are neither classes nor functions:
+
+``hookimpl``
+    Marks a method as the implementation of the hook with its name; arguments that are not used may be left out.
+``CONTACT_SERIES``
+    Declarations (:class:`Field`) of the series that contact strategies may record, one value a pair: contact_force
+    [N/m], contact_count, frictional_work, contact_energy and damping_work [J/m].
+``FloatArray``, ``IntArray``, ``IndexArray``, ``AnyArray``
+    Types of NumPy arrays of float64, int64, int32 (node indices in a :class:`Stencil`) and any type. Shapes stand where
+    the types are used.
+``Length``, ``Time``, ``Velocity``, ``AngularVelocity``, ``Acceleration``, ``Angle``, ``Pressure``, ``Density``, ``Number``
+    Annotations for fields of an ``Options`` model in m, s, m/s, rad/s, m/s^2, rad, Pa, kg/m^3 and 1. A scene gives them
+    as a bare number in that unit or as a string with any unit that converts to it; the plug-in gets a float. A unit of
+    another kind is refused. :func:`quantity` makes one for any other unit.
 """
 
 from __future__ import annotations
@@ -39,10 +54,25 @@ class NoOptions(BaseModel):
 
 
 class PlugIn:
-    """Base of plug-ins: a name, and options validated by the plug-in's own model."""
+    """Base of plug-ins: a name, and options validated by the plug-in's own model.
 
+    Parameters
+    ----------
+    options
+        Values of the plug-in's ``Options``; those left out have the model's defaults.
+
+    Raises
+    ------
+    pydantic.ValidationError
+        An option is unknown, or its value is refused by the model.
+    """
+
+    #: What scenes and the entry point call the plug-in.
     name: ClassVar[str]
+    #: Model of the options; :class:`NoOptions` takes none. The validated instance is ``self.options``.
     Options: ClassVar[type[BaseModel]] = NoOptions
+    #: Stage of the clock that its hooks are charged to; None leaves them with the stage of the core that calls them.
+    stage: ClassVar[str | None] = None
 
     def __init__(self, **options: Any) -> None:
         self.options = self.Options(**options)
@@ -73,6 +103,8 @@ class ShapeFunction(PlugIn):
     massless_boundary: ClassVar[bool] = False
     #: Whether Σ φ q qᵀ may be singular, so that the affine field must be taken from Σ v ∇φᵀ.
     singular_spread: ClassVar[bool] = False
+    #: Largest Courant number c Δt / h that is not refused.
+    courant: ClassVar[float] = 0.8
     #: What ``auto`` means for scheme and transfer.
     auto_scheme: ClassVar[str] = "usl"
     auto_transfer: ClassVar[str] = "aflip"
@@ -103,7 +135,10 @@ class ContactStrategy(PlugIn):
         return []
 
     def reach(self, cell_size: float) -> float | None:  # noqa: ARG002
-        """Distance of two bodies' bounding boxes [m] beyond which nothing is searched; None without a search."""
+        """Distance of two bodies' bounding boxes [m] beyond which nothing is searched; None without a search.
+
+        ``cell_size`` is that of the grid, h [m].
+        """
         return None
 
     def monitors(self) -> list[Any]:
@@ -134,16 +169,34 @@ class Material(PlugIn):
         raise NotImplementedError
 
     def energy_density(self, deformation_gradient: FloatArray) -> FloatArray:
-        """Stored energy per reference volume W(F), (n,) [J/m^3]; F is (n, dim, dim), plane strain in 2D."""
+        """Stored energy per reference volume W(F), (n,) [J/m^3].
+
+        ``deformation_gradient`` is F, (n, dim, dim); plane strain in 2D, F_zz = 1.
+        """
         raise NotImplementedError
 
     def cauchy_stress(self, deformation_gradient: FloatArray) -> FloatArray:
-        """Full Cauchy stress, (n, 3, 3) [Pa], out-of-plane components included; for outputs."""
+        """Full Cauchy stress σ(F), (n, 3, 3) [Pa], out-of-plane components included; for outputs.
+
+        ``deformation_gradient`` is F, (n, dim, dim); plane strain in 2D, F_zz = 1.
+        """
         raise NotImplementedError
 
 
 def empty_stencil(points: int, entries: int, dim: int, *, gradient: bool = True) -> Stencil:
-    """A table with ``entries`` entries for each of ``points`` points; without gradients for surface nodes."""
+    """An interpolation table to be filled, all zero, with the same number of entries for every point.
+
+    Parameters
+    ----------
+    points
+        Number of material points or surface nodes, n.
+    entries
+        Number of nodes that a point touches, such as 2**dim with linear functions.
+    dim
+        Number of space dimensions.
+    gradient
+        Whether there are gradients, (n entries, dim) [1/m]; surface nodes need none, and get an array of length 0.
+    """
     return Stencil(
         row=np.arange(points + 1, dtype=np.int64) * entries,
         nodes=np.zeros(points * entries, dtype=np.int32),
@@ -153,7 +206,18 @@ def empty_stencil(points: int, entries: int, dim: int, *, gradient: bool = True)
 
 
 def check_inside(index: int) -> None:
-    """Raise :class:`OutsideGrid` if a fill kernel returned the index of a point outside its window."""
+    """Say which point left its window, if a fill kernel returned one.
+
+    Parameters
+    ----------
+    index
+        What the kernel returned: the first point outside its window, or −1.
+
+    Raises
+    ------
+    OutsideGrid
+        ``index`` is not negative. The core then lays the window anew and asks again.
+    """
     if index >= 0:
         raise OutsideGrid(index)
 

@@ -28,9 +28,12 @@ class HookSpecs:
     def declare_fields(self) -> list[Field]:
         """Once, before allocation: declare the arrays and series that the plug-in owns.
 
+        May change nothing.
+
         Returns
         -------
-        Declarations; arrays are then allocated with :meth:`mpmfw.setup.Setup.allocate`.
+        Declarations; arrays are then allocated with :meth:`mpmfw.setup.Setup.allocate`, and series filled by
+        :meth:`diagnostics`.
         """
         raise NotImplementedError
 
@@ -38,7 +41,8 @@ class HookSpecs:
     def setup(self, setup: Setup) -> None:
         """Once, after the bodies are discretised: read facts of the scene, allocate declared arrays.
 
-        May change the plug-in alone, and the material points' initial state.
+        ``setup`` has the facts and allocates; what is needed later the plug-in keeps. May change the plug-in
+        alone, and the material points' initial state.
         """
 
     @hookspec(firstresult=True)
@@ -64,14 +68,11 @@ class HookSpecs:
 
     @hookspec(firstresult=True)
     def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
-        """Step 1, after :meth:`interpolate`: N_i at points on the boundary.
+        """Step 1, after :meth:`interpolate`: N_i at points on the boundary. Implemented by the shape function.
 
-        The basis is the one that matches the particles', Σ V ∇S = ∮ N n dS.
-
-        Implemented by the shape function; asked only where a surface is tracked. Parameters: ``position`` (n,
-        dim) [m],
-        ``first`` (n_fields + 1,) ranges of the points by velocity field. May change nothing but its own
-        table.
+        The basis is the one that matches the particles', Σ V ∇S = ∮ N n dS. Asked only where a surface is
+        tracked. Parameters: ``position`` (n, dim) [m]; ``first`` (n_fields + 1,), the points of velocity field
+        f are ``first[f]:first[f + 1]``. May change nothing but its own table.
 
         Raises
         ------
@@ -82,35 +83,45 @@ class HookSpecs:
 
     @hookspec
     def after_momentum_projection(self, grid: Grid, phi: Stencil, particles: Particles, dt: float) -> None:
-        """After step 2: m_i and (m v)_i of every velocity field are complete. May change
-        ``grid.momentum``."""
+        """After step 2: m_i and (m v)_i of every velocity field are complete.
+
+        May change ``grid.momentum``.
+        """
 
     @hookspec
     def add_nodal_force(self, grid: Grid, state: State, dt: float) -> None:
-        """Step 3: f_ext and f_cont (eq. 12 of [H17]). May add to ``grid.force``."""
+        """Step 3: f_ext and f_cont (eq. 12 of [H17]).
+
+        May add to ``grid.force``.
+        """
 
     @hookspec
     def after_momentum_update(self, grid: Grid, phi: Stencil, particles: Particles, dt: float) -> None:
-        """After step 4: (m v)_i is integrated. May change ``grid.momentum``."""
+        """After step 4: (m v)_i is integrated.
+
+        May change ``grid.momentum``.
+        """
 
     @hookspec
     def correct_inertia(self, grid: Grid, phi: Stencil, particles: Particles, dt: float) -> None:
-        """After all contact corrections of step 4: mend the inertia of the lumped mass. May change
-        ``grid.momentum``."""
+        """After all contact corrections of step 4: mend the inertia of the lumped mass.
+
+        May change ``grid.momentum``.
+        """
 
     @hookspec
     def constrain_momentum(self, grid: Grid, time: float) -> None:
         """After all corrections of the momentum: boundary conditions, which have the last word.
 
         ``time`` [s] is that at the end of the step. MUSL and USF ask again for the velocity of the strain.
-        May change
-        ``grid.momentum``.
+        May change ``grid.momentum``.
         """
 
     @hookspec
     def after_second_projection(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
-        """MUSL alone, after the points' new velocity is projected a second time. May change
-        ``grid.momentum``.
+        """MUSL alone, after the second projection: (m v)_i of the points' new velocity is complete.
+
+        May change ``grid.momentum``.
         """
 
     @hookspec
@@ -122,23 +133,31 @@ class HookSpecs:
 
     @hookspec
     def update_particle_domains(self, particles: Particles, grid: Grid, dt: float) -> None:
-        """Step 6: GIMP lengths or CPDI corners follow the deformation. May change the shape function's own
-        arrays."""
+        """Step 6: GIMP lengths or CPDI corners follow the deformation.
+
+        May change the shape function's own arrays.
+        """
 
     @hookspec
     def update_stress(self, particles: Particles, dt: float) -> None:
-        """Step 6: σ of the material's own bodies from their F. May change ``particles.stress`` of its
-        slices."""
+        """Step 6: σ of the material's own bodies from their F.
+
+        May change ``particles.stress`` of its slices.
+        """
 
     @hookspec
     def end_step(self, state: State) -> None:
-        """After the step: records and guards. May change the plug-in alone."""
+        """After the step: records and guards.
+
+        May change the plug-in alone.
+        """
 
     @hookspec
     def stable_timestep(self, state: State) -> tuple[float, str] | None:
         """Before a step: the largest stable step [s] and its owner, or None if nothing limits it now.
 
-        The least of all answers rules. Asked before every step. May change nothing.
+        The least of all answers rules. Asked before every step. May change nothing. A contact strategy that
+        implements it has a first step of 0.8 the length: until it has seen where bodies meet its answer is a guess.
         """
 
     @hookspec

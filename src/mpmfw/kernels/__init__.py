@@ -1,9 +1,135 @@
 """Compiled kernels: short loops over ``range(dim)``, one source for two and three dimensions.
 
 They import numpy and numba alone. The dimension is the length of the tuple ``spacing``, so that numba
-specialises by type and the disk cache hits.
+specialises by type and the disk cache hits. A plug-in marks its own kernels with :func:`kernel`, what they
+call with :func:`device`, and takes scratch memory from :mod:`mpmfw.kernels.scratch`.
+
+- **Compilation**: :func:`kernel` (called from Python, kept on disk), :func:`device` (called from kernels).
+- **Projection** from points to the grid: :func:`project_mass_momentum`, :func:`project_momentum`,
+  :func:`add_internal_force`, :func:`affine_from_moment`; on nodes alone: :func:`velocity_of_momentum`,
+  :func:`integrate_momentum`, :func:`add_body_force`. The grid's answer to the points is in ``mpmfw.kernels.gather``.
+- **Point stencils**, to fill tables (:class:`mpmfw.state.Stencil`): :func:`fill_linear` is a whole shape function;
+  :func:`read_window`, :func:`cell_coordinate`, :func:`linear_weights`, :func:`fits`, :func:`fill_tensor_product`,
+  :func:`fill_corner`, :func:`fill_corner_in_cells` are its parts. To read them: :func:`entries`.
+- **Geometry** of closed polylines: :func:`segment_coordinate` (foot of a point on a segment, gap, length, tangent; the
+  outward unit normal is (t_y, −t_x)), :func:`signed_distance` (closest point, its direction, inside or outside),
+  :func:`squared_distance`, :func:`minimum_gap`, :func:`bounding_boxes`.
+- **Types** of arguments: ``Floats``, ``Ints``, ``Indices`` are arrays of float64, int64 and int32, ``Float`` a compiled scalar.
+- **Small arithmetic**: :func:`determinant`, :func:`invert`, :func:`add_scaled_row`, :func:`set_scaled_row`.
+
+Kernels check nothing: an index out of range or an array of another shape is not an error but undefined. Those that can
+fail return an index, and say so. Arrays are C-contiguous; results are written to the array named for them, or added to it
+where the formula has ``+=``.
+
+Arguments of the same name mean the same everywhere. Points are material points or surface nodes, n of them, with m
+entries in their table; N nodes of the grid, F velocity fields, B bodies. Extensive quantities are per metre of thickness
+in 2D.
+
+=========================== ======================== ==================================================================
+argument                    shape [unit]             meaning
+=========================== ======================== ==================================================================
+``row``                     (n + 1,)                 entries of point p are ``row[p]:row[p + 1]``
+``nodes``                   (m,) int32               flat index of the entry's node, the offset of its field included
+``weight``, ``values``      (m,)                     φ_ip; in ``linear_weights`` (dim, 2), w_d of the two nodes
+``gradient``, ``gradients`` (m, dim) [1/m]           ∇φ_ip; of length 0 where it is not wanted
+``spacing``                 dim numbers [m]          the cell size h, once for each dimension
+``dt``                      [s]                      length of the step
+``h``, ``inverse_h``        [m], [1/m]               cell size, and its inverse
+``p``, ``k``                                         index of a point, of an entry in the table
+``mass``                    (n,) or (N,) [kg/m]      m_p; in kernels on nodes alone m_i
+``velocity``                (n, dim) or (N, dim)     v_p [m/s]; in kernels on nodes alone v_i
+``momentum``                (N, dim) [kg/s]          (m v)_i
+``force``                   (N, dim) [N/m]           f_i
+``acceleration``            (dim,) [m/s^2]           body force per mass b
+``position``                (n, dim) [m]             x_p; in the geometry nodes of the polylines x_s, (n, 2)
+``affine``                  (n, dim, dim) [1/s]      C_p, or None
+``moment``                  (n, dim, dim) [m^2/s]    B_p
+``volume``                  (n,) [m^dim]             V_p
+``stress``                  (n, dim, dim) [Pa]       σ_p, Cauchy, tension positive
+``node_position``           (N, dim) [m]             x_i
+``node_mass``               (N,) [kg/m]              m_i
+``node_momentum``           (N, dim) [kg/s]          (m v)_i
+``node_force``              (N, dim) [N/m]           f_i
+``lower``                   (dim,) [m]               first node of the background grid; in ``bounding_boxes`` (B, 2)
+``upper``                   (B, 2) [m]               upper corners of boxes
+``window_lower``            (F, dim) int64           background index of the first node of a field's window
+``window_shape``            (F, dim) int64           number of nodes of a field's window
+``offset``                  (F + 1,) int64           flat index of the first node of a field's window
+``origin``                  (dim,) [m]               position of the first node of one window
+``shape``                   (dim,) int64             number of nodes of one window
+``base``                    (dim,)                   index of the first node that a point touches, within its window
+``slope``                   (dim, width) [1/m]       derivatives of the weights; in ``fill_corner…`` (1, dim)
+``share``                   number                   weight of a corner of a particle's domain
+``x``, ``y``                [m]                      coordinates of a point; in ``cell_coordinate`` along one axis
+``x1``, ``y1``              [m]                      first end of a segment
+``x2``, ``y2``              [m]                      second end of a segment
+``following``               (n,) int64               segment s runs from node s to node ``following[s]``
+``previous``                (n,) int64               the node before: segment ``previous[s]`` ends at node s
+=========================== ======================== ==================================================================
 """
 
+from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device, kernel
+from mpmfw.kernels.nodal import add_body_force, integrate_momentum, velocity_of_momentum
+from mpmfw.kernels.polyline import (
+    bounding_boxes,
+    minimum_gap,
+    segment_coordinate,
+    signed_distance,
+    squared_distance,
+)
+from mpmfw.kernels.projection import (
+    add_internal_force,
+    affine_from_moment,
+    project_mass_momentum,
+    project_momentum,
+)
+from mpmfw.kernels.rows import add_scaled_row, set_scaled_row
+from mpmfw.kernels.small_matrix import determinant, invert
+from mpmfw.kernels.stencil import (
+    cell_coordinate,
+    fill_corner,
+    fill_corner_in_cells,
+    fill_linear,
+    fill_tensor_product,
+    fits,
+    linear_weights,
+    read_window,
+)
+from mpmfw.kernels.table import entries
+from mpmfw.kernels.types import Float, Floats, Indices, Ints
 
-__all__ = ["device", "kernel"]
+__all__ = [
+    "Float",
+    "Floats",
+    "Indices",
+    "Ints",
+    "add_body_force",
+    "add_internal_force",
+    "add_scaled_row",
+    "affine_from_moment",
+    "bounding_boxes",
+    "cell_coordinate",
+    "determinant",
+    "device",
+    "entries",
+    "fill_corner",
+    "fill_corner_in_cells",
+    "fill_linear",
+    "fill_tensor_product",
+    "fits",
+    "integrate_momentum",
+    "invert",
+    "kernel",
+    "linear_weights",
+    "minimum_gap",
+    "project_mass_momentum",
+    "project_momentum",
+    "read_window",
+    "scratch",
+    "segment_coordinate",
+    "set_scaled_row",
+    "signed_distance",
+    "squared_distance",
+    "velocity_of_momentum",
+]

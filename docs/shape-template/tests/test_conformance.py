@@ -1,0 +1,17 @@
+"""What every shape function must keep, asked by mpmfw's conformance kit."""
+
+from __future__ import annotations
+
+from mpmfw.testing import shape_conformance
+
+from mpmfw_cubic_bspline import CubicBSpline
+
+
+@shape_conformance(CubicBSpline)
+def test_modified_at_the_grid_end(check):
+    check()
+
+
+@shape_conformance(CubicBSpline(grid_end="refuse"))
+def test_refused_at_the_grid_end(check):
+    check()

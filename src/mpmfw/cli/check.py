@@ -1,0 +1,180 @@
+"""``mpmfw check``: does a plug-in keep what a contact law or a shape function must keep?"""
+
+from __future__ import annotations
+
+import sys
+import tomllib
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+
+import typer
+from rich.console import Console
+
+from mpmfw.cli.arguments import assignments
+from mpmfw.cli.tables import print_rows
+from mpmfw.discovery import KINDS, Kind, available, did_you_mean
+from mpmfw.errors import MpmfwError, SceneError
+
+if TYPE_CHECKING:
+    from mpmfw.testing import Check, Outcome
+
+#: Kinds of plug-ins that there are checks for.
+CHECKED: tuple[Kind, ...] = ("contact", "shape")
+
+
+PluginArgument: TypeAlias = Annotated[
+    str,
+    typer.Argument(
+        metavar="PLUGIN",
+        help="Name of an installed plug-in (mpmfw plugins lists them), or module:Class with --kind.",
+        show_default=False,
+    ),
+]
+KindOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option(metavar="contact|shape", help="Kind of the plug-in, where its name does not say."),
+]
+OptionsOption: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="OPTION=VALUE", help="Set an option of the plug-in; repeatable."),
+]
+OnlyOption: TypeAlias = Annotated[
+    list[str] | None, typer.Option(metavar="CHECK", help="Run this check alone; repeatable.")
+]
+ExpectedOption: TypeAlias = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE.toml", help="Checks that must fail: a table of their names and the reasons."),
+]
+PicturesOption: TypeAlias = Annotated[
+    Path, typer.Option(metavar="DIR", help="Folder for pictures of counterexamples.")
+]
+
+
+def check(
+    plugin: PluginArgument,
+    kind: KindOption = None,
+    set_: OptionsOption = None,
+    only: OnlyOption = None,
+    expected_failures: ExpectedOption = None,
+    pictures: PicturesOption = Path("mpmfw-check"),
+) -> None:
+    """Run the conformance kit on PLUGIN; exit status 1 if a check fails unexpectedly.
+
+    Each failure says which property is broken, the smallest counterexample, and where its picture is.
+    """
+    from mpmfw.testing import contact_checks, examine, subject_of
+    from mpmfw.testing.examination import justified
+    from mpmfw.testing.parametrised import chosen
+
+    asked = _kind_of(plugin, kind)
+    if ":" in plugin and (here := str(Path.cwd())) not in sys.path:
+        sys.path.insert(
+            0, here
+        )  # a law that is not installed lies where its author works, as with ``python -m``
+    subject = subject_of(plugin, asked, _options(set_))
+    known = contact_checks() if asked == "contact" else _shape_checks()
+    checks = chosen(known, only)
+    table = justified({} if expected_failures is None else _table(expected_failures), known)
+    expected = {check.name: table[check.name] for check in checks if check.name in table}
+    with _progress(len(checks)) as progress:
+        outcomes = examine(subject, checks, expected, pictures, progress)
+    _print(f"{asked} {subject.label}", outcomes)
+    wrong = [outcome for outcome in outcomes if outcome.wrong]
+    if wrong:
+        names = ", ".join(outcome.check for outcome in wrong)
+        raise MpmfwError(f"{subject.label}: {len(wrong)} of {len(outcomes)} checks went wrong: {names}")
+
+
+def _shape_checks() -> Sequence[Check]:
+    from mpmfw.testing import shape_checks
+
+    return shape_checks()
+
+
+def _kind_of(plugin: str, kind: str | None) -> Kind:
+    """The kind that is asked for, or the only one of which there is a plug-in of this name.
+
+    Raises
+    ------
+    SceneError
+        No plug-in or several have the name, or it is a material's.
+    """
+    if kind == "material":
+        raise SceneError("--kind material: there are no checks for materials; expected contact or shape")
+    for asked in CHECKED:
+        if kind == asked:
+            return asked
+    if kind is not None:
+        raise SceneError(f"--kind {kind}: {did_you_mean(kind, CHECKED)}")
+    if ":" in plugin:
+        raise SceneError(f"{plugin}: say --kind contact or --kind shape")
+    found = [each for each in KINDS if plugin in available(each)]
+    if not found:
+        names = [name for each in CHECKED for name in available(each)]
+        raise SceneError(f"no plug-in '{plugin}' is installed; {did_you_mean(plugin, names)}")
+    if len(found) > 1:
+        raise SceneError(
+            f"'{plugin}' is the name of plug-ins of several kinds ({', '.join(found)}); say --kind"
+        )
+    if found[0] == "material":
+        raise SceneError(
+            f"'{plugin}' is a material; there are checks for contact laws and shape functions only"
+        )
+    return found[0]
+
+
+def _options(texts: list[str] | None) -> dict[str, Any]:
+    from mpmfw.scene.override import parse_value
+
+    return {key: parse_value(text) for key, text in assignments(texts).items()}
+
+
+def _table(path: Path) -> dict[str, str]:
+    """The expected failures of a TOML file, at its top or in a table ``expected_failures``.
+
+    Raises
+    ------
+    SceneError
+        The file cannot be read or is no such table.
+    """
+    try:
+        document = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise SceneError(f"--expected-failures {path}: {error}") from error
+    table = document.get("expected_failures", document)
+    if not isinstance(table, dict) or not all(isinstance(why, str) for why in table.values()):
+        raise SceneError(
+            f'--expected-failures {path}: expected lines check-name = "why it must fail", in a table '
+            "expected_failures or at the top"
+        )
+    return table
+
+
+@contextmanager
+def _progress(total: int) -> Iterator[Callable[[Check], None] | None]:
+    """Name of the check that runs, on a terminal; nothing in a pipe."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield None
+        return
+    with console.status("") as status:
+        begun = iter(range(1, total + 1))
+        yield lambda check: status.update(f"{next(begun)}/{total} {check.name}: {check.property}")
+
+
+def _print(title: str, outcomes: Sequence[Outcome]) -> None:
+    rows = [
+        {
+            "check": outcome.check,
+            "outcome": outcome.status,
+            "seconds": f"{outcome.seconds:.1f}",
+            "what must hold": outcome.statement,
+        }
+        for outcome in outcomes
+    ]
+    print_rows(rows, title)
+    for outcome in outcomes:
+        if outcome.status != "passed" or outcome.message:
+            typer.echo(outcome.report + "\n")

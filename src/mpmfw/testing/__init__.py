@@ -1,0 +1,74 @@
+"""The conformance kit: does a plug-in of one's own keep what a contact law or a shape function must keep?
+
+From pytest (needs the extra ``mpmfw[testing]``)::
+
+    from mpmfw.testing import contact_conformance
+
+    @contact_conformance(MyLaw, expected_failures={"moment-balance": "the map does not keep Σ N_i x_i = x_s"})
+    def test_conformance(check):
+        check()
+
+From the command line: ``mpmfw check PLUGIN``. The names below are imported at their first use, so that
+``import mpmfw.testing`` needs neither pytest nor hypothesis nor numba.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mpmfw.testing.check import Check, Inapplicable, Outcome, Violation
+    from mpmfw.testing.contact import contact_checks
+    from mpmfw.testing.examination import examine
+    from mpmfw.testing.parametrised import contact_conformance, shape_conformance
+    from mpmfw.testing.searching import ladder, search, try_all
+    from mpmfw.testing.shape import shape_checks
+    from mpmfw.testing.subject import Subject, subject_of
+
+_MODULES = {
+    "Check": "mpmfw.testing.check",
+    "Inapplicable": "mpmfw.testing.check",
+    "Outcome": "mpmfw.testing.check",
+    "Subject": "mpmfw.testing.subject",
+    "Violation": "mpmfw.testing.check",
+    "contact_checks": "mpmfw.testing.contact",
+    "contact_conformance": "mpmfw.testing.parametrised",
+    "examine": "mpmfw.testing.examination",
+    "ladder": "mpmfw.testing.searching",
+    "search": "mpmfw.testing.searching",
+    "shape_checks": "mpmfw.testing.shape",
+    "shape_conformance": "mpmfw.testing.parametrised",
+    "subject_of": "mpmfw.testing.subject",
+    "try_all": "mpmfw.testing.searching",
+}
+
+__all__ = [
+    "Check",
+    "Inapplicable",
+    "Outcome",
+    "Subject",
+    "Violation",
+    "contact_checks",
+    "contact_conformance",
+    "examine",
+    "ladder",
+    "search",
+    "shape_checks",
+    "shape_conformance",
+    "subject_of",
+    "try_all",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name at its first use."""
+    if name not in _MODULES:
+        raise AttributeError(f"module 'mpmfw.testing' has no attribute {name!r}")
+    value = getattr(importlib.import_module(_MODULES[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

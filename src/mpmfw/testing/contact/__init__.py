@@ -1,0 +1,54 @@
+"""The checks of a contact law, in the order in which they are run."""
+
+from __future__ import annotations
+
+from mpmfw.testing.check import Check
+from mpmfw.testing.contact.bystanders import bystander, one_body
+from mpmfw.testing.contact.conservation import equal_and_opposite, moment_balance
+from mpmfw.testing.contact.energy import energy_kept, own_time_step
+from mpmfw.testing.contact.friction import coulomb_cone, frictionless, slip_on_the_cone, sticking
+from mpmfw.testing.contact.options import options_act
+from mpmfw.testing.contact.reports import reported_force
+from mpmfw.testing.contact.separation import asleep_apart, no_adhesion, pushes_apart
+from mpmfw.testing.contact.shapes import every_shape
+from mpmfw.testing.contact.space import three_dimensions
+from mpmfw.testing.contact.state import restart, used_twice
+from mpmfw.testing.contact.symmetry import relabelling, rotation, shift
+
+_CHECKS = (
+    Check("equal-and-opposite", "What one body gets the other loses, in every step.", equal_and_opposite),
+    Check("moment-balance", "The impulses on two bodies have one line of action.", moment_balance),
+    Check(
+        "pushes-apart", "Bodies that meet are pushed apart until they stop, and never pulled.", pushes_apart
+    ),
+    Check("no-adhesion", "Bodies that touch and part do not feel each other.", no_adhesion),
+    Check(
+        "coulomb-cone", "Friction is at most the friction coefficient times the normal impulse.", coulomb_cone
+    ),
+    Check(
+        "slip-on-the-cone", "Bodies that slip feel the full friction, against their slip.", slip_on_the_cone
+    ),
+    Check("sticking", "Where less friction is enough to stick, no more acts.", sticking),
+    Check("frictionless", "Without friction, contact leaves the tangential velocity alone.", frictionless),
+    Check("energy", "Contact gives the bodies no energy.", energy_kept),
+    Check("relabelling", "The order in which the scene names the bodies does not matter.", relabelling),
+    Check("shift", "Where the scene lies on the grid does not matter.", shift),
+    Check("rotation", "Which way the scene is turned does not matter.", rotation),
+    Check(
+        "asleep-apart", "Bodies that are apart move as if there were no contact, to the bit.", asleep_apart
+    ),
+    Check("one-body", "A body alone moves as if no contact were named, to the bit.", one_body),
+    Check("bystander", "A body far from those that meet is left alone, to the bit.", bystander),
+    Check("time-step", "The law is stable at the time step that it states as its limit.", own_time_step),
+    Check("options", "Every option changes something or is refused.", options_act),
+    Check("shapes", "The law works with every bundled shape function, or refuses it.", every_shape),
+    Check("three-dimensions", "In three dimensions too, impulses balance and bodies stop.", three_dimensions),
+    Check("used-twice", "A strategy object carries nothing from one run to the next.", used_twice),
+    Check("restart", "restart() forgets work and impulse and keeps the state of contact.", restart),
+    Check("reports", "The reported contact force is the momentum exchanged.", reported_force),
+)
+
+
+def contact_checks() -> tuple[Check, ...]:
+    """All checks of a contact law; the properties and bounds are told by ``Check.run``'s docstrings."""
+    return _CHECKS

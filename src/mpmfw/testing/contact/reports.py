@@ -1,0 +1,67 @@
+"""What the law reports is what it does."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mpmfw.testing.check import Inapplicable
+from mpmfw.testing.contact.bounds import search_meetings, within
+from mpmfw.testing.contact.drawing import histories
+from mpmfw.testing.contact.meeting import Meeting
+from mpmfw.testing.contact.motion import Motion, simulate
+from mpmfw.testing.searching import ladder
+from mpmfw.testing.subject import Subject
+
+#: Difference of reported and measured impulse, as a share of what was exchanged.
+REPORTED = 1e-9
+
+
+def reported_force(subject: Subject) -> None:
+    """The series ``contact_force`` times the interval is the impulse on the pair's first body, to 1e-9 of all exchanged.
+
+    And ``frictional_work`` never falls. Laws that declare neither are not asked.
+    """
+
+    def trial(meeting: Meeting) -> None:
+        motion = simulate(subject, meeting.mapping(), 40)
+        if not {"contact_force", "frictional_work"} & set(motion.series):
+            raise Inapplicable("the law declares neither of the series contact_force and frictional_work")
+        if "contact_force" in motion.series:
+            _is_the_impulse(motion, meeting)
+        if "frictional_work" in motion.series:
+            fallen = -np.diff(motion.of("frictional_work")[:, 0], prepend=0.0).min()
+            within(float(fallen), 0.0, "frictional_work falls: friction gives energy")
+
+    search_meetings(
+        trial,
+        {
+            "friction": ladder(0.3, 0.9, 3),
+            "slide": ladder(0.5, 0.0, 3),
+            "heavier": ladder(1.0, 9.0, 3),
+            "turn": ladder(0.0, 345.0, 24),
+        },
+        form="discs",
+        examples=4,
+    )
+
+
+def _is_the_impulse(motion: Motion, meeting: Meeting) -> None:
+    """Hold the reported force of every step against the momentum that the first body gets."""
+    dt = np.array(motion.dt)[:, np.newaxis]
+    said, did = motion.of("contact_force")[1:, 0] * dt, motion.impulse[:, 0]
+    time, n = np.cumsum(motion.dt), meeting.normal
+    step = int(np.abs(said - did).max(axis=1).argmax())
+    within(
+        float(np.abs(said - did).max()) / max(float(np.abs(did).sum()), 1e-300),
+        REPORTED,
+        "the reported contact_force is not the momentum that the first body gets",
+        {
+            "step": step + 1,
+            "reported [N s/m]": said[step].tolist(),
+            "measured [N s/m]": did[step].tolist(),
+        },
+        histories(
+            {"measured": (time, did @ n), "reported": (time, said @ n)},
+            "normal impulse, each step [N s/m]",
+        ),
+    )

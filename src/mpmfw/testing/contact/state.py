@@ -1,0 +1,88 @@
+"""State: nothing is carried from one run to the next, and time zero forgets the records but not the contact."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mpmfw.simulation import Simulation
+from mpmfw.testing.check import Violation
+from mpmfw.testing.contact.bounds import search_meetings, within
+from mpmfw.testing.contact.meeting import Meeting
+from mpmfw.testing.contact.motion import Motion, note, recorded, simulate
+from mpmfw.testing.contact.separation import same_bits
+from mpmfw.testing.searching import ladder
+from mpmfw.testing.subject import Subject
+
+#: Steps before and after the restart.
+BEFORE, AFTER = 12, 12
+#: Series that count since time zero.
+ACCUMULATED = ("frictional_work", "damping_work", "spring_work")
+
+
+def used_twice(subject: Subject) -> None:
+    """An object that has served one simulation serves the next with the same bits as a fresh one.
+
+    Comparisons and studies hand one configured object to many runs.
+    """
+
+    def trial(meeting: Meeting) -> None:
+        reference = simulate(subject, meeting.mapping(), BEFORE + AFTER)
+        used = subject.make()
+        simulate(used, meeting.mapping(), BEFORE)  # ends in the middle of contact
+        motion = simulate(used, meeting.mapping(), BEFORE + AFTER)
+        same_bits(
+            motion, reference, "a strategy object that was used before gives another motion than a fresh one"
+        )
+
+    search_meetings(trial, _SLIDING, examples=3)
+
+
+def restart(subject: Subject) -> None:
+    """``restart()`` in the middle of contact changes no bit of the motion, and sets the recorded work to zero.
+
+    It is called at time zero, after settling: springs stay loaded, work and impulse of the settling are forgotten. So
+    the first force reported after it is that of the interval after it.
+    """
+
+    def trial(meeting: Meeting) -> None:
+        reference = _restarted(subject, meeting, call=False)
+        motion = _restarted(subject, meeting, call=True)
+        same_bits(motion, reference, "restart() changes the motion: the state of contact is lost")
+        for name in ACCUMULATED:
+            if name in motion.series:
+                left = float(np.abs(motion.series[name][BEFORE + 1]).max())
+                within(left, 0.0, f"restart() does not forget the series {name}")
+        if "contact_force" in motion.series:
+            force, expected = (np.asarray(m.series["contact_force"][BEFORE + 2]) for m in (motion, reference))
+            scale = max(float(np.abs(expected).max()), 1e-300)
+            within(
+                float(np.abs(force - expected).max()) / scale,
+                1e-9,
+                "the first contact force after restart() is not that of the step (share of it)",
+                {"reported [N/m]": force.tolist(), "without restart() [N/m]": expected.tolist()},
+            )
+
+    search_meetings(trial, _SLIDING, examples=3)
+
+
+#: Blocks that slide on each other from the first step on.
+_SLIDING: dict[str, Any] = {
+    "friction": ladder(0.3, 0.9, 3),
+    "slide": ladder(0.2, 1.0, 3),
+    "heavier": ladder(1.0, 4.0, 2),
+}
+
+
+def _restarted(subject: Subject, meeting: Meeting, *, call: bool) -> Motion:
+    """A run with ``restart()`` called in the middle, or not; an output follows either way."""
+    simulation = Simulation(meeting.mapping(), contact=subject.make())
+    with recorded(simulation) as motion:
+        simulation.advance(BEFORE, lambda frame: note(motion, frame))
+        if call:
+            if simulation.contact is None:
+                raise Violation("the scene's contact was dropped though there are two bodies")
+            simulation.contact.restart()
+        simulation.advance(AFTER, lambda frame: note(motion, frame))
+    return motion

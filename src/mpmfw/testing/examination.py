@@ -1,0 +1,127 @@
+"""All checks on one plug-in, and the table of failures that are expected and justified."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from mpmfw.discovery import did_you_mean
+from mpmfw.errors import SceneError
+from mpmfw.testing.check import Check, Inapplicable, Outcome, Status, Violation
+from mpmfw.testing.searching import raised
+from mpmfw.testing.subject import Subject
+
+#: Shortest justification of an expected failure, in characters: a word is none.
+LEAST_JUSTIFICATION = 20
+
+
+def examine(
+    subject: Subject,
+    checks: Sequence[Check],
+    expected_failures: Mapping[str, str] | None = None,
+    pictures: Path | None = None,
+    progress: Callable[[Check], None] | None = None,
+) -> list[Outcome]:
+    """Run the checks one after the other.
+
+    Parameters
+    ----------
+    subject
+        The plug-in under test.
+    checks
+        What must hold.
+    expected_failures
+        Justification by name of the check; a check that is listed must fail.
+    pictures
+        Folder for the pictures of counterexamples, made if there is one; None draws none.
+    progress
+        Told of every check before it runs.
+
+    Returns
+    -------
+    One outcome a check, in their order.
+
+    Raises
+    ------
+    SceneError
+        The table of expected failures names an unknown check, or does not justify one.
+    """
+    expected = justified(expected_failures or {}, checks)
+    outcomes = []
+    for check in checks:
+        if progress is not None:
+            progress(check)
+        outcomes.append(examine_one(subject, check, expected.get(check.name, ""), pictures))
+    return outcomes
+
+
+def examine_one(
+    subject: Subject, check: Check, justification: str = "", pictures: Path | None = None
+) -> Outcome:
+    """Run one check; a non-empty ``justification`` means that it must fail."""
+    started = time.perf_counter()
+    violation = reason = note = None
+    try:
+        note = check.run(subject)
+    except Violation as broken:
+        violation = broken
+    except Inapplicable as asked:
+        reason = str(asked)
+    except Exception as error:
+        violation = raised(error)
+    seconds = time.perf_counter() - started
+    if violation is None:
+        status, message = _without_violation(reason, justification, note or "")
+        return Outcome(
+            check.name, check.property, status, message, justification=justification, seconds=seconds
+        )
+    return Outcome(
+        check.name,
+        check.property,
+        "expected failure" if justification else "failed",
+        violation.message,
+        violation.counterexample,
+        violation.measured,
+        violation.bound,
+        justification,
+        None if pictures is None else _draw(subject, check, violation, pictures),
+        seconds,
+    )
+
+
+def _without_violation(reason: str | None, justification: str, note: str) -> tuple[Status, str]:
+    if justification:
+        what = "the check passes" if reason is None else f"the check does not apply ({reason})"
+        return "unexpectedly passed", f"{what}, but is listed as an expected failure; take it off the list"
+    return ("passed", note) if reason is None else ("not applicable", reason)
+
+
+def justified(expected: Mapping[str, str], checks: Sequence[Check]) -> dict[str, str]:
+    """The table of expected failures, if it is in order.
+
+    Raises
+    ------
+    SceneError
+        It names an unknown check, or a justification is too short to be one.
+    """
+    names = [check.name for check in checks]
+    for name, why in expected.items():
+        if name not in names:
+            raise SceneError(f"expected_failures: no such check '{name}'; {did_you_mean(name, names)}")
+        if len(str(why).strip()) < LEAST_JUSTIFICATION:
+            raise SceneError(
+                f"expected_failures: '{name}' must be justified in {LEAST_JUSTIFICATION} characters or more, "
+                f"found {why!r}"
+            )
+    return {name: str(why).strip() for name, why in expected.items()}
+
+
+def _draw(subject: Subject, check: Check, violation: Violation, folder: Path) -> Path | None:
+    if violation.picture is None:
+        return None
+    from mpmfw.testing.pictures import draw
+
+    plain = re.sub(r"[^\w.=-]+", "-", subject.label).strip("-")
+    return draw(folder / f"{plain}-{check.name}.png", f"{subject.label}: {check.name}", violation)

@@ -1,0 +1,137 @@
+"""The kit as parametrised pytest tests."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from mpmfw.discovery import Kind, did_you_mean
+from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.testing.check import Check
+from mpmfw.testing.examination import examine_one, justified
+from mpmfw.testing.subject import Subject, subject_of
+
+#: Folder for pictures of counterexamples, in the working directory; made by the first failure.
+PICTURES = Path("mpmfw-check")
+
+
+def contact_conformance(
+    plugin: Any,
+    *,
+    expected_failures: Mapping[str, str] | None = None,
+    only: Iterable[str] | None = None,
+    pictures: Path | None = PICTURES,
+) -> Callable[[Any], Any]:
+    """Parametrise a test over the checks of a contact law.
+
+    Parameters
+    ----------
+    plugin
+        A strategy class, a configured object, a function that makes one, or a name.
+    expected_failures
+        Names of checks that the law cannot pass, each with the reason (20 characters or more). A listed check
+        that passes fails the test.
+    only
+        Names of the checks to run; all by default.
+    pictures
+        Folder for the pictures of counterexamples; None draws none.
+
+    Returns
+    -------
+    A decorator of a test with the argument ``check``, which it calls without arguments.
+
+    Raises
+    ------
+    SceneError
+        There is no such plug-in or check, or a failure is not justified.
+
+    Examples
+    --------
+    >>> @contact_conformance("penalty")
+    ... def test_conformance(check):
+    ...     check()
+    """
+    from mpmfw.testing.contact import contact_checks
+
+    return _parametrised(plugin, "contact", contact_checks(), expected_failures, only, pictures)
+
+
+def shape_conformance(
+    plugin: Any,
+    *,
+    expected_failures: Mapping[str, str] | None = None,
+    only: Iterable[str] | None = None,
+    pictures: Path | None = PICTURES,
+) -> Callable[[Any], Any]:
+    """Parametrise a test over the checks of a shape function; as :func:`contact_conformance`."""
+    from mpmfw.testing.shape import shape_checks
+
+    return _parametrised(plugin, "shape", shape_checks(), expected_failures, only, pictures)
+
+
+def chosen(checks: Sequence[Check], only: Iterable[str] | None) -> list[Check]:
+    """The checks of these names, in the kit's order; all if none is given.
+
+    Raises
+    ------
+    SceneError
+        There is no check of a name.
+    """
+    if only is None:
+        return list(checks)
+    names, asked = [check.name for check in checks], list(only)
+    for name in asked:
+        if name not in names:
+            raise SceneError(f"no such check '{name}'; {did_you_mean(name, names)}")
+    return [check for check in checks if check.name in asked]
+
+
+class BoundCheck:
+    """A check of one plug-in; call it in a test."""
+
+    def __init__(self, subject: Subject, check: Check, justification: str, pictures: Path | None) -> None:
+        self.subject, self.check = subject, check
+        self.justification, self.pictures = justification, pictures
+
+    def __repr__(self) -> str:
+        return f"{self.check.name} of {self.subject.label}"
+
+    def __call__(self) -> None:
+        """Pass, skip where the check does not apply, or fail with the smallest counterexample."""
+        pytest = _pytest()
+        pictures = None if self.justification else self.pictures
+        outcome = examine_one(self.subject, self.check, self.justification, pictures)
+        if outcome.status == "not applicable":
+            pytest.skip(outcome.message)
+        if outcome.status == "expected failure":
+            pytest.xfail(f"{self.justification} ({outcome.message})")
+        if outcome.wrong:
+            pytest.fail(f"{self.subject.label}\n{outcome.report}", pytrace=False)
+
+
+def _parametrised(
+    plugin: Any,
+    kind: Kind,
+    checks: Sequence[Check],
+    expected_failures: Mapping[str, str] | None,
+    only: Iterable[str] | None,
+    pictures: Path | None,
+) -> Callable[[Any], Any]:
+    pytest = _pytest()
+    subject = subject_of(plugin, kind)
+    run = chosen(checks, only)
+    expected = justified(expected_failures or {}, checks)
+    bound = [BoundCheck(subject, check, expected.get(check.name, ""), pictures) for check in run]
+    mark: Callable[[Any], Any] = pytest.mark.parametrize("check", bound, ids=[check.name for check in run])
+    return mark
+
+
+def _pytest() -> Any:
+    try:
+        import pytest
+    except ImportError as error:
+        raise MpmfwError(
+            "mpmfw.testing's decorators need pytest, which is not installed: pip install 'mpmfw[testing]'"
+        ) from error
+    return pytest

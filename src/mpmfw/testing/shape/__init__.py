@@ -1,0 +1,36 @@
+"""The checks of shape functions, and the points on a grid that they are made with.
+
+Tests of a shape function's own closed forms can use :func:`place` as well::
+
+    placed = place(subject_of(MyShape, "shape"), [boxes(np.array([[5.3, 6.1]]), 0.5)], cells=12)
+    table = placed.table()
+"""
+
+from __future__ import annotations
+
+from mpmfw.testing.check import Check
+from mpmfw.testing.shape.contract import contract_checks
+from mpmfw.testing.shape.deformation import deformation_checks
+from mpmfw.testing.shape.gradients import gradient_checks
+from mpmfw.testing.shape.options import option_checks
+from mpmfw.testing.shape.placement import Placement, boxes, place
+from mpmfw.testing.shape.sums import dense
+from mpmfw.testing.shape.support import support_checks
+from mpmfw.testing.shape.surfaces import surface_checks
+from mpmfw.testing.shape.weights import weight_checks
+
+
+def shape_checks() -> list[Check]:
+    """All checks of a shape function: those first whose failure makes others fail as well."""
+    return [
+        *contract_checks(),
+        *weight_checks(),
+        *gradient_checks(),
+        *support_checks(),
+        *deformation_checks(),
+        *surface_checks(),
+        *option_checks(),
+    ]
+
+
+__all__ = ["Placement", "boxes", "dense", "place", "shape_checks"]

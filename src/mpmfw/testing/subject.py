@@ -1,0 +1,136 @@
+"""The plug-in under test, however it was named, as a maker of fresh objects."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from mpmfw.discovery import Kind, did_you_mean, load
+from mpmfw.errors import SceneError
+from mpmfw.testing.check import Inapplicable
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A plug-in under test: every call of :meth:`make` gives a fresh object.
+
+    A strategy object keeps state of the simulation that it serves, so that a check makes one for each simulation.
+    """
+
+    kind: Kind  #: contact or shape
+    label: str  #: name and options, for messages
+    plugin: type[Any] | None  #: the class; None where a function makes the objects
+    factory: Callable[..., Any]  #: takes options as keywords
+    options: Mapping[str, Any] = field(default_factory=dict)  #: those that were given
+
+    def make(self, **options: Any) -> Any:
+        """A fresh plug-in with the given options, and these in their place.
+
+        Raises
+        ------
+        pydantic.ValidationError
+            The plug-in's own model refuses the options.
+        """
+        return self.factory(**{**self.options, **options})
+
+    def options_model(self) -> type[BaseModel]:
+        """The plug-in's ``Options``.
+
+        Raises
+        ------
+        Inapplicable
+            The plug-in has no options that could be set.
+        """
+        model = getattr(self.plugin, "Options", None)
+        if model is None or not model.model_fields:
+            raise Inapplicable("the plug-in has no options")
+        return model  # type: ignore[no-any-return]
+
+
+def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None) -> Subject:
+    """The subject of a class, a configured object, a function without arguments, or a name.
+
+    Parameters
+    ----------
+    plugin
+        A plug-in class; an object, of whose options fresh ones are made; a function that makes objects; the name of
+        an installed plug-in; or ``module:Class``.
+    kind
+        ``contact`` or ``shape``.
+    options
+        Options over those of the plug-in.
+
+    Raises
+    ------
+    SceneError
+        There is no such plug-in, it is of another kind, or it refuses the options.
+    """
+    given = dict(options or {})
+    if isinstance(plugin, str):
+        plugin = _from_module(plugin) if ":" in plugin else load(kind, plugin)
+    if isinstance(plugin, type):
+        _check_kind(plugin, kind)
+        _validated(plugin, given)
+        return Subject(kind, _label(plugin, given), plugin, plugin, given)
+    if hasattr(plugin, "options") and hasattr(plugin, "from_options"):
+        return subject_of(type(plugin), kind, {**_options_set(plugin), **given})
+    if callable(plugin):
+        made = plugin(**given)
+        _check_kind(type(made), kind)
+        return Subject(kind, _label(type(made), given), None, plugin, given)
+    raise SceneError(
+        f"cannot check {plugin!r}: expected a plug-in class, an object of one, a function that makes one, or a name"
+    )
+
+
+def _from_module(path: str) -> Any:
+    module, _, name = path.partition(":")
+    try:
+        found = importlib.import_module(module)
+        for part in name.split("."):
+            found = getattr(found, part)
+    except (ImportError, AttributeError, ValueError) as error:
+        raise SceneError(
+            f"{path}: {error}; expected module:Class of something that can be imported"
+        ) from error
+    return found
+
+
+def _check_kind(plugin: type[Any], kind: Kind) -> None:
+    from mpmfw.api import ContactStrategy, Material, ShapeFunction
+
+    bases: dict[Kind, type[Any]] = {"contact": ContactStrategy, "shape": ShapeFunction, "material": Material}
+    if not issubclass(plugin, bases[kind]):
+        raise SceneError(
+            f"{plugin.__module__}.{plugin.__qualname__} is no {kind} plug-in; expected a subclass of "
+            f"mpmfw.api.{bases[kind].__name__}"
+        )
+
+
+def _validated(plugin: type[Any], options: Mapping[str, Any]) -> None:
+    try:
+        plugin(**options)
+    except ValidationError as error:
+        said = "; ".join(_complaint(plugin, problem) for problem in error.errors())
+        raise SceneError(f"{getattr(plugin, 'name', plugin.__name__)}: {said}") from error
+
+
+def _complaint(plugin: type[Any], problem: Any) -> str:
+    where = ".".join(map(str, problem["loc"])) or "options"
+    if problem["type"] == "extra_forbidden":
+        return f"no such option '{where}'; {did_you_mean(where, plugin.Options.model_fields)}"
+    return f"{where}: {problem['msg']}"
+
+
+def _label(plugin: type[Any], options: Mapping[str, Any]) -> str:
+    name = str(getattr(plugin, "name", plugin.__name__))
+    said = ", ".join(f"{key}={value}" for key, value in sorted(options.items()))
+    return f"{name}({said})" if said else name
+
+
+def _options_set(plugin: Any) -> dict[str, Any]:
+    return {key: getattr(plugin.options, key) for key in plugin.options.model_fields_set}

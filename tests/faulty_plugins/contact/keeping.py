@@ -1,0 +1,108 @@
+"""Laws that are wrong about options, time step and state."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator
+
+from faulty_plugins.contact.plain import PlainContact
+from mpmfw.api import hookimpl
+from mpmfw_contact.bardenhagen import Bardenhagen
+from mpmfw_contact.penalty import Penalty
+
+
+class Softness(BaseModel):
+    """An option that a reader of the manual would set."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    softness: float = Field(1.0, gt=0, description="said to soften the contact")
+
+
+class IgnoredOption(PlainContact):
+    """Accepts an option and drops it."""
+
+    name = "ignored-option"
+    Options = Softness
+
+
+class Grip(BaseModel):
+    """An option with narrow bounds, which no usual number keeps."""
+
+    grip: float = Field(5.5, ge=5, le=6)
+
+
+class IgnoredWithinBounds(PlainContact):
+    """Accepts an option of narrow bounds and drops it."""
+
+    name = "ignored-within-bounds"
+    Options = Grip
+
+
+class Grade(BaseModel):
+    """An option of which nobody can guess a value."""
+
+    grade: str = "S235"
+
+    @field_validator("grade")
+    @classmethod
+    def known(cls, value: str) -> str:
+        """Only grades that are listed."""
+        if value not in {"S235", "S355"}:
+            raise ValueError("expected S235 or S355")
+        return value
+
+
+class IgnoredBehindRefusals(PlainContact):
+    """Drops an option, and refuses every value that the kit makes up."""
+
+    name = "ignored-behind-refusals"
+    Options = Grade
+
+
+class TooLongStep(Penalty):
+    """Stiff springs, and a stable time step that is stated ten times too long."""
+
+    name = "too-long-step"
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**{"kappa": 10.0, **options})
+
+    @hookimpl
+    def stable_timestep(self):
+        limit = Penalty.stable_timestep(self)
+        return None if limit is None else (10.0 * limit[0], limit[1])
+
+
+class WearsOut(PlainContact):
+    """Friction falls with all that the object ever did: the next run inherits the last one's wear."""
+
+    name = "wears-out"
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self.steps = 0
+
+    def friction(self, mu, normal, sticking):
+        self.steps += 1
+        return super().friction(mu / (1.0 + 1e-3 * self.steps), normal, sticking)
+
+
+class ForgetsSprings(Penalty):
+    """At time zero the springs of friction lose their load."""
+
+    name = "forgets-springs"
+
+    def restart(self) -> None:
+        super().restart()
+        self.candidates.tangential.fill(0.0)
+
+
+class RemembersWork(Bardenhagen):
+    """At time zero the work of settling is still on the books."""
+
+    name = "remembers-work"
+
+    def restart(self) -> None:
+        pass

@@ -1,0 +1,101 @@
+"""Faults of what a table is, and of what its filling leaves behind."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from pydantic import BaseModel, Field
+
+from faulty_plugins.shape.sound import Sound
+from mpmfw.api import Grid, Particles, Stencil, hookimpl
+
+
+class LongNodes(Sound):
+    """Node indices of 64 bits: every kernel would be compiled a second time."""
+
+    @hookimpl
+    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
+        """int64."""
+        table = super().interpolate(particles, grid)
+        return table._replace(nodes=table.nodes.astype(np.int64))
+
+
+class Remembering(Sound):
+    """Weights are mixed with those of the step before."""
+
+    before = None
+
+    @hookimpl
+    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
+        """The mean of this filling and the last."""
+        table = super().interpolate(particles, grid)
+        mixed = table.weight if self.before is None else 0.5 * (table.weight + self.before)
+        self.before = table.weight * (1.0 + 1e-15)
+        return table._replace(weight=mixed)
+
+
+class Clamping(Sound):
+    """Points that are near the window's end are put back, quietly."""
+
+    @hookimpl
+    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
+        """A rounding of the positions in place."""
+        particles.position[:] = np.round(particles.position, 6)
+        return super().interpolate(particles, grid)
+
+
+class Hoarding(Sound):
+    """Every table is kept."""
+
+    def __init__(self, **options: object) -> None:
+        super().__init__(**options)
+        self.kept: list[Stencil] = []
+
+    @hookimpl
+    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
+        """Appended to a list."""
+        self.kept.append(super().interpolate(particles, grid))
+        return self.kept[-1]
+
+
+class DeafOptions(BaseModel):
+    """An option that nobody reads."""
+
+    boundary: Literal["plain", "modified"] = "plain"
+
+
+class Deaf(Sound):
+    """An option is accepted and ignored."""
+
+    Options = DeafOptions
+
+
+class OrderOptions(BaseModel):
+    """An option of which the simplest value is refused."""
+
+    order: int = Field(2, ge=1)
+
+
+class DeafToOrder(Sound):
+    """An option is ignored, except that 0 is refused."""
+
+    Options = OrderOptions
+
+
+class OddOptions(BaseModel):
+    """An option that takes none of the values that come to mind."""
+
+    order: int = Field(2, ge=1, multiple_of=1009)
+
+
+class DeafBehindRefusals(Sound):
+    """An option is ignored, and every value but the default that the kit makes up is refused."""
+
+    Options = OddOptions
+
+
+class Flatland(Sound):
+    """Says that it works in one dimension, in which there is no grid."""
+
+    dimensions = (1, 2)

@@ -1,0 +1,107 @@
+"""The guide to a contact law of one's own is real: its files are written, announced, imported, run and checked."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import io
+import re
+import shlex
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from mpmfw.cli.app import app
+from mpmfw.testing import contact_checks, examine, subject_of
+
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "guide" / "write-a-contact-law.md"
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+FILE = re.compile(r"# ([\w./-]+\.(?:py|toml))\n")
+
+#: Of the commands of the page those that need a network or a package of their own.
+ELSEWHERE = ("cd ", "pip ", "python -m build", "pytest")
+
+#: Checks that are run here, the quick ones; the page's own tests run all of them in half a minute.
+CHECKS = ("equal-and-opposite", "no-adhesion", "options", "reports")
+
+
+@pytest.fixture(scope="module")
+def blocks():
+    return BLOCK.findall(PAGE.read_text(encoding="utf-8"))
+
+
+@pytest.fixture(scope="module")
+def package(blocks, tmp_path_factory):
+    """The package's files in a folder, announced as an installation would be."""
+    root = tmp_path_factory.mktemp("mpmfw-film")
+    for _, text in blocks:
+        if named := FILE.match(text):
+            path = root / named[1]
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+    project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    info = root / "src" / f"mpmfw_film-{project['version']}.dist-info"
+    info.mkdir()
+    head = f"Metadata-Version: 2.4\nName: {project['name']}\nVersion: {project['version']}\n"
+    (info / "METADATA").write_text(head, encoding="utf-8")
+    lines = [f"{name} = {value}" for name, value in project["entry-points"]["mpmfw.contact"].items()]
+    (info / "entry_points.txt").write_text("\n".join(["[mpmfw.contact]", *lines, ""]), encoding="utf-8")
+    sys.path.insert(0, str(root / "src"))
+    importlib.invalidate_caches()
+    yield root
+    sys.path.remove(str(root / "src"))
+    for name in [name for name in sys.modules if name.partition(".")[0] == "mpmfw_film"]:
+        del sys.modules[name]
+
+
+def output_of(kind: str, text: str) -> str:
+    """What a block of commands, or of Python, prints."""
+    caught = io.StringIO()
+    with contextlib.redirect_stdout(caught):
+        if kind == "python":
+            exec(compile(text, str(PAGE), "exec"), {"__name__": "guide"})
+        for line in text.splitlines() if kind == "sh" else ():
+            if not line.startswith(ELSEWHERE):
+                run_command(shlex.split(line))
+    return caught.getvalue()
+
+
+def run_command(words: list[str]) -> None:
+    assert words[0] == "mpmfw"
+    if words[1] == "check":
+        words += [word for name in CHECKS for word in ("--only", name)]
+    app(words[1:], prog_name="mpmfw", standalone_mode=False)
+
+
+@pytest.mark.usefixtures("package")
+def test_its_commands_run_and_print_what_is_quoted(blocks, tmp_path):
+    printed, quoted = "", 0
+    with contextlib.chdir(tmp_path):
+        for kind, text in blocks:
+            if kind in ("sh", "python") and not FILE.match(text):
+                printed = output_of(kind, text)
+            elif kind == "text" and "├" not in text:
+                quoted += 1
+                assert text.strip() in printed
+    assert quoted == 1
+    for name in ("film.nc", "laws.nc", "laws.html"):
+        assert (tmp_path / name).is_file()
+
+
+def test_the_closed_form_of_its_own_tests_holds(package):
+    names: dict = {}
+    source = (package / "tests" / "test_film.py").read_text(encoding="utf-8")
+    exec(compile(source, "test_film.py", "exec"), names)
+    names["test_the_film_slows_a_block_as_its_closed_form_says"]()
+
+
+def test_a_film_fails_the_checks_that_it_must(package):
+    Film = importlib.import_module("mpmfw_film").Film
+    names: dict = {}
+    source = (package / "tests" / "test_film_on.py").read_text(encoding="utf-8")
+    exec(compile(source, "test_film_on.py", "exec"), names)
+    asked = [check for check in contact_checks() if check.name in names["BY_DESIGN"]]
+    outcomes = examine(subject_of(Film(resistance=1e4), "contact"), asked, names["BY_DESIGN"])
+    assert [outcome.status for outcome in outcomes] == ["expected failure"] * len(names["BY_DESIGN"])
