@@ -1,6 +1,7 @@
 """Contact algorithms of the Material Point Method, side by side.
 
-The names below are imported at their first use, so that ``import mpmfw`` costs nothing.
+The names below are imported at their first use, so that ``import mpmfw`` costs nothing. ``__version__`` is the version of
+mpmfw, a string.
 """
 
 from __future__ import annotations
@@ -11,25 +12,53 @@ from typing import TYPE_CHECKING, Any
 from mpmfw._version import __version__
 
 if TYPE_CHECKING:
+    from mpmfw import plots
     from mpmfw.comparison import compare
+    from mpmfw.notebook import field, gap, history, pareto, table
+    from mpmfw.paraview import export
+    from mpmfw.plots import animate
     from mpmfw.results import open
     from mpmfw.runs import run
     from mpmfw.scene import load_scene
     from mpmfw.studies.study import study
 
 _MODULES = {
+    "animate": "mpmfw.plots",
     "compare": "mpmfw.comparison",
+    "export": "mpmfw.paraview",
+    "field": "mpmfw.notebook",
+    "gap": "mpmfw.notebook",
+    "history": "mpmfw.notebook",
     "load_scene": "mpmfw.scene",
     "open": "mpmfw.results",
+    "pareto": "mpmfw.notebook",
     "run": "mpmfw.runs",
     "study": "mpmfw.studies.study",
+    "table": "mpmfw.notebook",
 }
 
-__all__ = ["__version__", "compare", "load_scene", "open", "run", "study"]
+__all__ = [
+    "__version__",
+    "animate",
+    "compare",
+    "export",
+    "field",
+    "gap",
+    "history",
+    "load_scene",
+    "open",
+    "pareto",
+    "plots",
+    "run",
+    "study",
+    "table",
+]
 
 
 def __getattr__(name: str) -> Any:
     """Import a public name at its first use."""
+    if name == "plots":
+        return importlib.import_module("mpmfw.plots")
     if name not in _MODULES:
         raise AttributeError(f"module 'mpmfw' has no attribute {name!r}")
     value = getattr(importlib.import_module(_MODULES[name]), name)

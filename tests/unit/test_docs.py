@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import inspect
 import re
 import sys
 from pathlib import Path
@@ -39,10 +40,51 @@ def test_the_page_of_hooks_is_up_to_date():
     assert text("docs/hooks.md") == script("make_hooks").page(), "run: python docs/make_hooks.py"
 
 
+def documented_hooks(page: str) -> dict[str, str]:
+    """Section by section, what the page of hooks gives as the hook's signature."""
+    return dict(re.findall(r"^## (\w+)\n\n```python\n\w+(\(.*)\n```$", page, re.MULTILINE))
+
+
+def signature(name: str) -> str:
+    """The specification's own."""
+    found = inspect.signature(getattr(HookSpecs, name))
+    parameters = ", ".join(str(p) for p in found.parameters.values() if p.name != "self")
+    return f"({parameters}) -> {found.return_annotation}".replace("'", "")
+
+
+def stale_hooks(page: str) -> list[str]:
+    """Hooks that the page leaves out, makes up, or gives another signature."""
+    documented, specified = documented_hooks(page), {name: signature(name) for name in hook_names()}
+    names = sorted({*documented, *specified})
+    return [name for name in names if documented.get(name) != specified.get(name)]
+
+
+def test_every_hook_is_documented_with_its_own_signature():
+    assert stale_hooks(text("docs/hooks.md")) == []
+
+
+@pytest.mark.parametrize(
+    ("written", "instead", "found"),
+    [
+        ("advect(grid: Grid, dt: float)", "advect(grid: Grid)", ["advect"]),
+        ("end_step(state: State)", "end_step(state: Grid)", ["end_step"]),
+        ("-> tuple[float, str] | None", "-> float", ["stable_timestep"]),
+        ("## concerns", "## worries", ["concerns", "worries"]),
+    ],
+)
+def test_a_hook_that_is_left_out_or_has_another_signature_is_found(written, instead, found):
+    page = text("docs/hooks.md")
+    assert written in page
+    assert stale_hooks(page.replace(written, instead)) == found
+
+
 @pytest.mark.parametrize("name", hook_names())
-def test_every_hook_says_when_it_is_called_and_what_it_may_change(name):
-    documented = getattr(HookSpecs, name).__doc__ or ""
-    assert re.search(r"\b(May (change|add)|Returns)\b", documented)
+def test_every_hook_says_when_it_is_called_what_it_may_change_and_what_it_is_given(name):
+    documented = inspect.getdoc(getattr(HookSpecs, name)) or ""
+    assert re.match(r"[^\n]+: [^\n]+\.$", documented.splitlines()[0])
+    assert re.search(r"\bMay (change|add to)\b", documented)
+    explained = set(re.findall(r"\w+", documented)) | {"particles", "grid", "state", "phi", "dt"}
+    assert set(inspect.signature(getattr(HookSpecs, name)).parameters) - explained == {"self"}
 
 
 def test_links_and_names_of_the_documentation_resolve(capsys):

@@ -7,10 +7,13 @@ from typing import Annotated
 import typer
 
 from mpmfw._version import __version__
+from mpmfw.cli.animate import animate
 from mpmfw.cli.benchmark import benchmark
+from mpmfw.cli.check import check
 from mpmfw.cli.compare import compare
 from mpmfw.cli.errors import exit_status
 from mpmfw.cli.explain import explain
+from mpmfw.cli.export import export
 from mpmfw.cli.plot import plot
 from mpmfw.cli.plugins import plugins
 from mpmfw.cli.run import run
@@ -27,7 +30,21 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-for command in (run, compare, study, stability, plot, explain, schema, plugins, benchmark, validate):
+for command in (
+    run,
+    compare,
+    study,
+    stability,
+    plot,
+    animate,
+    export,
+    explain,
+    schema,
+    plugins,
+    benchmark,
+    validate,
+    check,
+):
     app.command()(exit_status(command))
 
 

@@ -9,6 +9,14 @@ import typer
 
 from mpmfw.cli.arguments import OutputOption
 from mpmfw.cli.errors import check_writable
+from mpmfw.cli.result_files import (
+    ArrowsOption,
+    BodiesOption,
+    FieldOption,
+    LimitsOption,
+    check_files,
+    limits_of,
+)
 from mpmfw.errors import SceneError
 
 
@@ -18,27 +26,106 @@ def plot(
         typer.Argument(metavar="FILE", help="File of a run or a comparison.", show_default=False),
     ],
     output: OutputOption = None,
+    field: FieldOption = None,
+    time: Annotated[
+        float | None,
+        typer.Option("--time", metavar="T", help="Of the field [s]; the last output by default."),
+    ] = None,
+    series: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--series", metavar="NAME", help="Series over time; repeatable. A wrong name lists all."
+        ),
+    ] = None,
+    body: BodiesOption = None,
+    pair: Annotated[str | None, typer.Option(metavar="NAME", help="Only this pair of bodies.")] = None,
+    axis: Annotated[str | None, typer.Option(metavar="NAME", help="Only this component: x, y or z.")] = None,
+    limits: LimitsOption = None,
+    arrows: ArrowsOption = False,
 ) -> None:
     """Draw the figures of FILE, by default to PNG files named as it.
 
-    Several FILEs, comparisons of a rolling cylinder with slip and without, make one figure, a row each.
+    With --field, a field on the material points of a run; with --series, series over time of a run or a
+    comparison. Several FILEs then stand side by side, fields under one colour scale. Without either, several FILEs
+    that are comparisons of a rolling cylinder with slip and without make one figure, a row each.
     """
-    for k, one in enumerate(file):
-        if one.is_dir():
-            raise SceneError(f"{one}: is a folder; give the name of a file")
-        if one.resolve() in [other.resolve() for other in file[:k]]:
-            raise SceneError(f"{one}: given twice")
-        if not one.is_file():
-            raise SceneError(f"{one}: no such file")
+    check_files(file)
     if output is not None and output.suffix not in ("", ".png"):
         raise SceneError(f"{output}: figures are PNG files; give a name that ends in .png")
-    default = file[0].with_suffix(".png") if len(file) == 1 else file[0].with_name("motion.png")
-    path = check_writable(default if output is None else output)
+    _check_options(field, series, time=time, body=body, pair=pair, axis=axis, limits=limits, arrows=arrows)
+    scale = limits_of(limits)
+    path = check_writable(_default(file, field, series) if output is None else output)
 
-    from mpmfw.plots import plot_file, plot_files
     from mpmfw.results import check_results
 
     for one in file:
         check_results(one)
-    for written in plot_file(file[0], path) if len(file) == 1 else [plot_files(file, path)]:
-        typer.echo(str(written))
+    if field is not None:
+        written = [_draw_field(file, path, field, time, body, scale, arrows)]
+    elif series:
+        written = [_draw_series(file, path, series, body, pair, axis)]
+    else:
+        from mpmfw.plots import plot_file, plot_files
+
+        written = plot_file(file[0], path) if len(file) == 1 else [plot_files(file, path)]
+    for one in written:
+        typer.echo(str(one))
+
+
+def _default(file: list[Path], field: str | None, series: list[str] | None) -> Path:
+    """Name of the figure: of the file, and of what is drawn of it."""
+    if field is None and not series:
+        return file[0].with_suffix(".png") if len(file) == 1 else file[0].with_name("motion.png")
+    drawn = field or "-".join(series or ())
+    return file[0].with_name(f"{file[0].stem}-{drawn}.png" if len(file) == 1 else f"{drawn}.png")
+
+
+def _check_options(field: str | None, series: list[str] | None, **given: object) -> None:
+    """Refuse options that would have no effect."""
+    if field is not None and series:
+        raise SceneError(f"--series {series[0]}: --field {field} draws another figure; leave one of them out")
+    needed = {
+        "time": "--field", "limits": "--field", "arrows": "--field", "pair": "--series", "axis": "--series",
+    }  # fmt: skip
+    chosen = {"--field": field is not None, "--series": bool(series)}
+    for name, option in needed.items():
+        if given[name] is not None and given[name] is not False and not chosen[option]:
+            raise SceneError(f"--{name}: has no effect without {option}")
+    if given["body"] and not any(chosen.values()):
+        raise SceneError("--body: has no effect without --field or --series")
+
+
+def _draw_field(
+    file: list[Path],
+    path: Path,
+    name: str,
+    time: float | None,
+    bodies: list[str] | None,
+    limits: tuple[float, float] | None,
+    arrows: bool,
+) -> Path:
+    from mpmfw.plots import field, side_by_side, write_figure
+
+    if len(file) == 1:
+        figure = field(file[0], name, time, bodies=bodies, limits=limits, arrows=arrows)
+    else:
+        figure = side_by_side(file, name, time, bodies=bodies, limits=limits, arrows=arrows)
+    return write_figure(figure, path.with_suffix(".png"))
+
+
+def _draw_series(
+    file: list[Path],
+    path: Path,
+    names: list[str],
+    bodies: list[str] | None,
+    pair: str | None,
+    axis: str | None,
+) -> Path:
+    from mpmfw.plots import history, write_figure
+
+    if bodies and len(bodies) > 1:
+        raise SceneError(f"--body {bodies[1]}: histories take one body or all of them")
+    figure = history(
+        file if len(file) > 1 else file[0], names, body=bodies[0] if bodies else None, pair=pair, axis=axis
+    )
+    return write_figure(figure, path.with_suffix(".png"))

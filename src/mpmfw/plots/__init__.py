@@ -1,23 +1,31 @@
 """Figures of runs, comparisons and studies, as matplotlib figures that touch no global state."""
 
+from mpmfw.plots.animation import animate
 from mpmfw.plots.costs import cost_bars
-from mpmfw.plots.files import figures_of, plot_file, plot_files
+from mpmfw.plots.field_figure import field, side_by_side
+from mpmfw.plots.files import figures_of, plot_file, plot_files, write_figure
 from mpmfw.plots.generic import gap_history, series_overview
+from mpmfw.plots.histories import history
 from mpmfw.plots.rings import contact_force
 from mpmfw.plots.rolling import deviation, motion, positions
 from mpmfw.plots.study import front, stages
 
 __all__ = [
+    "animate",
     "contact_force",
     "cost_bars",
     "deviation",
+    "field",
     "figures_of",
     "front",
     "gap_history",
+    "history",
     "motion",
     "plot_file",
     "plot_files",
     "positions",
     "series_overview",
+    "side_by_side",
     "stages",
+    "write_figure",
 ]

@@ -111,7 +111,9 @@ def plot_file(path: str | os.PathLike[str], output: str | os.PathLike[str] | Non
         raise SceneError(f"'{os.fspath(path)}' holds no series with two outputs or more to draw")
     stem = Path(output if output is not None else path).with_suffix("")
     return [
-        _write(figure, stem.with_name(f"{stem.name}.png" if len(drawn) == 1 else f"{stem.name}-{name}.png"))
+        write_figure(
+            figure, stem.with_name(f"{stem.name}.png" if len(drawn) == 1 else f"{stem.name}-{name}.png")
+        )
         for name, figure in drawn.items()
     ]
 
@@ -130,12 +132,14 @@ def plot_files(paths: Sequence[str | os.PathLike[str]], output: str | os.PathLik
     for path, dataset in zip(paths, datasets, strict=True):
         if "status" not in dataset or not isinstance(drawn_reference(dataset), RollingReference):
             raise SceneError(
-                f"'{os.fspath(path)}' is no comparison of a rolling cylinder; plot other files one by one"
+                f"'{os.fspath(path)}' is no comparison of a rolling cylinder; plot other files one by one, "
+                "or side by side with --field or --series"
             )
-    return _write(motion(datasets), Path(output).with_suffix(".png"))
+    return write_figure(motion(datasets), Path(output).with_suffix(".png"))
 
 
-def _write(figure: Figure, path: Path) -> Path:
+def write_figure(figure: Figure, path: Path) -> Path:
+    """Save a figure; an error names the file."""
     try:
         figure.savefig(path)
     except OSError as error:

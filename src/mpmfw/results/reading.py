@@ -13,6 +13,10 @@ from xarray.backends import NetCDF4DataStore
 
 from mpmfw.errors import MpmfwError, SceneError
 
+#: Files that are open until their tree is closed: left to the garbage collector, a file may be freed before its groups, and
+#: the HDF5 library then fails in whatever is opened next.
+_OPEN: set[netCDF4.Dataset] = set()
+
 
 def open(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree:
     """Open the file of a run, a comparison or a study.
@@ -43,6 +47,7 @@ def open(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree:
         raise MpmfwError(f"cannot read '{name}': {error.strerror or error}") from error
     if lazy:
         tree = tree_of(dataset, load=False)
+        _OPEN.add(dataset)
         tree.set_close(lambda: _close(dataset))
         return tree
     try:
@@ -91,5 +96,6 @@ def _store(group: netCDF4.Dataset) -> Any:
 
 
 def _close(dataset: netCDF4.Dataset) -> None:
+    _OPEN.discard(dataset)
     if dataset.isopen():
         dataset.close()

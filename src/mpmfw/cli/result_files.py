@@ -1,0 +1,95 @@
+"""Files of results as arguments, and progress over their outputs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, TypeAlias
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from mpmfw.errors import SceneError
+
+BodiesOption: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option("--body", metavar="NAME", help="Only this body; repeatable.", show_default=False),
+]
+EveryOption: TypeAlias = Annotated[
+    int, typer.Option("--every", metavar="N", min=1, help="Only each N-th output.")
+]
+FieldOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        "--field",
+        metavar="NAME",
+        help="Field on the material points: von_mises, velocity, stress_xy … A wrong name lists all.",
+        show_default=False,
+    ),
+]
+LimitsOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        "--limits", metavar="LOW,HIGH", help="Ends of the colour scale, in SI units.", show_default=False
+    ),
+]
+ArrowsOption: TypeAlias = Annotated[
+    bool, typer.Option("--arrows", help="Draw contact forces on surface nodes as arrows.")
+]
+
+
+def check_files(files: Sequence[Path]) -> None:
+    """Ask that every argument is a file, and that none is given twice.
+
+    Raises
+    ------
+    SceneError
+        One is a folder, is not there or comes twice.
+    """
+    for k, one in enumerate(files):
+        if one.is_dir():
+            raise SceneError(f"{one}: is a folder; give the name of a file")
+        if one.resolve() in [other.resolve() for other in files[:k]]:
+            raise SceneError(f"{one}: given twice")
+        if not one.is_file():
+            raise SceneError(f"{one}: no such file")
+
+
+def limits_of(text: str | None) -> tuple[float, float] | None:
+    """``LOW,HIGH`` as numbers.
+
+    Raises
+    ------
+    SceneError
+        The text is not two numbers, the lower one first.
+    """
+    if text is None:
+        return None
+    try:
+        low, high = (float(part) for part in text.split(","))
+    except ValueError as error:
+        raise SceneError(f"--limits {text}: expected two numbers with a comma between them") from error
+    if not low < high:
+        raise SceneError(f"--limits {text}: expected the lower number first")
+    return low, high
+
+
+@contextmanager
+def outputs_progress(doing: str) -> Iterator[Callable[[int, int], None] | None]:
+    """How many outputs are done, on a terminal; None in a pipe."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield None
+        return
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task(doing, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)

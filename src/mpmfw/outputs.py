@@ -1,0 +1,150 @@
+"""Which output of a run, which of its bodies: what a reader asks for, found in the stored results."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from mpmfw.discovery import did_you_mean
+from mpmfw.errors import SceneError
+from mpmfw.fields import FloatArray
+from mpmfw.results import open as open_results
+
+#: A tree as ``mpmfw.run`` and ``mpmfw.open`` return it, or the name of a file.
+Results = xr.DataTree | str | os.PathLike[str]
+
+
+@contextmanager
+def opened(results: Results) -> Iterator[xr.DataTree]:
+    """The tree of any results; a file is read as it is asked for, and closed at the end.
+
+    Raises
+    ------
+    MpmfwError
+        The file cannot be read.
+    """
+    if isinstance(results, xr.DataTree):
+        yield results
+        return
+    tree = open_results(results, lazy=True)
+    try:
+        yield tree
+    finally:
+        tree.close()
+
+
+@contextmanager
+def opened_run(results: Results) -> Iterator[xr.DataTree]:
+    """The tree of one run; a file is read as it is asked for, and closed at the end.
+
+    Raises
+    ------
+    SceneError
+        The results are those of a comparison, a study or a stability map, which keep no frames.
+    MpmfwError
+        The file cannot be read.
+    """
+    with opened(results) as tree:
+        if "particles" not in tree.children and "series" not in tree.children:
+            where = "" if isinstance(results, xr.DataTree) else f"{os.fspath(results)}: "
+            kind = str(tree.attrs.get("kind", "")) or "unknown"
+            raise SceneError(
+                f"{where}results of kind '{kind}' keep no frames; expected those of a run (mpmfw run)"
+            )
+        yield tree
+
+
+def bodies_of(tree: xr.DataTree, wanted: Sequence[str] | None = None) -> list[str]:
+    """Bodies whose material points are stored, in the scene's order; ``wanted`` chooses among them.
+
+    Raises
+    ------
+    SceneError
+        The run stored no material points, or there is no such body.
+    """
+    groups = tree["particles"].children if "particles" in tree.children else {}
+    order = tree.coords["body"].values.tolist() if "body" in tree.coords else list(groups)
+    present = [str(name) for name in order if name in groups and groups[name].data_vars]
+    if not present:
+        raise SceneError("the run stored no material points; run it with output.particles = true")
+    for name in wanted or ():
+        if name not in present:
+            raise SceneError(f"no body '{name}'; {did_you_mean(name, present)}")
+    return present if not wanted else [name for name in present if name in wanted]
+
+
+def times_of(tree: xr.DataTree) -> FloatArray:
+    """Times of the outputs [s]."""
+    return np.asarray(tree.coords["time"].values, dtype=float) if "time" in tree.coords else np.empty(0)
+
+
+def frame_at(tree: xr.DataTree, time: float | None = None) -> int:
+    """Index of the output nearest to ``time`` [s]; of the last one by default.
+
+    Raises
+    ------
+    SceneError
+        The run has no output, or ``time`` is outside of them by more than half an interval.
+    """
+    times = times_of(tree)
+    if len(times) == 0:
+        raise SceneError("the run has no output")
+    if time is None:
+        return len(times) - 1
+    slack = 0.5 * float(np.median(np.diff(times))) if len(times) > 1 else 0.0
+    if not times[0] - slack <= time <= times[-1] + slack:
+        raise SceneError(
+            f"no output at {time:g} s; expected a time from {times[0]:g} to {times[-1]:g} s "
+            f"({len(times)} outputs)"
+        )
+    return int(np.argmin(np.abs(times - time)))
+
+
+def frame_of(tree: xr.DataTree, place: str, index: int) -> xr.Dataset:
+    """Arrays of one group at one output, read from the file where the tree is lazy.
+
+    Parameters
+    ----------
+    place
+        Path of the group, such as ``particles/cylinder``.
+    index
+        Of the output.
+    """
+    return tree[place].to_dataset().isel(time=index, missing_dims="ignore").load()
+
+
+def chosen_frames(tree: xr.DataTree, every: int) -> range:
+    """Indices of the first output and of each ``every``-th after it.
+
+    Raises
+    ------
+    SceneError
+        ``every`` is below 1, or the run has no output.
+    """
+    if every < 1:
+        raise SceneError(f"every {every}: expected 1 or more")
+    return range(0, frame_at(tree) + 1, every)
+
+
+def known_name(kind: str, name: str, valid: Sequence[str]) -> str:
+    """The name, if it is among the valid ones.
+
+    Raises
+    ------
+    SceneError
+        It is not; the message says what is there and the nearest.
+    """
+    if name not in valid:
+        raise SceneError(f"no {kind} '{name}'; {did_you_mean(name, valid) if valid else 'there is none'}")
+    return name
+
+
+def attribute(tree: xr.DataTree, name: str) -> str:
+    """A root attribute as text; empty if it is absent."""
+    value: Any = tree.attrs.get(name, "")
+    return str(value)

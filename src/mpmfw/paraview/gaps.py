@@ -1,0 +1,77 @@
+"""Signed distances of surface nodes from the other bodies' surfaces."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from mpmfw.fields import FloatArray, IntArray
+
+#: Pairs of a node and a segment that are measured at once.
+_AT_ONCE = 1_000_000
+
+
+def surface_gaps(surfaces: Mapping[str, tuple[FloatArray, IntArray]]) -> dict[str, FloatArray]:
+    """Distance of every surface node from the nearest surface of another body; negative inside of it.
+
+    Parameters
+    ----------
+    surfaces
+        For each body the positions of its surface nodes, (s, 2) [m], and the node at which the segment that
+        starts at each ends, (s,).
+
+    Returns
+    -------
+    dict
+        (s,) [m] for each body; NaN if it is the only one. Measured as ``min_gap`` is, whose value is the least
+        of both bodies'.
+    """
+    found = {}
+    for body, (position, _) in surfaces.items():
+        others = [surface for name, surface in surfaces.items() if name != body]
+        gaps = [signed_distances(position, *other) for other in others]
+        found[body] = np.min(gaps, axis=0) if gaps else np.full(len(position), np.nan)
+    return found
+
+
+def signed_distances(points: FloatArray, position: FloatArray, following: IntArray) -> FloatArray:
+    """Signed distance of points from closed polylines, each from its nearest segment.
+
+    Parameters
+    ----------
+    points
+        (n, 2) [m].
+    position, following
+        Nodes (s, 2) [m] of the polylines, material on the left, and the next node of each.
+
+    Returns
+    -------
+    ndarray
+        (n,) [m], negative inside the material. Where the nearest point is a node, the sum of the two normals
+        that meet there decides.
+    """
+    rows = max(1, _AT_ONCE // len(position))
+    parts = [points[k : k + rows] for k in range(0, len(points), rows)]
+    return np.concatenate([_distances(part, position, following) for part in parts])
+
+
+def _distances(points: FloatArray, position: FloatArray, following: IntArray) -> FloatArray:
+    along = position[following] - position
+    length = np.linalg.norm(along, axis=1)
+    tangent = along / length[:, None]
+    offset = points[:, None, :] - position[None, :, :]
+    share = np.einsum("nsd,sd->ns", offset, tangent) / length
+    apart = offset - (np.clip(share, 0.0, 1.0) * length)[:, :, None] * tangent
+    squared = np.einsum("nsd,nsd->ns", apart, apart)
+    rows, segment = np.arange(len(points)), squared.argmin(axis=1)
+    apart, share = apart[rows, segment], share[rows, segment]
+    normal = np.stack([tangent[:, 1], -tangent[:, 0]], axis=1)
+    previous = np.empty_like(following)
+    previous[following] = np.arange(len(following))
+    before, after = normal[previous[segment]], normal[following[segment]]
+    own = normal[segment]
+    end = np.where((share <= 0.0)[:, None], before, np.where((share >= 1.0)[:, None], after, 0.0))
+    side = np.einsum("nd,nd->n", apart, own + end)
+    distance: FloatArray = np.where(side < 0.0, -1.0, 1.0) * np.sqrt(squared[rows, segment])
+    return distance

@@ -1,0 +1,181 @@
+"""Moving pictures of a field: one run, or several side by side."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import xarray as xr
+from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
+
+from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.outputs import Results, chosen_frames, frame_at, times_of
+from mpmfw.plots.field_figure import Drawing, labelled, panels_of
+
+#: Pixels an inch: a column of 85 mm is 502 wide.
+_DPI = 150
+
+
+class Movie:
+    """A figure and the outputs that it goes through; colour scale and view are those of all of them.
+
+    Parameters
+    ----------
+    trees
+        Runs by label.
+    name, every, bodies, limits, arrows
+        As of :func:`animate`.
+    """
+
+    def __init__(
+        self,
+        trees: Mapping[str, xr.DataTree],
+        name: str = "von_mises",
+        *,
+        every: int = 1,
+        bodies: Sequence[str] | None = None,
+        limits: tuple[float, float] | None = None,
+        arrows: bool = False,
+    ) -> None:
+        panels = panels_of(trees, name, bodies)
+        first = next(iter(trees.values()))
+        #: Times of the first run's outputs that are shown [s].
+        self.times = times_of(first)[list(chosen_frames(first, every))].tolist()
+        self.frames = {
+            label: [frame_at(tree, _within(tree, time)) for time in self.times]
+            for label, tree in trees.items()
+        }
+        self._drawing = Drawing(panels, self.frames, limits, arrows=arrows)
+        self.figure = self._drawing.figure
+        self.show(0)
+        self.figure.canvas.draw()
+        self.figure.set_layout_engine("none")  # panels stand still from here on
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def show(self, index: int) -> None:
+        """Draw the output nearest to ``times[index]`` of every run; the last one of a run that ended before."""
+        for label, frames in self.frames.items():
+            self._drawing.show(label, frames[index])
+
+
+def animate(
+    results: Results | Mapping[str, Results] | Sequence[Results],
+    path: str | os.PathLike[str],
+    field: str = "von_mises",
+    *,
+    fps: int = 20,
+    every: int = 1,
+    bodies: Sequence[str] | None = None,
+    limits: tuple[float, float] | None = None,
+    arrows: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> Path:
+    """Write a moving picture of a field, a frame for each output (2D).
+
+    Parameters
+    ----------
+    results
+        A run's tree or the name of its file; several, as a sequence or by label, stand side by side at the same
+        times, which are those of the first.
+    path
+        File to write: ``.gif``, or ``.mp4``, which needs ffmpeg (``pip install mpmfw[animate]`` brings one).
+    field
+        Name of the field, see :func:`mpmfw.plots.field`.
+    fps
+        Frames a second.
+    every
+        Only each ``every``-th output, the first one included.
+    bodies, limits, arrows
+        As of :func:`mpmfw.plots.field`; the colour scale spans all frames.
+    progress
+        Called with the number of frames drawn and that of all.
+
+    Returns
+    -------
+    Path
+        The file. It takes its name when it is complete.
+
+    Raises
+    ------
+    SceneError
+        There is no such field or body, the ending is another, or ffmpeg is needed and not there.
+    MpmfwError
+        The results cannot be read, or the file cannot be written.
+    """
+    target = Path(path)
+    if fps < 1:
+        raise SceneError(f"fps {fps}: expected 1 or more")
+    ffmpeg = check_movie(target)
+    single = isinstance(results, xr.DataTree | str | os.PathLike)
+    runs: Any = {"": results} if single else results
+    try:
+        with (
+            labelled(runs) as trees,
+            tempfile.TemporaryDirectory(dir=target.parent) as folder,
+            mpl.rc_context(),
+        ):
+            movie = Movie(trees, field, every=every, bodies=bodies, limits=limits, arrows=arrows)
+            if ffmpeg is not None:
+                mpl.rcParams["animation.ffmpeg_path"] = ffmpeg
+            unfinished = Path(folder) / f"movie{target.suffix}"
+            _write(movie, unfinished, fps, progress)
+            unfinished.replace(target)
+    except OSError as error:
+        raise MpmfwError(f"cannot write '{target}': {error.strerror or error}") from error
+    return target
+
+
+def check_movie(path: Path) -> str | None:
+    """The ffmpeg that writes a file of this ending, None for one that needs none.
+
+    Raises
+    ------
+    SceneError
+        The ending is another than ``.gif`` and ``.mp4``, or ffmpeg is needed and not there.
+    """
+    if path.suffix == ".gif":
+        return None
+    if path.suffix != ".mp4":
+        raise SceneError(f"{path}: expected a name that ends in .gif or .mp4")
+    ffmpeg = shutil.which("ffmpeg") or _packaged_ffmpeg()
+    if ffmpeg is None:
+        raise SceneError(
+            f"{path}: ffmpeg, which writes .mp4, is not installed; pip install 'mpmfw[animate]' brings it, "
+            "and a .gif needs none"
+        )
+    return ffmpeg
+
+
+def _packaged_ffmpeg() -> str | None:
+    """The ffmpeg of the package imageio-ffmpeg, if it is installed."""
+    try:
+        from imageio_ffmpeg import get_ffmpeg_exe
+    except ImportError:
+        return None
+    try:
+        return str(get_ffmpeg_exe())
+    except RuntimeError:  # the package without a binary for this system
+        return None
+
+
+def _write(movie: Movie, path: Path, fps: int, progress: Callable[[int, int], None] | None) -> None:
+    writer: AbstractMovieWriter = PillowWriter(fps) if path.suffix == ".gif" else FFMpegWriter(fps, "libx264")
+    with writer.saving(movie.figure, str(path), _DPI):
+        for index in range(len(movie)):
+            movie.show(index)
+            writer.grab_frame()
+            if progress is not None:
+                progress(index + 1, len(movie))
+
+
+def _within(tree: xr.DataTree, time: float) -> float:
+    """The time, or that of the run's first or last output where it is before or after."""
+    times = times_of(tree)
+    return min(max(time, float(times[0])), float(times[-1]))

@@ -1,0 +1,245 @@
+"""Figures of fields: one run, or several side by side under one colour scale."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+
+from mpmfw.errors import SceneError
+from mpmfw.fields import FloatArray
+from mpmfw.outputs import Results, attribute, frame_at, opened_run
+from mpmfw.plots.field_panel import Box, FieldPanel, Scales
+from mpmfw.plots.style import FONT, PANEL, dress, new_figure
+from mpmfw.plots.units import in_brackets, length_scale, readable, with_prefix
+
+#: Drawings wider than this, in heights, stand one above the other; narrower ones two in a row.
+_WIDE = 2.5
+#: Room beside a drawing for its labels, above and below it, and for a colour bar beside it [mm].
+_BESIDE, _ABOVE, _BAR = 15.0, 18.0, 14.0
+
+
+def field(
+    results: Results,
+    name: str = "von_mises",
+    time: float | None = None,
+    *,
+    bodies: Sequence[str] | None = None,
+    limits: tuple[float, float] | None = None,
+    arrows: bool = False,
+) -> Figure:
+    """Draw a field on the material points of a run at one output (2D).
+
+    Parameters
+    ----------
+    results
+        A run's tree, or the name of its file.
+    name
+        Of the field: ``von_mises``, ``velocity`` (its size), ``velocity_x``, ``stress_xy``, ``in_plane_pressure``,
+        ``volume_ratio`` …, see :func:`mpmfw.point_fields.point_fields`.
+    time
+        [s]; the nearest output is drawn, the last one by default.
+    bodies
+        Only these bodies.
+    limits
+        Ends of the colour scale [SI]; the least and the largest value by default.
+    arrows
+        Draw the contact force on every surface node.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Domains of CPDI and CPDI2 as coloured patches, other points as discs of their area; surfaces as lines.
+
+    Raises
+    ------
+    SceneError
+        There is no such field, body or time, or the run keeps no material points.
+    """
+    return side_by_side({"": results}, name, time, bodies=bodies, limits=limits, arrows=arrows)
+
+
+def side_by_side(
+    results: Mapping[str, Results] | Sequence[Results],
+    name: str = "von_mises",
+    time: float | None = None,
+    *,
+    bodies: Sequence[str] | None = None,
+    limits: tuple[float, float] | None = None,
+    arrows: bool = False,
+) -> Figure:
+    """Draw a field of several runs, one panel each, under one colour scale.
+
+    Parameters
+    ----------
+    results
+        Runs by the label of their panel; a sequence is labelled by contact and shape, or by the files' names.
+    name, time, bodies, limits, arrows
+        As of :func:`field`.
+
+    Raises
+    ------
+    SceneError
+        There is no such field, body or time, or a run keeps no material points.
+    """
+    with labelled(results) as trees:
+        panels = panels_of(trees, name, bodies)
+        frames = {label: [frame_at(tree, time)] for label, tree in trees.items()}
+        drawing = Drawing(panels, frames, limits, arrows=arrows)
+        for label in panels:
+            drawing.show(label, frames[label][0])
+        return drawing.figure
+
+
+class Drawing:
+    """Panels with common scales, a colour bar, and what is needed to move them from output to output."""
+
+    def __init__(
+        self,
+        panels: Mapping[str, FieldPanel],
+        frames: Mapping[str, Sequence[int]],
+        limits: tuple[float, float] | None = None,
+        *,
+        arrows: bool = False,
+    ) -> None:
+        self.panels = dict(panels)
+        self.scales, unit = _scales(self.panels, frames, limits, arrows=arrows)
+        x0, x1, y0, y1 = self.scales.box
+        ratio = (x1 - x0) / (y1 - y0)
+        columns = 1 if ratio > _WIDE or len(panels) == 1 else 2
+        rows = math.ceil(len(panels) / columns)
+        below = ratio > 1.0 or columns > 1
+        width = 25.4 * PANEL - _BESIDE - (0.0 if below else _BAR)
+        self.figure = new_figure(columns, rows, min(width / ratio, 110.0) + _ABOVE)
+        self.figure.set_layout_engine("compressed")
+        grid = self.figure.subplots(rows, columns, squeeze=False).ravel()
+        for axes in grid[len(panels) :]:
+            axes.remove()
+        self.axes = dict(zip(self.panels, grid, strict=False))
+        for axes in self.axes.values():
+            self._frame(axes)
+        self._bar(unit, below=below)
+
+    def show(self, label: str, frame: int) -> None:
+        """Draw one output of one panel."""
+        title = label or ", ".join(attribute(self.panels[label].tree, key) for key in ("contact", "shape"))
+        self.panels[label].show(self.axes[label], frame, self.scales, title)
+
+    def _frame(self, axes: Any) -> None:
+        x0, x1, y0, y1 = (self.scales.length * value for value in self.scales.box)
+        unit = "m" if self.scales.length == 1.0 else "mm"
+        axes.set_aspect("equal")
+        axes.set_xlim(x0, x1)
+        axes.set_ylim(y0, y1)
+        dress(axes, f"x [{unit}]", f"y [{unit}]")
+        axes.grid(False)
+
+    def _bar(self, unit: str, *, below: bool) -> None:
+        field = next(iter(self.panels.values())).field
+        bar = self.figure.colorbar(
+            ScalarMappable(self.scales.norm, self.scales.colours),
+            ax=list(self.axes.values()),
+            location="bottom" if below else "right",
+            aspect=30,
+            pad=0.02,
+        )
+        bar.set_label(in_brackets(field.label, unit), fontsize=FONT)
+        bar.ax.tick_params(labelsize=FONT - 1)
+        if self.scales.largest_force > 0.0:
+            panel = next(iter(self.panels.values())).tree
+            place = next(group for group in panel["surface"].children.values() if "force" in group.data_vars)
+            size, prefix = (1e3, "k") if self.scales.largest_force >= 1e3 else (1.0, "")
+            force = (
+                f"{self.scales.largest_force / size:.3g} {prefix}{readable(place['force'].attrs['units'])}"
+            )
+            said = f"contact force on surface nodes, longest arrow: {force}"
+            self.figure.supxlabel(said, fontsize=FONT - 1, color="#D55E00")
+
+
+@contextmanager
+def labelled(results: Mapping[str, Results] | Sequence[Results]) -> Iterator[dict[str, xr.DataTree]]:
+    """Trees by label: as given, or contact and shape, or the files' names where those do not tell them apart.
+
+    Files are closed at the end.
+    """
+    with ExitStack() as stack:
+        if isinstance(results, Mapping):
+            yield {str(label): stack.enter_context(opened_run(one)) for label, one in results.items()}
+            return
+        trees = [stack.enter_context(opened_run(one)) for one in results]
+        yield dict(zip(_labels(results, trees), trees, strict=True))
+
+
+def _labels(results: Sequence[Results], trees: Sequence[xr.DataTree]) -> list[str]:
+    methods = [", ".join(attribute(tree, key) for key in ("contact", "shape")) for tree in trees]
+    if len(set(methods)) == len(trees):
+        return methods
+    names = [
+        f"run {k + 1}" if isinstance(one, xr.DataTree) else Path(one).stem for k, one in enumerate(results)
+    ]
+    return names if len(set(names)) == len(names) else [f"{k + 1}: {name}" for k, name in enumerate(names)]
+
+
+def panels_of(
+    trees: Mapping[str, xr.DataTree], name: str, bodies: Sequence[str] | None = None
+) -> dict[str, FieldPanel]:
+    """One panel for each run."""
+    if not trees:
+        raise SceneError("no results to draw")
+    return {label: FieldPanel(tree, name, bodies) for label, tree in trees.items()}
+
+
+def _scales(
+    panels: Mapping[str, FieldPanel],
+    frames: Mapping[str, Sequence[int]],
+    limits: tuple[float, float] | None,
+    *,
+    arrows: bool,
+) -> tuple[Scales, str]:
+    """Common scales of all panels over all outputs that are drawn, and the unit of the colours."""
+    found, boxes = zip(*(panel.survey(frames[label]) for label, panel in panels.items()), strict=True)
+    low, high, colours = _colours(found) if limits is None else _checked(limits)
+    field = next(iter(panels.values())).field
+    size, unit = with_prefix(field.unit, max(abs(low), abs(high)))
+    box = _with_margin(np.array(boxes))
+    forces = [panel.largest_force(frames[label]) for label, panel in panels.items()] if arrows else [0.0]
+    length, _ = length_scale(box[1] - box[0])
+    return Scales(Normalize(low / size, high / size), colours, size, length, box, max(forces)), unit
+
+
+def _checked(limits: tuple[float, float]) -> tuple[float, float, str]:
+    """The scale that was asked for; white is zero if it is symmetric."""
+    low, high = limits
+    if not low < high:
+        raise SceneError(f"limits {low:g}, {high:g}: expected the lower one first")
+    return low, high, "RdBu_r" if low == -high else "viridis"
+
+
+def _colours(found: Sequence[tuple[float, float]]) -> tuple[float, float, str]:
+    """Ends of the scale and name of the colour map; if values have either sign, zero is in the middle, white."""
+    ends = np.array(found)
+    if not np.isfinite(ends).any():
+        raise SceneError("the field has no finite value to draw")
+    low, high = float(np.nanmin(ends[:, 0])), float(np.nanmax(ends[:, 1]))
+    if low < 0.0 < high:
+        largest = max(-low, high)
+        return -largest, largest, "RdBu_r"
+    if low == high:
+        half = 0.5 * (abs(low) or 1.0)
+        return low - half, high + half, "viridis"
+    return low, high, "viridis"
+
+
+def _with_margin(boxes: FloatArray) -> Box:
+    x0, y0 = boxes[:, [0, 2]].min(axis=0)
+    x1, y1 = boxes[:, [1, 3]].max(axis=0)
+    margin = 0.03 * max(x1 - x0, y1 - y0)
+    return float(x0 - margin), float(x1 + margin), float(y0 - margin), float(y1 + margin)

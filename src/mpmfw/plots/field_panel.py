@@ -1,0 +1,188 @@
+"""One panel with a field on the material points of a run, which can be moved from output to output."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.collections import EllipseCollection, PolyCollection
+from matplotlib.colors import Normalize
+
+from mpmfw.domains import Domains, domains_of
+from mpmfw.errors import SceneError
+from mpmfw.fields import FloatArray
+from mpmfw.joining import loops
+from mpmfw.outputs import bodies_of, frame_of, times_of
+from mpmfw.plots.style import FONT
+from mpmfw.plots.units import time_scale
+from mpmfw.point_fields import PointField, point_field
+
+#: Length of the longest arrow, as shares of the drawing's width and height: the lesser counts.
+_ARROW = (0.12, 0.25)
+
+
+#: x from, to, y from, to [m].
+Box = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class Scales:
+    """What panels share: colours, lengths, arrows."""
+
+    norm: Normalize  #: of values divided by ``unit_size``
+    colours: str  #: name of the colour map
+    unit_size: float  #: of the shown unit in SI units
+    length: float  #: shown length of a metre
+    box: Box  #: that is seen
+    largest_force: float  #: drawn as the longest arrow; 0 without arrows
+
+    @property
+    def longest_arrow(self) -> float:
+        """Shown length of the arrow of the largest force."""
+        x0, x1, y0, y1 = self.box
+        return self.length * min(_ARROW[0] * (x1 - x0), _ARROW[1] * (y1 - y0))
+
+
+class FieldPanel:
+    """A field of one run on its material points.
+
+    Parameters
+    ----------
+    tree
+        Results of a run in 2D; arrays are read when they are drawn.
+    name
+        Of the field, see :func:`mpmfw.point_fields.point_fields`.
+    bodies
+        Only these bodies.
+
+    Raises
+    ------
+    SceneError
+        The run is in 3D, stored no material points, or has no such field or body.
+    """
+
+    def __init__(self, tree: xr.DataTree, name: str, bodies: Sequence[str] | None = None) -> None:
+        if tree.sizes.get("axis") != 2:
+            raise SceneError("fields are drawn of runs in 2D; mpmfw export shows those in 3D in ParaView")
+        self.tree = tree
+        self.bodies = bodies_of(tree, bodies)
+        self.field: PointField = point_field(tree, name, self.bodies[0])
+        self.domains: dict[str, Domains | None] = {body: domains_of(tree, body) for body in self.bodies}
+        outlined = tree["surface"].children if "surface" in tree.children else {}
+        self.outlined = [body for body in self.bodies if body in outlined]
+        self._drawn: list[Any] = []
+
+    def survey(self, frames: Iterable[int]) -> tuple[tuple[float, float], Box]:
+        """Least and largest finite value over some outputs, NaN if there is none, and the extent of the points."""
+        ends, corners = [], []
+        for frame in frames:
+            for body in self.bodies:
+                data = frame_of(self.tree, f"particles/{body}", frame)
+                values = self.field.of(data)
+                known = values[np.isfinite(values)]
+                if len(known):
+                    ends += [known.min(), known.max()]
+                points, size = self._places(body, data)
+                flat = points.reshape(-1, 2)
+                corners += [np.nanmin(flat, axis=0) - size, np.nanmax(flat, axis=0) + size]
+        limits = (float(min(ends)), float(max(ends))) if ends else (float("nan"), float("nan"))
+        (x0, y0), (x1, y1) = np.min(corners, axis=0), np.max(corners, axis=0)
+        return limits, (float(x0), float(x1), float(y0), float(y1))
+
+    def largest_force(self, frames: Iterable[int]) -> float:
+        """Largest contact force on a surface node over some outputs [N/m]; 0 if there is none.
+
+        Raises
+        ------
+        SceneError
+            The run stored no forces on surface nodes.
+        """
+        self._check_forces()
+        sizes = [
+            np.linalg.norm(frame_of(self.tree, f"surface/{body}", frame)["force"].values, axis=1).max()
+            for frame in frames
+            for body in self.outlined
+        ]
+        return float(np.nanmax(sizes))
+
+    def _check_forces(self) -> None:
+        known = {str(name) for body in self.outlined for name in self.tree[f"surface/{body}"].data_vars}
+        if "force" not in known:
+            raise SceneError(
+                "the run stored no contact force of surface nodes, which contact 'penalty' does; leave the arrows out"
+            )
+
+    def show(self, axes: Any, frame: int, scales: Scales, title: str = "") -> Any:
+        """Draw one output in place of the one before; return what a colour bar belongs to."""
+        while self._drawn:
+            self._drawn.pop().remove()
+        first = None
+        for body in self.bodies:
+            data = frame_of(self.tree, f"particles/{body}", frame)
+            shapes = self._shapes(axes, body, data, scales)
+            shapes.set(norm=scales.norm, cmap=scales.colours, array=self.field.of(data) / scales.unit_size)
+            first = first or shapes
+            self._drawn.append(axes.add_collection(shapes, autolim=False))
+        for body in self.outlined:
+            self._drawn += self._draw_surface(axes, frame_of(self.tree, f"surface/{body}", frame), scales)
+        axes.set_title(
+            ", ".join(part for part in (title, self.time_text(frame)) if part), fontsize=FONT, loc="left"
+        )
+        return first
+
+    def time_text(self, frame: int) -> str:
+        """``t = 0.3 s`` of an output."""
+        times = times_of(self.tree)
+        scale, unit = time_scale(float(times[-1]))
+        return f"t = {scale * float(times[frame]):.4g} {unit}"
+
+    def _places(self, body: str, data: xr.Dataset) -> tuple[FloatArray, float]:
+        """Corners of the domains, or centres and half the largest point's size [m]."""
+        domains = self.domains[body]
+        if domains is not None:
+            return domains.corners(data), 0.0
+        return data["position"].values, 0.5 * float(np.sqrt(data["volume"].max()))
+
+    def _shapes(
+        self, axes: Any, body: str, data: xr.Dataset, scales: Scales
+    ) -> PolyCollection | EllipseCollection:
+        """Domains as polygons; points without domains as discs of their area."""
+        places, _ = self._places(body, data)
+        if places.ndim == 3:
+            return PolyCollection(list(scales.length * places), edgecolors="face", linewidths=0.25)
+        diameter = scales.length * 2.0 * np.sqrt(data["volume"].values / np.pi)
+        return EllipseCollection(
+            diameter,
+            diameter,
+            np.zeros_like(diameter),
+            units="xy",
+            linewidths=0.0,
+            offsets=scales.length * places,
+            offset_transform=axes.transData,
+        )
+
+    def _draw_surface(self, axes: Any, data: xr.Dataset, scales: Scales) -> list[Any]:
+        position = scales.length * data["position"].values
+        drawn: list[Any] = []
+        for loop in loops(data["next"].values):
+            drawn += axes.plot(*position[loop].T, color="black", linewidth=0.5)
+        if scales.largest_force > 0.0 and "force" in data:
+            force = data["force"].values
+            acting = np.linalg.norm(force, axis=1) > 1e-3 * scales.largest_force
+            arrows = force[acting] * scales.longest_arrow / scales.largest_force
+            drawn.append(
+                axes.quiver(
+                    *position[acting].T,
+                    *arrows.T,
+                    angles="xy",
+                    scale_units="xy",
+                    scale=1.0,
+                    color="#D55E00",
+                    width=0.004,
+                    zorder=4,
+                )
+            )
+        return drawn

@@ -1,0 +1,313 @@
+"""What ParaView reads is what the run stored: every value and every time, by VTK's own readers."""
+
+import csv
+import json
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import VTK_LINE, VTK_QUAD, VTK_VERTEX
+from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline as Pipeline
+from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+
+import mpmfw
+from drop_for_tests import drop, drop_scene
+from mpmfw.build import build
+from mpmfw.cli import app
+from mpmfw.domains import domains_of
+from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
+from mpmfw.kernels.polyline import minimum_gap
+from mpmfw.paraview.gaps import signed_distances
+from mpmfw.scene import load_scene
+from scenes_for_tests import box
+
+BODIES = ("upper", "floor")
+
+
+@pytest.fixture(scope="module", params=["cpdi", "cpdi2", "gimp"])
+def exported(request, tmp_path_factory):
+    """Shape function, results, folder of the export, made from the file."""
+    folder = tmp_path_factory.mktemp(request.param)
+    tree = drop(request.param, output=folder / "drop.nc")
+    written = mpmfw.export(folder / "drop.nc", folder / "out")
+    names = ["drop-points.pvd", "drop-surfaces.pvd", "drop-series.csv"]
+    assert written == [folder / "out" / name for name in names]
+    return request.param, tree, folder / "out"
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """Folder with the file of a run and that of a comparison."""
+    folder = tmp_path_factory.mktemp("files")
+    drop(output=folder / "d.nc")
+    mpmfw.compare(drop_scene(), contact=["penalty"], shape=["gimp"]).to_netcdf(folder / "c.nc")
+    return folder
+
+
+@pytest.fixture
+def tree(files):
+    """Results of a run, for a test to change."""
+    return mpmfw.open(files / "d.nc")
+
+
+def listed(collection: Path):
+    """Times and files of a collection."""
+    entries = ET.parse(collection).getroot().findall("Collection/DataSet")
+    return [(float(entry.get("timestep")), collection.parent / entry.get("file")) for entry in entries]
+
+
+def read(path: Path):
+    """The grid of one file, and the time that the reader knows it by."""
+    reader = vtkXMLUnstructuredGridReader()
+    reader.SetFileName(str(path))
+    reader.UpdateInformation()
+    times = reader.GetOutputInformation(0).Get(Pipeline.TIME_STEPS())
+    reader.Update()
+    return reader.GetOutput(), times
+
+
+def arrays(data):
+    return {data.GetArrayName(k): vtk_to_numpy(data.GetArray(k)) for k in range(data.GetNumberOfArrays())}
+
+
+def expected(values):
+    """Vectors of three and tensors of nine components, from those of the plane."""
+    if values.ndim == 1:
+        return values
+    padded = np.zeros((len(values), *(3,) * (values.ndim - 1)))
+    padded[(slice(None), *(slice(values.shape[-1]),) * (values.ndim - 1))] = values
+    return padded.reshape(len(values), -1)
+
+
+def test_every_time_and_value_of_the_points_is_read_back(exported):
+    shape, tree, folder = exported
+    collection = listed(folder / "drop-points.pvd")
+    assert [time for time, _ in collection] == tree["time"].values.tolist()
+    for k, (time, file) in enumerate(collection):
+        grid, times = read(file)
+        assert times == (time,)
+        kinds = {grid.GetCellType(cell) for cell in range(grid.GetNumberOfCells())}
+        assert kinds == ({VTK_VERTEX} if shape == "gimp" else {VTK_QUAD})
+        found = arrays(grid.GetPointData() if shape == "gimp" else grid.GetCellData())
+        stored = {body: tree[f"particles/{body}"].to_dataset() for body in BODIES}
+        np.testing.assert_array_equal(
+            found.pop("body"), np.repeat([0, 1], [stored[body].sizes["particle"] for body in BODIES])
+        )
+        names = set(stored["upper"].data_vars) - {"corners"} - ({"position"} if shape == "gimp" else set())
+        assert set(found) == names
+        for name in names:
+            parts = [stored[body][name].isel(time=k, missing_dims="ignore").values for body in BODIES]
+            values = expected(np.concatenate(parts))
+            if name == "stress":  # the out-of-plane stress is not in the file
+                assert np.isnan(found[name][:, 8]).all()
+                values[:, 8] = np.nan
+            if name == "deformation_gradient":
+                values[:, 8] = 1.0
+            np.testing.assert_array_equal(found[name], values, err_msg=name)
+
+
+def test_the_cells_are_the_domains_of_the_shape_function(exported):
+    shape, tree, folder = exported
+    for k, (_, file) in enumerate(listed(folder / "drop-points.pvd")):
+        grid, _ = read(file)
+        points = vtk_to_numpy(grid.GetPoints().GetData())
+        position = np.concatenate([tree[f"particles/{body}/position"].values[k] for body in BODIES])
+        if shape == "gimp":
+            np.testing.assert_array_equal(points[:, :2], position)
+            continue
+        corners = points.reshape(-1, 4, 3)[..., :2]
+        volume = np.concatenate([tree[f"particles/{body}/volume"].values[k] for body in BODIES])
+        diagonals = corners[:, 2:] - corners[:, :2]
+        area = 0.5 * np.linalg.det(diagonals)
+        # A point of CPDI2 integrates F, its quadrilateral moves by its corners: the two drift apart
+        np.testing.assert_allclose(area, volume, rtol=1e-12 if shape == "cpdi" else 0.05)
+        if shape == "cpdi":
+            np.testing.assert_allclose(corners.mean(axis=1), position, rtol=1e-12)
+        else:
+            stored = [tree[f"particles/{body}/corners"].values[k] for body in BODIES]
+            np.testing.assert_array_equal(corners, np.concatenate(stored))
+
+
+def test_the_half_edges_are_those_of_the_run(tree):
+    made = build(load_scene(drop_scene()))
+    for body, layout in zip(BODIES, made.layouts, strict=True):
+        domains = domains_of(tree, body)
+        np.testing.assert_array_equal(domains.half_edges, layout.half_edges)
+
+
+def test_domains_are_not_made_up_where_the_scene_is_another(tree):
+    assert domains_of(tree, "upper") is not None
+    tree.attrs["scene"] = tree.attrs["scene"].replace("radius = 0.5", "radius = 0.4")
+    assert domains_of(tree, "upper") is None
+    assert domains_of(tree, "floor") is not None
+    tree["particles/floor"]["mass"][3] *= 1.001
+    assert domains_of(tree, "floor") is None
+
+
+def test_surfaces_are_closed_lines_with_force_and_gap(exported):
+    _, tree, folder = exported
+    for k, (time, file) in enumerate(listed(folder / "drop-surfaces.pvd")):
+        assert time == float(tree["time"][k])
+        grid, _ = read(file)
+        assert {grid.GetCellType(cell) for cell in range(grid.GetNumberOfCells())} == {VTK_LINE}
+        ends = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 2)
+        assert sorted(ends[:, 0]) == sorted(ends[:, 1]) == list(range(grid.GetNumberOfPoints()))
+        found = arrays(grid.GetPointData())
+        stored = [tree[f"surface/{body}"].to_dataset().isel(time=k) for body in BODIES]
+        points = vtk_to_numpy(grid.GetPoints().GetData())
+        np.testing.assert_array_equal(
+            points[:, :2], np.concatenate([one["position"].values for one in stored])
+        )
+        np.testing.assert_array_equal(
+            found["force"], expected(np.concatenate([one["force"].values for one in stored]))
+        )
+        np.testing.assert_allclose(found["gap"].min(), float(tree["series/min_gap"][k, 0]), atol=1e-15)
+        np.testing.assert_array_equal(found["body"][ends[:, 0]], arrays(grid.GetCellData())["body"])
+    assert (found["gap"] < 0.0).any()
+    assert np.abs(found["force"]).max() > 0.0
+
+
+def test_every_file_says_where_it_comes_from(exported):
+    _, tree, folder = exported
+    for kind in ("points", "surfaces"):
+        grid, _ = read(listed(folder / f"drop-{kind}.pvd")[-1][1])
+        data = grid.GetFieldData()
+        texts = {
+            data.GetAbstractArray(k).GetName(): data.GetAbstractArray(k).GetValue(0)
+            for k in range(data.GetNumberOfArrays())
+        }
+        for name in ("scene", "title", "contact", "shape", "versions", "status"):
+            assert texts[name] == tree.attrs[name]
+        assert texts.get("commit") == tree.attrs.get("commit")
+        assert json.loads(texts["bodies"]) == {"0": "upper", "1": "floor"}
+        place = "particles/upper" if kind == "points" else "surface/upper"
+        units = json.loads(texts["units"])
+        fields = [name for name in tree[place].data_vars if name not in ("corners", "next")]
+        named = {name: tree[f"{place}/{name}"].attrs["units"] for name in fields if name in units}
+        assert units == {**named, **({"gap": "m"} if kind == "surfaces" else {})}
+        assert ("von_mises" if kind == "points" else "force") in units
+
+
+def test_the_series_are_a_table(exported):
+    _, tree, folder = exported
+    with (folder / "drop-series.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    series = tree["series"].to_dataset()
+    assert [float(row["time [s]"]) for row in rows] == series["time"].values.tolist()
+    column = [float(row["centre_of_mass upper y [m]"]) for row in rows]
+    assert column == series["centre_of_mass"].sel(body="upper", axis="y").values.tolist()
+    column = [float(row["min_gap upper-floor [m]"]) for row in rows]
+    assert column == series["min_gap"].values[:, 0].tolist()
+    assert len(rows[0]) == 1 + sum(array[0].size for array in series.data_vars.values())
+
+
+def test_some_outputs_and_some_bodies(tree, tmp_path):
+    progress = []
+    mpmfw.export(
+        tree, tmp_path / "my.pvd", every=2, bodies=["floor"], progress=lambda *done: progress.append(done)
+    )
+    assert progress == [(1, 3), (2, 3), (3, 3)]
+    for kind, place in (("points", "particles/floor"), ("surfaces", "surface/floor")):
+        collection = listed(tmp_path / f"my-{kind}.pvd")
+        assert [time for time, _ in collection] == tree["time"].values[::2].tolist()
+        grid, _ = read(collection[-1][1])
+        data = grid.GetCellData()
+        assert set(arrays(data)["body"]) == {1}
+        assert grid.GetNumberOfCells() == tree[f"{place}/position"].shape[1]
+        gap = arrays(grid.GetPointData()).get("gap")
+    # The gap is that to the other body, exported or not
+    assert gap.min() == pytest.approx(float(tree["series/min_gap"][4, 0]), rel=0.5)
+
+
+def test_points_of_three_dimensions(tmp_path):
+    tree = mpmfw.run(box(time__end=0.002, time__output_interval=0.002, bodies__solid__velocity=[1, 2, 3]))
+    (points, _) = mpmfw.export(tree, tmp_path)
+    grid, times = read(listed(points)[-1][1])
+    assert times == (0.002,)
+    stored, found = tree["particles/solid"].to_dataset().isel(time=-1), arrays(grid.GetPointData())
+    assert grid.GetCellType(0) == VTK_VERTEX
+    np.testing.assert_array_equal(vtk_to_numpy(grid.GetPoints().GetData()), stored["position"].values)
+    np.testing.assert_array_equal(found["velocity"], stored["velocity"].values)
+    np.testing.assert_array_equal(found["stress"], stored["stress"].values.reshape(-1, 9))
+
+
+def test_fields_of_another_form_are_told_of(tree, tmp_path):
+    floor = tree["particles/floor"]
+    floor["spectrum"] = (("time", "particle", "mode"), np.zeros((5, floor.sizes["particle"], 7)))
+    with pytest.warns(ResultsWarning, match="not exported, .*: spectrum"):
+        mpmfw.export(tree, tmp_path)
+
+
+def test_signed_distances_are_those_of_the_kernel():
+    random = np.random.default_rng(7)
+    angle = np.linspace(0.0, 2.0 * np.pi, 23, endpoint=False)
+    outer = (1.0 + 0.4 * np.sin(5 * angle))[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    inner = 0.3 * np.stack([np.cos(-angle[::3]), np.sin(-angle[::3])], axis=1)
+    position = np.concatenate([outer, inner])
+    following = np.concatenate([np.roll(np.arange(23), -1), 23 + np.roll(np.arange(8), -1)])
+    previous = np.argsort(following)
+    points = random.uniform(-1.6, 1.6, (300, 2))
+    together = np.concatenate([position, points])
+    least = [minimum_gap(k, k + 1, 0, 31, together, following, previous) for k in range(31, len(together))]
+    found = signed_distances(points, position, following)
+    np.testing.assert_allclose(found, least, atol=1e-14)
+    assert (found < 0.0).any()
+    assert (found > 0.0).any()
+
+
+def test_errors_name_what_is_there(tree, tmp_path):
+    with pytest.raises(SceneError, match="no body 'uper'; did you mean 'upper'"):
+        mpmfw.export(tree, tmp_path, bodies=["uper"])
+    with pytest.raises(SceneError, match="every 0: expected 1 or more"):
+        mpmfw.export(tree, tmp_path, every=0)
+    bare = mpmfw.run({**drop_scene(), "output": {"particles": False}})
+    with pytest.raises(SceneError, match=r"stored no material points; run it with output\.particles"):
+        mpmfw.export(bare, tmp_path)
+    (tmp_path / "taken").write_text("")
+    with pytest.raises(MpmfwError, match="cannot write"):
+        mpmfw.export(tree, tmp_path / "taken")
+
+
+def test_the_command_writes_beside_the_file(files):
+    result = CliRunner().invoke(app, ["export", str(files / "d.nc"), "--every", "4"])
+    folder = files / "d-paraview"
+    names = ("d-points.pvd", "d-surfaces.pvd", "d-series.csv")
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert result.stdout.split() == [str(folder / name) for name in names]
+    assert [time for time, _ in listed(folder / names[0])] == [0.0, pytest.approx(0.008)]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["export", "gone.nc"], "gone.nc: no such file\n"),
+        (["export", "d.nc", "-o", "no/where"], "no/where: the folder no does not exist\n"),
+        (["export", "d.nc", "-o", "d.nc"], "d.nc: is a file; give a folder"),
+        (
+            ["export", "d.nc", "--body", "flor"],
+            "no body 'flor'; did you mean 'floor'? (one of floor, upper)\n",
+        ),
+        (["export", "c.nc"], "c.nc: results of kind 'compare' keep no frames; expected those of a run"),
+    ],
+)
+def test_a_wrong_request_is_status_2(files, monkeypatch, arguments, message):
+    monkeypatch.chdir(files)
+    result = CliRunner().invoke(app, arguments)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr.startswith(message)
+
+
+def test_no_import_before_it_is_needed():
+    code = (
+        "import sys, mpmfw; from mpmfw.cli import app; dir(mpmfw); "
+        "heavy = ('numpy', 'xarray', 'matplotlib', 'meshio', 'vtkmodules', 'pandas'); "
+        "print([name for name in heavy if name in sys.modules]); import mpmfw.paraview; "
+        "print([name for name in ('matplotlib', 'numba', 'vtkmodules') if name in sys.modules])"
+    )
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.split("\n")[:2] == ["[]", "[]"]

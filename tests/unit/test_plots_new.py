@@ -1,0 +1,282 @@
+"""Figures of fields and histories, side by side, and what a notebook asks for."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.collections import EllipseCollection, PolyCollection
+from matplotlib.quiver import Quiver
+from typer.testing import CliRunner
+
+import mpmfw
+from drop_for_tests import drop, drop_scene
+from mpmfw.cli import app
+from mpmfw.errors import SceneError
+from mpmfw.plots.units import readable, time_scale, with_prefix
+from mpmfw.point_fields import point_field, point_fields, values_at
+from scenes_for_tests import box
+
+BODIES = ("upper", "floor")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Files of two runs and a comparison."""
+    folder = tmp_path_factory.mktemp("plots")
+    drop(output=folder / "a.nc")
+    drop("gimp", "bardenhagen", output=folder / "b.nc")
+    methods = {"contact": ["bardenhagen", "penalty"], "shape": ["gimp", "cpdi"]}
+    mpmfw.compare(drop_scene(), **methods).to_netcdf(folder / "c.nc")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def a(folder):
+    return mpmfw.open(folder / "a.nc")
+
+
+@pytest.fixture(scope="module")
+def b(folder):
+    return mpmfw.open(folder / "b.nc")
+
+
+def shapes_in(axes):
+    drawn = [one for one in axes.collections if isinstance(one, PolyCollection | EllipseCollection)]
+    return [one for one in drawn if not isinstance(one, Quiver)]
+
+
+def test_fields_are_those_stored_their_parts_and_a_few_more(a):
+    frame = a["particles/upper"].to_dataset().isel(time=3)
+    stress = frame["stress"].values
+    expected = {
+        "von_mises": frame["von_mises"].values,
+        "velocity": np.hypot(*frame["velocity"].values.T),
+        "velocity_y": frame["velocity"].values[:, 1],
+        "stress_xy": stress[:, 0, 1],
+        "in_plane_pressure": -0.5 * (stress[:, 0, 0] + stress[:, 1, 1]),
+        "volume_ratio": np.linalg.det(frame["deformation_gradient"].values),
+        "mass": frame["mass"].values,
+    }
+    assert set(expected) < set(point_fields(a))
+    for name, values in expected.items():
+        np.testing.assert_allclose(values_at(a, point_field(a, name), "upper", 3), values, err_msg=name)
+    assert point_field(a, "in_plane_pressure").unit == "Pa"
+
+
+def test_in_three_dimensions_the_pressure_is_the_pressure():
+    tree = mpmfw.run(box(time__end=0.002, time__output_interval=0.002, bodies__solid__velocity=[1, 2, 3]))
+    stress = tree["particles/solid/stress"].values[-1]
+    pressure = values_at(tree, point_field(tree, "pressure"), "solid", 1)
+    np.testing.assert_allclose(pressure, -np.trace(stress, axis1=1, axis2=2) / 3)
+    with pytest.raises(SceneError, match="runs in 2D; mpmfw export shows those in 3D"):
+        mpmfw.plots.field(tree)
+
+
+def test_a_field_is_drawn_at_its_time_on_the_domains(a):
+    figure = mpmfw.plots.field(a, "von_mises", 0.0041, arrows=True)
+    axes, bar = figure.axes
+    assert axes.get_title(loc="left") == "penalty, cpdi, t = 4 ms"
+    shapes = shapes_in(axes)
+    for one, body in zip(shapes, BODIES, strict=True):
+        np.testing.assert_allclose(1e6 * one.get_array(), a[f"particles/{body}/von_mises"].values[2])
+    assert bar.get_xlabel() == "von Mises stress [MPa]"
+    assert axes.get_aspect() == 1.0
+    # Arrows: the forces of all nodes in contact, in one common scale
+    arrows = [one for one in axes.collections if isinstance(one, Quiver)]
+    drawn = np.concatenate([np.stack([one.U, one.V], axis=1) for one in arrows])
+    forces = np.concatenate([a[f"surface/{body}/force"].values[2] for body in BODIES])
+    size = np.linalg.norm(forces, axis=1)
+    acting = forces[size > 1e-3 * size.max()]
+    assert len(acting) > 2
+    ratio = drawn[np.abs(acting) > 1e-9] / acting[np.abs(acting) > 1e-9]
+    np.testing.assert_allclose(ratio, ratio[0], rtol=1e-12)
+
+
+def test_points_without_domains_are_discs_of_their_area(b):
+    (upper, _) = shapes_in(mpmfw.plots.field(b, "volume", 0.008).axes[0])
+    assert isinstance(upper, EllipseCollection)
+    volume = b["particles/upper/volume"].values[-1]
+    np.testing.assert_allclose(np.pi / 4 * upper.get_widths() ** 2, volume)
+    np.testing.assert_allclose(upper.get_offsets(), b["particles/upper/position"].values[-1])
+
+
+def test_side_by_side_has_one_colour_scale(a, b):
+    figure = mpmfw.plots.side_by_side({"one": a, "two": b}, "velocity_y", 0.006)
+    panels = [axes for axes in figure.axes if axes.get_title(loc="left")]
+    assert [axes.get_title(loc="left") for axes in panels] == ["one, t = 6 ms", "two, t = 6 ms"]
+    norms = {id(one.norm) for axes in panels for one in shapes_in(axes)}
+    assert len(norms) == 1
+    values = np.concatenate(
+        [tree[f"particles/{body}/velocity"].values[3, :, 1] for tree in (a, b) for body in BODIES]
+    )
+    norm = shapes_in(panels[0])[0].norm
+    # The values have either sign: white is zero
+    assert norm.vmax == -norm.vmin == pytest.approx(np.abs(values).max())
+    given = mpmfw.plots.field(a, "velocity_y", limits=(-1.0, 2.0)).axes[0]
+    assert (shapes_in(given)[0].norm.vmin, shapes_in(given)[0].norm.vmax) == (-1.0, 2.0)
+
+
+def lines_of(axes):
+    return {line.get_label(): line for line in axes.get_lines()}
+
+
+def test_the_history_of_one_run_tells_bodies_and_axes_apart(a):
+    figure = mpmfw.plots.history(a, ["mean_velocity", "min_gap"])
+    velocity, gap = figure.axes
+    drawn = [line.get_ydata() for line in velocity.get_lines()]
+    stored = a["series/mean_velocity"].values
+    for curve, (body, axis) in zip(drawn, [(0, 0), (0, 1), (1, 0), (1, 1)], strict=True):
+        np.testing.assert_array_equal(curve, stored[:, body, axis])
+    np.testing.assert_allclose(velocity.get_lines()[0].get_xdata(), 1e3 * a["time"].values)
+    assert (velocity.get_ylabel(), velocity.get_xlabel()) == ("mean velocity [m/s]", "time [ms]")
+    np.testing.assert_array_equal(gap.get_lines()[0].get_ydata(), a["series/min_gap"].values[:, 0])
+    labels = [text.get_text() for text in figure.legends[0].get_texts() if text.get_text()]
+    assert set(labels) == {"upper, x", "upper, y", "floor, x", "floor, y", "upper-floor"}
+
+
+def test_histories_of_several_runs_lie_over_each_other(a, b):
+    figure = mpmfw.plots.history([a, b], "mean_velocity", body="upper", axis="y")
+    (axes,) = figure.axes
+    assert axes.get_title(loc="left") == "upper, y"
+    for line, tree in zip(axes.get_lines(), (a, b), strict=True):
+        np.testing.assert_array_equal(line.get_ydata(), tree["series/mean_velocity"].values[:, 0, 1])
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert labels == ["penalty, cpdi", "bardenhagen, gimp"]
+
+
+def test_the_history_of_a_comparison(folder):
+    data = xr.load_dataset(folder / "c.nc")
+    (axes,) = mpmfw.plots.history(folder / "c.nc", "kinetic_energy", body="upper").axes
+    drawn = [line.get_ydata() for line in axes.get_lines()]
+    stored = data["kinetic_energy"].sel(body="upper").values.reshape(4, -1)
+    np.testing.assert_array_equal(drawn, stored)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda a: mpmfw.plots.field(a, "von_misses"), "no field 'von_misses'; did you mean 'von_mises'"),
+        (lambda a: mpmfw.plots.field(a, "pressure"), "did you mean 'in_plane_pressure'"),
+        (lambda a: mpmfw.plots.field(a, time=1.0), r"no output at 1 s; expected a time from 0 to 0\.008 s"),
+        (lambda a: mpmfw.plots.field(a, bodies=["top"]), r"no body 'top'; one of floor, upper"),
+        (lambda a: mpmfw.plots.field(a, limits=(2.0, 1.0)), "expected the lower one first"),
+        (lambda a: mpmfw.plots.history(a, "gap"), "no series 'gap'; did you mean 'min_gap'|one of"),
+        (
+            lambda a: mpmfw.plots.history(a, "min_gap", body="upper"),
+            "has no effect, since min_gap has no body",
+        ),
+        (lambda a: mpmfw.plots.history(a, "min_gap", pair="uper-floor"), "did you mean 'upper-floor'"),
+        (lambda a: mpmfw.history(a, "min_gap", axis="x"), "has no effect, since 'min_gap' has no axis"),
+        (lambda a: mpmfw.history(a, "mean_velocity", axis="z"), "no axis 'z'; one of x, y"),
+        (mpmfw.table, "no results of a comparison"),
+        (mpmfw.pareto, "no results of a study"),
+    ],
+)
+def test_wrong_names_get_one_message(a, call, message):
+    with pytest.raises(SceneError, match=message):
+        call(a)
+
+
+def test_no_forces_no_arrows(b):
+    with pytest.raises(SceneError, match="stored no contact force of surface nodes"):
+        mpmfw.plots.field(b, arrows=True)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "written"),
+    [
+        (["a.nc", "--field", "velocity", "--time", "0.004"], "a-velocity.png"),
+        (["a.nc", "b.nc", "--field", "stress_yy", "--body", "upper"], "stress_yy.png"),
+        (["a.nc", "b.nc", "--series", "min_gap", "-o", "g.png"], "g.png"),
+        (
+            ["c.nc", "--series", "min_gap", "--series", "mean_velocity", "--axis", "y"],
+            "c-min_gap-mean_velocity.png",
+        ),
+        (["a.nc"], "a.png"),
+    ],
+)
+def test_the_command_draws(folder, monkeypatch, arguments, written):
+    monkeypatch.chdir(folder)
+    result = CliRunner().invoke(app, ["plot", *arguments])
+    assert (result.exit_code, result.stdout, result.stderr) == (0, f"{written}\n", "")
+    assert (folder / written).stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["a.nc", "--time", "1"], "--time: has no effect without --field\n"),
+        (["a.nc", "--field", "mass", "--axis", "x"], "--axis: has no effect without --series\n"),
+        (["a.nc", "--body", "upper"], "--body: has no effect without --field or --series\n"),
+        (["a.nc", "--field", "mass", "--series", "min_gap"], "--series min_gap: --field mass draws another"),
+        (["a.nc", "--field", "mass", "--limits", "2,1"], "--limits 2,1: expected the lower number first\n"),
+        (["a.nc", "--series", "min_gp"], "no series 'min_gp'; did you mean 'min_gap'?"),
+        (["c.nc", "--field", "mass"], "c.nc: results of kind 'compare' keep no frames"),
+        (
+            ["a.nc", "b.nc"],
+            "'a.nc' is no comparison of a rolling cylinder; plot other files one by one, or side",
+        ),
+    ],
+)
+def test_a_wrong_request_is_status_2(folder, monkeypatch, arguments, message):
+    monkeypatch.chdir(folder)
+    result = CliRunner().invoke(app, ["plot", *arguments])
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr.startswith(message)
+
+
+def test_the_functions_of_a_notebook(a, folder):
+    centre = mpmfw.history(a, "centre_of_mass", body="upper", axis="x")
+    assert (centre.dims, centre.attrs["units"]) == (("time",), "m")
+    np.testing.assert_array_equal(centre, a["series/centre_of_mass"].values[:, 0, 0])
+    np.testing.assert_array_equal(mpmfw.gap(a), a["series/min_gap"].values[:, 0])
+    xr.testing.assert_identical(mpmfw.gap(a), mpmfw.gap(folder / "a.nc", "upper-floor"))
+    stress = mpmfw.field(a, "von_mises", time=0.004)
+    stored = [a[f"particles/{body}/von_mises"].values[2] for body in BODIES]
+    np.testing.assert_array_equal(stress, np.concatenate(stored))
+    assert float(stress["time"]) == pytest.approx(0.004)
+    upper = stress.where(stress["body"] == "upper", drop=True)
+    np.testing.assert_array_equal(upper["x"], a["particles/upper/position"].values[2, :, 0])
+    xr.testing.assert_equal(mpmfw.field(a, time=0.004, body="upper"), upper)
+    spin = mpmfw.history(folder / "c.nc", "angular_velocity", body="upper", axis="z")
+    assert spin.dims == ("contact", "shape", "time")
+    assert mpmfw.gap(folder / "c.nc").dims == ("contact", "shape", "time")
+
+
+def test_the_table_of_a_comparison(folder):
+    data, table = xr.load_dataset(folder / "c.nc"), mpmfw.table(folder / "c.nc")
+    assert table.index.names == ["contact", "shape"]
+    assert len(table) == 4
+    row = table.loc[("penalty", "cpdi")]
+    assert row["status"] == "ok"
+    assert row["steps"] == float(data["steps"].sel(contact="penalty", shape="cpdi"))
+
+
+def test_the_front_of_a_study():
+    dims = ("contact", "cell_size")
+    study = xr.Dataset(
+        {
+            "error": (dims, [[0.3, 0.1], [0.2, 0.15]]),
+            "cpu_time": (dims, [[1.0, 4.0], [2.0, 5.0]]),
+            "pareto": (dims, [[True, True], [True, False]]),
+        },
+        {"contact": ["a", "b"], "cell_size": [0.2, 0.1]},
+    )
+    front = mpmfw.pareto(study)
+    assert front.index.tolist() == [("a", 0.2), ("b", 0.2), ("a", 0.1)]
+    assert front["error"].tolist() == [0.3, 0.2, 0.1]
+    assert front["cpu_time"].tolist() == [1.0, 2.0, 4.0]
+
+
+def test_units_are_written_as_fractions():
+    written = {
+        "m s-1": "m/s",
+        "1": "",
+        "kg m s-1 m-1": "kg m/(s m)",
+        "m2": "m2",
+        "s-1": "1/s",
+        "kg m-3": "kg/m3",
+    }
+    assert {unit: readable(unit) for unit in written} == written
+    assert with_prefix("Pa", 2.5e6) == (1e6, "MPa")
+    assert with_prefix("m s-1", 2.5e6) == (1.0, "m/s")
+    assert time_scale(0.05) == (1e3, "ms")
