@@ -1,0 +1,94 @@
+"""Write docs/studies.md and docs/studies/: the shipped studies, ``python docs/make_studies.py [FOLDER]``.
+
+Costs are taken one run at a time, so that nothing else should use the computer; about half an hour. FOLDER keeps the runs,
+and a second call goes on from them.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from pathlib import Path
+
+import xarray as xr
+
+import mpmfw
+from mpmfw.plots.study import study_figures
+from mpmfw.studies.conclusion import conclusions, percent, rows
+
+HERE = Path(__file__).parent
+FIGURES = HERE / "studies"
+STUDIES = ("rolling-cylinder", "sliding-block", "contact-stress", "rings")
+DIMS = ("scene", "contact", "shape", "cell_size")
+
+HEAD = """\
+# What accuracy costs: the shipped studies
+
+<!-- Made by docs/make_studies.py, which runs all that it quotes. -->
+
+Every contact with every shape function at two or three cell sizes, error against a closed form or the finite elements, and
+CPU time of the steps (without compilation and output; `contact-stress` ends at rest, where settling is the work), taken one
+run at a time: the median of three runs and half their range. How a study is written and read: [studies](guide/studies.md);
+what follows from these: [choosing a method](guide/choosing.md).
+
+On the **front** (●) is a run that no other one of the same problem beats in both. A run may be on it with an error of 100 %: the
+front says what is not beaten, not what is good.
+"""
+
+
+def section(name: str, dataset: xr.Dataset) -> str:
+    """One study: command, what the error is, figures, conclusion, table."""
+    for figure_name, (figure, _) in study_figures(dataset).items():
+        figure.savefig(FIGURES / f"{name}-{figure_name}.png", dpi=200)
+    said = "\n".join(f"- {sentence}" for sentence in conclusions(dataset))
+    return f"""
+## {dataset.attrs["title"]}
+
+```sh
+mpmfw study {name} --timing exclusive -o {name}.nc && mpmfw plot {name}.nc
+```
+
+Error of {dataset.attrs["quantity"]}, against {dataset.attrs["error_against"]}.
+
+![Error over CPU time](studies/{name}-front.png)
+
+{said}
+
+![CPU time by stage](studies/{name}-stages.png)
+
+{table(dataset)}
+"""
+
+
+def table(dataset: xr.Dataset) -> str:
+    """Every run: labels, error, cost, steps, front or why it failed."""
+    dims = [dim for dim in DIMS if dim in dataset["status"].dims]
+    head = [*dims, "error [%]", "CPU [s]", "±", "steps", "front"]
+    lines = [f"| {' | '.join(head)} |", "|" + " --- |" * len(head)]
+    for row in rows(dataset):
+        labels = [f"{row[dim]:g}" if isinstance(row[dim], float) else str(row[dim]) for dim in dims]
+        if row["status"] != "ok":
+            lines.append(f"| {' | '.join(labels)} | {row['status']} | | | | |")
+            continue
+        front = "●" if row["pareto"] else ""
+        error = percent(row["error"]) if row["error"] == row["error"] else "–"
+        cost = f"{row['cpu_time']:.3g} | {row['cpu_time_spread']:.2g}"
+        lines.append(f"| {' | '.join(labels)} | {error} | {cost} | {row['steps']:.0f} | {front} |")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Run, draw, write."""
+    FIGURES.mkdir(exist_ok=True)
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(sys.argv[1] if len(sys.argv) > 1 else temporary)
+        sections = []
+        for name in STUDIES:
+            dataset = mpmfw.study(name, output=folder / f"{name}.nc", timing="exclusive")
+            sections.append(section(name, dataset))
+            print(name, *conclusions(dataset), sep="\n", flush=True)
+    (HERE / "studies.md").write_text(HEAD + "".join(sections), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,43 @@
+"""The tutorial says what its commands print, to the last quoted number."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="module")
+def tutorial():
+    spec = importlib.util.spec_from_file_location("docs_make_tutorial", ROOT / "docs" / "make_tutorial.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_every_command_runs_and_prints_what_is_quoted(tutorial, tmp_path, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "120")
+    missing = tutorial.run_page(tmp_path)
+    assert missing == [], "run: python docs/make_tutorial.py"
+    page = tutorial.PAGE.read_text(encoding="utf-8")
+    for figure in tutorial.FIGURE.findall(page):
+        assert (tmp_path / figure).is_file()
+        assert tutorial.PAGE.with_name(figure).is_file()
+
+
+@pytest.mark.parametrize(
+    ("line", "found"),
+    [
+        ("penalty  cpdi +1.1", True),
+        ("penalty cpdi …", True),
+        ("penalty cpdi", False),
+        ("penalty cpdi +1.2", False),
+    ],
+)
+def test_a_quoted_line_is_a_printed_one(tutorial, line, found):
+    assert tutorial.is_quoted(line, "head\npenalty cpdi  +1.1 \n") is found
