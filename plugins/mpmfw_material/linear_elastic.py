@@ -37,7 +37,13 @@ def rotation_of(f: Floats, rotation: Floats, inverse: Floats, spacing: tuple[flo
 
 @kernel
 def linear_elastic_stress(
-    deformation_gradient: Floats, stress: Floats, bulk: float, shear: float, spacing: tuple[float, ...]
+    first: int,
+    last: int,
+    deformation_gradient: Floats,
+    stress: Floats,
+    bulk: float,
+    shear: float,
+    spacing: tuple[float, ...],
 ) -> None:
     """σ = R [λ tr(U − 1) 1 + 2 G (U − 1)] Rᵀ, U = Rᵀ F, λ = K − 2 G / 3; U_zz = 1 in 2D."""
     dim = len(spacing)
@@ -46,7 +52,7 @@ def linear_elastic_stress(
     rotation = scratch.matrix(spacing, spacing)
     inverse = scratch.matrix(spacing, spacing)
     stretch = scratch.matrix(spacing, spacing)
-    for p in range(len(stress)):
+    for p in range(first, last):
         for d in range(dim):
             for e in range(dim):
                 f[d, e] = deformation_gradient[p, d, e]
@@ -104,8 +110,10 @@ class LinearElastic(Material):
         """σ(F) of this material's bodies."""
         for own in self.slices:
             linear_elastic_stress(
-                particles.deformation_gradient[own],
-                particles.stress[own],
+                own.start,
+                own.stop,
+                particles.deformation_gradient,
+                particles.stress,
                 self.bulk_modulus,
                 self.shear_modulus,
                 self.spacing,
@@ -127,5 +135,5 @@ class LinearElastic(Material):
         """σ, (n, 3, 3) [Pa]."""
         f = pad_plane_strain(deformation_gradient)
         stress = np.empty_like(f)
-        linear_elastic_stress(f, stress, self.bulk_modulus, self.shear_modulus, (1.0, 1.0, 1.0))
+        linear_elastic_stress(0, len(f), f, stress, self.bulk_modulus, self.shear_modulus, (1.0, 1.0, 1.0))
         return stress

@@ -16,7 +16,13 @@ from mpmfw.kernels.types import Floats
 
 @kernel
 def neo_hookean_split(
-    deformation_gradient: Floats, stress: Floats, bulk: float, shear: float, spacing: tuple[float, ...]
+    first: int,
+    last: int,
+    deformation_gradient: Floats,
+    stress: Floats,
+    bulk: float,
+    shear: float,
+    spacing: tuple[float, ...],
 ) -> None:
     """σ = K/2 (J − 1/J) 1 + G J^(−5/3) (b − tr b / 3), b = F Fᵀ; in 2D b_zz = 1 enters the trace.
 
@@ -25,7 +31,7 @@ def neo_hookean_split(
     dim = len(spacing)
     f = scratch.matrix(spacing, spacing)
     b = scratch.matrix(spacing, spacing)
-    for p in range(len(stress)):
+    for p in range(first, last):
         for d in range(dim):
             for e in range(dim):
                 f[d, e] = deformation_gradient[p, d, e]
@@ -46,7 +52,13 @@ def neo_hookean_split(
 
 @kernel
 def neo_hookean_log(
-    deformation_gradient: Floats, stress: Floats, bulk: float, shear: float, spacing: tuple[float, ...]
+    first: int,
+    last: int,
+    deformation_gradient: Floats,
+    stress: Floats,
+    bulk: float,
+    shear: float,
+    spacing: tuple[float, ...],
 ) -> None:
     """σ = [G (b − 1) + λ ln J 1] / J, λ = K − 2 G / 3.
 
@@ -55,7 +67,7 @@ def neo_hookean_log(
     dim = len(spacing)
     f = scratch.matrix(spacing, spacing)
     lame = bulk - 2.0 * shear / 3.0
-    for p in range(len(stress)):
+    for p in range(first, last):
         for d in range(dim):
             for e in range(dim):
                 f[d, e] = deformation_gradient[p, d, e]
@@ -111,19 +123,21 @@ class NeoHookean(Material):
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Remember the dimension."""
+        """Remember the dimension, and what is evaluated in every step."""
         self.spacing = setup.state.grid.spacing
+        self.evaluate = neo_hookean_split if self.options.energy == "split" else neo_hookean_log
+        self.moduli = self.bulk_modulus, self.shear_modulus
 
     @hookimpl
     def update_stress(self, particles: Particles) -> None:
         """σ(F) of this material's bodies."""
-        evaluate = neo_hookean_split if self.options.energy == "split" else neo_hookean_log
         for own in self.slices:
-            evaluate(
-                particles.deformation_gradient[own],
-                particles.stress[own],
-                self.options.bulk_modulus,
-                self.options.shear_modulus,
+            self.evaluate(
+                own.start,
+                own.stop,
+                particles.deformation_gradient,
+                particles.stress,
+                *self.moduli,
                 self.spacing,
             )
 
@@ -151,5 +165,5 @@ class NeoHookean(Material):
         f = pad_plane_strain(deformation_gradient)
         stress = np.empty_like(f)
         evaluate = neo_hookean_split if self.options.energy == "split" else neo_hookean_log
-        evaluate(f, stress, self.bulk_modulus, self.shear_modulus, (1.0, 1.0, 1.0))
+        evaluate(0, len(f), f, stress, self.bulk_modulus, self.shear_modulus, (1.0, 1.0, 1.0))
         return stress

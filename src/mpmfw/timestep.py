@@ -48,11 +48,10 @@ class TimeStep:
         SimulationError
             The step is past a stability limit and the scene does not allow it, or the limit has collapsed.
         """
-        limits = self.limits(hook)
+        limits = [self._bulk, *(hook.stable_timestep(state=self.state) or ())]
         limit, owner = min(limits)
-        step = self._length(limit)
-        refusal = self._refusal(step, limits) if self._checked else None
-        if refusal is not None:
+        step: float = self._safety * limit if self._fixed is None else self._fixed
+        if self._checked and (refusal := self._refusal(step, limits)) is not None:
             advice = "a smaller time.step, or allow_unstable = true"
             raise SimulationError(refusal, time=self.state.time, advice=advice)
         if limit < COLLAPSED * self.bulk_limit:
@@ -72,14 +71,10 @@ class TimeStep:
             ``time.step`` or ``time.safety`` asks for it.
         """
         limits = self.limits(hook)
-        refusal = self._refusal(self._length(min(limits)[0]), limits) if self._checked else None
-        if refusal is not None:
+        step: float = self._safety * min(limits)[0] if self._fixed is None else self._fixed
+        if self._checked and (refusal := self._refusal(step, limits)) is not None:
             key = "time.safety" if self.scene.time.step is None else "time.step"
             raise SceneError(f"{key}: {refusal}; expected a smaller {key}, or allow_unstable = true")
-
-    def _length(self, limit: float) -> float:
-        """Length of the next step [s], refused or not."""
-        return float(self._safety * limit if self._fixed is None else self._fixed)
 
     def _refusal(self, step: float, limits: list[tuple[float, str]]) -> str | None:
         """Why a step is past a stability limit, or None. The bulk is unstable below h / c already."""

@@ -84,7 +84,7 @@ class OneBody:
             p.velocity_gradient, p.deformation_gradient, p.initial_volume, p.volume, dt, g.spacing
         )
         assert inverted < 0
-        neo_hookean_split(p.deformation_gradient, p.stress, self.bulk, self.shear, g.spacing)
+        neo_hookean_split(0, p.count, p.deformation_gradient, p.stress, self.bulk, self.shear, g.spacing)
 
     def advect(self, dt: float) -> None:
         """No surface."""

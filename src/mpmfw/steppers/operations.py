@@ -24,28 +24,34 @@ def interpolate(state: State, hook: Any, clock: Clock) -> Stencil:
     SimulationError
         A point is outside the background grid.
     """
+    particles, grid, surface = state.particles, state.grid, state.surface
     try:
-        return _fill(state, hook, clock)
+        phi: Stencil = hook.interpolate(particles=particles, grid=grid)
+        if surface is not None:
+            clock(surface.stage)
+            surface.stencil = hook.interpolate_surface(
+                position=surface.position, first=surface.first, grid=grid
+            )
     except OutsideGrid:
-        particles, grid = state.particles, state.grid
-        lay_windows(grid, particles, hook.particle_reach(particles=particles), state.surface)
+        return _interpolate_anew(state, hook)
+    return phi
+
+
+def _interpolate_anew(state: State, hook: Any) -> Stencil:
+    """The same after the windows were laid round the bodies as they are now."""
+    particles, grid, surface = state.particles, state.grid, state.surface
+    lay_windows(grid, particles, hook.particle_reach(particles=particles), surface)
     try:
-        return _fill(state, hook, clock)
+        phi: Stencil = hook.interpolate(particles=particles, grid=grid)
     except OutsideGrid as error:
         raise _left_the_grid(state, error) from None
-
-
-def _fill(state: State, hook: Any, clock: Clock) -> Stencil:
-    grid, surface = state.grid, state.surface
-    phi: Stencil = hook.interpolate(particles=state.particles, grid=grid)
     if surface is not None:
-        clock(surface.stage)
         try:
             surface.stencil = hook.interpolate_surface(
                 position=surface.position, first=surface.first, grid=grid
             )
         except OutsideGrid as error:
-            raise OutsideGrid(error.index, surface=True) from None
+            raise _left_the_grid(state, OutsideGrid(error.index, surface=True)) from None
     return phi
 
 
