@@ -1,6 +1,7 @@
 """Write docs/stability.md: every hard case by every method; ``python docs/make_stability.py``.
 
-Methods that must hold or stay bounded run at four places, the others at one. Takes about ten minutes.
+Methods that must hold or stay bounded run at four places, the others at one. Takes about ten minutes of one core; with
+``MPMFW_FULL_STABILITY=1``, which runs the long cases in full, about an hour.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ import argparse
 import csv
 import re
 import sys
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -51,21 +53,28 @@ LENGTHS = {
 PLACES = [(SHIFTS[0], 0), (SHIFTS[1], 0), (SHIFTS[0], 30), (SHIFTS[1], 30)]
 
 
-def runs() -> dict[tuple[str, str, str], list[tuple[Any, list[str]]]]:
-    """Outcomes and complaints by case and method."""
-    found: dict[tuple[str, str, str], list[tuple[Any, list[str]]]] = {}
+def runs(workers: int) -> dict[tuple[str, str, str], list[tuple[Any, list[str]]]]:
+    """Outcomes and complaints by case and method, from so many processes."""
     one = {row[:3]: row[3:] for row in rows(full=True)}
+    strict = hard_cases.MUST_HOLD + hard_cases.MUST_STAY_BOUNDED
+    tasks: list[tuple[Any, ...]] = []
     for case in hard_cases.CASES:
         for method in hard_cases.METHODS:
-            if not hard_cases.applies(case, method[0]):
-                continue
-            strict = method in hard_cases.MUST_HOLD + hard_cases.MUST_STAY_BOUNDED
-            key = (case, *method)
-            places = PLACES if strict else [one[key]]
-            outcomes = [hard_cases.outcome(*key, *place) for place in places]
-            found[key] = [(o, hard_cases.complaints(*key, o)) for o in outcomes]
-            print(*key, [c for _, c in found[key] if c], flush=True)
+            if hard_cases.applies(case, method[0]):
+                key = (case, *method)
+                tasks += [(*key, *place) for place in (PLACES if method in strict else [one[key]])]
+    found: dict[tuple[str, str, str], list[tuple[Any, list[str]]]] = {}
+    with ProcessPoolExecutor(workers) as pool:
+        for task, outcome in zip(tasks, pool.map(run, tasks), strict=True):
+            said = hard_cases.complaints(*task[:3], outcome)
+            found.setdefault(task[:3], []).append((outcome, said))
+            print(*task, outcome.status, *said, flush=True)
     return found
+
+
+def run(task: tuple[Any, ...]) -> Any:
+    """Outcome of a case by a method at a place."""
+    return hard_cases.outcome(*task)
 
 
 def cell(key: tuple[str, str, str], found: list[tuple[Any, list[str]]], reasons: list[str]) -> str:
@@ -164,9 +173,10 @@ def write_table(path: Path, found: dict[tuple[str, str, str], list[tuple[Any, li
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--table", type=Path, help="write every run to this file too")
+    parser.add_argument("--workers", type=int, default=1, help="processes that run the cases")
     asked = parser.parse_args()
     assert set(TURNS) == {0, 30}
-    all_runs = runs()
+    all_runs = runs(asked.workers)
     PAGE.write_text(page(all_runs), encoding="utf-8")
     if asked.table is not None:
         write_table(asked.table, all_runs)

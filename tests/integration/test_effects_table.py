@@ -136,3 +136,12 @@ def test_explain_names_a_rotation_that_is_not_used(method: str, unused: bool) ->
     sim = Simulation(two_blocks(method, bodies__left__rotation="exact", output={"gap": False}))
     line = "bodies.left.rotation: lumped all the same: shares its velocity field with other bodies"
     assert (line in unused_facts(sim)) == unused
+
+
+@pytest.mark.parametrize(("thickness", "kept"), [(0.0, True), (0.01, False)])
+def test_explain_names_a_ledger_that_is_not_kept(thickness: float, kept: bool) -> None:
+    changes = {"contact__penalty": {"interface_thickness": thickness}, "output": {"ledger": True}}
+    sim = Simulation(two_blocks("penalty", **changes))
+    said = [line for line in unused_facts(sim) if line.startswith("output.ledger: ")]
+    assert len(said) == (0 if kept else 1)
+    assert kept or "adds inertia of its own to the nodes" in said[0]

@@ -224,6 +224,15 @@ def test_some_outputs_and_some_bodies(tree, tmp_path):
     assert gap.min() == pytest.approx(float(tree["series/min_gap"][4, 0]), rel=0.5)
 
 
+def test_no_output_of_an_earlier_export_stays_behind(tree, tmp_path):
+    mpmfw.export(tree, tmp_path)
+    own = tmp_path / "run-points" / "notes.txt"
+    own.write_text("mine", encoding="utf-8")
+    mpmfw.export(tree, tmp_path, every=3)
+    listed_files = {file for _, file in listed(tmp_path / "run-points.pvd")}
+    assert set((tmp_path / "run-points").iterdir()) == {own, *listed_files}
+
+
 def test_points_of_three_dimensions(tmp_path):
     tree = mpmfw.run(box(time__end=0.002, time__output_interval=0.002, bodies__solid__velocity=[1, 2, 3]))
     (points, _) = mpmfw.export(tree, tmp_path)

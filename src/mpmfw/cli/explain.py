@@ -139,6 +139,9 @@ def unused_facts(simulation: Simulation) -> list[str]:
         name = effect.name.removeprefix("rotation of ").removesuffix(": lumped")
         if name in scene.bodies and scene.bodies[name].rotation in ("exact", "local"):
             found.append(f"bodies.{name}.rotation: lumped all the same: {effect.reason}")
+    ledger = next(effect for effect in simulation.effects if effect.name == "energy ledger")
+    if scene.output.ledger and not ledger.on:
+        found.append(f"output.ledger: no ledger is kept: {ledger.reason}")
     materials = {body.material for body in scene.bodies.values()}
     found += [f"materials.{name}: no body is made of it" for name in scene.materials if name not in materials]
     return found

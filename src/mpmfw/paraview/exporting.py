@@ -121,11 +121,19 @@ def _export(
     for kind in kinds:
         files = [target.frame(kind, index) for index in frames]
         write_collection(target.collection(kind), [times[index] for index in frames], files)
+        _forget_others(files)
     written = [target.collection(kind) for kind in kinds]
     if "series" in tree.children and tree["series"].data_vars:
         written.append(target.folder / f"{target.stem}-series.csv")
         write_series(written[-1], tree["series"].to_dataset().load(), frames)
     return written
+
+
+def _forget_others(files: Sequence[Path]) -> None:
+    """Remove what an earlier export of more outputs to the same place left, which no collection lists any more."""
+    for file in files[0].parent.glob("[0-9][0-9][0-9][0-9][0-9].vtu"):
+        if file not in files:
+            file.unlink()
 
 
 def _about(tree: xr.DataTree, indices: dict[str, int], units: dict[str, str]) -> dict[str, str]:
