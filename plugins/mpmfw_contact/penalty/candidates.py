@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpmfw.api import Field, FloatArray, IndexArray, IntArray, Setup
+from mpmfw.api import Field, FloatArray, Grid, IndexArray, IntArray, Setup, Surface
+from mpmfw_contact.penalty import search
 
 
 @dataclass
@@ -125,6 +126,37 @@ class SearchGrid:
             box_lower=array("box_lower", body, "lower corner of the body's bounding box", "f8", "m"),
             box_upper=array("box_upper", body, "upper corner of the body's bounding box", "f8", "m"),
         )
+
+    def list_segments(self, surface: Surface, grid: Grid, n_bodies: int) -> bool:
+        """Lists of the segments in cells that two bodies reach; return whether there are such cells."""
+        where = (grid.lower, grid.spacing, grid.nodes)
+        while True:
+            self.stamp += 1
+            if not search.mark_shared_nodes(
+                self.stamp,
+                n_bodies,
+                surface.position,
+                surface.next,
+                surface.body,
+                *where,
+                self.owner,
+                self.shared,
+            ):
+                return False
+            entries = search.list_segments(
+                self.stamp,
+                surface.position,
+                surface.next,
+                *where,
+                self.shared,
+                self.head,
+                self.head_stamp,
+                self.link,
+                self.link_segment,
+            )
+            if entries <= len(self.link):
+                return True
+            self.grow(2 * entries)
 
     def grow(self, entries: int) -> None:
         """Make room for more entries; the lists are filled anew afterwards."""

@@ -40,6 +40,16 @@ def tangent_rows(t_x: Float, t_y: Float, out: Floats) -> None:
 
 
 @device
+def turn_normal(t_x: Float, t_y: Float, gap: Float, q: Floats, n: Floats) -> None:
+    """C_n = N − (g_n / l) Q in place of N, as [H17] has it: the normal is varied with the segment."""
+    length = math.sqrt(t_x * t_x + t_y * t_y)
+    tangent_rows(t_x / length, t_y / length, q)
+    for row in range(3):
+        for d in range(2):
+            n[row, d] -= gap / length * q[row, d]
+
+
+@device
 def relative_motion(rows: Floats, s: int, m: int, end: int, displacement: Floats) -> Float:
     """Σ rows · u over slave node and segment ends [m]: how far the pair moved along the rows in the last step."""
     total = 0.0
@@ -159,19 +169,14 @@ def contact_forces(
                     energy[pair] += kept
                 tangential[s, j] = f_t
             master[s, j] = body[m]
-            if keep_q:  # C_n = N − (g_n / l) Q
+            if keep_q:
                 t_x, t_y = position[end, 0] - position[m, 0], position[end, 1] - position[m, 1]
-                length = math.sqrt(t_x * t_x + t_y * t_y)
-                tangent_rows(t_x / length, t_y / length, q)
-                for row in range(3):
-                    for d in range(2):
-                        n[row, d] -= g / length * q[row, d]
+                turn_normal(t_x, t_y, g, q, n)
             sign = 1.0 if body[s] == pair_first[pair] else -1.0
             for d in range(2):
-                force[s, d] += f_n * n[0, d] + f_t * c_t[0, d]
-                force[m, d] += f_n * n[1, d] + f_t * c_t[1, d]
-                force[end, d] += f_n * n[2, d] + f_t * c_t[2, d]
                 pair_impulse[pair, d] += sign * dt * (f_n * n[0, d] + f_t * c_t[0, d])
+                for row, node in enumerate((s, m, end)):
+                    force[node, d] += f_n * n[row, d] + f_t * c_t[row, d]
 
 
 @device

@@ -174,21 +174,8 @@ class Penalty(ContactStrategy):
 
     def _search_near(self, grid: Grid) -> int:
         s, c, g = self.surface, self.candidates, self.grid
-        g.stamp += 1
-        where = (grid.lower, grid.spacing, grid.nodes)
-        if not search.mark_shared_nodes(
-            g.stamp, len(self.state.bodies), s.position, s.next, s.body, *where, g.owner, g.shared
-        ):
+        if not g.list_segments(s, grid, len(self.state.bodies)):
             return 0
-        arguments = (g.stamp, s.position, s.next, *where, g.shared, g.head, g.head_stamp)
-        entries = search.list_segments(*arguments, g.link, g.link_segment)
-        if entries > len(g.link):
-            g.grow(2 * entries)
-            g.stamp += 1
-            search.mark_shared_nodes(
-                g.stamp, len(self.state.bodies), s.position, s.next, s.body, *where, g.owner, g.shared
-            )
-            search.list_segments(g.stamp, *arguments[1:], g.link, g.link_segment)
         c.swap()
         return search.find_pairs(
             g.stamp,
@@ -199,7 +186,9 @@ class Penalty(ContactStrategy):
             s.previous,
             s.body,
             self.laws.is_slave,
-            *where,
+            grid.lower,
+            grid.spacing,
+            grid.nodes,
             g.shared,
             g.head,
             g.head_stamp,
