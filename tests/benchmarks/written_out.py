@@ -195,7 +195,7 @@ class Touching(TwoApart):
         spring_stiffness(
             k.slots, k.segment, k.master, s.body, c.node_factor, c.laws.modulus, s.position, s.next, s.previous,
             s.displacement, k.coordinate, k.normal, k.gap, c.cell_size, c.laws.pair_of, k.old_master,
-            k.old_share, k.old_rest, k.share, k.rest, k.stiffness, c.spring_work,
+            k.old_share, k.old_rest, False, k.share, k.rest, k.stiffness, c.spring_work,
         )  # fmt: skip
         c.omega_squared = c.stiffest * contact_frequency(
             k.slots, k.segment, k.coordinate, k.stiffness, s.next, t.row, t.nodes, t.weight, self.g.mass,

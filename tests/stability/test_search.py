@@ -5,59 +5,95 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from found_scenes import FOUND
 from hard_cases import MUST_HOLD, MUST_STAY_BOUNDED
-from hard_scenes import block, disc, scene, solid
+from hard_scenes import FULL, C, block, disc, scene, solid, wave_speed
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from placing import placed
 
-from mpmfw.stability import probe
+from mpmfw.stability import Outcome, probe
 
 pytestmark = pytest.mark.stability
 
 #: Bounds of the largest energy over the start: of one that must hold, with dissipation, and of one that must stay bounded,
-#: without. Corners that meet corners may give up to a quarter for a moment (``known.SHARE``); so do some of these.
-HOLDS, BOUNDED = 1.3, 1.05
+#: without; the same as those of the hard cases.
+HOLDS, BOUNDED = 1.005, 1.05
+#: Deepest penetration [cells]: blocks meet with their corners first, at up to 0.3 of the softer one's wave speed.
+DEPTH = 0.5
+STEPS = 300
+#: The same scenes each time; ``MPMFW_FULL_STABILITY=1`` draws others, and more.
+EXAMPLES, DERANDOMIZED = (400, False) if FULL else (30, True)
+
+
+@st.composite
+def materials(draw: Any) -> dict[str, Any]:
+    """A solid up to a hundred times as soft or as stiff, ten times as light or as heavy, as the usual one."""
+    return solid(
+        stiffness=10.0 ** draw(st.floats(-2.0, 2.0)),
+        density=10.0 ** draw(st.floats(-1.0, 1.0)),
+        poisson=draw(st.floats(0.0, 0.49)),
+    )
 
 
 @st.composite
 def scenes(draw: Any) -> dict[str, Any]:
-    """Two bodies a little apart that approach: square on square or disc on square, of any material."""
+    """A square or a disc that meets a square, and perhaps a third square that comes down on both, of any material.
+
+    Bodies are at least two cells wide: one of a single cell has modes that the transfer does not carry, and its energy
+    swings by several per cent whether it touches anything or not.
+    """
     size, other = draw(st.floats(1.0, 2.0)), draw(st.floats(1.0, 2.0))
-    normal, slide = draw(st.floats(0.005, 0.1)), draw(st.floats(-0.05, 0.05))
+    material = draw(materials())
+    slowest = min(1.0, wave_speed(material) / C)
+    velocity = slowest * draw(st.floats(0.005, 0.3)), slowest * draw(st.floats(-0.1, 0.1))
     gap, aside = draw(st.floats(0.0, 0.9)), draw(st.floats(-1.0, 1.0))
-    velocity = (normal, slide)
     if draw(st.booleans()):
         left = disc((-0.1 - size, aside), size, velocity)
     else:
         left = block((-2.0 * size - 0.1, aside - size), (-0.1, aside + size), velocity)
     right = block((gap - 0.1, -other), (gap - 0.1 + 2.0 * other, other), kind="other")
-    material = solid(
-        stiffness=10.0 ** draw(st.floats(-1.0, 1.0)),
-        density=10.0 ** draw(st.floats(-0.5, 0.5)),
-        poisson=draw(st.floats(0.0, 0.45)),
-    )
+    bodies = {"left": left, "right": right}
+    if draw(st.booleans()):
+        low = max(aside + size, other) + draw(st.floats(0.0, 0.9))
+        bodies["top"] = block((-1.5, low), (1.5, low + 3.0), (0.0, -slowest * draw(st.floats(0.005, 0.1))))
     made = scene(
-        {"left": left, "right": right},
-        friction=draw(st.sampled_from([0.0, 0.2, 0.6])),
+        bodies,
+        extent=80.0,  # light bodies fly far
+        friction=draw(st.sampled_from([0.0, 0.2, 0.6, 1.5])),
         materials={"other": material},
     )
     shift = draw(st.floats(0.0, 1.0)), draw(st.floats(0.0, 1.0))
-    return placed(made, shift, draw(st.sampled_from([0, 15, 30, 45])))
+    return placed(made, shift, draw(st.floats(0.0, 90.0)))
 
 
-@settings(max_examples=20, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+def wrong(found: Outcome, *, strict: bool) -> list[str]:
+    """What of a run breaks an invariant."""
+    said = [] if found.status == "ok" else [f"{found.status}: {found.message}"]
+    if not found.momentum < 1e-10:
+        said.append(f"linear momentum drifts by {found.momentum:.2g}")
+    if found.lost:
+        said.append(f"{found.lost} surface nodes lost")
+    if strict and not found.energy <= HOLDS:
+        said.append(f"energy up to {found.energy:.4g} of the start")
+    if strict and not found.penetration <= DEPTH:
+        said.append(f"penetration of {found.penetration:.3g} cells")
+    if not strict and not found.stored <= BOUNDED:
+        said.append(f"energy up to {found.stored:.4g} of the start")
+    return said
+
+
+@settings(
+    max_examples=EXAMPLES, deadline=None, derandomize=DERANDOMIZED, suppress_health_check=list(HealthCheck)
+)
 @given(mapping=scenes(), method=st.sampled_from(MUST_HOLD + MUST_STAY_BOUNDED))
 def test_invariants_hold(mapping, method):
     contact, shape = method
     mapping = {**mapping, "contact": {**mapping["contact"], "method": contact}}
-    found = probe(mapping, shape=shape, steps=150)
-    assert found.status == "ok", found.message
-    assert found.momentum < 1e-10
-    assert found.lost == 0
-    if method in MUST_HOLD:
-        assert found.energy <= HOLDS
-        assert found.energy_end <= 1.05
-        assert found.penetration <= 0.5
-    else:
-        assert found.stored <= BOUNDED
+    assert not wrong(probe(mapping, shape=shape, steps=STEPS), strict=method in MUST_HOLD)
+
+
+@pytest.mark.parametrize("name", FOUND)
+def test_what_was_found_holds_now(name):
+    shape, mapping = FOUND[name]
+    assert not wrong(probe(mapping, shape=shape, steps=STEPS), strict=True)

@@ -37,6 +37,7 @@ def spring_stiffness(
     old_master: Ints,
     old_share: Floats,
     old_rest: Floats,
+    begins: bool,
     share: Floats,
     rest: Floats,
     stiffness: Floats,
@@ -46,7 +47,8 @@ def spring_stiffness(
 
     Where ``share`` and ``rest`` have nodes, l_trib is only the part of the node's tributary length that lies across the
     contact's normal: at a corner the segment round it carries none of the face's pressure. ``rest`` is the gap at which
-    the spring has no force (:func:`carried_over`); what springs lose as they change is added to the pairs' ``work`` [J/m].
+    the spring has no force (:func:`carried_over`, :func:`entered`); what springs lose as they change is added to the pairs'
+    ``work`` [J/m]. In the step that ``begins`` the run, bodies overlap as the scene has them.
     """
     for s in range(len(body)):
         for j in range(slots):
@@ -54,29 +56,48 @@ def spring_stiffness(
             if segment[s, j] >= 0:
                 part, factor = 1.0, node_factor[s] * modulus[body[s], master[s, j]]
                 if len(share) > 0:
-                    part = share_across(s, normal[s, j, 0], normal[s, j, 1], position, following, previous)
-                    g, r = gap[s, j], 0.0
+                    e_x, e_y = normal[s, j, 0], normal[s, j, 1]
+                    part = share_across(s, e_x, e_y, position, following, previous)
+                    g, r, known = gap[s, j], 0.0, begins
                     for i in range(slots):
                         if old_master[s, i] == master[s, j] and g < 0.0:
-                            slid = slip(
-                                s, segment[s, j], coordinate[s, j], normal[s, j], displacement, following
+                            known = True
+                            slid = motion(
+                                s, segment[s, j], coordinate[s, j], -e_y, e_x, displacement, following
                             )
                             part, r, lost = carried_over(
                                 part, old_share[s, i], old_rest[s, i], slid, g, cell_size
                             )
                             work[pair_of[body[s], master[s, j]]] += factor * lost
+                    if not known:
+                        came = -motion(s, segment[s, j], coordinate[s, j], e_x, e_y, displacement, following)
+                        r = entered(g, came, cell_size)
                     share[s, j], rest[s, j] = part, r
                 stiffness[s, j] = part * factor
 
 
 @device
-def slip(s: int, m: int, xi: Float, normal: Floats, displacement: Floats, following: Ints) -> float:
-    """Motion of node s along the point ξ of segment m in the last step [m]."""
+def motion(
+    s: int, m: int, xi: Float, e_x: Float, e_y: Float, displacement: Floats, following: Ints
+) -> Float:
+    """Motion of node s along e, seen from the point ξ of segment m, in the last step [m]."""
     e, total = following[m], 0.0
     for d in range(2):
-        t = -normal[1] if d == 0 else normal[0]
-        total += t * (displacement[s, d] - (1.0 - xi) * displacement[m, d] - xi * displacement[e, d])
+        along = e_x if d == 0 else e_y
+        total += along * (displacement[s, d] - (1.0 - xi) * displacement[m, d] - xi * displacement[e, d])
     return total
+
+
+@device
+def entered(gap: Float, came: Float, cell_size: Float) -> Float:
+    """Rest gap of a new spring, whose node ``came`` so much nearer in the last step [m].
+
+    A node that is deeper than it came in by the face has come in by a side, where no segment faced it; a spring loaded to
+    that depth at once would make energy of nothing. It has the force of what it came.
+    """
+    if -gap > max(came, 0.0) + SHALLOW * cell_size:
+        return gap + max(came, 0.0)
+    return 0.0
 
 
 @device

@@ -135,7 +135,7 @@ class Penalty(ContactStrategy):
         self.node_stiffness = np.zeros(0)
         self.omega_squared = 0.0
         self.count = 0
-        self.searched = False
+        self.searched = self.begins = False
         self.rows = np.zeros((3, 3, 2))
 
     def _table(self) -> Stencil:
@@ -157,7 +157,7 @@ class Penalty(ContactStrategy):
 
     def _search(self, grid: Grid) -> int:
         surface, found = self.surface, self.candidates
-        self.searched = True
+        self.begins, self.searched = not self.searched, True
         boxes = self.grid
         bounding_boxes(surface.body_first, surface.position, boxes.box_lower, boxes.box_upper)
         count = 0
@@ -223,6 +223,7 @@ class Penalty(ContactStrategy):
             c.old_master,
             c.old_share,
             c.old_rest,
+            self.begins,
             c.share,
             c.rest,
             c.stiffness,

@@ -1,0 +1,54 @@
+"""Springs whose share or rest changes while they are loaded, and new ones: no energy of nothing."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mpmfw_contact.penalty.stability import NOISE, SHALLOW, WEAK, carried_over, entered
+
+CELL = 0.1  # m
+shares = st.floats(WEAK, 1.0)
+gaps = st.floats(-0.5 * CELL, -1e-6 * CELL)
+rests = st.floats(-0.5 * CELL, 0.0)
+slides = st.floats(-2.0 * CELL, 2.0 * CELL)
+untimed = settings(deadline=None)  # the first call compiles
+
+
+def energy(share: float, rest: float, gap: float) -> float:
+    """Of a spring of unit factor [m²]."""
+    return 0.5 * share * max(rest - gap, 0.0) ** 2
+
+
+@untimed
+@given(part=shares, kept=shares, rest=rests, slid=slides, gap=gaps)
+def test_what_a_spring_loses_is_what_it_had_less_what_it_has(part, kept, rest, slid, gap):
+    share, left, lost = carried_over(part, kept, rest, slid, gap, CELL)
+    assert lost == pytest.approx(energy(kept, rest, gap) - energy(share, left, gap), rel=1e-9, abs=1e-18)
+    assert left >= gap  # never pulls
+
+
+@untimed
+@given(part=shares, kept=shares, rest=rests, gap=gaps)
+def test_a_spring_that_grows_keeps_its_force_and_one_that_shrinks_its_rest(part, kept, rest, gap):
+    rest = max(rest, gap)  # no more than unloaded
+    share, left, lost = carried_over(part, kept, rest, 0.0, gap, CELL)
+    if part > kept * (1.0 + NOISE):
+        assert share * (left - gap) == pytest.approx(kept * (rest - gap), rel=1e-9, abs=1e-18)
+    else:
+        assert left == rest
+    assert share == (kept if abs(part - kept) <= NOISE * kept else part)
+    assert lost >= -1e-18
+
+
+@untimed
+@given(gap=gaps, came=st.floats(-0.2 * CELL, 0.5 * CELL))
+def test_a_new_spring_has_at_most_the_force_of_what_came(gap, came):
+    rest = entered(gap, came, CELL)
+    depth = rest - gap
+    assert gap <= rest <= 0.0
+    if -gap <= max(came, 0.0) + SHALLOW * CELL:
+        assert rest == 0.0
+    else:
+        assert depth == pytest.approx(max(came, 0.0), abs=1e-15)
