@@ -1,7 +1,8 @@
 """Write docs/studies.md and docs/studies/: the shipped studies, ``python docs/make_studies.py [FOLDER]``.
 
 Costs are taken one run at a time, so that nothing else should use the computer; about half an hour. FOLDER keeps the runs,
-and a second call goes on from them.
+and a second call goes on from them. ``pytest tests/unit/test_choosing.py`` then says which sentences of docs/guide/choosing.md
+the new tables contradict.
 """
 
 from __future__ import annotations
@@ -32,7 +33,8 @@ run at a time: the median of three runs and half their range. How a study is wri
 what follows from these: [choosing a method](guide/choosing.md).
 
 On the **front** (●) is a run that no other one of the same problem beats in both. A run may be on it with an error of 100 %: the
-front says what is not beaten, not what is good.
+front says what is not beaten, not what is good. In the figures what is on the front is filled; markers that would cover
+each other are moved up or down, and a dot is their place.
 """
 
 

@@ -1,7 +1,7 @@
 """Hook specifications: every place in the algorithm where a plug-in may act.
 
 Hooks are named by their place, not by a method. None of them receives the simulation: what a plug-in needs
-beyond the arguments it takes from :class:`~mpmfw.setup.Setup`, once, and keeps itself. An implementation may
+beyond the arguments it takes from :class:`mpmfw.api.Setup`, once, and keeps itself. An implementation may
 leave out arguments that it does not use (pluggy passes those it names).
 """
 
@@ -32,7 +32,7 @@ class HookSpecs:
 
         Returns
         -------
-        Declarations; arrays are then allocated with :meth:`mpmfw.setup.Setup.allocate`, and series filled by
+        Declarations; arrays are then allocated with :meth:`mpmfw.api.Setup.allocate`, and series filled by
         :meth:`diagnostics`.
         """
         raise NotImplementedError
@@ -61,7 +61,7 @@ class HookSpecs:
 
         Raises
         ------
-        mpmfw.state.OutsideGrid
+        mpmfw.api.OutsideGrid
             A support leaves its window; the core lays the window anew, or stops if the grid ends there.
         """
         raise NotImplementedError
@@ -76,7 +76,7 @@ class HookSpecs:
 
         Raises
         ------
-        mpmfw.state.OutsideGrid
+        mpmfw.api.OutsideGrid
             As :meth:`interpolate`.
         """
         raise NotImplementedError

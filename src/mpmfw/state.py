@@ -40,7 +40,7 @@ class Body:
     shear_modulus: float  #: G [Pa]
     lower: tuple[float, ...]  #: lower corner of its bounding box at the start [m]
     upper: tuple[float, ...]  #: upper corner of its bounding box at the start [m]
-    outlines: tuple[FloatArray, ...]  #: closed polylines (m, 2), material on the left; () without surface
+    outlines: tuple[FloatArray, ...]  #: closed polylines (m, 2) [m], material on the left; () without surface
 
     @property
     def p_wave_modulus(self) -> float:
@@ -128,7 +128,7 @@ class Grid:
     start_velocity: FloatArray  #: (n_nodes, dim) [m/s]
     force: FloatArray  #: (n_nodes, dim) [N/m]
     velocity: FloatArray  #: (n_nodes, dim) [m/s]
-    spacing: tuple[float, ...]  #: (h, h[, h]): its length tells compiled kernels the dimension
+    spacing: tuple[float, ...]  #: (h, h[, h]) [m]: its length tells compiled kernels the dimension
     frame: int = 0  #: counts how often the windows were laid; node indices are valid within one frame
 
     @property

@@ -115,6 +115,19 @@ def test_side_by_side_has_one_colour_scale(a, b):
     assert (shapes_in(given)[0].norm.vmin, shapes_in(given)[0].norm.vmax) == (-1.0, 2.0)
 
 
+@pytest.mark.parametrize(
+    ("low", "high", "extend"),
+    [(-0.1, 1.1, "neither"), (0.1, 1.1, "min"), (-0.1, 0.9, "max"), (0.1, 0.9, "both")],
+)
+def test_the_colour_bar_says_that_values_lie_beyond_its_ends(a, low, high, extend):
+    values = np.concatenate([a[f"particles/{body}/velocity"].values[2, :, 1] for body in BODIES])
+    limits = [values.min() + share * np.ptp(values) for share in (low, high)]
+    *_, bar = mpmfw.plots.field(a, "velocity_y", 0.004, limits=limits).axes
+    assert bar._colorbar.extend == extend
+    *_, bar = mpmfw.plots.field(a, "velocity_y", 0.004).axes
+    assert bar._colorbar.extend == "neither"
+
+
 def lines_of(axes):
     return {line.get_label(): line for line in axes.get_lines()}
 

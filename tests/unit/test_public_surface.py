@@ -8,6 +8,7 @@ import importlib
 import importlib.metadata
 import importlib.resources
 import inspect
+import pkgutil
 import re
 import textwrap
 from pathlib import Path
@@ -15,10 +16,19 @@ from typing import Any, NamedTuple
 
 import pytest
 
+import mpmfw
 from plugin_imports import foreign_imports
 
 ROOT = Path(__file__).resolve().parents[2]
-MODULES = ("mpmfw", "mpmfw.api", "mpmfw.kernels", "mpmfw.testing", "mpmfw.testing.shape")
+KERNELS = (
+    "mpmfw.kernels",
+    *(
+        f"mpmfw.kernels.{module.name}"
+        for module in pkgutil.iter_modules(importlib.import_module("mpmfw.kernels").__path__)
+        if not module.name.startswith("_")
+    ),
+)
+MODULES = ("mpmfw", "mpmfw.api", "mpmfw.plots", *KERNELS, "mpmfw.testing", "mpmfw.testing.shape")
 PACKAGES = ("mpmfw", "mpmfw_contact", "mpmfw_shape", "mpmfw_material")
 
 PLUGIN_SOURCES = sorted(
@@ -30,6 +40,12 @@ PLUGIN_SOURCES = sorted(
 #: Objects of mpmfw and of Python whose type says what they are, wherever they are a parameter.
 SPEAKING = {"Body", "Field", "Grid", "Pair", "Particles", "Setup", "State", "Stencil", "Surface"}
 
+#: ``[kg/m^3]``, but neither ``[H17]`` nor ``h[, h]``.
+UNIT = re.compile(r"\[(?:1/)?(?:m|s|Pa|N|J|kg|rad)(?![A-Za-z])[^\]]*\]")
+
+#: Fields that are numbers without a unit; then lengths that are told by h and x_s, whose unit others have.
+WITHOUT_UNIT = {"friction", "deformation_gradient", "safety", "flip", "weight"}
+
 
 class Name(NamedTuple):
     """A public name and what it stands for."""
@@ -39,15 +55,28 @@ class Name(NamedTuple):
     value: Any
 
 
+def plain(value: Any) -> Any:
+    """A function without numba's wrapping."""
+    return inspect.unwrap(getattr(value, "py_func", value))
+
+
+def names_of(module: Any) -> list[str]:
+    """What ``__all__`` lists; without one the functions of the module's own that have no underscore."""
+    own = [
+        name
+        for name, value in vars(module).items()
+        if not name.startswith("_") and getattr(plain(value), "__module__", None) == module.__name__
+    ]
+    return list(getattr(module, "__all__", own))
+
+
 def public(*modules: str) -> list[Any]:
-    """What ``__all__`` lists, numba's wrapping taken off."""
+    """The public names of some modules, numba's wrapping taken off."""
     found = []
-    for module in modules:
-        loaded = importlib.import_module(module)
-        for name in loaded.__all__:
-            value = getattr(loaded, name)
-            subject = Name(module, name, getattr(value, "py_func", value))
-            found.append(pytest.param(subject, id=f"{module}.{name}"))
+    for module in map(importlib.import_module, modules):
+        for name in names_of(module):
+            subject = Name(module.__name__, name, plain(getattr(module, name)))
+            found.append(pytest.param(subject, id=f"{module.__name__}.{name}"))
     return found
 
 
@@ -99,7 +128,9 @@ def undescribed(function: Any, known: set[str]) -> list[str]:
     return [
         p.name
         for p in inspect.signature(function).parameters.values()
-        if p.name not in ("self", "cls") and p.name not in described and str(p.annotation) not in SPEAKING
+        if p.name not in ("self", "cls", "_typing")
+        and p.name not in described
+        and str(p.annotation) not in SPEAKING
     ]
 
 
@@ -119,9 +150,15 @@ def test_every_public_name_has_a_docstring(subject):
         assert subject.name in names_in(importlib.import_module(subject.module).__doc__ or "")
 
 
+def test_what_is_promised_of_the_library_is_all_of_it():
+    page = (ROOT / "docs/guide/versions.md").read_text(encoding="utf-8")
+    (row,) = [line for line in page.splitlines() if line.startswith("| `mpmfw`: ")]
+    assert sorted(re.findall(r"`mpmfw\.(\w+)`", row)) == sorted(mpmfw.__all__)
+
+
 @pytest.mark.parametrize("subject", public(*MODULES))
 def test_every_parameter_and_error_of_a_public_function_is_described(subject):
-    in_kernels = subject.module == "mpmfw.kernels"
+    in_kernels = subject.module in KERNELS
     known = arguments_of_kernels() if in_kernels else names_in(doc(subject.value))
     for label, function in functions_of(subject.value):
         assert doc(function), f"{label} has no docstring"
@@ -161,12 +198,21 @@ def test_arrays_of_public_functions_have_a_shape(subject):
             assert re.search(r"\(\w+,[^)]*\)", doc(function)), f"{label}: shape?"
 
 
+@pytest.mark.parametrize("subject", public("mpmfw.api"))
+def test_quantities_of_the_public_surface_have_a_unit(subject):
+    value = subject.value
+    lines = field_comments(value) if dataclasses.is_dataclass(value) else {}
+    for field, line in lines.items():
+        if re.search(r"\bfloat\b|FloatArray", line.split("#")[0]) and field not in WITHOUT_UNIT:
+            assert UNIT.search(line), f"{subject.name}.{field}: unit?"
+    for label, function in functions_of(value):
+        if re.search(r"\bfloat\b|FloatArray", str(inspect.get_annotations(function))):
+            assert UNIT.search(doc(function)), f"{label}: unit?"
+
+
 def test_the_table_of_arguments_names_no_argument_that_no_kernel_has():
-    kernels = importlib.import_module("mpmfw.kernels")
-    used: set[str] = set()
-    for name in kernels.__all__:
-        function = getattr(getattr(kernels, name), "py_func", None)
-        used |= set(inspect.signature(function).parameters) if function else set()
+    kernels = [subject.values[0].value for subject in public(*KERNELS)]
+    used = {name for one in kernels if inspect.isfunction(one) for name in inspect.signature(one).parameters}
     assert arguments_of_kernels() - used == set()
 
 
@@ -183,13 +229,14 @@ def test_what_a_docstring_leaves_out_is_found():
 
 
 @pytest.mark.parametrize("source", PLUGIN_SOURCES, ids=lambda path: path.relative_to(ROOT).as_posix())
-def test_plugins_import_nothing_but_the_public_modules(source):
+def test_plugins_reach_for_nothing_but_the_public_modules(source):
     assert foreign_imports(source.read_text(encoding="utf-8")) == []
 
 
 def test_the_bundled_plugins_and_both_templates_are_looked_at():
     tops = {source.relative_to(ROOT).parts[:2] for source in PLUGIN_SOURCES}
-    assert {("docs", "plugin-template"), ("docs", "shape-template"), ("plugins", "mpmfw_contact")} <= tops
+    bundled = {("plugins", package) for package in PACKAGES[1:]}
+    assert {("docs", "plugin-template"), ("docs", "shape-template")} | bundled == tops
 
 
 @pytest.mark.parametrize("package", PACKAGES)

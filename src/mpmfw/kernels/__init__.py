@@ -8,7 +8,7 @@ call with :func:`device`, and takes scratch memory from :mod:`mpmfw.kernels.scra
 - **Projection** from points to the grid: :func:`project_mass_momentum`, :func:`project_momentum`,
   :func:`add_internal_force`, :func:`affine_from_moment`; on nodes alone: :func:`velocity_of_momentum`,
   :func:`integrate_momentum`, :func:`add_body_force`. The grid's answer to the points is in ``mpmfw.kernels.gather``.
-- **Point stencils**, to fill tables (:class:`mpmfw.state.Stencil`): :func:`fill_linear` is a whole shape function;
+- **Point stencils**, to fill tables (:class:`mpmfw.api.Stencil`): :func:`fill_linear` is a whole shape function;
   :func:`read_window`, :func:`cell_coordinate`, :func:`linear_weights`, :func:`fits`, :func:`fill_tensor_product`,
   :func:`fill_corner`, :func:`fill_corner_in_cells` are its parts. To read them: :func:`entries`.
 - **Geometry** of closed polylines: :func:`segment_coordinate` (foot of a point on a segment, gap, length, tangent; the
@@ -44,11 +44,16 @@ argument                    shape [unit]             meaning
 ``position``                (n, dim) [m]             x_p; in the geometry nodes of the polylines x_s, (n, 2)
 ``affine``                  (n, dim, dim) [1/s]      C_p, or None
 ``moment``                  (n, dim, dim) [m^2/s]    B_p
+``velocity_gradient``       (n, dim, dim) [1/s]      L_p
+``deformation_gradient``    (n, dim, dim)            F_p
 ``volume``                  (n,) [m^dim]             V_p
+``initial_volume``          (n,) [m^dim]             V_p⁰, where F_p = 1
 ``stress``                  (n, dim, dim) [Pa]       σ_p, Cauchy, tension positive
 ``node_position``           (N, dim) [m]             x_i
 ``node_mass``               (N,) [kg/m]              m_i
 ``node_momentum``           (N, dim) [kg/s]          (m v)_i
+``node_velocity``           (N, dim) [m/s]           v_i, the grid's final velocity
+``node_start_velocity``     (N, dim) [m/s]           v_i⁰, the grid's velocity as projected, before forces and contact
 ``node_force``              (N, dim) [N/m]           f_i
 ``lower``                   (dim,) [m]               first node of the background grid; in ``bounding_boxes`` (B, 2)
 ``upper``                   (B, 2) [m]               upper corners of boxes

@@ -1,4 +1,7 @@
-"""Kernels from the grid to material points (steps 5 and 6 of the time step)."""
+"""Kernels from the grid to material points (steps 5 and 6 of the time step).
+
+Arguments are those of the table in :mod:`mpmfw.kernels`, where shapes and units stand.
+"""
 
 from __future__ import annotations
 
@@ -35,6 +38,9 @@ def gather(
     is the velocity as projected, so that forces, contact, inertia correction and boundary conditions all
     reach v_p. With q = x_i − x_p at the old position, B_p = Σ φ v_i qᵀ and D_p = Σ φ q qᵀ, the affine field
     becomes B_p D_p⁻¹ if ``least_squares``, else B_p; it is left out where ``affine`` is None.
+
+    ``flip`` is a number from 0 (PIC) to 1 (FLIP). Written are ``velocity``, ``position``, ``velocity_gradient`` and
+    ``affine``; ``node_start_velocity`` is read even where ``flip`` is 0.
     """
     dim = len(spacing)
     x = scratch.vector(spacing)
@@ -106,7 +112,8 @@ def gather_velocity_gradient(
     velocity_gradient: Floats,
     spacing: tuple[float, ...],
 ) -> None:
-    """L_p = Σ_i v_i ∇φ_ipᵀ alone, from the velocity that MUSL and USF take the strain from."""
+    """L_p = Σ_i v_i ∇φ_ipᵀ [1/s] alone, written to ``velocity_gradient``; ``node_velocity`` [m/s] is that which MUSL
+    and USF take the strain from."""
     dim = len(spacing)
     l = scratch.matrix(spacing, spacing)
     for p in range(len(velocity_gradient)):
@@ -165,8 +172,11 @@ def update_deformation(
     dt: float,
     spacing: tuple[float, ...],
 ) -> int:
-    """F ← (1 + Δt L) F and V = det(F) V_0; return the first point whose det F is not positive (NaN included),
-    or −1."""
+    """F ← (1 + Δt L) F and V = det(F) V⁰; return the first point whose det F is not positive (NaN included),
+    or −1.
+
+    L is ``velocity_gradient`` [1/s]; ``deformation_gradient`` and ``volume`` [m^dim] are written, for all points.
+    """
     dim = len(spacing)
     f = scratch.matrix(spacing, spacing)
     motion = scratch.matrix(spacing, spacing)

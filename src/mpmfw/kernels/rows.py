@@ -76,7 +76,11 @@ def _check(out: Any, other: Any) -> None:
 
 @intrinsic
 def add_scaled_row(_typing: Any, out: Any, i: Any, factor: Any, other: Any, j: Any, spacing: Any) -> Any:
-    """``out[i, :] += factor * other[j, :]``; the length of ``spacing`` is that of a row."""
+    """``out[i, :] += factor * other[j, :]``; the length of ``spacing`` is that of a row.
+
+    ``out`` and ``other`` are of shape (n, dim), ``i`` and ``j`` not negative. An array that is not C-contiguous or not of
+    float64 is a ``TypeError`` at compilation.
+    """
     _check(out, other)
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
@@ -87,7 +91,11 @@ def add_scaled_row(_typing: Any, out: Any, i: Any, factor: Any, other: Any, j: A
 
 @intrinsic
 def set_scaled_row(_typing: Any, out: Any, i: Any, factor: Any, other: Any, j: Any, spacing: Any) -> Any:
-    """``out[i, :] = factor * other[j, :]``; the length of ``spacing`` is that of a row."""
+    """``out[i, :] = factor * other[j, :]``; the length of ``spacing`` is that of a row.
+
+    ``out`` and ``other`` are of shape (n, dim), ``i`` and ``j`` not negative. An array that is not C-contiguous or not of
+    float64 is a ``TypeError`` at compilation.
+    """
     _check(out, other)
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:

@@ -13,7 +13,13 @@ _STAGE_COLOURS = ("#0072B2", "#56B4E9", "#009E73", "#D55E00", "#E69F00", "#CC79A
 
 
 def cost_bars(dataset: xr.Dataset) -> Figure:
-    """CPU time per material point and step, stacked by stage, one bar for each combination."""
+    """CPU time per material point and step, stacked by stage, one bar for each combination.
+
+    Parameters
+    ----------
+    dataset
+        Of ``mpmfw.compare``.
+    """
     runs = list(combinations(dataset))
     figure = new_figure(1, 1, 20.0 + 7.0 * len(runs))
     head(figure, dataset)

@@ -50,7 +50,8 @@ def field(
     bodies
         Only these bodies.
     limits
-        Ends of the colour scale [SI]; the least and the largest value by default.
+        Ends of the colour scale [SI]; the least and the largest value by default. An end that values lie beyond is
+        a point on the colour bar.
     arrows
         Draw the contact force on every surface node.
 
@@ -150,6 +151,7 @@ class Drawing:
             location="bottom" if below else "right",
             aspect=30,
             pad=0.02,
+            extend=self.scales.extend,
         )
         bar.set_label(in_brackets(field.label, unit), fontsize=FONT)
         bar.ax.tick_params(labelsize=FONT - 1)
@@ -212,7 +214,15 @@ def _scales(
     box = _with_margin(np.array(boxes))
     forces = [panel.largest_force(frames[label]) for label, panel in panels.items()] if arrows else [0.0]
     length, _ = length_scale(box[1] - box[0])
-    return Scales(Normalize(low / size, high / size), colours, size, length, box, max(forces)), unit
+    norm = Normalize(low / size, high / size)
+    return Scales(norm, colours, size, length, box, max(forces), _extend(found, low, high)), unit
+
+
+def _extend(found: Sequence[tuple[float, float]], low: float, high: float) -> str:
+    """The ends of the colour scale that values lie beyond, as matplotlib names them."""
+    below = any(least < low for least, _ in found)
+    above = any(largest > high for _, largest in found)
+    return {(False, False): "neither", (True, False): "min", (False, True): "max"}.get((below, above), "both")
 
 
 def _checked(limits: tuple[float, float]) -> tuple[float, float, str]:

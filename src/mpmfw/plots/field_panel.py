@@ -38,6 +38,9 @@ class Scales:
     length: float  #: shown length of a metre
     box: Box  #: that is seen
     largest_force: float  #: drawn as the longest arrow; 0 without arrows
+    extend: str = (
+        "neither"  #: ends of the colours that values lie beyond: ``neither``, ``min``, ``max``, ``both``
+    )
 
     @property
     def longest_arrow(self) -> float:

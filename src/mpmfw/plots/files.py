@@ -23,7 +23,13 @@ from mpmfw.results import open as open_results
 
 
 def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
-    """Figures of a comparison or a study that its content allows: ``{name: (figure, caption)}``."""
+    """Figures of a comparison or a study that its content allows: ``{name: (figure, caption)}``.
+
+    Parameters
+    ----------
+    dataset
+        Of ``mpmfw.compare``, ``mpmfw.study`` or a map of stability, or the series of a run.
+    """
     if dataset.attrs.get("kind") == "study":
         return study_figures(dataset)
     if dataset.attrs.get("kind") == "stability":
@@ -121,6 +127,13 @@ def plot_file(path: str | os.PathLike[str], output: str | os.PathLike[str] | Non
 def plot_files(paths: Sequence[str | os.PathLike[str]], output: str | os.PathLike[str]) -> Path:
     """Draw the motions of several comparisons of a rolling cylinder, one row each, as one PNG file.
 
+    Parameters
+    ----------
+    paths
+        Files of the comparisons.
+    output
+        Name of the figure; its ending becomes ``.png``.
+
     Raises
     ------
     SceneError
@@ -139,7 +152,20 @@ def plot_files(paths: Sequence[str | os.PathLike[str]], output: str | os.PathLik
 
 
 def write_figure(figure: Figure, path: Path) -> Path:
-    """Save a figure; an error names the file."""
+    """Save a figure.
+
+    Parameters
+    ----------
+    figure
+        Any figure of matplotlib.
+    path
+        File to write, whose ending says the format.
+
+    Raises
+    ------
+    MpmfwError
+        The file cannot be written; the message names it.
+    """
     try:
         figure.savefig(path)
     except OSError as error:

@@ -29,7 +29,13 @@ _CYCLE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 
 
 def gap_history(dataset: xr.Dataset) -> Figure:
-    """Least distance between the surfaces of the first pair, in cells where the cell size is known."""
+    """Least distance between the surfaces of the first pair, in cells where the cell size is known.
+
+    Parameters
+    ----------
+    dataset
+        A comparison, or the series of a run, with ``min_gap`` [m].
+    """
     figure = new_figure(1, 1)
     head(figure, dataset)
     axes = figure.subplots()
@@ -52,7 +58,13 @@ def gap_history(dataset: xr.Dataset) -> Figure:
 
 
 def series_overview(dataset: xr.Dataset) -> Figure:
-    """Series of a run or a comparison, one panel for each; a run's bodies and pairs by colour."""
+    """Series of a run or a comparison, one panel for each; a run's bodies and pairs by colour.
+
+    Parameters
+    ----------
+    dataset
+        A comparison, or the series of a run.
+    """
     present = [panel for panel in _PANELS if panel[0] in dataset]
     figure = new_figure(2, (len(present) + 1) // 2, 48.0)
     head(figure, dataset)

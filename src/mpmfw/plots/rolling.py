@@ -68,6 +68,16 @@ def deviation(dataset: xr.Dataset) -> Figure:
     """Spin against the closed form, and by how much the displacement departs from it.
 
     Runs whose cylinder hardly moves are left out of the second panel, where they would hide the others.
+
+    Parameters
+    ----------
+    dataset
+        Comparison of a rolling scene; the closed form (eq. 13 of [H17]) is drawn in black.
+
+    Raises
+    ------
+    ValueError
+        The dataset is not of a rolling cylinder.
     """
     reference, look, time = _reference(dataset), Look(dataset), dataset["time"].values
     exact = reference.solution.displacement(time)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import itertools
-import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -14,17 +13,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from mpmfw.plots.apart import Marker, draw_apart
 from mpmfw.plots.costs import _STAGE_COLOURS
+from mpmfw.plots.study_grid import label_of, order_of, problems_of, resolution_of, runs_of, with_methods
 from mpmfw.plots.style import FONT, Look, dress, legend_below, new_figure
 
 #: Marker sizes [pt] of the coarsest and the finest resolution.
-_SIZES = (6.5, 3.8)
+_SIZES = (5.5, 3.5)
 #: As in the figure of a comparison's costs, and a grey for settling.
 _COLOURS = (*_STAGE_COLOURS, "#6B6B6B")
-#: Dimensions that are lengths [m].
-_LENGTHS = ("cell_size", "particle_size", "segment")
-#: Dimensions that are a resolution, the more usual first.
-_RESOLUTIONS = ("cell_size", "particle_size", "particles_per_cell", "size", "segment", "cfl", "safety")
 
 
 def study_figures(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
@@ -35,7 +32,8 @@ def study_figures(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
         figures["front"] = (
             front(dataset),
             "Error over CPU time; bars are the range of the repeats. The line joins the runs that no other one beats "
-            f"in both. Timing: {timing}.",
+            "in both, and these are filled. Markers that would cover each other are moved up or down; a dot is their place. "
+            f"Timing: {timing}.",
         )
     if np.isfinite(dataset["stage_time"]).any():
         figures["stages"] = (stages(dataset), f"CPU time by stage of the step. Timing: {timing}.")
@@ -48,22 +46,23 @@ def front(dataset: xr.Dataset) -> Figure:
     Parameters
     ----------
     dataset
-        Of ``mpmfw.study``. Colour says the contact, marker the shape function, size the resolution.
+        Of ``mpmfw.study``. Colour says the contact, marker the shape function, size the resolution; filled is
+        what is on the front. Markers that would cover each other are moved up or down, a dot is where they belong.
     """
-    named = _with_methods(dataset)
-    problems = list(_problems(named))
-    look, resolution = Look(named), _resolution(named)
+    named = with_methods(dataset)
+    problems = list(problems_of(named))
+    look, resolution = Look(named), resolution_of(named)
     columns = min(2, len(problems))
     rows = -(-len(problems) // columns)
     figure = new_figure(columns, rows, 66.0)
     panels = figure.subplots(rows, columns, squeeze=False, sharey=True).ravel()
     for axes, (title, problem) in zip(panels, problems, strict=False):
         _draw_front(axes, problem)
-        for row in _rows(problem):
-            _draw_run(axes, row, look, _size(named, resolution, row))
+        for row in runs_of(problem):
+            _draw_spread(axes, row, look)
         axes.set_xscale("log")
         axes.set_yscale("log")
-        axes.margins(y=0.08)
+        axes.margins(y=0.12)
         axes.axhline(
             100.0 * float(dataset.attrs["under"]),
             color="0.55",
@@ -76,15 +75,26 @@ def front(dataset: xr.Dataset) -> Figure:
     for axes in panels[len(problems) :]:
         axes.remove()
     _legend(figure, _key(named, look, resolution))
+    figure.draw_without_rendering()  # sizes and limits of the panels are final from here on
+    for axes, (_, problem) in zip(panels, problems, strict=False):
+        drawn = [row for row in runs_of(problem) if _is_known(row["run"])]
+        drawn.sort(key=lambda row: (not row["run"]["pareto"], float(row["run"]["cpu_time"])))
+        draw_apart(axes, [_marker(row, look, _size(named, resolution, row)) for row in drawn])
     return figure
 
 
 def stages(dataset: xr.Dataset) -> Figure:
-    """CPU time by stage as stacked bars, one for each combination at the finest resolution that ran."""
-    named = _with_methods(dataset)
-    resolution = _resolution(named)
-    problems = list(_problems(named))
-    bars = {title: list(_rows(_finest(problem, resolution))) for title, problem in problems}
+    """CPU time by stage as stacked bars, one for each combination at the finest resolution that ran.
+
+    Parameters
+    ----------
+    dataset
+        Of ``mpmfw.study``.
+    """
+    named = with_methods(dataset)
+    resolution = resolution_of(named)
+    problems = list(problems_of(named))
+    bars = {title: list(runs_of(_finest(problem, resolution))) for title, problem in problems}
     longest = max(map(len, bars.values()))
     columns = min(2, len(problems))
     lines = -(-len(problems) // columns)
@@ -93,91 +103,61 @@ def stages(dataset: xr.Dataset) -> Figure:
     names = [str(name) for name in named["stage"].values]
     for axes, (title, rows) in zip(panels, bars.items(), strict=False):
         _draw_bars(axes, rows, names)
-        finest = "" if resolution is None else _said(resolution, rows[0][resolution])
+        finest = "" if resolution is None else label_of(resolution, rows[0][resolution])
         dress(axes, "CPU time [s]", "", ", ".join(part for part in (title, finest) if part))
         axes.grid(False, axis="y")
     panels[0].invert_yaxis()  # shared: the first combination on top of every panel
     for axes in panels[len(problems) :]:
         axes.remove()
-    handles = panels[0].get_legend_handles_labels()[0]
+    drawn = [row["run"]["stage_time"] for rows in bars.values() for row in rows]
+    occurs = [any(float(times.sel(stage=name)) > 0.0 for times in drawn) for name in names]
+    handles = list(itertools.compress(panels[0].get_legend_handles_labels()[0], occurs))
     legend_below(figure, [handles[:4], handles[4:]])
     return figure
-
-
-def _with_methods(dataset: xr.Dataset) -> xr.Dataset:
-    """The study with contact and shape as dimensions, even where there is one of each or none is known."""
-    for name in ("contact", "shape"):
-        if name not in dataset.dims:
-            label = dataset[name].item() if name in dataset.coords else "the scene's"
-            dataset = dataset.drop_vars(name, errors="ignore").expand_dims({name: [label]})
-    return dataset
-
-
-def _problems(dataset: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
-    """The parts of a study whose errors and costs may be compared, by their title."""
-    dims = json.loads(dataset.attrs["problem_dims"])
-    for labels in itertools.product(*(dataset[dim].values.tolist() for dim in dims)):
-        title = ", ".join(
-            str(v) if dim == "scene" else f"{dim} {v}" for dim, v in zip(dims, labels, strict=True)
-        )
-        yield title, dataset.sel(dict(zip(dims, labels, strict=True)))
-
-
-def _rows(dataset: xr.Dataset) -> Iterator[dict[str, Any]]:
-    dims = [str(dim) for dim in dataset["error"].dims]
-    for labels in itertools.product(*(dataset[dim].values.tolist() for dim in dims)):
-        choice = dict(zip(dims, labels, strict=True))
-        yield {**choice, "dims": dims, "run": dataset.sel(choice)}
-
-
-def _resolution(dataset: xr.Dataset) -> str | None:
-    """The dimension that the size of the markers says; None where there is none of several values."""
-    problem_dims = json.loads(dataset.attrs["problem_dims"])
-    dims = [
-        str(dim)
-        for dim in dataset["error"].dims
-        if dim not in ("contact", "shape", *problem_dims) and dataset.sizes[dim] > 1
-    ]
-    usual = [dim for dim in _RESOLUTIONS if dim in dims]
-    return next(iter(usual + dims), None)
-
-
-def _order(dataset: xr.Dataset, resolution: str) -> list[Any]:
-    """Labels of the resolution, the coarsest first where they are numbers."""
-    labels = dataset[resolution].values.tolist()
-    if all(isinstance(label, int | float) for label in labels):
-        return sorted(labels, reverse=resolution != "particles_per_cell")
-    return list(labels)
 
 
 def _size(dataset: xr.Dataset, resolution: str | None, row: dict[str, Any]) -> float:
     if resolution is None:
         return 5.0
-    order = _order(dataset, resolution)
+    order = order_of(dataset, resolution)
     return float(np.interp(order.index(row[resolution]), (0, max(1, len(order) - 1)), _SIZES))
 
 
-def _draw_run(axes: Any, row: dict[str, Any], look: Look, size: float) -> None:
+def _is_known(run: xr.Dataset) -> bool:
+    """Whether a run has an error and a cost that a logarithmic axis can show."""
+    return bool(np.isfinite(run["error"]) and run["error"] > 0.0 and np.isfinite(run["cpu_time"]))
+
+
+def _draw_spread(axes: Any, row: dict[str, Any], look: Look) -> None:
+    """The range of the repeats, where the run is."""
     run = row["run"]
-    error, cost = 100.0 * float(run["error"]), float(run["cpu_time"])
-    if not (np.isfinite(error) and error > 0.0 and np.isfinite(cost)):
+    if not _is_known(run):
         return
-    spread = float(np.nan_to_num(run["cpu_time_spread"]))
-    on = bool(run["pareto"])
+    cost, spread = float(run["cpu_time"]), float(np.nan_to_num(run["cpu_time_spread"]))
     axes.errorbar(
         cost,
-        error,
+        100.0 * float(run["error"]),
         xerr=[[min(spread, 0.9 * cost)], [spread]],
         color=look.colours[row["contact"]],
-        marker=look.styles[row["shape"]][1],
-        markersize=size,
-        markeredgecolor="black" if on else "white",
-        markeredgewidth=0.9 if on else 0.3,
         elinewidth=0.6,
         linestyle="",
-        alpha=1.0 if on else 0.75,
-        zorder=5 if on else 3,
+        zorder=3,
     )
+
+
+def _marker(row: dict[str, Any], look: Look, size: float) -> Marker:
+    """A run: filled and with a dark edge on the front, open else."""
+    run, colour = row["run"], look.colours[row["contact"]]
+    on = bool(run["pareto"])
+    style = {
+        "color": colour,
+        "marker": look.styles[row["shape"]][1],
+        "markeredgecolor": "black" if on else colour,
+        "markerfacecolor": colour if on else "white",
+        "markeredgewidth": 0.7,
+        "zorder": 6 if on else 5,
+    }
+    return Marker(float(run["cpu_time"]), 100.0 * float(run["error"]), size, style)
 
 
 def _draw_front(axes: Any, problem: xr.Dataset) -> None:
@@ -218,7 +198,8 @@ def _key(dataset: xr.Dataset, look: Look, resolution: str | None) -> list[list[A
             color="0.25",
             linewidth=0.9,
             marker="o",
-            markerfacecolor="white",
+            markerfacecolor="0.6",
+            markeredgecolor="black",
             markersize=4,
             label="front",
         ),
@@ -228,10 +209,10 @@ def _key(dataset: xr.Dataset, look: Look, resolution: str | None) -> list[list[A
         return [colours, markers, lines]
     sizes: list[Artist] = [
         Line2D(
-            [], [], color="0.3", linestyle="", marker="o", label=_said(resolution, label),
+            [], [], color="0.3", linestyle="", marker="o", label=label_of(resolution, label),
             markersize=_size(dataset, resolution, {resolution: label}),
         )
-        for label in _order(dataset, resolution)
+        for label in order_of(dataset, resolution)
     ]  # fmt: skip
     return [
         colours,
@@ -239,12 +220,6 @@ def _key(dataset: xr.Dataset, look: Look, resolution: str | None) -> list[list[A
         [*sizes, *lines] if len(sizes) <= 2 else sizes,
         *([] if len(sizes) <= 2 else [lines]),
     ]
-
-
-def _said(resolution: str, label: Any) -> str:
-    """``cell size 0.2 m``; a label that is a text has its unit."""
-    unit = " m" if resolution in _LENGTHS and not isinstance(label, str) else ""
-    return f"{resolution.replace('_', ' ')} {label}{unit}"
 
 
 def _legend(figure: Figure, rows: Sequence[Sequence[Artist]]) -> None:
@@ -271,7 +246,7 @@ def _finest(problem: xr.Dataset, resolution: str | None) -> xr.Dataset:
     """The part of a problem at the finest resolution of which a cost is known."""
     if resolution is None:
         return problem
-    parts = [problem.sel({resolution: label}) for label in _order(problem, resolution)[::-1]]
+    parts = [problem.sel({resolution: label}) for label in order_of(problem, resolution)[::-1]]
     return next((part for part in parts if np.isfinite(part["cpu_time"]).any()), parts[0]).expand_dims(
         resolution
     )

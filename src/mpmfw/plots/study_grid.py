@@ -1,0 +1,68 @@
+"""The grid of a study as its figures see it: problems, runs, and the resolution."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from collections.abc import Iterator
+from typing import Any
+
+import xarray as xr
+
+#: Dimensions that are lengths [m].
+_LENGTHS = ("cell_size", "particle_size", "segment")
+#: Dimensions that are a resolution, the more usual first.
+_RESOLUTIONS = ("cell_size", "particle_size", "particles_per_cell", "size", "segment", "cfl", "safety")
+
+
+def with_methods(dataset: xr.Dataset) -> xr.Dataset:
+    """The study with contact and shape as dimensions, even where there is one of each or none is known."""
+    for name in ("contact", "shape"):
+        if name not in dataset.dims:
+            label = dataset[name].item() if name in dataset.coords else "the scene's"
+            dataset = dataset.drop_vars(name, errors="ignore").expand_dims({name: [label]})
+    return dataset
+
+
+def problems_of(dataset: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
+    """The parts of a study whose errors and costs may be compared, by their title."""
+    dims = json.loads(dataset.attrs["problem_dims"])
+    for labels in itertools.product(*(dataset[dim].values.tolist() for dim in dims)):
+        title = ", ".join(
+            str(v) if dim == "scene" else f"{dim} {v}" for dim, v in zip(dims, labels, strict=True)
+        )
+        yield title, dataset.sel(dict(zip(dims, labels, strict=True)))
+
+
+def runs_of(dataset: xr.Dataset) -> Iterator[dict[str, Any]]:
+    """Every run with its labels."""
+    dims = [str(dim) for dim in dataset["error"].dims]
+    for labels in itertools.product(*(dataset[dim].values.tolist() for dim in dims)):
+        choice = dict(zip(dims, labels, strict=True))
+        yield {**choice, "dims": dims, "run": dataset.sel(choice)}
+
+
+def resolution_of(dataset: xr.Dataset) -> str | None:
+    """The dimension that the size of the markers says; None where there is none of several values."""
+    problem_dims = json.loads(dataset.attrs["problem_dims"])
+    dims = [
+        str(dim)
+        for dim in dataset["error"].dims
+        if dim not in ("contact", "shape", *problem_dims) and dataset.sizes[dim] > 1
+    ]
+    usual = [dim for dim in _RESOLUTIONS if dim in dims]
+    return next(iter(usual + dims), None)
+
+
+def order_of(dataset: xr.Dataset, resolution: str) -> list[Any]:
+    """Labels of the resolution, the coarsest first where they are numbers."""
+    labels = dataset[resolution].values.tolist()
+    if all(isinstance(label, int | float) for label in labels):
+        return sorted(labels, reverse=resolution != "particles_per_cell")
+    return list(labels)
+
+
+def label_of(resolution: str, label: Any) -> str:
+    """``cell size 0.2 m``; a label that is a text has its unit."""
+    unit = " m" if resolution in _LENGTHS and not isinstance(label, str) else ""
+    return f"{resolution.replace('_', ' ')} {label}{unit}"
