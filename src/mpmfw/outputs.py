@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -60,22 +61,27 @@ def opened_run(results: Results) -> Iterator[xr.DataTree]:
 
 
 def bodies_of(tree: xr.DataTree, wanted: Sequence[str] | None = None) -> list[str]:
-    """Bodies whose material points are stored, in the scene's order; ``wanted`` chooses among them.
+    """Bodies whose material points are stored, in the scene's order; ``wanted`` chooses among them, or is one's name.
 
     Raises
     ------
     SceneError
-        The run stored no material points, or there is no such body.
+        The run stored no material points, or there is no such body, or none is wanted.
     """
     groups = tree["particles"].children if "particles" in tree.children else {}
     order = tree.coords["body"].values.tolist() if "body" in tree.coords else list(groups)
     present = [str(name) for name in order if name in groups and groups[name].data_vars]
     if not present:
         raise SceneError("the run stored no material points; run it with output.particles = true")
-    for name in wanted or ():
+    if wanted is None:
+        return present
+    names = [wanted] if isinstance(wanted, str) else list(wanted)
+    if not names:
+        raise SceneError(f"bodies: none is named; expected some of {', '.join(present)}, or None for all")
+    for name in names:
         if name not in present:
             raise SceneError(f"no body '{name}'; {did_you_mean(name, present)}")
-    return present if not wanted else [name for name in present if name in wanted]
+    return [name for name in present if name in names]
 
 
 def times_of(tree: xr.DataTree) -> FloatArray:
@@ -124,8 +130,12 @@ def chosen_frames(tree: xr.DataTree, every: int) -> range:
     Raises
     ------
     SceneError
-        ``every`` is below 1, or the run has no output.
+        ``every`` is below 1 or no whole number, or the run has no output.
     """
+    try:
+        every = operator.index(every)
+    except TypeError:
+        raise SceneError(f"every {every!r}: expected a whole number") from None
     if every < 1:
         raise SceneError(f"every {every}: expected 1 or more")
     return range(0, frame_at(tree) + 1, every)

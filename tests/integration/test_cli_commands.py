@@ -274,3 +274,9 @@ def test_compare_is_the_function_whatever_is_imported_first():
     code = "import mpmfw.comparison, mpmfw.cli.app; from mpmfw import compare; import mpmfw; print(callable(mpmfw.compare))"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout == "True\n"
+
+
+def test_the_package_is_the_command_too() -> None:
+    command = [sys.executable, "-m", "mpmfw", "--version"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == mpmfw.__version__

@@ -274,6 +274,12 @@ def test_errors_name_what_is_there(tree, tmp_path):
         mpmfw.export(tree, tmp_path, bodies=["uper"])
     with pytest.raises(SceneError, match="every 0: expected 1 or more"):
         mpmfw.export(tree, tmp_path, every=0)
+    with pytest.raises(SceneError, match=r"every 2\.5: expected a whole number"):
+        mpmfw.export(tree, tmp_path, every=2.5)
+    with pytest.raises(SceneError, match="bodies: none is named; expected some of .*floor"):
+        mpmfw.export(tree, tmp_path, bodies=[])
+    with pytest.raises(SceneError, match="no body 'flor'; did you mean 'floor'"):
+        mpmfw.export(tree, tmp_path, bodies="flor")
     bare = mpmfw.run({**drop_scene(), "output": {"particles": False}})
     with pytest.raises(SceneError, match=r"stored no material points; run it with output\.particles"):
         mpmfw.export(bare, tmp_path)

@@ -1,6 +1,7 @@
 """The cost model: steps exactly where the limit does not change, times from the table, and a table of one's own."""
 
 import json
+import math
 
 import pytest
 
@@ -8,6 +9,7 @@ from contact_scenes import impact
 from mpmfw import prediction
 from mpmfw.clock import STEP_STAGES
 from mpmfw.prediction import known_costs, predict
+from mpmfw.scene import load_scene
 from mpmfw.simulation import Simulation
 
 
@@ -34,6 +36,22 @@ def test_steps_are_exact_where_the_limit_stays():
     expected = predict(simulation, []).steps
     simulation.run()
     assert simulation.state.steps == expected
+
+
+def test_steps_count_with_what_contact_finds_where_bodies_touch():
+    short = {"time.end": 0.1, "time.output_interval": 0.1}
+    simulation = Simulation(load_scene("sliding-block", set=short), shape="cpdi")
+    granted = math.ceil(0.1 / simulation.stable_step())
+    simulation.run()
+    found = predict(Simulation(load_scene("sliding-block", set=short), shape="cpdi"), [])
+    assert found.steps == pytest.approx(simulation.state.steps, rel=0.01)
+    assert granted > 1.1 * found.steps  # before contact has searched
+
+
+def test_steps_before_bodies_meet_are_those_that_contact_takes_for_granted():
+    simulation = made()
+    before = math.ceil(0.01 / simulation.stable_step()) * 10
+    assert predict(simulation, []).steps == before
 
 
 @pytest.mark.usefixtures("table")

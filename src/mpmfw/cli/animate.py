@@ -54,7 +54,7 @@ def animate(
             field or "von_mises",
             fps=fps,
             every=every,
-            bodies=body,
+            bodies=body or None,
             limits=scale,
             arrows=arrows,
             progress=progress,

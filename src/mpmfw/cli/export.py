@@ -41,7 +41,7 @@ def export(
 
     check_results(file)
     with outputs_progress("outputs") as progress:
-        written = export_run(file, target, every=every, bodies=body, progress=progress)
+        written = export_run(file, target, every=every, bodies=body or None, progress=progress)
     for path in written:
         typer.echo(str(path))
 

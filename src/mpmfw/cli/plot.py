@@ -107,9 +107,9 @@ def _draw_field(
     from mpmfw.plots import field, side_by_side, write_figure
 
     if len(file) == 1:
-        figure = field(file[0], name, time, bodies=bodies, limits=limits, arrows=arrows)
+        figure = field(file[0], name, time, bodies=bodies or None, limits=limits, arrows=arrows)
     else:
-        figure = side_by_side(file, name, time, bodies=bodies, limits=limits, arrows=arrows)
+        figure = side_by_side(file, name, time, bodies=bodies or None, limits=limits, arrows=arrows)
     return write_figure(figure, path.with_suffix(".png"))
 
 
