@@ -57,7 +57,9 @@ def output_of(kind: str, text: str, names: dict[str, Any]) -> str:
             exec(compile(text, str(PAGE), "exec"), names)
         else:
             for command in commands(text):
-                app(command[1:], prog_name="mpmfw", standalone_mode=False)
+                # without standalone mode the exit status is what the call returns
+                status = app(command[1:], prog_name="mpmfw", standalone_mode=False)
+                assert status in (None, 0), f"exit status {status}: mpmfw {shlex.join(command[1:])}"
     return caught.getvalue()
 
 

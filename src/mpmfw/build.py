@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mpmfw.discovery import load
+from mpmfw.discovery import load, refuse_nameless
 from mpmfw.effect import Effect
 from mpmfw.errors import SceneError
 from mpmfw.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, FloatArray
 from mpmfw.geometry import Layout, discretise
+from mpmfw.marks import refuse_dead_hooks
 from mpmfw.setup import Setup
 from mpmfw.state import Body, Pair, Particles, State, Stencil, joined
 from mpmfw.transfer import Transfer, make_transfer
@@ -53,13 +54,12 @@ class Build:
 
 
 def build(scene: Scene, contact: ContactStrategy | None = None, shape: ShapeFunction | None = None) -> Build:
-    """Discretise the bodies and make the plug-ins that the scene names; strategy objects take the scene's
-    place.
+    """Discretise the bodies and make the plug-ins that the scene names; strategy objects take the scene's place.
 
     Raises
     ------
     SceneError
-        A body is outside the grid, bodies overlap, or a method cannot run this scene.
+        A body is outside the grid, bodies overlap, or a method cannot run this scene, or anything.
     """
     chosen_shape = shape or _plugin("shape", scene.shape.method, scene.shape.options)
     chosen_contact = contact
@@ -68,7 +68,7 @@ def build(scene: Scene, contact: ContactStrategy | None = None, shape: ShapeFunc
     if len(scene.bodies) == 1:
         _check_unused_contact(scene, contact)
         chosen_contact = None
-    _check_dimension(scene, chosen_shape, chosen_contact)
+    _check_methods(scene, chosen_shape, chosen_contact)
     layouts = _layouts(scene)
     materials = {
         name: _plugin("material", scene.materials[name].model, scene.materials[name].options)
@@ -90,10 +90,8 @@ def build(scene: Scene, contact: ContactStrategy | None = None, shape: ShapeFunc
     n_fields = len(bodies) if per_body else 1
     grid = make_grid(scene.grid.cell_size, np.array(scene.grid.lower), np.array(scene.grid.upper), n_fields)
     particles = _particles(scene, layouts, bodies, transfer, n_fields)
-    pairs = tuple(
-        Pair(i, _index(bodies, a), _index(bodies, b), f"{a}-{b}", mu)
-        for i, (a, b, mu) in enumerate(scene.pairs)
-    )
+    index = {body.name: body.index for body in bodies}
+    pairs = tuple(Pair(i, index[a], index[b], f"{a}-{b}", mu) for i, (a, b, mu) in enumerate(scene.pairs))
     for body in bodies:
         material = materials[scene.bodies[body.name].material]
         material.slices = joined(material.slices, body.particles)
@@ -102,7 +100,9 @@ def build(scene: Scene, contact: ContactStrategy | None = None, shape: ShapeFunc
 
 
 def make_setup(made: Build) -> Setup:
-    """What plug-ins are told."""
+    """What plug-ins are told; refuses parts and effects with hooks that would never be called."""
+    for plugin in made.plugins:
+        refuse_dead_hooks(type(plugin))
     return Setup(
         state=made.state,
         layouts=made.layouts,
@@ -121,9 +121,8 @@ def make_setup(made: Build) -> Setup:
 def _plugin(kind: Any, name: str, options: Any) -> Any:
     """Import and make one plug-in."""
     plugin = load(kind, name)
-    if options is None or not hasattr(plugin, "from_options"):
-        return plugin()
-    return plugin.from_options(options)
+    given = options is not None and hasattr(plugin, "from_options")
+    return plugin.from_options(options) if given else plugin()
 
 
 def _check_unused_contact(scene: Scene, contact: ContactStrategy | None) -> None:
@@ -136,9 +135,12 @@ def _check_unused_contact(scene: Scene, contact: ContactStrategy | None) -> None
             )
 
 
-def _check_dimension(scene: Scene, shape: ShapeFunction, contact: ContactStrategy | None) -> None:
-    for kind, plugin in (("shape", shape), ("contact", contact)):
-        if plugin is not None and scene.dim not in plugin.dimensions:
+def _check_methods(scene: Scene, shape: ShapeFunction, contact: ContactStrategy | None) -> None:
+    chosen: dict[str, Any] = {"shape": shape, **({} if contact is None else {"contact": contact})}
+    for kind, plugin in chosen.items():
+        refuse_nameless(type(plugin))
+        refuse_dead_hooks(type(plugin))
+        if scene.dim not in plugin.dimensions:
             works = " and ".join(f"{d}D" for d in plugin.dimensions)
             raise SceneError(f"{kind} '{plugin.name}' works in {works}; the scene's grid is {scene.dim}D")
     if scene.dim == 3:
@@ -190,10 +192,6 @@ def _bodies(
         )
         start += count
     return tuple(bodies)
-
-
-def _index(bodies: tuple[Body, ...], name: str) -> int:
-    return next(body.index for body in bodies if body.name == name)
 
 
 def _check_inside(scene: Scene, layouts: tuple[Layout, ...], bodies: tuple[Body, ...]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import functools
+import inspect
 import os
 import sys
 from collections.abc import Callable, Iterable
@@ -77,21 +78,68 @@ def load(kind: Kind, name: str) -> type[Any]:
     Raises
     ------
     SceneError
-        No such plug-in is installed, or it fails to import.
+        No such plug-in is installed, it fails to import, its class has another name, or :func:`refuse_class` says why
+        it cannot be used.
     """
     entries = available(kind)
     if name not in entries:
         raise SceneError(f"unknown {kind} plug-in '{name}'; {did_you_mean(name, entries)}")
     entry = entries[name]
+    said = f"{kind} plug-in '{name}' of distribution {distribution_of(entry)}"
     try:
         plugin = entry.load()
     except Exception as error:  # a stranger's module may raise anything while it is imported
         raise SceneError(
-            f"{kind} plug-in '{name}' of distribution {distribution_of(entry)} cannot be imported "
-            f"from {entry.value}: {type(error).__name__}: {error}"
+            f"{said} cannot be imported from {entry.value}: {type(error).__name__}: {error}"
         ) from error
     if not isinstance(plugin, type):
+        raise SceneError(f"{said}: {entry.value} is not a class")
+    try:
+        refuse_class(plugin)
+    except SceneError as error:
+        raise SceneError(f"{said}: {error}") from error
+    if plugin.name != name:  # type: ignore[attr-defined]
+        own = plugin.name  # type: ignore[attr-defined]
         raise SceneError(
-            f"{kind} plug-in '{name}' of distribution {distribution_of(entry)}: {entry.value} is not a class"
+            f"{said}: {entry.value} has the name '{own}'; expected the same as the entry point's"
         )
     return plugin
+
+
+def refuse_class(plugin: type[Any]) -> None:
+    """Refuse a class that has no name or cannot be made of its options alone, as scenes and comparisons make it.
+
+    Raises
+    ------
+    SceneError
+        As :func:`refuse_nameless`, or its constructor does not take its options, all as keywords, or asks for more.
+    """
+    refuse_nameless(plugin)
+    options = getattr(getattr(plugin, "Options", None), "model_fields", {})
+    try:
+        inspect.signature(plugin).bind(**options)
+    except TypeError as error:
+        raise SceneError(
+            f"{full_name(plugin)}(…) must be made from its options alone, given as keywords "
+            f"({', '.join(options) or 'it has none'}): {error}"
+        ) from error
+
+
+def refuse_nameless(plugin: type[Any]) -> None:
+    """Refuse a class without the class attribute ``name``.
+
+    Raises
+    ------
+    SceneError
+        It is missing, empty, or not a string.
+    """
+    name = getattr(plugin, "name", None)
+    if not isinstance(name, str) or not name:
+        raise SceneError(
+            f"{full_name(plugin)}: expected a class attribute 'name', which is what scenes call it; found {name!r}"
+        )
+
+
+def full_name(plugin: type[Any]) -> str:
+    """Module and name of a class, for messages."""
+    return f"{plugin.__module__}.{plugin.__qualname__}"

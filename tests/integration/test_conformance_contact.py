@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import functools
 
+import numpy as np
 import pytest
+from pydantic import BaseModel, Field
 
 import mpmfw.discovery
 from faulty_plugins.contact import frame, keeping, momentum, slip
 from faulty_plugins.contact.plain import PlainContact
-from mpmfw.api import SceneError, hookimpl
+from mpmfw.api import ContactStrategy, SceneError, hookimpl
 from mpmfw.testing import contact_checks, contact_conformance, examine, subject_of
+from mpmfw.testing.contact.meeting import Meeting
+from mpmfw.testing.contact.motion import simulate
+from mpmfw_contact.bardenhagen import Bardenhagen
 from mpmfw_contact.penalty import Penalty
 
 #: Each fault, and the check that is meant for it.
@@ -40,7 +45,10 @@ FAULTS = {
     keeping.WearsOut: "used-twice",
     keeping.ForgetsSprings: "restart",
     keeping.RemembersWork: "restart",
+    keeping.WorkOfOneInterval: "reports",
 }
+#: Checks whose violations have nothing to show: two runs with the same motion.
+WITHOUT_PICTURE = {"options"}
 #: Of a scene with one body the host does not call the law: no law can break this, so that no fault can be planted.
 OF_THE_HOST = {"one-body"}
 
@@ -94,18 +102,20 @@ def test_separate_does_not_act_and_nothing_else(check):
     check()
 
 
-def outcome(plugin, name, **options):
+def outcome(plugin, name, pictures=None, **options):
     """What comes of one check."""
     chosen = [check for check in contact_checks() if check.name == name]
-    return examine(subject_of(plugin, "contact", options), chosen)[0]
+    return examine(subject_of(plugin, "contact", options), chosen, pictures=pictures)[0]
 
 
 @pytest.mark.parametrize(("fault", "name"), FAULTS.items(), ids=lambda value: getattr(value, "name", value))
-def test_every_fault_is_caught_by_the_check_meant_for_it(fault, name):
-    found = outcome(fault, name)
+def test_every_fault_is_caught_by_the_check_meant_for_it(fault, name, tmp_path):
+    found = outcome(fault, name, tmp_path)
     assert found.status == "failed", found.report
     assert "Error" not in found.message or fault in (keeping.TooLongStep, frame.SixteenEntries), found.report
     assert found.counterexample
+    assert (found.picture is None) == (name in WITHOUT_PICTURE), found.report
+    assert found.picture is None or found.picture.stat().st_size > 1000
 
 
 #: Checks for which a fault was planted in the plain law.
@@ -122,6 +132,42 @@ def test_the_law_without_the_fault_passes_the_same_check(name):
 def test_bundled_laws_refuse_no_shape_function(law):
     found = outcome(law, "shapes")
     assert (found.status, found.message) == ("passed", ""), found.report
+
+
+class RoundedWork(Bardenhagen):
+    """From one output to the next the recorded work loses its last bits."""
+
+    name = "rounded-work"
+    outputs = 0
+
+    @hookimpl
+    def diagnostics(self, state, interval):
+        self.outputs += 1
+        series = Bardenhagen.diagnostics(self, state, interval)
+        series["frictional_work"] = (1.0 - 1e-14 * self.outputs) * series["frictional_work"] - 1e-16
+        return series
+
+
+def test_a_rounding_of_the_recorded_work_is_no_fall():
+    motion = simulate(RoundedWork(), Meeting(form="discs", slide=0.5, friction=0.3).mapping(), 40)
+    assert np.diff(motion.of("frictional_work")[:, 0]).min() < 0.0
+    found = outcome(RoundedWork, "reports")
+    assert found.status == "passed", found.report
+
+
+class Film(ContactStrategy):
+    """Does nothing, with an option that it drops, and of which the only example is what it is configured with."""
+
+    name = "film"
+
+    class Options(BaseModel):
+        resistance: float = Field(0.0, ge=0.0, examples=[1e4])
+
+
+def test_an_option_that_has_the_value_of_its_example_is_compared_with_others():
+    found = outcome(Film(resistance=1e4), "options")
+    assert found.message == "an option is accepted and has no effect"
+    assert found.counterexample["value"] != 1e4
 
 
 class RefusesLinear(PlainContact):
@@ -144,6 +190,12 @@ def test_a_refused_shape_function_is_noted():
 def test_values_that_are_all_refused_acquit_no_option():
     found = outcome(keeping.IgnoredBehindRefusals, "options")
     assert "every value made up for 'grade' is refused or the default" in found.message
+    assert found.counterexample["the default"] == "S235"
+    found = outcome(keeping.IgnoredBehindRefusals(grade="S355"), "options")
+    assert (found.message, found.counterexample["value"]) == (
+        "an option is accepted and has no effect",
+        "S235",
+    )
     found = outcome(keeping.IgnoredWithinBounds, "options")
     assert "has no effect" in found.message
     assert 5.0 <= found.counterexample["value"] <= 6.0

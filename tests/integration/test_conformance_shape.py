@@ -56,6 +56,9 @@ FAULTS = {
     contract.Flatland: "dimensions",
 }
 
+#: Checks whose violations have nothing to show: attributes, layouts of arrays, two equal tables.
+WITHOUT_PICTURE = {"dimensions", "options", "structure"}
+
 CHECKS = {check.name: check for check in shape_checks()}
 
 
@@ -96,6 +99,8 @@ def test_fault_is_caught_by_the_check_meant_for_it(fault, meant, tmp_path):
     (outcome,) = examine(subject_of(fault, "shape"), [CHECKS[meant]], pictures=tmp_path)
     assert outcome.status == "failed"
     assert "Error" not in outcome.message  # the property is broken; the kit did not stumble
+    assert (outcome.picture is None) == (meant in WITHOUT_PICTURE), outcome.report
+    assert outcome.picture is None or outcome.picture.stat().st_size > 1000
     if fault is weights.NotNormalisedIn3D:
         assert outcome.counterexample["dim"] == 3
 

@@ -5,8 +5,9 @@ import sys
 
 import pytest
 
-from mpmfw.discovery import available, load
+from mpmfw.discovery import KINDS, available, distribution_of, load
 from mpmfw.errors import SceneError
+from mpmfw.marks import refuse_dead_hooks
 
 
 @pytest.fixture
@@ -26,8 +27,14 @@ def install(tmp_path, monkeypatch):
     return make
 
 
+#: A model of options, for the constructor to take.
+OPTIONS = "from pydantic import BaseModel\nclass Options(BaseModel):\n    stiffness: float = 1.0\n"
+
+
 def test_a_strangers_plugin_is_found_and_loaded(install):
-    install("spring_law", {"spring": "spring_law:Spring"}, "class Spring:\n    'A law.'\n")
+    install(
+        "spring_law", {"spring": "spring_law:Spring"}, "class Spring:\n    'A law.'\n    name = 'spring'\n"
+    )
     assert available("contact")["spring"].dist.name == "spring_law"
     assert load("contact", "spring").__doc__ == "A law."
     assert "spring" not in available("shape")
@@ -35,7 +42,7 @@ def test_a_strangers_plugin_is_found_and_loaded(install):
 
 def test_finding_imports_nothing_and_loading_imports_one(install):
     install("first_law", {"first": "first_law:Law"}, "class Law: pass\n")
-    install("second_law", {"second": "second_law:Law"}, "class Law: pass\n")
+    install("second_law", {"second": "second_law:Law"}, "class Law: name = 'second'\n")
     assert {"first", "second"} <= set(available("contact"))
     assert "first_law" not in sys.modules
     load("contact", "second")
@@ -67,6 +74,17 @@ def test_an_unknown_name_gets_the_nearest_and_the_list(install):
         ("1 / 0\n", "ZeroDivisionError: division by zero"),
         ("", "AttributeError"),
         ("Law = 3\n", "is not a class"),
+        ("class Law: pass\n", "expected a class attribute 'name', which is what scenes call it; found None"),
+        ("class Law: name = 3\n", "expected a class attribute 'name', .* found 3"),
+        ("class Law: name = 'law'\n", "Law has the name 'law'; expected the same as the entry point's"),
+        (
+            "class Law:\n    name = 'broken'\n    def __init__(self, stiffness): pass\n",
+            r"Law\(…\) must be made from its options alone, given as keywords \(it has none\): .*'stiffness'",
+        ),
+        (
+            f"{OPTIONS}class Law:\n    name = 'broken'\n    Options = Options\n    def __init__(self): pass\n",
+            r"Law\(…\) must be made from its options alone, given as keywords \(stiffness\): .*'stiffness'",
+        ),
     ],
 )
 def test_a_broken_plugin_names_its_distribution_and_the_cause(install, source, cause, request):
@@ -74,6 +92,25 @@ def test_a_broken_plugin_names_its_distribution_and_the_cause(install, source, c
     install(distribution, {"broken": f"{distribution}:Law"}, source)
     with pytest.raises(SceneError, match=f"'broken' of distribution {distribution}.*{cause}"):
         load("contact", "broken")
+
+
+@pytest.mark.parametrize(
+    ("constructor", "options"), [("self, stiffness", OPTIONS), ("self, **options", ""), ("self, at=0.0", "")]
+)
+def test_a_constructor_may_take_its_options_by_name_or_all_together(install, request, constructor, options):
+    distribution = f"taking_{request.node.callspec.indices['constructor']}"
+    own = "    Options = Options\n" if options else ""
+    source = f"{options}class Law:\n    name = 'taking'\n{own}    def __init__({constructor}): pass\n"
+    install(distribution, {"taking": f"{distribution}:Law"}, source)
+    assert load("contact", "taking").name == "taking"
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_bundled_plugin_has_its_name_and_no_hook_that_is_never_called(kind):
+    bundled = [name for name, entry in available(kind).items() if distribution_of(entry) == "mpmfw"]
+    assert bundled
+    for name in bundled:
+        refuse_dead_hooks(load(kind, name))
 
 
 def test_two_distributions_with_one_name_are_both_named(install):

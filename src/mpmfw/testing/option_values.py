@@ -1,4 +1,4 @@
-"""Values to try of an option: its field's examples, or what its type and bounds let one make up."""
+"""Values to try of an option: its field's examples, and what its type and bounds let one make up."""
 
 from __future__ import annotations
 
@@ -11,14 +11,17 @@ from pydantic.fields import FieldInfo
 
 
 def candidates(field: FieldInfo) -> list[Any]:
-    """Values to try of an option: the field's examples, or what its type lets one make up.
+    """Values to try of an option: the field's examples, then what its type lets one make up.
 
-    Numbers keep the field's bounds; a value may still be refused by a validator of the model.
+    Numbers keep the field's bounds; a value may still be refused by a validator of the model. An example may be the
+    value that the plug-in under test was given, so that examples alone would leave nothing to compare it with.
     """
-    if field.examples:
-        return list(field.examples)
     default = field.get_default(call_default_factory=True)
-    return list(_made_up(field.annotation, default, field.metadata))
+    tried: list[Any] = []
+    for value in [*(field.examples or ()), *_made_up(field.annotation, default, field.metadata)]:
+        if value not in tried:  # no set: values need not be hashable
+            tried.append(value)
+    return tried
 
 
 def choices(annotation: Any) -> list[Any]:

@@ -19,7 +19,7 @@ Experiment: TypeAlias = Callable[[dict[str, Any]], str]
 
 
 def every_option_acts(subject: Subject, experiments: Sequence[Experiment]) -> None:
-    """Ask of every option whether two of its values, the default among them, differ in one of the experiments.
+    """Ask of every option whether two of its values, the one that it has among them, differ in one of the experiments.
 
     Values are tried alone, and together with each choice of the other options, since an option may need another one.
     A refused value says nothing for or against the option.
@@ -44,14 +44,17 @@ def _check_option(
     field: FieldInfo,
     experiments: Sequence[Callable[[dict[str, Any]], str | None]],
 ) -> None:
-    values = candidates(field)
+    values, has = candidates(field), field.get_default(call_default_factory=True)
+    configured = name in subject.options
+    if configured:  # the default is then a value like others
+        values += [] if field.is_required() else [has]
+        has = subject.options[name]
     if not values:
         raise Violation(
             f"no value of the option '{name}' could be made up; give its field examples=[…]",
             {"option": name, "type": str(field.annotation)},
         )
-    default = subject.options.get(name, field.get_default(call_default_factory=True))
-    other_values = [value for value in values if value != default]
+    other_values = [value for value in values if value != has]
     silent: list[tuple[Any, dict[str, Any]]] = []
     for others, experiment in itertools.product(_others(model, name), experiments):
         first = experiment(others)
@@ -64,9 +67,10 @@ def _check_option(
             else:
                 silent.append((value, others))
     if not silent:
+        what = "the configured one" if configured else "the default"
         raise Violation(
-            f"every value made up for '{name}' is refused or the default; give its field examples=[…]",
-            {"option": name, "values": values},
+            f"every value made up for '{name}' is refused or {what}; give its field examples=[…]",
+            {"option": name, what: has, "values": values},
         )
     value, others = silent[0]
     raise Violation(

@@ -9,8 +9,9 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from mpmfw.discovery import Kind, did_you_mean, load
+from mpmfw.discovery import Kind, did_you_mean, full_name, load, refuse_class, refuse_nameless
 from mpmfw.errors import SceneError
+from mpmfw.marks import refuse_dead_hooks
 from mpmfw.testing.check import Inapplicable
 
 
@@ -67,20 +68,25 @@ def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None
     Raises
     ------
     SceneError
-        There is no such plug-in, it is of another kind, or it refuses the options.
+        There is no such plug-in, it is of another kind, it refuses the options, or cannot be made from them alone, or
+        it has no name, or hooks that would never be called.
     """
     given = dict(options or {})
     if isinstance(plugin, str):
         plugin = _from_module(plugin) if ":" in plugin else load(kind, plugin)
     if isinstance(plugin, type):
         _check_kind(plugin, kind)
-        _validated(plugin, given)
+        refuse_class(plugin)
+        refuse_dead_hooks(plugin)
+        _made(plugin, given)
         return Subject(kind, _label(plugin, given), plugin, plugin, given)
     if hasattr(plugin, "options") and hasattr(plugin, "from_options"):
         return subject_of(type(plugin), kind, {**_options_set(plugin), **given})
     if callable(plugin):
-        made = plugin(**given)
+        made = _made(plugin, given)
         _check_kind(type(made), kind)
+        refuse_nameless(type(made))
+        refuse_dead_hooks(type(made))
         return Subject(kind, _label(type(made), given), None, plugin, given)
     raise SceneError(
         f"cannot check {plugin!r}: expected a plug-in class, an object of one, a function that makes one, or a name"
@@ -93,9 +99,9 @@ def _from_module(path: str) -> Any:
         found = importlib.import_module(module)
         for part in name.split("."):
             found = getattr(found, part)
-    except (ImportError, AttributeError, ValueError) as error:
+    except Exception as error:  # a stranger's module may raise anything while it is imported
         raise SceneError(
-            f"{path}: {error}; expected module:Class of something that can be imported"
+            f"{path}: {type(error).__name__}: {error}; expected module:Class of something that can be imported"
         ) from error
     return found
 
@@ -106,22 +112,32 @@ def _check_kind(plugin: type[Any], kind: Kind) -> None:
     bases: dict[Kind, type[Any]] = {"contact": ContactStrategy, "shape": ShapeFunction, "material": Material}
     if not issubclass(plugin, bases[kind]):
         raise SceneError(
-            f"{plugin.__module__}.{plugin.__qualname__} is no {kind} plug-in; expected a subclass of "
+            f"{full_name(plugin)} is no {kind} plug-in; expected a subclass of "
             f"mpmfw.api.{bases[kind].__name__}"
         )
 
 
-def _validated(plugin: type[Any], options: Mapping[str, Any]) -> None:
+def _made(factory: Callable[..., Any], options: Mapping[str, Any]) -> Any:
+    """One object, to see that it can be made; a stranger's constructor may raise anything."""
+    name = str(getattr(factory, "name", getattr(factory, "__qualname__", factory)))
     try:
-        plugin(**options)
+        return factory(**options)
     except ValidationError as error:
-        said = "; ".join(_complaint(plugin, problem) for problem in error.errors())
-        raise SceneError(f"{getattr(plugin, 'name', plugin.__name__)}: {said}") from error
+        said = "; ".join(_complaint(factory, problem) for problem in error.errors())
+        raise SceneError(f"{name}: {said}") from error
+    except SceneError:
+        raise
+    except Exception as error:
+        if isinstance(error, TypeError) and not isinstance(
+            factory, type
+        ):  # of a class the signature has been read
+            raise SceneError(f"{name}(…) must be made from its options alone: {error}") from error
+        raise SceneError(f"{name}(…) cannot be made: {type(error).__name__}: {error}") from error
 
 
-def _complaint(plugin: type[Any], problem: Any) -> str:
+def _complaint(plugin: Any, problem: Any) -> str:
     where = ".".join(map(str, problem["loc"])) or "options"
-    if problem["type"] == "extra_forbidden":
+    if problem["type"] == "extra_forbidden" and hasattr(plugin, "Options"):
         return f"no such option '{where}'; {did_you_mean(where, plugin.Options.model_fields)}"
     return f"{where}: {problem['msg']}"
 

@@ -7,7 +7,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from faulty_plugins.contact.plain import PlainContact
-from mpmfw.api import hookimpl
+from mpmfw.api import AnyArray, State, hookimpl
 from mpmfw_contact.bardenhagen import Bardenhagen
 from mpmfw_contact.penalty import Penalty
 
@@ -97,6 +97,21 @@ class ForgetsSprings(Penalty):
     def restart(self) -> None:
         super().restart()
         self.candidates.tangential.fill(0.0)
+
+
+class WorkOfOneInterval(Bardenhagen):
+    """Reports the work of friction since the last output, and not since time zero."""
+
+    name = "work-of-one-interval"
+    before = 0.0
+
+    @hookimpl
+    def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
+        series = Bardenhagen.diagnostics(self, state, interval)
+        work = series["frictional_work"]
+        series["frictional_work"] = work - self.before
+        self.before = work
+        return series
 
 
 class RemembersWork(Bardenhagen):

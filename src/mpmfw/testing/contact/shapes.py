@@ -60,7 +60,10 @@ def _works_with(subject: Subject, shape: str) -> bool:
     except (Violation, Inapplicable):
         raise
     except Exception as error:
-        raise Violation(f"the law does not run with this shape function: {raised(error).message}") from error
+        start = simulate("separate", meeting.mapping(), 1, shape=shape)
+        raise Violation(
+            f"the law does not run with this shape function: {raised(error).message}", {}, impulses_at(start)
+        ) from error
     left = (motion.velocity[-1, 0] - motion.velocity[-1, 1]) @ meeting.normal / meeting.speed
     picture = impulses_at(motion)
     within(

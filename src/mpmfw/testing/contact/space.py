@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mpmfw.fields import FloatArray
-from mpmfw.testing.check import Inapplicable, Violation
+from mpmfw.testing.check import Inapplicable, Picture, Violation
 from mpmfw.testing.contact.bounds import within
 from mpmfw.testing.contact.conservation import FAINT, LEVER, ROUNDING
 from mpmfw.testing.contact.drawing import impulse_history
@@ -44,7 +44,13 @@ def three_dimensions(subject: Subject) -> None:
                 {"step": step + 1},
                 picture,
             )
-        within(_lever(motion), LEVER, "the impulses leave a moment: its lever arm [cells]", None, picture)
+        within(
+            _lever(motion, picture),
+            LEVER,
+            "the impulses leave a moment: its lever arm [cells]",
+            None,
+            picture,
+        )
         left = (motion.velocity[-1, 0] - motion.velocity[-1, 1]) @ normal / speed
         within(float(left), LEFT, "cubes that meet are not stopped: share of their speed left", None, picture)
 
@@ -68,12 +74,12 @@ def three_dimensions(subject: Subject) -> None:
         )
 
 
-def _lever(motion: Motion) -> float:
+def _lever(motion: Motion, picture: Picture) -> float:
     """Σ |M| / Σ |J| over the steps that exchange anything [cells]."""
     magnitudes = [nodal.magnitude() for nodal in motion.nodal]
     acting = [n for n, m in zip(motion.nodal, magnitudes, strict=True) if m > FAINT * max(magnitudes)]
     if not acting:
-        raise Violation("cubes that meet do not exchange anything")
+        raise Violation("cubes that meet do not exchange anything", None, picture)
     moments = [float(np.abs(n.moment(n.position.mean(axis=0))).max()) for n in acting]
     return sum(moments) / sum(magnitudes) / CELL
 

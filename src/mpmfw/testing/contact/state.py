@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from mpmfw.simulation import Simulation
-from mpmfw.testing.check import Violation
+from mpmfw.testing.check import Picture, Violation
 from mpmfw.testing.contact.bounds import search_meetings, within
+from mpmfw.testing.contact.drawing import histories
 from mpmfw.testing.contact.meeting import Meeting
 from mpmfw.testing.contact.motion import Motion, note, recorded, simulate
 from mpmfw.testing.contact.separation import same_bits
@@ -53,7 +54,8 @@ def restart(subject: Subject) -> None:
         for name in ACCUMULATED:
             if name in motion.series:
                 left = float(np.abs(motion.series[name][BEFORE + 1]).max())
-                within(left, 0.0, f"restart() does not forget the series {name}")
+                picture = _side_by_side(motion, reference, name, "J/m")
+                within(left, 0.0, f"restart() does not forget the series {name}", None, picture)
         if "contact_force" in motion.series:
             force, expected = (np.asarray(m.series["contact_force"][BEFORE + 2]) for m in (motion, reference))
             scale = max(float(np.abs(expected).max()), 1e-300)
@@ -62,6 +64,7 @@ def restart(subject: Subject) -> None:
                 1e-9,
                 "the first contact force after restart() is not that of the step (share of it)",
                 {"reported [N/m]": force.tolist(), "without restart() [N/m]": expected.tolist()},
+                _side_by_side(motion, reference, "contact_force", "N/m"),
             )
 
     search_meetings(trial, _SLIDING, examples=3)
@@ -73,6 +76,17 @@ _SLIDING: dict[str, Any] = {
     "slide": ladder(0.2, 1.0, 3),
     "heavier": ladder(1.0, 4.0, 2),
 }
+
+
+def _side_by_side(motion: Motion, reference: Motion, name: str, unit: str) -> Picture:
+    """A series of the first pair with and without the call, over time; of a vector its size."""
+    curves = {}
+    for label, run in ((f"restart() after step {BEFORE}", motion), ("not called", reference)):
+        values = run.of(name)[:, 0]
+        dt = np.array([0.0, *run.dt])
+        dt[BEFORE + 1] = 0.0  # two outputs at one time: before and after the call
+        curves[label] = (np.cumsum(dt), values if values.ndim == 1 else np.linalg.norm(values, axis=1))
+    return histories(curves, f"{name} [{unit}]")
 
 
 def _restarted(subject: Subject, meeting: Meeting, *, call: bool) -> Motion:

@@ -1,0 +1,92 @@
+"""``mpmfw check``: what it refuses, what it finds, what it prints."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+from typer.testing import CliRunner
+
+from mpmfw.cli import app
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["penalti"], "no plug-in 'penalti' is installed; did you mean 'penalty'?"),
+        (
+            ["neo_hookean"],
+            "'neo_hookean' is a material; there are checks for contact laws and shape functions only",
+        ),
+        (["penalty", "--kind", "material"], "there are no checks for materials"),
+        (["penalty", "--kind", "contakt"], "did you mean 'contact'?"),
+        (["cpdi", "--kind", "contact"], "unknown contact plug-in 'cpdi'"),
+        (["a:B"], "say --kind contact or --kind shape"),
+        (["penalty", "--only", "enrgy"], "no such check 'enrgy'; did you mean 'energy'?"),
+        (["penalty", "--set", "kapa=1"], "no such option 'kapa'; did you mean 'kappa'?"),
+        (["penalty", "--set", "kapa"], "expected KEY=VALUE"),
+        (["penalty", "--expected-failures", "missing.toml"], "missing.toml"),
+    ],
+)
+def test_the_command_refuses_what_it_cannot_check(arguments, said):
+    done = CliRunner().invoke(app, ["check", *arguments])
+    assert done.exit_code == 2
+    assert said in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+def test_the_command_finds_a_law_in_the_working_directory(tmp_path):
+    (tmp_path / "my_law.py").write_text(
+        "from mpmfw.api import ContactStrategy\n\n\nclass MyLaw(ContactStrategy):\n    name = 'mine'\n"
+    )
+    command = "import sys; from mpmfw.cli import app; sys.path.remove(''); app()"
+    asked = ["check", "my_law:MyLaw", "--kind", "contact", "--only", "options"]
+    done = subprocess.run(
+        [sys.executable, "-c", command, *asked], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "the plug-in has no options" in done.stdout
+
+
+def test_the_command_tells_of_a_law_that_asks_for_more_than_options(tmp_path):
+    (tmp_path / "asking.py").write_text(
+        "from mpmfw.api import ContactStrategy\n\n\nclass Asking(ContactStrategy):\n    name = 'asking'\n\n"
+        "    def __init__(self, stiffness):\n        super().__init__()\n"
+    )
+    asked = [
+        sys.executable,
+        "-c",
+        "from mpmfw.cli import app; app()",
+        "check",
+        "asking:Asking",
+        "--kind",
+        "contact",
+    ]
+    done = subprocess.run(asked, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "asking.Asking(…) must be made from its options alone" in done.stderr
+
+
+def test_the_command_runs_checks_and_tells_of_failures(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = CliRunner().invoke(app, ["check", "separate", "--only", "pushes-apart", "--only", "options"])
+    assert done.exit_code == 1
+    for part in (
+        "pushes-apart",
+        "not applicable",
+        "smallest counterexample",
+        "mpmfw-check/separate-pushes-apart.png",
+    ):
+        assert part in done.stdout
+    assert "1 of 2 checks went wrong: pushes-apart" in done.stderr
+    assert (tmp_path / "mpmfw-check" / "separate-pushes-apart.png").is_file()
+
+    (tmp_path / "why.toml").write_text(
+        '[expected_failures]\npushes-apart = "no interaction: bodies pass through"\n'
+    )
+    chosen = ["--only", "pushes-apart", "--expected-failures", "why.toml", "--pictures", "shown"]
+    done = CliRunner().invoke(app, ["check", "separate", *chosen])
+    assert done.exit_code == 0
+    assert "expected failure" in done.stdout
+    assert "no interaction: bodies pass through" in done.stdout

@@ -1,0 +1,122 @@
+"""What comes of a check: outcomes, pictures, justified failures, and the same as pytest tests."""
+
+from __future__ import annotations
+
+import pytest
+
+from mpmfw.errors import SceneError
+from mpmfw.testing import (
+    Check,
+    Inapplicable,
+    Violation,
+    contact_checks,
+    contact_conformance,
+    examine,
+    ladder,
+    search,
+    subject_of,
+)
+from mpmfw.testing import parametrised as parametrised_module
+
+SUBJECT = subject_of("separate", "contact")
+
+
+def failing(_subject):
+    def trial(a, b):
+        if a + b > 0.75:
+            raise Violation(
+                "too much", {"sum": a + b}, lambda axes: axes.plot([0, a], [0, b]), measured=a + b, bound=0.75
+            )
+
+    search({"a": ladder(0.0, 1.0, 5), "b": ladder(0.0, 1.0, 5)}, trial, examples=30, names={"a": "a [m]"})
+
+
+def not_asked(_subject):
+    raise Inapplicable("there is nothing to ask")
+
+
+GOOD = Check("good", "All is well.", lambda _subject: None)
+BAD = Check("bad", "The sum is small.", failing)
+ASKED = Check("asked", "Something.", not_asked)
+WHY = "the sum of two numbers may be large"
+
+
+def test_a_note_of_a_check_that_passes_is_kept():
+    noted = Check("noted", "All is well.", lambda _subject: "refuses: linear")
+    (outcome,) = examine(SUBJECT, [noted])
+    assert (outcome.status, outcome.message) == ("passed", "refuses: linear")
+
+
+def test_outcomes_and_their_pictures(tmp_path):
+    good, bad, asked = examine(SUBJECT, [GOOD, BAD, ASKED], pictures=tmp_path / "new")
+    assert (good.status, bad.status, asked.status) == ("passed", "failed", "not applicable")
+    assert [each.wrong for each in (good, bad, asked)] == [False, True, False]
+    assert bad.picture == tmp_path / "new" / "separate-bad.png"
+    assert bad.picture.stat().st_size > 1000
+    for part in (
+        "The sum is small.",
+        "too much",
+        "measured 1, bound 0.75",
+        "a [m] = 0",
+        "b = 1",
+        str(bad.picture),
+    ):
+        assert part in bad.report
+    assert asked.message == "there is nothing to ask"
+
+
+def test_expected_failures_must_fail():
+    good, bad, asked = examine(SUBJECT, [GOOD, BAD, ASKED], dict.fromkeys(("good", "bad", "asked"), WHY))
+    assert (good.status, bad.status, asked.status) == (
+        "unexpectedly passed",
+        "expected failure",
+        "unexpectedly passed",
+    )
+    assert good.wrong
+    assert not bad.wrong
+    assert asked.wrong
+    assert "take it off the list" in good.message
+    assert bad.justification == WHY
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ({"bad": ""}, "must be justified"),
+        ({"bad": "it just does"}, "20 characters"),
+        ({"bda": WHY}, "no such check 'bda'; did you mean 'bad'"),
+    ],
+)
+def test_expected_failures_must_be_justified_and_known(table, said):
+    with pytest.raises(SceneError, match=said):
+        examine(SUBJECT, [GOOD, BAD], table)
+
+
+def test_the_decorator_parametrises_over_all_checks():
+    mark = contact_conformance("separate").mark
+    assert mark.name == "parametrize"
+    assert list(mark.kwargs["ids"]) == [check.name for check in contact_checks()]
+    assert len(mark.args[1]) == len(contact_checks())
+    with pytest.raises(SceneError, match="did you mean 'energy'"):
+        contact_conformance("separate", expected_failures={"enrgy": WHY})
+    with pytest.raises(SceneError, match="did you mean 'energy'"):
+        contact_conformance("separate", only=["enrgy"])
+
+
+@pytest.mark.parametrize(
+    ("check", "why", "result"),
+    [
+        (GOOD, "", None),
+        (ASKED, "", pytest.skip.Exception),
+        (BAD, "", pytest.fail.Exception),
+        (BAD, WHY, pytest.xfail.Exception),
+        (GOOD, WHY, pytest.fail.Exception),
+    ],
+)
+def test_a_bound_check_passes_skips_or_fails(check, why, result, tmp_path):
+    bound = parametrised_module.BoundCheck(SUBJECT, check, why, tmp_path)
+    if result is None:
+        bound()
+        return
+    with pytest.raises(result):
+        bound()

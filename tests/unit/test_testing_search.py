@@ -1,0 +1,111 @@
+"""The search for the smallest counterexample: simplest first, the same in every run, errors and refusals kept."""
+
+from __future__ import annotations
+
+import pytest
+
+from mpmfw.testing import Inapplicable, Violation, ladder, search, try_all
+
+
+def search_too_much():
+    """Two numbers of a ladder each, whose sum is beyond a bound."""
+
+    def trial(a, b):
+        if a + b > 0.75:
+            raise Violation("too much", {"sum": a + b}, measured=a + b, bound=0.75)
+
+    search({"a": ladder(0.0, 1.0, 5), "b": ladder(0.0, 1.0, 5)}, trial, examples=30, names={"a": "a [m]"})
+
+
+def test_the_counterexample_is_the_smallest_and_the_same_in_every_run():
+    with pytest.raises(Violation) as first:
+        search_too_much()
+    with pytest.raises(Violation) as second:
+        search_too_much()
+    assert first.value.counterexample == {"a [m]": 0.0, "b": 1.0, "sum": 1.0}
+    assert second.value.counterexample == first.value.counterexample
+    assert (first.value.measured, first.value.bound) == (1.0, 0.75)
+
+
+def test_the_simplest_case_is_tried_first():
+    tried = []
+    search({"a": ladder(3.0, 1.0, 3)}, lambda a: tried.append(a), examples=5)
+    assert tried[0] == 3.0
+    assert set(tried) <= {1.0, 2.0, 3.0}
+
+
+def test_a_search_ends_after_so_many_trials():
+    tried = []
+
+    def trial(a):
+        tried.append(a)
+        if a > 3:
+            raise Violation("beyond three")
+
+    with pytest.raises(Violation) as caught:
+        search({"a": ladder(0.0, 1000.0, 1001)}, trial, examples=50, most=12)
+    assert len(tried) <= 12
+    assert caught.value.counterexample["a"] > 3
+
+
+def test_all_combinations_are_tried_simplest_first():
+    tried = []
+
+    def trial(a, b):
+        tried.append((a, b))
+        if a + b > 4:
+            raise Violation("beyond four")
+
+    with pytest.raises(Violation) as caught:
+        try_all({"a": (1, 2), "b": (1, 3)}, trial, names={"b": "b [m]"})
+    assert tried[0] == (1, 1)
+    assert len(tried) == 4
+    assert caught.value.counterexample == {"a": 2, "b [m]": 3}
+
+
+def test_an_error_of_the_plugin_is_a_violation_with_its_case():
+    def trial(a):
+        if a > 0:
+            raise ZeroDivisionError("no gap")
+
+    with pytest.raises(Violation, match="ZeroDivisionError: no gap") as caught:
+        search({"a": ladder(0.0, 4.0, 5)}, trial, examples=20)
+    assert caught.value.counterexample == {"a": 1.0}
+    assert isinstance(caught.value.__cause__, ZeroDivisionError)
+
+
+def test_what_cannot_be_asked_is_said():
+    def trial(a):
+        raise Inapplicable(f"it has no springs at {a:g} m")
+
+    with pytest.raises(Inapplicable, match="no springs"):
+        search({"a": ladder(0.0, 1.0, 2)}, trial)
+
+
+def test_a_later_case_that_cannot_be_asked_hides_no_violation():
+    def trial(a):
+        if a > 0.6:
+            raise Violation("beyond 0.6")
+        if a > 0.3:
+            raise Inapplicable("the middle cannot be asked")
+
+    with pytest.raises(Violation, match=r"beyond 0\.6"):
+        try_all({"a": (0.0, 0.5, 1.0)}, trial)
+    with pytest.raises(Inapplicable, match="middle"):
+        try_all({"a": (0.5, 1.0)}, trial)
+
+
+def test_shrinking_into_a_case_that_cannot_be_asked_keeps_the_violation():
+    tried = []
+
+    def trial(a):
+        broken = any(each > 0.8 for each in tried)
+        tried.append(a)
+        if a > 0.8:
+            raise Violation("beyond 0.8")
+        if broken and a > 0.0:
+            raise Inapplicable("it has no springs")
+
+    with pytest.raises(Violation, match=r"beyond 0\.8"):
+        search({"a": ladder(0.0, 1.0, 11)}, trial, examples=40)
+    assert 0.0 < tried[-1] <= 0.8

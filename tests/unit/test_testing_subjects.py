@@ -1,0 +1,158 @@
+"""What is checked: classes, objects, functions and names, what is none of these, and values of their options."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import pytest
+from pydantic import BaseModel, Field
+
+from mpmfw.api import ContactStrategy
+from mpmfw.errors import SceneError
+from mpmfw.testing import contact_checks, examine, subject_of
+from mpmfw.testing.option_values import candidates
+from mpmfw_contact.penalty import Penalty
+
+
+def test_subjects_of_all_sorts():
+    assert subject_of(Penalty(kappa=2.0), "contact").make().options.kappa == 2.0
+    assert subject_of(Penalty, "contact", {"kappa": 3.0}).label == "penalty(kappa=3.0)"
+    assert subject_of("mpmfw_contact.penalty:Penalty", "contact").make(kappa=4.0).options.kappa == 4.0
+    made = subject_of(lambda: Penalty(kappa=5.0), "contact")
+    assert made.make() is not made.make()
+    assert made.make().options.kappa == 5.0
+
+
+@pytest.mark.parametrize(
+    ("plugin", "options", "said"),
+    [
+        ("penalti", {}, "did you mean 'penalty'"),
+        ("mpmfw_contact.penalty:Nothing", {}, "has no attribute 'Nothing'"),
+        ("mpmfw_shape.gimp:Gimp", {}, "is no contact plug-in"),
+        (Penalty, {"kapa": 1.0}, "no such option 'kapa'; did you mean 'kappa'"),
+        (Penalty, {"kappa": -1.0}, "kappa: .*greater than 0"),
+        (3, {}, "cannot check 3"),
+    ],
+)
+def test_what_is_no_subject_is_refused(plugin, options, said):
+    with pytest.raises(SceneError, match=said):
+        subject_of(plugin, "contact", options)
+
+
+class Asks(ContactStrategy):
+    """Its constructor asks for more than options."""
+
+    name = "asks"
+
+    def __init__(self, stiffness):
+        super().__init__()
+        self.stiffness = stiffness
+
+
+class Raises(ContactStrategy):
+    """Its constructor fails."""
+
+    name = "raises"
+
+    def __init__(self, **options):
+        raise ZeroDivisionError(f"no gap in {options}")
+
+
+class Nameless(ContactStrategy):
+    """A law that scenes could not name."""
+
+
+class Unmarked(ContactStrategy):
+    """A forgotten mark."""
+
+    name = "unmarked"
+
+    def after_momentum_update(self, grid):
+        grid.momentum[:] = 0.0
+
+
+@pytest.mark.parametrize(
+    ("plugin", "said"),
+    [
+        (Asks, r"Asks\(…\) must be made from its options alone.*'stiffness'"),
+        (lambda stiffness: Asks(stiffness), r"must be made from its options alone.*'stiffness'"),
+        (Raises, r"raises\(…\) cannot be made: ZeroDivisionError: no gap in \{\}"),
+        (Nameless, "Nameless: expected a class attribute 'name'"),
+        (lambda: Nameless(), "Nameless: expected a class attribute 'name'"),
+        (Unmarked, r"Unmarked\.after_momentum_update has the name of a hook and is not marked"),
+        (lambda: Unmarked(), r"Unmarked\.after_momentum_update has the name of a hook and is not marked"),
+    ],
+)
+def test_an_error_of_the_author_is_one_message(plugin, said):
+    with pytest.raises(SceneError, match=said):
+        subject_of(plugin, "contact")
+
+
+def test_a_module_that_fails_is_one_message(tmp_path, monkeypatch):
+    (tmp_path / "half_written.py").write_text("class Law(:\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(SceneError, match=r"half_written:Law: SyntaxError: .*expected module:Class"):
+        subject_of("half_written:Law", "contact")
+
+
+class Some(BaseModel):
+    """Options of many types."""
+
+    opaque: dict[str, float] = {}
+    number: float = 2.0
+    count: int = 3
+    flag: bool = False
+    maybe: str | None = None
+    pair: tuple[float, ...] | None = None
+    other: dict[str, float] = Field({}, examples=[{"a": 1.0}])
+    narrow: float = Field(5.5, ge=5, le=6)
+    open: float = Field(0.5, gt=0, lt=1)
+    order: int = Field(2, ge=1)
+    length: Annotated[float, Field(ge=100.0)] | None = None
+    shown: float = Field(0.0, ge=0.0, examples=[1e4, 1.0])
+
+
+def test_values_of_options_are_made_up_by_type():
+    fields = Some.model_fields
+    assert candidates(fields["number"])[:2] == [4.0, 1.0]
+    assert set(candidates(fields["count"])) >= {6, 1}
+    assert candidates(fields["flag"]) == [False, True]
+    assert "first" in candidates(fields["maybe"])
+    assert (1.0, 0.0) in candidates(fields["pair"])
+    assert candidates(fields["other"]) == [{"a": 1.0}]
+    assert candidates(fields["opaque"]) == []
+
+
+def test_examples_come_first_and_leave_others_to_compare_with():
+    values = candidates(Some.model_fields["shown"])
+    assert values[0] == 1e4
+    assert {0.0, 0.01, 1.0} <= set(values)
+    assert len(values) == len(set(values))
+
+
+@pytest.mark.parametrize(
+    ("name", "least", "most"),
+    [("narrow", 5.0, 6.0), ("open", 1e-9, 1.0 - 1e-9), ("order", 1, 1000), ("length", 100.0, 1e9)],
+)
+def test_numbers_that_are_made_up_keep_the_bounds_of_the_field(name, least, most):
+    field = Some.model_fields[name]
+    others = [value for value in candidates(field) if value != field.default]
+    assert len(others) >= 2
+    assert all(least <= value <= most for value in others)
+    for value in others:
+        Some(**{name: value})
+
+
+class Opaque(ContactStrategy):
+    """A law with an option whose values nobody can guess."""
+
+    name = "opaque"
+    Options = Some
+
+
+def test_an_option_whose_values_cannot_be_made_up_is_asked_for():
+    options = next(check for check in contact_checks() if check.name == "options")
+    outcome = examine(subject_of(Opaque, "contact"), [options])[0]
+    assert outcome.status == "failed"
+    assert outcome.counterexample["option"] == "opaque"
+    assert "give its field examples" in outcome.message
