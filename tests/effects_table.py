@@ -138,10 +138,18 @@ EFFECTS = {
     ),
     "ledger": brings(
         "energy_ledger",
-        hooks="declare_fields setup after_momentum_projection add_nodal_force after_momentum_update "
-        "correct_inertia constrain_momentum end_step diagnostics",
-        modules="mpmfw.effects.ledger",
+        hooks="declare_fields end_step diagnostics",
+        modules="mpmfw.effects.ledger mpmfw.effects.ledger_energies mpmfw.effects.energy_guard",
         series="transfer_dissipation energy_residual",
+    ),
+    "impulses before": brings(
+        "energy_ledger_before",
+        hooks="after_momentum_projection add_nodal_force after_momentum_update",
+        modules="mpmfw.effects.ledger_impulses",
+    ),
+    "impulses after": brings(
+        "energy_ledger_after",
+        hooks="after_momentum_projection add_nodal_force after_momentum_update correct_inertia constrain_momentum",
     ),
     "ledger of gravity": brings("energy_ledger", series="gravity_work"),
     "ledger of contact": brings("energy_ledger", series="contact_work inertia_work"),
@@ -193,6 +201,7 @@ GRAVITY = {"vector": [0, -10]}
 HELD = [{"side": "bottom", "fixed": True}]
 FRICTIONLESS = ("penalty", "surfaces", "rotation", "touching")
 TOUCHED = (*FRICTIONLESS, "friction")
+LEDGER = ("ledger", "impulses before", "impulses after")
 CASES = {
     "one body": Case(ONE, ()),
     "two bodies apart": Case(_apart(_two("penalty")), ("penalty", "surfaces", "rotation", "friction")),
@@ -208,13 +217,13 @@ CASES = {
         with_changes(ONE, settle={"tolerance": 0.5}, gravity=GRAVITY, bodies__solid__sides=HELD),
         ("settling", "gravity", "prescribed sides"),
     ),
-    "ledger": Case(with_changes(ONE, output={"ledger": True}), ("ledger",)),
+    "ledger": Case(with_changes(ONE, output={"ledger": True}), LEDGER),
     "ledger of a falling body": Case(
         with_changes(ONE, output={"ledger": True}, gravity=GRAVITY),
-        ("ledger", "gravity", "ledger of gravity"),
+        (*LEDGER, "gravity", "ledger of gravity"),
     ),
     "ledger of contact": Case(
-        _two("penalty", output={"gap": False, "ledger": True}), (*TOUCHED, "ledger", "ledger of contact")
+        _two("penalty", output={"gap": False, "ledger": True}), (*TOUCHED, *LEDGER, "ledger of contact")
     ),
     "stability of one body": Case(with_changes(ONE, output={"stability": True}), ("stability",)),
     "stability of contact": Case(

@@ -136,8 +136,7 @@ CASES: dict[str, Case] = {
     "gap-0": Case(lambda: impact(0.0), "initial gap of 0"),
     "gap-0.9": Case(lambda: impact(0.9), "initial gap of 0.9 cells (0.1: equal blocks)"),
     "overlap": Case(
-        # The guard of the energy takes springs that are loaded at first for growth.
-        lambda: {**impact(-0.1, 0.01), "allow_overlap": True, "allow_unstable": True},
+        lambda: {**impact(-0.1, 0.01), "allow_overlap": True},
         "initial overlap of 0.1 cells, allowed",
         depth=0.15,
     ),

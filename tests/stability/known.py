@@ -5,6 +5,8 @@ A method that passes where it is expected to fail is an error.
 
 from __future__ import annotations
 
+from hard_scenes import FULL
+
 LINEAR = (
     "linear functions: ∇φ jumps as points cross cells, and the strain that follows is paid for by nobody "
     "(the residual of the ledger grows)"
@@ -20,6 +22,10 @@ STICKS = (
 LEANS = (
     "normals averaged over both bodies tilt at the corners of turned blocks: the stack settles by 0.03 to 0.2 cells, and "
     "does not come to rest upright"
+)
+RINGS = (
+    "MUSL with FLIP, the default of linear functions: at rest a mode of the points grows by e in 1000 to 3000 steps, while none "
+    "crosses a cell; the strain's integration adds its energy. With scheme `usl` or transfer `apic` it dies out"
 )
 LOOSE = (
     "0.175 cells of penetration: averaged normals tilt at the block's corners. With `bardenhagen.normal = \"master\"` it is "
@@ -55,6 +61,15 @@ _FAILS: list[tuple[str, str, str, str]] = [  # contact, shape, cases, reason
 KNOWN: dict[tuple[str, str, str], str] = {
     (case, contact, shape): why for contact, shape, cases, why in _FAILS for case in cases.split()
 }
+
+
+#: Failures that only the cases in full show: 100 000 steps at rest.
+_IN_FULL: dict[tuple[str, str, str], str] = {
+    ("long-rest", "penalty", "linear"): RINGS,
+    ("long-rest", "bardenhagen", "linear"): RINGS,
+}
+if FULL:
+    KNOWN |= _IN_FULL
 
 
 def reason(case: str, contact: str, shape: str) -> str | None:

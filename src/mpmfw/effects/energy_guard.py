@@ -1,0 +1,92 @@
+"""The end of a run whose energy grows without reason."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mpmfw.errors import SimulationError
+from mpmfw.state import State
+
+#: Growth, as a share of the energy at the start and what was put in since, past which a run is stopped.
+GROWTH_LIMIT = 0.5
+
+#: Energy per stiffness and volume that counts as nothing: rounding in bodies at rest is no growth.
+NOTHING = 1e-12
+
+#: Where energy may come from: what it is called, and what helps.
+CAUSES = {
+    "contact": ("contact", "a smaller time.safety, or a softer contact (contact.penalty.kappa)"),
+    "inertia": ("the inertia correction", "a smaller time.safety, or rotation = 'lumped'"),
+    "transfer": ("the transfer between points and grid", "another stepping.transfer or shape"),
+    "strain": ("the strain's integration in time", "a smaller time.safety, or scheme 'usl'"),
+}
+
+
+class EnergyGuard:
+    """Knows how much energy the bodies may have.
+
+    Parameters
+    ----------
+    nothing
+        Energy that counts as nothing [J/m].
+    """
+
+    def __init__(self, nothing: float) -> None:
+        self.nothing = nothing
+        self.restart(0.0)
+
+    @classmethod
+    def of(cls, state: State) -> EnergyGuard:
+        """The guard of these bodies: nothing is a share of the stiffness that they have."""
+        volumes = [state.particles.initial_volume[body.particles].sum() for body in state.bodies]
+        stiffness = [body.bulk_modulus + body.shear_modulus for body in state.bodies]
+        return cls(NOTHING * float(np.dot(volumes, stiffness)))
+
+    def restart(self, start: float) -> None:
+        """Begin with bodies that have the energy ``start`` [J/m]."""
+        self.start = start
+        self.given = self.input = 0.0
+        self.loaded: float | None = (
+            None  #: energy of the contact springs at the start; None until a step has told
+        )
+
+    def give(self, work: float) -> None:
+        """Say what gravity and external loads have done since the start [J/m]; the most that they had done stays
+        allowed."""
+        self.given, self.input = work, max(self.input, work)
+
+    @property
+    def allowed(self) -> float:
+        """Energy at the start, that of contact springs included, and what was put in [J/m]."""
+        return self.start + (self.loaded or 0.0) + self.input + self.nothing
+
+    def growth(self, energy: float) -> float:
+        """Energy of the bodies beyond what they had, springs could give, and loads gave [J/m]."""
+        return energy - self.start - (self.loaded or 0.0) - self.given
+
+    def grown(self, energy: float) -> bool:
+        """Whether that is too much; NaN is."""
+        return not self.growth(energy) <= GROWTH_LIMIT * self.allowed
+
+    def error(self, energy: float, terms: dict[str, float], time: float) -> SimulationError:
+        """What stops the run, with the likely cause.
+
+        Parameters
+        ----------
+        energy
+            Of the bodies [J/m].
+        terms
+            Energy that came from ``contact``, ``inertia``, ``transfer`` and ``strain`` since the start [J/m].
+        time
+            [s].
+        """
+        amounts = {**terms, "contact": terms["contact"] - (self.loaded or 0.0)}
+        largest = max(amounts, key=lambda term: amounts[term])
+        cause, advice = CAUSES[largest]
+        return SimulationError(
+            f"the energy grew by {self.growth(energy):.4g} J/m without reason, past {GROWTH_LIMIT:g} of the "
+            f"{self.allowed:.4g} J/m that there were and were put in; likely cause: {cause}, which added "
+            f"{amounts[largest]:.4g} J/m",
+            time=time,
+            advice=f"{advice}; allow_unstable = true lets the run go on",
+        )
