@@ -38,14 +38,8 @@ def distribution_of(entry: EntryPoint) -> str:
 
 
 def available(kind: Kind) -> dict[str, EntryPoint]:
-    """Installed plug-ins of one kind by name, sorted; nothing is imported.
-
-    Raises
-    ------
-    SceneError
-        Two distributions announce the same name for different objects.
-    """
-    return dict(_announced(kind, entry_points, _search_path()))
+    """Installed plug-ins of one kind by name, sorted; nothing is imported. Of a name announced twice, the first."""
+    return {name: entries[0] for name, entries in _announced(kind, entry_points, _search_path()).items()}
 
 
 def _search_path() -> tuple[tuple[str, int], ...]:
@@ -58,17 +52,14 @@ def _announced(
     kind: Kind,
     look_up: Callable[..., Iterable[EntryPoint]],
     folders: tuple[tuple[str, int], ...],  # noqa: ARG001
-) -> dict[str, EntryPoint]:
+) -> dict[str, list[EntryPoint]]:
     """Read what is installed, once for each state of the search path: every simulation asks a dozen times."""
-    found: dict[str, EntryPoint] = {}
+    found: dict[str, list[EntryPoint]] = {}
     for entry in sorted(look_up(group=f"mpmfw.{kind}"), key=lambda entry: entry.name):
-        other = found.setdefault(entry.name, entry)
         # The same distribution may be seen twice on the search path (an installation and its source tree)
-        if other.value != entry.value or distribution_of(other) != distribution_of(entry):
-            raise SceneError(
-                f"two distributions announce a {kind} plug-in '{entry.name}': {distribution_of(other)} "
-                f"({other.value}) and {distribution_of(entry)} ({entry.value}); uninstall one of them"
-            )
+        known = {(other.value, distribution_of(other)) for other in found.get(entry.name, ())}
+        if (entry.value, distribution_of(entry)) not in known:
+            found.setdefault(entry.name, []).append(entry)
     return found
 
 
@@ -78,13 +69,18 @@ def load(kind: Kind, name: str) -> type[Any]:
     Raises
     ------
     SceneError
-        No such plug-in is installed, it fails to import, its class has another name, or :func:`refuse_class` says why
+        No such plug-in is installed, or two of that name; it fails to import, its class has another name, or :func:`refuse_class` says why
         it cannot be used.
     """
     entries = available(kind)
     if name not in entries:
         raise SceneError(f"unknown {kind} plug-in '{name}'; {did_you_mean(name, entries)}")
-    entry = entries[name]
+    entry, *others = _announced(kind, entry_points, _search_path())[name]
+    if others:
+        announced = " and ".join(f"{distribution_of(each)} ({each.value})" for each in (entry, *others))
+        raise SceneError(
+            f"two distributions announce a {kind} plug-in '{name}': {announced}; uninstall one of them"
+        )
     said = f"{kind} plug-in '{name}' of distribution {distribution_of(entry)}"
     try:
         plugin = entry.load()

@@ -4,7 +4,9 @@ import subprocess
 import sys
 
 import pytest
+from typer.testing import CliRunner
 
+from mpmfw.cli import app
 from mpmfw.discovery import KINDS, available, distribution_of, load
 from mpmfw.errors import SceneError
 from mpmfw.marks import refuse_dead_hooks
@@ -116,5 +118,10 @@ def test_every_bundled_plugin_has_its_name_and_no_hook_that_is_never_called(kind
 def test_two_distributions_with_one_name_are_both_named(install):
     install("one_law", {"twice": "one_law:Law"})
     install("other_law", {"twice": "other_law:Law"})
+    assert "twice" in available("contact")  # the others are not hidden
     with pytest.raises(SceneError, match=r"'twice': o[a-z]*_law .* and o[a-z]*_law .*uninstall"):
-        available("contact")
+        load("contact", "twice")
+    assert load("contact", "penalty").name == "penalty"
+    listed = CliRunner().invoke(app, ["plugins"]).output
+    assert "penalty" in listed
+    assert "BROKEN: two distributions" in " ".join(listed.split())
