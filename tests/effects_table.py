@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.simulation import Simulation
-from scenes_for_tests import block, two_blocks, with_changes
+from scenes_for_tests import block, box, two_blocks, with_changes
 
 Pairs = set[tuple[str, str]]
 
@@ -56,13 +56,11 @@ LEAST = Brings(
     hooks=frozenset(
         (hook, who)
         for who, hooks in (
-            ("neo_hookean soft", "setup update_stress"),
             ("body_series", "declare_fields setup diagnostics"),
             ("von_mises", "declare_fields diagnostics"),
         )
         for hook in hooks.split()
     ),
-    modules=frozenset({"mpmfw_material.neo_hookean"}),
     series=frozenset(
         {
             *("centre_of_mass", "mean_velocity", "angular_velocity", "linear_momentum", "angular_momentum"),
@@ -78,6 +76,29 @@ _SHAPE = "setup particle_reach interpolate interpolate_surface"
 _PENALTY = (*("strategy", "search", "candidates", "laws", "options", "pair_force", "stability", "facing"),)
 EFFECTS = {
     "linear": brings("linear", hooks=_SHAPE, modules="mpmfw_shape.linear mpmfw_shape._bilinear_surface"),
+    "gimp": brings(
+        "gimp",
+        hooks=f"{_SHAPE} declare_fields",
+        arrays="half_length",
+        modules="mpmfw_shape.gimp mpmfw_shape._bilinear_surface",
+    ),
+    "cpdi": brings(
+        "cpdi",
+        hooks=_SHAPE,
+        arrays="layout/half_edges",
+        modules="mpmfw_shape.cpdi mpmfw_shape._bilinear_surface",
+    ),
+    "bspline": brings("bspline", hooks=_SHAPE, modules="mpmfw_shape.bspline"),
+    "neo_hookean": brings(
+        "neo_hookean soft",
+        hooks="setup update_stress",
+        modules="mpmfw_material.neo_hookean mpmfw_material._plane_strain",
+    ),
+    "linear_elastic": brings(
+        "linear_elastic soft",
+        hooks="setup update_stress",
+        modules="mpmfw_material.linear_elastic mpmfw_material._plane_strain",
+    ),
     "domain tracking": brings(
         "cpdi2",
         hooks=f"{_SHAPE} declare_fields update_particle_domains diagnostics",
@@ -113,7 +134,16 @@ EFFECTS = {
         arrays="acceleration correction",
         modules="mpmfw.effects.local_inertia",
     ),
+    "none": brings(modules="mpmfw_contact.none"),
     "separate": brings(modules="mpmfw_contact.separate"),
+    "bardenhagen": brings(
+        "bardenhagen",
+        hooks="declare_fields setup after_momentum_projection after_momentum_update diagnostics",
+        arrays="impulse frictional_work damping_work energy count sharers volume_gradient",
+        modules="mpmfw_contact.bardenhagen mpmfw_contact._shared_nodes mpmfw_contact.records",
+        series="contact_force contact_count frictional_work contact_energy damping_work",
+    ),
+    "distance of bodies": brings("bardenhagen", arrays="mean_position"),
     "penalty": brings(
         "penalty",
         hooks="declare_fields setup add_nodal_force stable_timestep diagnostics",
@@ -176,10 +206,16 @@ class Case:
     scene: dict[str, Any]
     effects: tuple[str, ...]
     shape: str = "linear"
+    material: str = "neo_hookean"
 
     def expected(self, what: str) -> frozenset[Any]:
         """Union of what the effects bring."""
-        parts = [LEAST, EFFECTS[self.shape], *(EFFECTS[name] for name in self.effects)]
+        parts = [
+            LEAST,
+            EFFECTS[self.shape],
+            EFFECTS[self.material],
+            *(EFFECTS[name] for name in self.effects),
+        ]
         return frozenset().union(*(getattr(part, what) for part in parts))
 
 
@@ -197,6 +233,7 @@ def _two(method: str, **changes: Any) -> dict[str, Any]:
 
 
 ONE = block(shape__method="linear", bodies__solid__rotation="lumped")
+ELASTIC = {"model": "linear_elastic", "density": 1e3, "bulk_modulus": 1e6, "shear_modulus": 5e5}
 GRAVITY = {"vector": [0, -10]}
 HELD = [{"side": "bottom", "fixed": True}]
 FRICTIONLESS = ("penalty", "surfaces", "rotation", "touching")
@@ -236,6 +273,17 @@ CASES = {
     "exact rotation": Case(with_changes(ONE, bodies__solid__rotation="exact"), ("rotation",)),
     "least gap": Case(_two("separate", output={}), ("separate", "least gap", "surfaces", "rotation")),
     "moving domains": Case(with_changes(ONE, shape__method="cpdi2"), ("affine field",), "domain tracking"),
+    "gimp": Case(with_changes(ONE, shape__method="gimp"), ("affine field",), "gimp"),
+    "cpdi": Case(with_changes(ONE, shape__method="cpdi"), ("affine field",), "cpdi"),
+    "bspline": Case(with_changes(ONE, shape__method="bspline"), ("affine field",), "bspline"),
+    "linear elastic": Case(with_changes(ONE, materials__soft=ELASTIC), (), material="linear_elastic"),
+    "three dimensions": Case(box(shape__method="linear", bodies__solid__rotation="lumped"), ()),
+    "no contact": Case(_two("none"), ("none",)),
+    "contact by velocity": Case(_two("bardenhagen"), ("bardenhagen", "rotation")),
+    "contact by position": Case(
+        _two("bardenhagen", contact__bardenhagen={"criterion": "position"}),
+        ("bardenhagen", "distance of bodies", "rotation"),
+    ),
     "flip": Case(with_changes(ONE, stepping={"transfer": "flip"}), ()),
     "pic": Case(with_changes(ONE, stepping={"transfer": "pic"}), ()),
     "apic": Case(with_changes(ONE, stepping={"transfer": "apic"}), ("affine field", "affine moments")),

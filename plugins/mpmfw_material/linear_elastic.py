@@ -10,7 +10,7 @@ from mpmfw.api import FloatArray, Material, Particles, Pressure, Setup, hookimpl
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.small_matrix import invert
 from mpmfw.kernels.types import Floats
-from mpmfw_material.neo_hookean import pad_plane_strain
+from mpmfw_material._plane_strain import pad_plane_strain
 
 MAX_ITERATIONS = 30
 

@@ -12,6 +12,7 @@ from mpmfw.api import FloatArray, Material, Particles, Pressure, Setup, hookimpl
 from mpmfw.kernels import kernel, scratch
 from mpmfw.kernels.small_matrix import determinant
 from mpmfw.kernels.types import Floats
+from mpmfw_material._plane_strain import pad_plane_strain
 
 
 @kernel
@@ -94,14 +95,6 @@ class NeoHookeanOptions(BaseModel):
         "split",
         description="split: K/2 [(J^2-1)/2 - ln J] + G/2 [J^(-2/3) tr b - 3]; log: G/2 (tr b - 3) - G ln J + l/2 ln^2 J",
     )
-
-
-def pad_plane_strain(deformation_gradient: FloatArray) -> FloatArray:
-    """F as (n, 3, 3): plane strain adds F_zz = 1."""
-    n, dim = deformation_gradient.shape[:2]
-    padded = np.tile(np.eye(3), (n, 1, 1))
-    padded[:, :dim, :dim] = deformation_gradient
-    return padded
 
 
 class NeoHookean(Material):

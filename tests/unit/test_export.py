@@ -276,7 +276,7 @@ def test_errors_name_what_is_there(tree, tmp_path):
         mpmfw.export(tree, tmp_path, every=0)
     with pytest.raises(SceneError, match=r"every 2\.5: expected a whole number"):
         mpmfw.export(tree, tmp_path, every=2.5)
-    with pytest.raises(SceneError, match="bodies: none is named; expected some of .*floor"):
+    with pytest.raises(SceneError, match=r"bodies: none is named; expected some of .*floor"):
         mpmfw.export(tree, tmp_path, bodies=[])
     with pytest.raises(SceneError, match="no body 'flor'; did you mean 'floor'"):
         mpmfw.export(tree, tmp_path, bodies="flor")

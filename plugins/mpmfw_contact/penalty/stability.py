@@ -77,9 +77,7 @@ def spring_stiffness(
 
 
 @device
-def motion(
-    s: int, m: int, xi: Float, e_x: Float, e_y: Float, displacement: Floats, following: Ints
-) -> Float:
+def motion(s: int, m: int, xi: Float, e_x: Float, e_y: Float, displacement: Floats, following: Ints) -> Float:
     """Motion of node s along e, seen from the point ξ of segment m, in the last step [m]."""
     e, total = following[m], 0.0
     for d in range(2):
