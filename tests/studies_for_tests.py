@@ -5,6 +5,9 @@ from __future__ import annotations
 import copy
 from typing import Any
 
+from mpmfw.studies.grid import Grid, make_grid
+from mpmfw.studies.judging import Judge
+from mpmfw.studies.loading import load_study
 from scenes_for_tests import SOFT
 
 #: A block of 6 × 4 points on a plane, not settled: a run of milliseconds. Surfaces lie off the grid lines.
@@ -41,3 +44,10 @@ def tiny_study(**changes: Any) -> dict[str, Any]:
         "cost": {"repeats": 1},
     }
     return {**study, **changes}
+
+
+def judge_of(study: Any) -> tuple[Judge, Grid]:
+    """All that is checked before the first run."""
+    loaded = load_study(study)
+    grid = make_grid(loaded)
+    return Judge(loaded, grid), grid

@@ -87,7 +87,7 @@ def _attributes(
 ) -> dict[str, Any]:
     """Keep what all runs share and the first one's scene; ``methods`` holds what differs, run by run."""
     own = {name for name, _, _ in COSTS} | {
-        f"{clock}_{stage}" for clock in ("cpu", "wall") for stage in STAGES
+        f"{clock}_{stage}" for clock in ("cpu", "wall", "settle_cpu") for stage in STAGES
     }
     runs = {
         index: {str(name): value for name, value in tree.attrs.items() if name not in own}

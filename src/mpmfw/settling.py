@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mpmfw.clock import STEP_STAGES, Clock
 from mpmfw.errors import ResultsWarning
 from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels import kernel
@@ -20,6 +21,7 @@ from mpmfw.kernels.types import Floats
 from mpmfw.state import Grid, State
 
 if TYPE_CHECKING:
+    from mpmfw.scene.tables import Settle
     from mpmfw.simulation import Simulation
 
 #: Share of the unbalanced force.
@@ -90,14 +92,48 @@ def stop_motion(state: State) -> None:
             array.fill(0.0)
 
 
-def settle(simulation: Simulation, tolerance: float, max_time: float | None) -> dict[str, float]:
-    """Step until the residual force is below ``tolerance`` times the force at the first step.
+def settle(simulation: Simulation, asked: Settle) -> dict[str, float]:
+    """Bring a scene to rest under its loads, sides that move standing still; time zero comes after it.
+
+    Parameters
+    ----------
+    simulation
+        Before its first step.
+    asked
+        The scene's table ``settle``.
 
     Returns
     -------
-    ``settle_residual``, ``settle_steps`` and ``settle_simulated_time`` [s] for the results' file. If the
-    limit of time is reached first, a warning says so and the residual tells how far it got.
+    ``settle_residual``, ``settle_steps``, ``settle_simulated_time`` [s], ``settle_time`` and
+    ``settle_cpu_<stage>`` [s] for the results' file. If the limit of time is reached first, a warning says so and
+    the residual tells how far it got.
     """
+    gravity, sides = (simulation.manager.get_plugin(name) for name in ("gravity", "constraint"))
+    if sides is not None:
+        sides.at_rest = True
+    if asked.gravity is not None and gravity is not None:
+        gravity.override = np.array(asked.gravity.at(0.0))
+    simulation.clock.restart()
+    found = _come_to_rest(simulation, asked.tolerance, asked.max_time)
+    simulation.clock.flush()
+    if gravity is not None:
+        gravity.override = None
+    if sides is not None:
+        sides.at_rest = False
+    if simulation.contact is not None:
+        simulation.contact.restart()
+    simulation.state.time, simulation.state.steps = 0.0, 0
+    return {**found, **_costs(simulation.clock)}
+
+
+def _costs(clock: Clock) -> dict[str, float]:
+    """CPU time of settling as that of the steps counts it: without compilation, gap diagnostic and output."""
+    cpu = {stage: clock.cpu[stage] for stage in STEP_STAGES}
+    return {"settle_time": sum(cpu.values()), **{f"settle_cpu_{stage}": cpu[stage] for stage in STEP_STAGES}}
+
+
+def _come_to_rest(simulation: Simulation, tolerance: float, max_time: float | None) -> dict[str, float]:
+    """Step until the residual force is below ``tolerance`` times the force at the first step."""
     state = simulation.state
     longest = max(float(np.subtract(body.upper, body.lower).max()) / body.wave_speed for body in state.bodies)
     limit = CROSSINGS * longest if max_time is None else max_time
@@ -119,7 +155,7 @@ def settle(simulation: Simulation, tolerance: float, max_time: float | None) -> 
             f"settling stopped after {elapsed:.3g} s with a residual force of {residual:.2g} of the applied one "
             f"(asked for: {tolerance:.2g})",
             ResultsWarning,
-            stacklevel=2,
+            stacklevel=3,
         )
     simulation.transfer = transfer
     stop_motion(state)

@@ -173,7 +173,12 @@ def imported(scene: dict[str, Any]) -> set[str]:
     [
         (
             disc(bodies__solid__rotation="lumped"),
-            {"mpmfw_shape.cpdi", "mpmfw_shape._bilinear_surface", "mpmfw_material.neo_hookean"},
+            {
+                "mpmfw_shape.cpdi",
+                "mpmfw_shape._bilinear_surface",
+                "mpmfw_material.neo_hookean",
+                "mpmfw_material._plane_strain",
+            },
         ),
         (
             two_blocks(
@@ -182,6 +187,7 @@ def imported(scene: dict[str, Any]) -> set[str]:
             {
                 "mpmfw_shape.bspline",
                 "mpmfw_material.neo_hookean",
+                "mpmfw_material._plane_strain",
                 "mpmfw_contact.separate",
                 "mpmfw.effects.gravity",
                 "mpmfw.effects.rotation",

@@ -11,9 +11,7 @@ import pytest
 
 import mpmfw
 from effects_table import CASES, Case, arrays_of, hooks_of
-from mpmfw.cli.explain import unused_facts
 from mpmfw.simulation import Simulation
-from scenes_for_tests import two_blocks
 
 pytestmark = pytest.mark.effects
 each_case = pytest.mark.parametrize("case", CASES.values(), ids=CASES)
@@ -129,19 +127,3 @@ def test_the_ledger_says_which_works_there_are() -> None:
         "contact work": False,
         "inertia work": False,
     }
-
-
-@pytest.mark.parametrize(("method", "unused"), [("none", True), ("separate", False)])
-def test_explain_names_a_rotation_that_is_not_used(method: str, unused: bool) -> None:
-    sim = Simulation(two_blocks(method, bodies__left__rotation="exact", output={"gap": False}))
-    line = "bodies.left.rotation: lumped all the same: shares its velocity field with other bodies"
-    assert (line in unused_facts(sim)) == unused
-
-
-@pytest.mark.parametrize(("thickness", "kept"), [(0.0, True), (0.01, False)])
-def test_explain_names_a_ledger_that_is_not_kept(thickness: float, kept: bool) -> None:
-    changes = {"contact__penalty": {"interface_thickness": thickness}, "output": {"ledger": True}}
-    sim = Simulation(two_blocks("penalty", **changes))
-    said = [line for line in unused_facts(sim) if line.startswith("output.ledger: ")]
-    assert len(said) == (0 if kept else 1)
-    assert kept or "adds inertia of its own to the nodes" in said[0]

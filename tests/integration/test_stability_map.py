@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import xarray as xr
 from typer.testing import CliRunner
 
 from contact_scenes import impact
@@ -11,10 +12,14 @@ from mpmfw import open as open_results
 from mpmfw.api import SceneError
 from mpmfw.cli.app import app
 from mpmfw.plots import figures_of, plot_file
+from mpmfw.scene import load_scene
 from mpmfw.scene.toml_text import toml_text
-from mpmfw.stability import CLASSES, probe, stability_map
-from mpmfw.stability.chart import largest_stable
+from mpmfw.stability import CLASSES, Outcome, probe, stability_map
+from mpmfw.stability.chart import CFL, KAPPA, largest_stable
+from mpmfw.stability.kept import Kept, kept_file, key_of
 
+#: Steps at a Courant number of 0.2 after which the blocks have parted.
+REBOUND = 200
 STABLE, DIVERGED = CLASSES.index("stable"), CLASSES.index("diverged")
 
 
@@ -42,9 +47,12 @@ def test_closed_form_of_equal_bodies(chart):
     assert chart["closed_form"].values == pytest.approx(1.0 / np.sqrt(1.0 + chart["kappa"].values))
 
 
-def test_steps_per_contact_fall_with_the_step(chart):
-    lasted = chart["steps_per_contact"].sel(kappa=0.5)
-    assert float(lasted.sel(cfl=0.2)) > float(lasted.sel(cfl=0.6)) or np.isnan(lasted.sel(cfl=0.2))
+def test_steps_per_contact_fall_with_the_step():
+    """The blocks rebound within the steps of both runs."""
+    made = stability_map(blocks(), kappa=[0.5], cfl=[0.2, 0.6], steps=REBOUND)
+    lasted = made["steps_per_contact"].values[0]
+    assert np.isfinite(lasted).all()
+    assert lasted[0] > 2.0 * lasted[1] > 0.0
 
 
 def test_ratio_of_stiffness_lowers_the_share_of_the_springs():
@@ -57,7 +65,11 @@ def test_file_and_figure(chart, tmp_path):
     path = tmp_path / "map.nc"
     chart.to_netcdf(path)
     read = open_results(path).to_dataset()
-    assert list(figures_of(read)) == ["stability"]
+    figure, _ = figures_of(read)["stability"]
+    (legend,) = figure.legends
+    named = {text.get_text() for text in legend.get_texts()} - {""}
+    assert named == {"stable", "diverged", "closed form", "Gershgorin bound", "refused"}
+    assert read.attrs["courant"] == 0.8
     assert [p.stat().st_size > 5000 for p in plot_file(path)] == [True]
 
 
@@ -93,6 +105,18 @@ def test_command_writes_the_map_and_says_what_holds(tmp_path):
         ({"kappa": [-1.0]}, "greater than 0"),
         ({"kappa": [1.0], "cfl": [0.2, 0.2]}, "given twice"),
         ({"kappa": [1.0], "steps": 1}, "too few"),
+        (
+            {"set": {"contact.penalty.kappa": 9.0}},
+            "--set contact.penalty.kappa: has no effect .*: it varies kappa",
+        ),
+        (
+            {"set": {"contact": {"method": "penalty", "penalty": {"kappa": 9.0}}}},
+            "--set contact: has no effect",
+        ),
+        ({"set": {"time.safety": 0.1}}, "--set time.safety: has no effect .* its steps are those of cfl"),
+        ({"set": {"time": {"end": 1.0, "output_interval": 1.0}}}, "--set time: has no effect"),
+        ({"set": {"output.gap": False}}, "--set output.gap: has no effect"),
+        ({"set": {"allow_unstable": False}}, "--set allow_unstable: has no effect"),
     ],
 )
 def test_requests_without_sense_are_refused(wrong, said):
@@ -125,3 +149,92 @@ def test_probe_keeps_momentum_and_energy_of_an_impact():
     assert found.energy <= 1.005
     assert found.momentum < 1e-12
     assert found.lost == 0
+
+
+def test_keys_that_the_map_does_not_set_are_the_scenes():
+    """κ where the stiffness of a body varies, and the other options of the contact."""
+    values = {"contact.penalty.kappa": 9.0, "contact.penalty.damping": 0.1}
+    made = stability_map(blocks(), ratio=[1.0], cfl=[0.2], steps=5, set=values)
+    assert made["closed_form"].item() == pytest.approx(1.0 / np.sqrt(10.0))
+    assert "kappa = 9.0" in made.attrs["scene"]
+    damped = stability_map(blocks(), kappa=[1.0], cfl=[0.2], steps=5, set={"contact.penalty.damping": 0.1})
+    assert "damping = 0.1" in damped.attrs["scene"]
+
+
+def test_the_default_goes_past_every_limit():
+    assert max(CFL) > 1.0  # the limit without contact
+    assert min(CFL) < 1.0 / np.sqrt(1.0 + max(KAPPA))
+
+
+def test_a_map_that_is_broken_off_goes_on_where_it_stopped(tmp_path, chart, monkeypatch):
+    request = {"kappa": [0.5, 4.0], "cfl": [0.2, 0.6], "steps": 60, "output": tmp_path / "map.nc"}
+
+    def stop(done, total):
+        assert total == 4
+        if done == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        stability_map(blocks(), progress=stop, **request)
+    assert [path.name for path in tmp_path.iterdir()] == ["map.nc.points"]
+    ran = []
+    monkeypatch.setattr("mpmfw.stability.chart.probe", lambda *a, **k: ran.append(a) or probe(*a, **k))
+    made = stability_map(blocks(), **request)
+    assert len(ran) == 1
+    xr.testing.assert_identical(made, chart)
+    assert [path.name for path in tmp_path.iterdir()] == ["map.nc"]
+    xr.testing.assert_equal(open_results(tmp_path / "map.nc").to_dataset(), chart)
+
+
+def test_points_of_another_scene_or_a_damaged_file_are_not_taken(tmp_path, monkeypatch):
+    request = {"kappa": [1.0], "cfl": [0.3], "steps": 5}
+    kept = Kept(tmp_path / "map.nc")
+    scene = load_scene(blocks())
+    kept.put(key_of(scene, 5), Outcome("ok", energy=1.0))
+    again = Kept(tmp_path / "map.nc")
+    assert (again.get(key_of(scene, 5)).energy, again.get(key_of(scene, 6))) == (1.0, None)
+    ran = []
+    monkeypatch.setattr("mpmfw.stability.chart.probe", lambda *a, **k: ran.append(a) or probe(*a, **k))
+    stability_map(blocks(), output=tmp_path / "map.nc", **request)
+    (tmp_path / "map.nc.points").write_text("{", encoding="utf-8")
+    stability_map(blocks(), output=tmp_path / "map.nc", **request)
+    assert len(ran) == 2
+
+
+def test_a_file_that_is_no_map_is_not_replaced(tmp_path):
+    notes = tmp_path / "notes.toml"
+    notes.write_text("important = true\n", encoding="utf-8")
+    scene = tmp_path / "blocks.toml"
+    scene.write_text(toml_text(blocks()), encoding="utf-8")
+    with pytest.raises(SceneError, match="is no map of stability, so it is not replaced"):
+        stability_map(blocks(), kappa=[1.0], cfl=[0.3], steps=5, output=notes)
+    command = ["stability", str(scene), "--kappa", "1", "--cfl", "0.3", "--steps", "5", "-o"]
+    refused = CliRunner().invoke(app, [*command, str(notes)])
+    assert (refused.exit_code, refused.stdout) == (2, "")
+    assert "is no map of stability, so it is not replaced; give another name" in refused.stderr
+    assert notes.read_text(encoding="utf-8") == "important = true\n"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["blocks.toml", "notes.toml"]
+    for _ in range(2):  # another map is
+        assert CliRunner().invoke(app, [*command, str(tmp_path / "map.nc")]).exit_code == 0
+
+
+def test_the_command_refuses_what_a_map_sets_itself(tmp_path):
+    scene = tmp_path / "blocks.toml"
+    scene.write_text(toml_text(blocks()), encoding="utf-8")
+    done = CliRunner().invoke(app, ["stability", str(scene), "--set", "contact.penalty.kappa=9"])
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert done.stderr.startswith("--set contact.penalty.kappa: has no effect on a map of stability")
+
+
+def test_the_command_says_where_points_are_kept(tmp_path, monkeypatch):
+    scene = tmp_path / "blocks.toml"
+    scene.write_text(toml_text(blocks()), encoding="utf-8")
+
+    def interrupted(*_, output, **__):
+        kept_file(output).write_text("{}", encoding="utf-8")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("mpmfw.stability.stability_map", interrupted)
+    done = CliRunner().invoke(app, ["stability", str(scene), "-o", str(tmp_path / "map.nc")])
+    assert done.exit_code != 0
+    assert f"{tmp_path / 'map.nc.points'}: points so far; the same command goes on from there" in done.stderr

@@ -11,6 +11,7 @@ import xarray as xr
 
 import mpmfw
 from mpmfw.errors import SceneError
+from mpmfw.scene.toml_text import toml_text
 from studies_for_tests import SLIDING, tiny_study
 
 distributed = pytest.importorskip("distributed")
@@ -76,6 +77,24 @@ def test_a_worker_that_is_killed_loses_nothing(cluster, tmp_path):
 
 
 def test_a_scheduler_that_does_not_answer_is_said(monkeypatch):
-    monkeypatch.setattr("mpmfw.studies.cluster._PATIENCE", "0.2 s")
+    monkeypatch.setattr("mpmfw.studies.cluster._PATIENCE", 0.2)
     with pytest.raises(SceneError, match="no scheduler answers there"):
         mpmfw.study(tiny_study(), scheduler="tcp://127.0.0.1:1")
+
+
+@pytest.mark.parametrize("address", ["foo", "http://127.0.0.1:1", "tcp://127.0.0.1", ""])
+def test_a_text_that_is_no_address_is_said_at_once(address):
+    with pytest.raises(SceneError, match="expected an address such as tcp"):
+        mpmfw.study(tiny_study(), scheduler=address)
+
+
+def test_the_command_ends_with_one_message_about_a_bad_address(tmp_path):
+    """Nothing is left behind that complains when the interpreter ends."""
+    (tmp_path / "s.toml").write_text(toml_text(tiny_study()), encoding="utf-8")
+    command = [sys.executable, "-c", "from mpmfw.cli import main; main()", "study", "s.toml"]
+    done = subprocess.run([*command, "--scheduler", "foo"], cwd=tmp_path, capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.splitlines() == [
+        "--scheduler foo: missing port number in address 'foo'; expected an address such as tcp://127.0.0.1:8786"
+    ]
+    assert [path.name for path in tmp_path.iterdir()] == ["s.toml"]

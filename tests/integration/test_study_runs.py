@@ -1,5 +1,6 @@
 """Studies of a scene of milliseconds: results, costs, failures, executors, what is kept and taken up again."""
 
+import json
 import os
 import shutil
 import signal
@@ -14,6 +15,7 @@ from typer.testing import CliRunner
 
 import mpmfw
 from mpmfw.cli import app
+from mpmfw.clock import STEP_STAGES
 from mpmfw.errors import SceneError
 from mpmfw.scene.toml_text import toml_text
 from mpmfw.studies.executors import InProcess, Pool
@@ -134,6 +136,46 @@ def test_scenes_have_fronts_of_their_own():
     assert dataset["error"].dims == ("scene", "contact")
     assert dataset["pareto"].any("contact").all()
     assert len(np.unique(dataset["expected"])) == 2
+
+
+SETTLING = {
+    **SLIDING,
+    "settle": {"tolerance": 0.05, "max_time": 0.2, "gravity": {"magnitude": 10, "tilt": 0}},
+}
+
+
+@pytest.mark.filterwarnings("ignore:.*settling stopped")
+@pytest.mark.parametrize("counts", [False, True])
+def test_settling_is_told_by_stage_and_counts_if_asked_for(tmp_path, counts):
+    cost = {"repeats": 2, "settling": counts}
+    study = tiny_study(scene=SETTLING, vary={"contact": ["separate", "penalty"]}, cost=cost)
+    dataset, _ = events_of(study, tmp_path / "s.nc")
+    steps, settled = dataset["stage_time"], dataset["settle_stage_time"]
+    assert steps.dims == settled.dims == ("contact", "stage")
+    assert list(steps["stage"].values) == list(STEP_STAGES)
+    assert (settled.sel(contact="penalty") > 0.0).all()
+    assert settled.sel(contact="separate", stage="contact").item() == 0.0
+    records = [json.loads(path.read_text("utf-8")) for path in (tmp_path / "s.nc.runs").glob("*.json")]
+    for cost in (cost for record in records for cost in record["costs"]):
+        assert sum(cost["settling"].values()) == pytest.approx(cost["values"]["settle_time"], rel=1e-9)
+        assert sum(cost["stages"].values()) == pytest.approx(cost["values"]["cpu_time"], rel=1e-9)
+    bare = dataset["steps"] - counts * dataset["settle_steps"]
+    assert (dataset["settle_steps"] > 50).all()
+    assert ((bare > 0) & (bare < dataset["settle_steps"])).all()
+    assert bool((dataset["cpu_time"] > dataset["settle_time"]).all()) == counts
+    assert ("of settling" in steps.attrs["long_name"]) == counts
+
+
+def test_a_file_of_another_kind_is_not_replaced(tmp_path):
+    notes, other = tmp_path / "notes.toml", tmp_path / "run.nc"
+    notes.write_text("important = true\n", encoding="utf-8")
+    mpmfw.run(SLIDING, output=other)
+    for path in (notes, other):
+        before = path.read_bytes()
+        with pytest.raises(SceneError, match="is no study's results, so it is not replaced"):
+            mpmfw.study(tiny_study(), output=path, jobs=1)
+        assert path.read_bytes() == before
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["notes.toml", "run.nc"]
 
 
 def dies(task):

@@ -28,7 +28,7 @@ RINGS = (
     "crosses a cell; the strain's integration adds its energy. With scheme `usl` or transfer `apic` it dies out"
 )
 LOOSE = (
-    "0.175 cells of penetration: averaged normals tilt at the block's corners. With `bardenhagen.normal = \"master\"` it is "
+    '0.175 cells of penetration: averaged normals tilt at the block\'s corners. With `bardenhagen.normal = "master"` it is '
     "0.002 cells"
 )
 

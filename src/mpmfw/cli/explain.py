@@ -11,6 +11,7 @@ from rich.text import Text
 
 from mpmfw.cli.arguments import ContactOption, SceneArgument, SetOption, ShapeOption, chosen_scene
 from mpmfw.cli.tables import print_rows
+from mpmfw.cli.unused import unused_facts
 from mpmfw.errors import SceneError
 
 if TYPE_CHECKING:
@@ -119,29 +120,3 @@ def _print_unused(simulation: Simulation) -> None:
     console.print(Text("Facts of the scene that are not used", style="bold"))
     for line in unused or ["none"]:
         console.print(Text(f"  {line}"))
-
-
-def unused_facts(simulation: Simulation) -> list[str]:
-    """Facts of the scene that the chosen methods do not look at, one line each."""
-    from mpmfw.discovery import load
-
-    scene = simulation.scene
-    method = None if scene.contact is None else scene.contact.method
-    strategy: Any = None if method is None else load("contact", method)
-    found = []
-    if scene.contact is not None and not getattr(strategy, "uses_friction", False):
-        with_friction = [f"{first}-{second}" for first, second, friction in scene.pairs if friction]
-        found += [f"friction of {pair}: contact '{method}' has none" for pair in with_friction]
-    if simulation.state.surface is None:
-        given = [name for name, body in scene.bodies.items() if body.segment is not None]
-        found += [f"bodies.{name}.segment: no surface is tracked" for name in given]
-    for effect in simulation.effects:  # asked for, but the other methods leave no room for it
-        name = effect.name.removeprefix("rotation of ").removesuffix(": lumped")
-        if name in scene.bodies and scene.bodies[name].rotation in ("exact", "local"):
-            found.append(f"bodies.{name}.rotation: lumped all the same: {effect.reason}")
-    ledger = next(effect for effect in simulation.effects if effect.name == "energy ledger")
-    if scene.output.ledger and not ledger.on:
-        found.append(f"output.ledger: no ledger is kept: {ledger.reason}")
-    materials = {body.material for body in scene.bodies.values()}
-    found += [f"materials.{name}: no body is made of it" for name in scene.materials if name not in materials]
-    return found

@@ -46,28 +46,42 @@ def stability(
     ] = None,
     cfl: Annotated[
         str | None,
-        typer.Option(metavar="A,B,…", help="Courant numbers of the fixed step.", show_default=False),
+        typer.Option(
+            metavar="A,B,…",
+            help="Courant numbers of the fixed step; 0.1 to 1.2 if left out.",
+            show_default=False,
+        ),
     ] = None,
     steps: Annotated[int, typer.Option(min=2, help="Steps of every run.")] = 300,
     set_: SetOption = None,
 ) -> None:
     """Run SCENE at many stiffnesses and time steps, past the limit too, and map where it stays stable.
 
-    The map is written to a file, by default named as the scene, with the figure beside it.
+    The map is written to a file, by default named as the scene, with the figure beside it. One that was broken off goes on
+    where it stopped.
     """
     loaded = chosen_scene(scene, contact, shape, set_)
+    from mpmfw.results.replacing import check_replaceable
+
     path = check_writable(Path(f"{loaded.name}-stability.nc") if output is None else output)
     check_apart(loaded, output=path)
+    check_replaceable(path, "stability", "map of stability")
     numbers = {
         name: _numbers(name, text) for name, text in (("kappa", kappa), ("ratio", ratio), ("cfl", cfl))
     }
 
     from mpmfw.plots import plot_file
     from mpmfw.stability import stability_map
+    from mpmfw.stability.kept import kept_file
 
     given = {name: values for name, values in numbers.items() if values is not None}
-    with _progress() as progress:
-        dataset = stability_map(loaded, steps=steps, output=path, progress=progress, **given)  # type: ignore[arg-type]
+    try:
+        with _progress() as progress:
+            dataset = stability_map(loaded, steps=steps, output=path, progress=progress, **given)  # type: ignore[arg-type]
+    except KeyboardInterrupt:
+        if kept_file(path).is_file():
+            typer.echo(f"{kept_file(path)}: points so far; the same command goes on from there", err=True)
+        raise
     _print(dataset)
     typer.echo(str(path))
     for written in plot_file(path):
@@ -108,7 +122,7 @@ def _print(dataset: xr.Dataset) -> None:
         padding=(0, 1, 0, 0),
         pad_edge=False,
     )
-    for head in (axis, "largest\nstable", "closed\nform", "limit of\nthe run"):
+    for head in (axis, "largest\nstable", "closed\nform", "Gershgorin\nbound"):
         table.add_column(Text(head), justify="right", no_wrap=True)
     table.add_column(Text("at " + " ".join(f"{value:g}" for value in cfl)))
     held, letters = largest_stable(dataset), dataset.attrs["classes"].split(", ")

@@ -24,7 +24,8 @@ def stability_figures(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     """The one figure of a map: ``{name: (figure, caption)}``."""
     caption = (
         f"Runs of {dataset.attrs['steps_asked']} steps: {dataset.attrs['bounds']}. Line: closed form of two bodies in "
-        "line. Circles: least limit that the run at the smallest step met."
+        "line. Circles: Gershgorin's bound, the least limit that the run at the smallest step met. Dashes: the shape "
+        "function's own Courant number, past which a step is refused whatever the springs."
     )
     return {"stability": (stability_chart(dataset), caption)}
 
@@ -85,6 +86,8 @@ def _draw_limits(axes: Any, dataset: xr.Dataset, axis: str) -> None:
     axes.plot(x, dataset["closed_form"].values, color="white", linewidth=2.8)
     axes.plot(x, dataset["closed_form"].values, color="black", linewidth=1.2)
     axes.plot(x, dataset["limit"].values, **_MARKER)
+    if "courant" in dataset.attrs:
+        axes.axhline(float(dataset.attrs["courant"]), **_REFUSED)
 
 
 _MARKER: dict[str, Any] = {
@@ -97,10 +100,15 @@ _MARKER: dict[str, Any] = {
 }
 
 
+#: Where the bulk's step is refused.
+_REFUSED: dict[str, Any] = {"color": "black", "linewidth": 0.8, "linestyle": (0, (4, 2))}
+
+
 def _line_key() -> list[Any]:
     return [
         Line2D([], [], color="black", linewidth=1.2, label="closed form"),
-        Line2D([], [], **_MARKER, label="limit of the run"),
+        Line2D([], [], **_MARKER, label="Gershgorin bound"),
+        Line2D([], [], **_REFUSED, label="refused"),
     ]
 
 

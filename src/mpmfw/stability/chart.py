@@ -12,19 +12,24 @@ import numpy as np
 import xarray as xr
 
 from mpmfw._version import __version__
-from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.discovery import load
+from mpmfw.errors import SceneError
 from mpmfw.fields import FloatArray
+from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene import Scene, load_scene, located
 from mpmfw.simulation import Simulation, chosen_methods
+from mpmfw.stability.kept import Kept, key_of
 from mpmfw.stability.outcome import Outcome, probe
 from mpmfw.stability.ratio import stiffness_ratio
+from mpmfw.stability.request import Axis, axis_of, check_overrides, check_values
 
 #: Classes of a point, by number; the bounds are those of the largest energy ratio.
 CLASSES = ("no contact", "stable", "bounded", "diverged")
 STABLE, BOUNDED = 1.005, 1.05
 
 KAPPA = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
-CFL = (0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8)
+#: Past the limit of every stiffness: without contact it is 1.
+CFL = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2)
 STEPS = 300
 
 
@@ -58,9 +63,10 @@ def stability_map(
     steps
         Steps of every run.
     output
-        NetCDF file to write.
+        NetCDF file to write; it replaces nothing but another map. Points are kept in ``<output>.points`` beside it until
+        it is written: a map that was broken off goes on from there.
     set
-        Values by dotted key, set over the scene's own.
+        Values by dotted key, set over the scene's own; not those that the map sets itself.
     progress
         Called with the numbers of runs done and to do.
 
@@ -69,8 +75,9 @@ def stability_map(
     Dataset
         By (kappa or ratio, cfl): ``class`` (index into the attribute ``classes``), ``energy`` (largest energy plus
         dissipation over that of the start, positions and velocities taken at the same time), ``steps_per_contact``,
-        ``steps``. By kappa or ratio: ``limit`` (Courant number of the least limit that the run at the smallest step met, from
-        its nodal masses) and ``closed_form`` (of two bodies in line, 2 / √(ω_bulk² + ω²)).
+        ``steps``. By kappa or ratio: ``limit`` (Courant number of the least limit that the run at the smallest step met,
+        from its nodal masses) and ``closed_form`` (of two bodies in line, 2 / √(ω_bulk² + ω²)). Attribute ``courant``:
+        past this Courant number, the shape function's, a run is refused whatever its springs.
 
     Raises
     ------
@@ -80,48 +87,31 @@ def stability_map(
         The file cannot be written.
     """
     loaded = load_scene(scene, set={**(set or {}), **chosen_methods(contact, shape)})
-    axis, values = _axis(loaded, kappa, ratio)
-    _check(values, cfl, steps)
+    axis = axis_of(loaded, kappa, ratio)
+    values: Sequence[float] = (KAPPA if kappa is None else kappa) if ratio is None else ratio
+    check_values(values, cfl, steps)
+    check_overrides(loaded, axis)
+    if output is not None:
+        check_replaceable(output, "stability", "map of stability")
     scenes = [_scene_at(loaded, axis, value) for value in values]
     found: dict[tuple[int, int], Outcome] = {}
     ticks, closed = np.array([_theory(one) for one in scenes]).T
     total = len(values) * len(cfl)
+    kept = Kept(output)
     for (i, one), (j, courant) in itertools.product(enumerate(scenes), enumerate(cfl)):
-        found[i, j] = _point(one, courant * float(ticks[i]), steps)
+        found[i, j] = _point(one, courant * float(ticks[i]), steps, kept)
         if progress is not None:
             progress(len(found), total)
     least = int(np.argmin(cfl))
     limits = np.array([found[i, least].limit for i in range(len(values))]) / ticks
     dataset = _dataset(loaded, axis, values, cfl, steps, found, (limits, closed))
     if output is not None:
-        _write(dataset, output)
+        replace_dataset(dataset, output)
+        kept.finish()
     return dataset
 
 
-def _axis(
-    scene: Scene, kappa: Sequence[float] | None, ratio: Sequence[float] | None
-) -> tuple[str, Sequence[float]]:
-    method = scene.contact.method if scene.contact is not None else "none"
-    if kappa is not None and ratio is not None:
-        raise SceneError("kappa and ratio: a map has one of them; leave the other out")
-    if ratio is not None:
-        return "ratio", ratio
-    if method != "penalty":
-        raise SceneError(f"contact '{method}' has no kappa; give stiffness ratios instead")
-    return "kappa", KAPPA if kappa is None else kappa
-
-
-def _check(values: Sequence[float], cfl: Sequence[float], steps: int) -> None:
-    for name, given in (("kappa or ratio", values), ("cfl", cfl)):
-        if not given or not all(math.isfinite(value) and value > 0.0 for value in given):
-            raise SceneError(f"{name}: expected numbers greater than 0")
-        if len({*given}) < len(given):
-            raise SceneError(f"{name}: a value is given twice")
-    if steps < 2:
-        raise SceneError(f"steps: {steps} are too few to judge")
-
-
-def _scene_at(scene: Scene, axis: str, value: float) -> Scene:
+def _scene_at(scene: Scene, axis: Axis, value: float) -> Scene:
     """The scene at one stiffness, allowed to go past its limit; a safety factor of its own gives way."""
     changes = stiffness_ratio(scene, value) if axis == "ratio" else {"contact.penalty.kappa": value}
     time = {"end": scene.time.end, "output_interval": scene.time.output_interval}
@@ -148,10 +138,16 @@ def _simulation(scene: Scene) -> Simulation:
         raise located(error, scene) from error
 
 
-def _point(scene: Scene, step: float, steps: int) -> Outcome:
-    found = probe(scene, set={"time.step": step}, steps=steps)
-    if found.status == "refused":
-        raise SceneError(found.message)
+def _point(scene: Scene, step: float, steps: int, kept: Kept) -> Outcome:
+    """One run, or what is kept of it."""
+    fixed = scene.with_overrides({"time.step": step})
+    key = key_of(fixed, steps)
+    found = kept.get(key)
+    if found is None:
+        found = probe(fixed, steps=steps)
+        if found.status == "refused":
+            raise SceneError(found.message)
+        kept.put(key, found)
     return found
 
 
@@ -194,8 +190,8 @@ def _dataset(
         "steps": (lambda o: o.steps, int, "steps that were run"),
     }
     lines = {
-        "limit": "Courant number of the least limit met at the smallest step",
-        "closed_form": "Courant number of the closed form",
+        "limit": "Courant number of the least limit met at the smallest step (Gershgorin's bound of springs and bulk)",
+        "closed_form": "Courant number of the closed form of two bodies in line",
     }
     dataset = xr.Dataset(
         {
@@ -218,18 +214,12 @@ def _attributes(scene: Scene, steps: int) -> dict[str, Any]:
         "contact": scene.contact.method if scene.contact is not None else "",
         "shape": scene.shape.method,
         "classes": ", ".join(CLASSES),
+        "courant": float(load("shape", scene.shape.method).courant),
         "bounds": f"stable up to {STABLE}, bounded up to {BOUNDED} of the energy at the start",
         "steps_asked": steps,
         "scene": scene.text,
         "version": __version__,
     }
-
-
-def _write(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    try:
-        dataset.to_netcdf(path)
-    except OSError as error:
-        raise MpmfwError(f"cannot write '{os.fspath(path)}': {error.strerror or error}") from error
 
 
 def largest_stable(dataset: xr.Dataset) -> FloatArray:

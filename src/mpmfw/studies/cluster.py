@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import socket
 import uuid
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -12,7 +13,7 @@ from mpmfw.studies.executors import Outcome, Work
 from mpmfw.studies.work import Task
 
 #: Seconds to wait for the scheduler to answer.
-_PATIENCE = "10 s"
+_PATIENCE = 10.0
 
 
 class Cluster:
@@ -41,15 +42,33 @@ class Cluster:
             raise SceneError("--scheduler: needs Dask: pip install 'mpmfw[dask]'") from error
         self._distributed: Any = distributed
         self.address = address
+        self._check_address()
         with self._client() as client:
             if not client.scheduler_info()["workers"]:
                 raise SceneError(f"--scheduler {address}: the scheduler has no workers")
 
+    def _check_address(self) -> None:
+        """Knock before there is a client: one that cannot connect complains a second time when it is collected."""
+        comm = self._distributed.comm
+        try:
+            scheme, place = comm.parse_address(self.address)
+            comm.registry.get_backend(scheme)
+            socket.create_connection(comm.parse_host_port(place), timeout=_PATIENCE).close()
+        except ValueError as error:
+            raise SceneError(
+                f"--scheduler {self.address}: {error}; expected an address such as tcp://127.0.0.1:8786"
+            ) from error
+        except OSError as error:
+            raise self._silent(error) from error
+
+    def _silent(self, error: Exception) -> SceneError:
+        return SceneError(f"--scheduler {self.address}: no scheduler answers there ({error})")
+
     def _client(self) -> Any:
         try:
             return self._distributed.Client(self.address, timeout=_PATIENCE, set_as_default=False)
-        except (OSError, ValueError, TimeoutError) as error:
-            raise SceneError(f"--scheduler {self.address}: no scheduler answers there ({error})") from error
+        except (OSError, ValueError) as error:  # it went away in between
+            raise self._silent(error) from error
 
     def outcomes(self, work: Work, tasks: Sequence[Task]) -> Iterator[Outcome]:
         """Do all tasks on the cluster."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,6 @@ import xarray as xr
 
 from mpmfw.clock import STEP_STAGES
 from mpmfw.fields import FloatArray
-from mpmfw.joining import COSTS
 from mpmfw.results.provenance import provenance
 from mpmfw.scene import Scene
 from mpmfw.studies.grid import Grid, Index
@@ -19,10 +18,7 @@ from mpmfw.studies.judging import Judge, Judgement
 from mpmfw.studies.loading import Study
 from mpmfw.studies.pareto import front
 from mpmfw.studies.schedule import counted
-from mpmfw.studies.store import Cost, Record
-
-#: Where settling counts it is a stage of its own.
-SETTLING = "settling"
+from mpmfw.studies.store import COSTS, Cost, Record
 
 
 def assemble(
@@ -49,8 +45,8 @@ def assemble(
     Returns
     -------
     xarray.Dataset
-        ``error``, ``cpu_time``, ``cpu_time_spread``, ``stage_time`` (…, stage), ``pareto``, ``status``, ``timing``,
-        ``repeats`` and the other costs of a run, over the dimensions of the grid.
+        ``error``, ``cpu_time``, ``cpu_time_spread``, ``stage_time`` and ``settle_stage_time`` (…, stage), ``pareto``,
+        ``status``, ``timing``, ``repeats`` and the other costs of a run, over the dimensions of the grid.
     """
     dataset = xr.Dataset(coords={dim: list(labels) for dim, labels in grid.coords.items()})
     dataset = dataset.assign_coords(_methods(grid))
@@ -128,14 +124,22 @@ def _costs(grid: Grid, costs: Mapping[Index, list[Cost]], settling: bool) -> dic
             "half the range of the repeats; NaN of a single one",
         ),
         "repeats": _numbers(grid, {i: len(total) for i, total in totals.items()}, "1", "runs of the cost"),
-        "stage_time": _stages(grid, costs, settling),
+        "stage_time": _stages(
+            grid, costs, f"{what} by stage", lambda cost, stage: _of_stage(cost, stage, settling)
+        ),
+        "settle_stage_time": _stages(
+            grid, costs, "CPU time of settling by stage", lambda cost, stage: cost.settling[stage]
+        ),
     }
     for name, unit, meaning in COSTS:
         if name not in found:
             medians = {
-                i: float(np.median([c.values[name] for c in many])) for i, many in costs.items() if many
+                i: float(np.median([_value(c, name, settling) for c in many]))
+                for i, many in costs.items()
+                if many
             }
-            found[name] = _numbers(grid, medians, unit, meaning)
+            said = f"{meaning}, those of settling included" if settling and name == "steps" else meaning
+            found[name] = _numbers(grid, medians, unit, said)
     return found
 
 
@@ -143,19 +147,27 @@ def _total(cost: Cost, settling: bool) -> float:
     return cost.values["cpu_time"] + (cost.values["settle_time"] if settling else 0.0)
 
 
-def _stages(grid: Grid, costs: Mapping[Index, list[Cost]], settling: bool) -> xr.DataArray:
-    stages = [*STEP_STAGES, *([SETTLING] if settling else [])]
-    shape = (*(len(labels) for labels in grid.coords.values()), len(stages))
+def _value(cost: Cost, name: str, settling: bool) -> float:
+    """A cost of a run; ``steps`` are those of which ``cpu_time`` is the cost."""
+    return cost.values[name] + (cost.values["settle_steps"] if settling and name == "steps" else 0.0)
+
+
+def _of_stage(cost: Cost, stage: str, settling: bool) -> float:
+    return cost.stages[stage] + (cost.settling[stage] if settling else 0.0)
+
+
+def _stages(
+    grid: Grid, costs: Mapping[Index, list[Cost]], what: str, time_of: Callable[[Cost, str], float]
+) -> xr.DataArray:
+    """Medians of the repeats over the grid and the stages of the step [s]."""
+    shape = (*(len(labels) for labels in grid.coords.values()), len(STEP_STAGES))
     times: FloatArray = np.full(shape, np.nan)
     for index, many in costs.items():
         if many:
-            rows = [
-                [*(c.stages[s] for s in STEP_STAGES), c.values["settle_time"]][: len(stages)] for c in many
-            ]
-            times[index] = np.median(rows, axis=0)
-    meaning = "CPU time by stage of the step; median of the repeats"
-    attributes = {"units": "s", "long_name": meaning}
-    return xr.DataArray(times, dims=(*grid.coords, "stage"), coords={"stage": stages}, attrs=attributes)
+            times[index] = np.median([[time_of(cost, s) for s in STEP_STAGES] for cost in many], axis=0)
+    attributes = {"units": "s", "long_name": f"{what}; median of the repeats"}
+    coords = {"stage": list(STEP_STAGES)}
+    return xr.DataArray(times, dims=(*grid.coords, "stage"), coords=coords, attrs=attributes)
 
 
 def _status(grid: Grid, index: Index, record: Record | None) -> str:

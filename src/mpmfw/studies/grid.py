@@ -102,10 +102,12 @@ def make_grid(study: Study) -> Grid:
 
 
 def _base(study: Study, label: str, chosen: Any) -> Scene:
-    """A scene with what all runs share: no arrays that the error does not need, unless the study asks for them."""
+    """A scene with what all runs share: nothing is recorded that the error does not need, unless the study asks for it."""
     tables = study.tables
     particles = MEASURES[tables.error.quantity].particles
-    shared = {"output.particles": particles, "output.surface": False, "output.gap": False}
+    shared = {"output.particles": particles} | dict.fromkeys(
+        ["output.surface", "output.gap", "output.ledger"], False
+    )
     try:
         scene = load_scene(chosen)
     except SceneError as error:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -73,8 +73,13 @@ class Judge:
             bodies, pairs = list(scene.bodies), [f"{a}-{b}" for a, b, _ in scene.pairs]
             for key, given, known in (("body", self.about.body, bodies), ("pair", self.about.pair, pairs)):
                 if given is not None and given not in known:
-                    message = f"'{given}' is no {key} of the scene; expected one of {', '.join(known)}"
+                    message = (
+                        f"'{given}' is no {key} of the scene; expected one of {', '.join(known) or 'none'}"
+                    )
                     raise self.study.at(("error", key), message)
+            if self.about.axis not in "xyz"[: scene.dim]:
+                message = f"'{self.about.axis}' is no axis of the scene, which has {scene.dim} dimensions"
+                raise self.study.at(("error", "axis"), message)
 
     def _exact(self, scene: Scene) -> Exact:
         error = self.table
@@ -86,13 +91,36 @@ class Judge:
         known = self.measure.exact(scene, self.about)
         if known is not None and known.kind == error.kind:
             return known
+        if known is None:
+            self._check_about(scene)
         others = [f"kind = '{known.kind}'"] if known is not None else []
         others += ["kind = 'finest'"] if self.measure.kind != "field" else []
+        given = {"curve": ["a file with kind = 'reference'"], "number": ["a value with kind = 'reference'"]}
+        others += given.get(self.measure.kind, [])
         what = "closed form" if error.kind == "closed-form" else "reference of its own"
         raise self.study.at(
             ("error", "kind"),
-            f"the scene '{scene.name}' has no {what} for {error.quantity}; expected {' or '.join(others)}, "
-            "or a file or a value with kind = 'reference'",
+            f"the scene '{scene.name}' has no {what} for {error.quantity}; expected "
+            f"{' or '.join(others) or 'another quantity'}",
+        )
+
+    def _check_about(self, scene: Scene) -> None:
+        """Name the keys that the scene has no closed form or reference for, where it has one without them."""
+        error, plain = self.table, About()
+        without = self.measure.exact(scene, plain)
+        if without is None or without.kind != error.kind:
+            return
+        given = [key for key in self.measure.keys if getattr(self.about, key) != getattr(plain, key)]
+        alone = {key: replace(self.about, **{key: getattr(plain, key)}) for key in given}
+        guilty = [
+            key for key, about in alone.items() if self.measure.exact(scene, about) is not None
+        ] or given
+        said = " and ".join(f"{key} = '{getattr(self.about, key)}'" for key in guilty)
+        what = "closed form" if error.kind == "closed-form" else "reference"
+        raise self.study.at(
+            ("error", guilty[0]),
+            f"the scene '{scene.name}' has a {what} of {error.quantity}, but none for {said}; leave "
+            f"{' and '.join(guilty)} out, or take kind = 'finest'",
         )
 
     def describe(self) -> str:

@@ -87,6 +87,11 @@ def load_study(study: str | os.PathLike[str] | Mapping[str, Any] | Study) -> Stu
     """
     if isinstance(study, Study):
         return study
+    if not isinstance(study, str | os.PathLike | Mapping):
+        raise SceneError(
+            f"{study!r} is no study; expected a TOML file, the name of a shipped study ({', '.join(shipped_studies())}) "
+            "or a mapping"
+        )
     source = Source(plain(study)) if isinstance(study, Mapping) else _read(study)
     data, problems, tables = dict(source.mapping), [], None
     try:
@@ -169,6 +174,10 @@ def _error(tables: StudyTables) -> Iterator[Problem]:
         yield Problem(("error", "kind"), f"{error.quantity} is a field: other runs have it at other points")
     if error.norm is not None and measure.kind == "number":
         yield Problem(("error", "norm"), f"has no effect: {error.quantity} is a number")
+    for key in ("body", "pair", "axis"):
+        if key in error.model_fields_set and key not in measure.keys:
+            taken = " and ".join(measure.keys) or "none of body, pair and axis"
+            yield Problem(("error", key), f"has no effect: {error.quantity} looks at {taken}")
     for key in error.finest:
         if key not in tables.vary:
             yield Problem(
@@ -186,6 +195,10 @@ def _read(study: str | os.PathLike[str]) -> Source:
             raise SceneError(f"{path}: cannot be read as UTF-8 text: {error}") from error
     if name in shipped:
         return _parse(shipped[name], f"{name}.toml", None)
+    if path.is_dir():
+        raise SceneError(
+            f"{name}: is a folder; expected a TOML file or a shipped study ({', '.join(shipped)})"
+        )
     close = nearest(name.removesuffix(".toml"), shipped)
     hint = f"; did you mean '{close}'?" if close else ""
     raise SceneError(f"{name}: no such file, and no shipped study{hint} (shipped: {', '.join(shipped)})")

@@ -1,6 +1,6 @@
 """Measures by name: what a study reads off a run, and what is known of it beforehand.
 
-A measure is a function ``(run, scene, about) -> Measured`` under ``@measure(name, unit, kind, exact)``. A script may
+A measure is a function ``(run, scene, about) -> Measured`` under ``@measure(name, unit, kind, keys, exact)``. A script may
 register its own in the same way before it calls ``mpmfw.study``: measures are read here, not by the workers, off the
 runs' stored series.
 """
@@ -63,6 +63,8 @@ class Measure:
         For a reader; SI.
     kind
         A number, a curve in time, or a field at points.
+    keys
+        Of ``body``, ``pair`` and ``axis``, those that it looks at; a study that gives another one is refused.
     of
         Reads it off a run, given its scene.
     exact
@@ -77,6 +79,7 @@ class Measure:
     meaning: str
     unit: str
     kind: Kind
+    keys: tuple[str, ...]
     of: Extract
     exact: Known
     norm: Literal["largest", "l2"] = "largest"
@@ -91,16 +94,23 @@ def measure(
     name: str,
     unit: str,
     kind: Kind,
+    keys: tuple[str, ...] = (),
     exact: Known = lambda scene, about: None,  # noqa: ARG005
     *,
     norm: Literal["largest", "l2"] = "largest",
     particles: bool = False,
 ) -> Callable[[Extract], Extract]:
-    """Register the function below under a name; the first line of its docstring says what it means."""
+    """Register the function below under a name; the first line of its docstring says what it means.
+
+    Parameters
+    ----------
+    name, unit, kind, keys, exact, norm, particles
+        As of a :class:`Measure`.
+    """
 
     def register(function: Extract) -> Extract:
         meaning = (function.__doc__ or name).strip().splitlines()[0].rstrip(".")
-        MEASURES[name] = Measure(name, meaning, unit, kind, function, exact, norm, particles)
+        MEASURES[name] = Measure(name, meaning, unit, kind, keys, function, exact, norm, particles)
         return function
 
     return register
@@ -172,21 +182,23 @@ def _until(scene: Scene) -> float:
 # ------------------------------------------------------------------------------------------------------------
 
 
-@measure("end-displacement", "m", "number", _down_the_plane(lambda a, _, t: 0.5 * a * t * t))
+@measure(
+    "end-displacement", "m", "number", ("body", "axis"), _down_the_plane(lambda a, _, t: 0.5 * a * t * t)
+)
 def end_displacement(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     """Displacement of a body's centre at the end, or when the closed form of a rolling one has moved by 10 m."""
     moved = _displacement(run, scene, about)
     return _number(value_at(moved.time, moved.values, _until(scene)))
 
 
-@measure("acceleration", "m s-2", "number", _down_the_plane(lambda a, *_: a))
+@measure("acceleration", "m s-2", "number", ("body", "axis"), _down_the_plane(lambda a, *_: a))
 def acceleration(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     """Acceleration of a body's centre, least-squares fit of d0 + v0 t + a t²/2 over the last 80 % of the time."""
     moved, end = _displacement(run, scene, about), _until(scene)
     return _number(fitted_acceleration(moved.time, moved.values, 0.2 * end, end))
 
 
-@measure("spin", "rad s-1", "number", _down_the_plane(lambda _, alpha, t: alpha * t))
+@measure("spin", "rad s-1", "number", ("body",), _down_the_plane(lambda _, alpha, t: alpha * t))
 def spin(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     """Angular velocity of a body at the end, or when the closed form of a rolling one has moved by 10 m."""
     series = run["series"].to_dataset()
@@ -206,7 +218,7 @@ def _parabola(scene: Scene, about: About) -> Exact | None:
     return Exact("closed-form", known.says, lambda time: 0.5 * a * time**2)
 
 
-@measure("displacement", "m", "curve", _parabola)
+@measure("displacement", "m", "curve", ("body", "axis"), _parabola)
 def displacement(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     """Displacement of a body's centre over time."""
     return _displacement(run, scene, about)
@@ -225,6 +237,7 @@ def _rings_curve(table: str, column_name: str, pair: str | None, about: About, s
     "impulse",
     "N s m-1",
     "curve",
+    ("pair", "axis"),
     lambda scene, about: _rings_curve("force", "fine_impulse_Ns_per_m", about.pair, about, scene),
 )
 def impulse_curve(run: xr.DataTree, scene: Scene, about: About) -> Measured:
@@ -240,7 +253,10 @@ def impulse_curve(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     "kinetic-energy",
     "J m-1",
     "curve",
-    lambda scene, about: _rings_curve("energy", "fine_kinetic_J_per_m", None, about, scene),
+    ("body",),
+    lambda scene, about: (
+        _rings_curve("energy", "fine_kinetic_J_per_m", None, about, scene) if about.body is None else None
+    ),
 )
 def kinetic_energy(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     """Kinetic energy of all bodies, or of the named one, over time."""
@@ -266,7 +282,7 @@ def _uniform(scene: Scene, about: About) -> Exact | None:  # noqa: ARG001
     return Exact("closed-form", says, lambda _: np.array([-known.pressure]))
 
 
-@measure("interface-stress", "Pa", "field", _uniform, norm="l2", particles=True)
+@measure("interface-stress", "Pa", "field", (), _uniform, norm="l2", particles=True)
 def interface_stress(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
     """Vertical stress, at rest after settling, of the material points within a cell of two blocks' interface."""
     known = column(scene)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import tempfile
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,12 @@ from typing import Any
 import xarray as xr
 
 from mpmfw.errors import MpmfwError
+from mpmfw.joining import COSTS as RUN_COSTS
 from mpmfw.results import open as open_results
+from mpmfw.results.replacing import replace_bytes
+
+#: Root attributes of a run that are its costs: name, unit, meaning.
+COSTS: tuple[tuple[str, str, str], ...] = (*RUN_COSTS, ("settle_steps", "1", "time steps of settling"))
 
 
 @dataclass(frozen=True)
@@ -24,14 +28,17 @@ class Cost:
     timing
         ``exclusive`` if nothing else of the study ran at the same time, else ``shared cores``.
     values
-        Root attributes of the run, by the names of :data:`mpmfw.joining.COSTS`.
+        Root attributes of the run, by the names of :data:`COSTS`.
     stages
-        CPU time by stage [s].
+        CPU time of the steps by stage [s].
+    settling
+        CPU time of settling by stage [s]; 0 where the scene does not settle.
     """
 
     timing: str
     values: dict[str, float]
     stages: dict[str, float]
+    settling: dict[str, float]
 
 
 @dataclass(frozen=True)
@@ -124,12 +131,6 @@ class Store:
     def _write(self, path: Path, content: bytes) -> None:
         try:
             self.folder.mkdir(exist_ok=True)
-            with tempfile.NamedTemporaryFile(
-                dir=self.folder, prefix=f".{path.name}.", suffix=".part", delete=False
-            ) as growing:
-                growing.write(content)
-                growing.flush()
-                os.fsync(growing.fileno())
-            os.replace(growing.name, path)
         except OSError as error:
             raise MpmfwError(f"cannot write '{path}': {error.strerror or error}") from error
+        replace_bytes(content, path)

@@ -14,6 +14,7 @@ from typing import Any, Literal, get_args
 import xarray as xr
 
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
+from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.studies.cluster import Cluster
 from mpmfw.studies.dataset import assemble
 from mpmfw.studies.executors import Executor, InProcess, Pool, cores
@@ -45,8 +46,9 @@ def study(
     study
         A TOML file, the name of a shipped study such as ``rolling-cylinder``, or nested mappings.
     output
-        NetCDF file to write. Finished runs are kept in the folder ``<output>.runs`` beside it, from which a study
-        that was broken off, or changed, takes what still applies. Without it nothing is kept.
+        NetCDF file to write; it replaces nothing but another study's. Finished runs are kept in the folder
+        ``<output>.runs`` beside it, from which a study that was broken off, or changed, takes what still applies.
+        Without it nothing is kept.
     timing
         ``exclusive`` measures costs one run at a time in this process, after all results are there; ``shared`` takes
         the cost of every run as it comes.
@@ -64,8 +66,8 @@ def study(
     -------
     xarray.Dataset
         Dims named by what varies. ``error`` (relative; NaN where unknown), ``cpu_time`` and ``cpu_time_spread`` [s],
-        ``stage_time`` [s] (…, stage), ``pareto`` (true on the front), ``status``, ``timing``, ``repeats``, steps,
-        material_points, peak_memory [B] …
+        ``stage_time`` and ``settle_stage_time`` [s] (…, stage), ``pareto`` (true on the front), ``status``, ``timing``,
+        ``repeats``, steps, material_points, peak_memory [B] …
 
     Raises
     ------
@@ -92,11 +94,11 @@ def study(
             complete(wanted(grid), store, executor, loaded.tables.cost.repeats, exclusive, progress)
         except KeyboardInterrupt:
             if path is not None:  # what is known so far; the next start goes on from there
-                _save(_dataset(loaded, grid, judge, store, keys, exclusive), path)
+                replace_dataset(_dataset(loaded, grid, judge, store, keys, exclusive), path)
             raise
         dataset = _dataset(loaded, grid, judge, store, keys, exclusive)
     if path is not None:
-        _save(dataset, path)
+        replace_dataset(dataset, path)
     return dataset
 
 
@@ -153,14 +155,5 @@ def _writable(path: Path) -> Path:
         raise MpmfwError(f"cannot create '{path}': there is no folder '{folder}'")
     if not os.access(folder, os.W_OK) or path.is_dir():
         raise MpmfwError(f"cannot create '{path}': not writable")
+    check_replaceable(path, "study", "study's results")
     return path
-
-
-def _save(dataset: xr.Dataset, path: Path) -> None:
-    """Replace the file in one step: readers see the old one or the new one, whole."""
-    growing = path.with_name(f"{path.name}.part")
-    try:
-        dataset.to_netcdf(growing, engine="netcdf4")
-        os.replace(growing, path)
-    except OSError as error:
-        raise MpmfwError(f"cannot write '{path}': {error}") from error

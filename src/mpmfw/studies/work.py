@@ -15,13 +15,12 @@ from pathlib import Path
 
 import xarray as xr
 
-from mpmfw.clock import STAGES
+from mpmfw.clock import STEP_STAGES
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, SimulationError
-from mpmfw.joining import COSTS
 from mpmfw.runs import run
 from mpmfw.scene import Scene
 from mpmfw.studies.identity import code_of
-from mpmfw.studies.store import Cost, Record
+from mpmfw.studies.store import COSTS, Cost, Record
 
 #: A worker with several threads would measure the CPU time of them all.
 _ALONE = threading.Lock()
@@ -114,9 +113,11 @@ def _warnings() -> Iterator[list[warnings.WarningMessage]]:
 
 
 def _cost(tree: xr.DataTree, timing: str) -> Cost:
-    attributes = tree.attrs
+    attributes = {"settle_steps": 0, **tree.attrs}
     values = {name: float(attributes.get(name, math.nan)) for name, _, _ in COSTS}
-    return Cost(timing, values, {stage: float(attributes.get(f"cpu_{stage}", math.nan)) for stage in STAGES})
+    stages = {stage: float(attributes.get(f"cpu_{stage}", math.nan)) for stage in STEP_STAGES}
+    settling = {stage: float(attributes.get(f"settle_cpu_{stage}", 0.0)) for stage in STEP_STAGES}
+    return Cost(timing, values, stages, settling)
 
 
 def _digest(tree: xr.DataTree) -> str:

@@ -1,0 +1,77 @@
+"""Facts of a scene that the chosen methods do not look at."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mpmfw.simulation import Simulation
+
+
+def unused_facts(simulation: Simulation) -> list[str]:
+    """Facts of the scene that have no effect in this run, one line each: alternatives for other runs among them."""
+    groups = (_alternatives, _friction, _surfaces, _rotation, _diagnostics, _materials)
+    return [line for group in groups for line in group(simulation)]
+
+
+def _alternatives(simulation: Simulation) -> Iterator[str]:
+    """Options of methods that do not run here; a comparison of several methods may use them."""
+    from mpmfw.scene.options import CORE_KEYS
+
+    tables = simulation.scene.to_mapping()
+    for kind, chosen in (("contact", simulation.scene.contact), ("shape", simulation.scene.shape)):
+        runs = None if chosen is None else chosen.method
+        for name, options in tables.get(kind, {}).items():
+            if name not in CORE_KEYS[kind] and name != runs:
+                yield from (f"{kind}.{name}.{key}: {kind} '{runs}' runs, not '{name}'" for key in options)
+
+
+def _friction(simulation: Simulation) -> Iterator[str]:
+    contact = simulation.contact
+    if contact is not None and not contact.uses_friction:
+        with_friction = [
+            f"{first}-{second}" for first, second, friction in simulation.scene.pairs if friction
+        ]
+        yield from (f"friction of {pair}: contact '{contact.name}' has none" for pair in with_friction)
+
+
+def _surfaces(simulation: Simulation) -> Iterator[str]:
+    scene = simulation.scene
+    if simulation.state.surface is None:
+        given = [name for name, body in scene.bodies.items() if body.segment is not None]
+        yield from (f"bodies.{name}.segment: no surface is tracked" for name in given)
+        if _asked(scene, "surface"):
+            yield "output.surface: no surface is tracked"
+
+
+def _rotation(simulation: Simulation) -> Iterator[str]:
+    """Asked for, but the other methods leave no room for it."""
+    bodies = simulation.scene.bodies
+    for effect in simulation.effects:
+        name = effect.name.removeprefix("rotation of ").removesuffix(": lumped")
+        if name in bodies and bodies[name].rotation in ("exact", "local"):
+            yield f"bodies.{name}.rotation: lumped all the same: {effect.reason}"
+
+
+def _diagnostics(simulation: Simulation) -> Iterator[str]:
+    """What is asked for and not recorded; a default is not asked for."""
+    scene, contact = simulation.scene, simulation.contact
+    effects = {effect.name: effect for effect in simulation.effects}
+    ledger, gap = effects["energy ledger"], effects["least gap"]
+    if _asked(scene, "ledger") and not ledger.on:
+        yield f"output.ledger: no ledger is kept: {ledger.reason}"
+    if _asked(scene, "gap") and not gap.on:
+        yield f"output.gap: no gap is measured: {gap.reason}"
+    if _asked(scene, "stability") and contact is not None and not contact.monitors():
+        yield f"output.stability: of the time step alone: contact '{contact.name}' has no series of its own stability"
+
+
+def _asked(scene: Any, diagnostic: str) -> bool:
+    return diagnostic in scene.output.model_fields_set and bool(getattr(scene.output, diagnostic))
+
+
+def _materials(simulation: Simulation) -> Iterator[str]:
+    scene = simulation.scene
+    used = {body.material for body in scene.bodies.values()}
+    yield from (f"materials.{name}: no body is made of it" for name in scene.materials if name not in used)

@@ -1,0 +1,79 @@
+"""Write a file that holds one dataset: never in place of another kind of file, and never by halves."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+
+import netCDF4
+import xarray as xr
+
+from mpmfw.errors import MpmfwError, SceneError
+
+
+def check_replaceable(path: str | os.PathLike[str], kind: str, what: str) -> None:
+    """Ask that a file to be written takes the place of none, of an empty one, or of one of its own kind.
+
+    Parameters
+    ----------
+    path
+        Of the file.
+    kind, what
+        The attribute ``kind`` of such files, and what they are called.
+
+    Raises
+    ------
+    SceneError
+        There is another file.
+    """
+    path = Path(path)
+    if path.is_file() and path.stat().st_size and _kind(path) != kind:
+        raise SceneError(
+            f"{path}: is there already and is no {what}, so it is not replaced; give another name"
+        )
+
+
+def _kind(path: Path) -> str | None:
+    """What a results' file says that it is; None of any other file."""
+    try:
+        with netCDF4.Dataset(os.fspath(path)) as dataset:
+            return str(getattr(dataset, "kind", ""))
+    except OSError:
+        return None
+
+
+def replace_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
+    """Write a dataset as NetCDF in one step: readers see the old file or the new one, whole.
+
+    Raises
+    ------
+    MpmfwError
+        It cannot be written.
+    """
+    growing = f"{os.fspath(path)}.part"
+    try:
+        dataset.to_netcdf(growing, engine="netcdf4")
+        os.replace(growing, path)
+    except OSError as error:
+        raise MpmfwError(f"cannot write '{os.fspath(path)}': {error.strerror or error}") from error
+
+
+def replace_bytes(content: bytes, path: Path) -> None:
+    """Write bytes in one step.
+
+    Raises
+    ------
+    MpmfwError
+        They cannot be written.
+    """
+    try:
+        with tempfile.NamedTemporaryFile(
+            dir=path.parent, prefix=f".{path.name}.", suffix=".part", delete=False
+        ) as growing:
+            growing.write(content)
+            growing.flush()
+            os.fsync(growing.fileno())
+        os.replace(growing.name, path)
+    except OSError as error:
+        raise MpmfwError(f"cannot write '{path}': {error.strerror or error}") from error

@@ -1,0 +1,85 @@
+"""What may be asked of a map of stability."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, TypeAlias
+
+from mpmfw.errors import SceneError
+from mpmfw.scene import Scene
+from mpmfw.scene.locator import Path
+from mpmfw.scene.override import parse_path
+
+Axis: TypeAlias = Literal["kappa", "ratio"]
+
+#: Tables and keys that a map sets itself, and why.
+_OWN: dict[Path, str] = {
+    ("time",): "its steps are those of cfl, and as many as steps says",
+    ("output",): "it records what it judges by",
+    ("allow_unstable",): "it goes past the limit in any case",
+}
+
+
+def axis_of(scene: Scene, kappa: Sequence[float] | None, ratio: Sequence[float] | None) -> Axis:
+    """What is varied beside the Courant number.
+
+    Raises
+    ------
+    SceneError
+        Both are asked for, or the contact has no κ.
+    """
+    if kappa is not None and ratio is not None:
+        raise SceneError("kappa and ratio: a map has one of them; leave the other out")
+    if ratio is not None:
+        return "ratio"
+    method = scene.contact.method if scene.contact is not None else "none"
+    if method != "penalty":
+        raise SceneError(f"contact '{method}' has no kappa; give stiffness ratios instead")
+    return "kappa"
+
+
+def check_values(values: Sequence[float], cfl: Sequence[float], steps: int) -> None:
+    """Ask for positive numbers, each once, and for steps enough to judge by.
+
+    Raises
+    ------
+    SceneError
+        They are not.
+    """
+    for name, given in (("kappa or ratio", values), ("cfl", cfl)):
+        if not given or not all(math.isfinite(value) and value > 0.0 for value in given):
+            raise SceneError(f"{name}: expected numbers greater than 0")
+        if len({*given}) < len(given):
+            raise SceneError(f"{name}: a value is given twice")
+    if steps < 2:
+        raise SceneError(f"steps: {steps} are too few to judge")
+
+
+def check_overrides(scene: Scene, axis: Axis) -> None:
+    """Refuse keys set over the scene's own that the map sets to values of its own.
+
+    Raises
+    ------
+    SceneError
+        There is one.
+    """
+    own = dict(_OWN)
+    if axis == "kappa":
+        own["contact", "penalty", "kappa"] = "it varies kappa: give the values as kappa"
+    for key, value in scene.source.overrides.items():
+        path = parse_path(key)
+        for taken, why in own.items():
+            within = path[: len(taken)] == taken
+            around = taken[: len(path)] == path and _holds(value, taken[len(path) :])
+            if within or around:
+                raise SceneError(f"--set {key}: has no effect on a map of stability: {why}")
+
+
+def _holds(value: Any, path: Path) -> bool:
+    """Whether nested tables have a key."""
+    for part in path:
+        if not isinstance(value, Mapping) or part not in value:
+            return False
+        value = value[part]
+    return True

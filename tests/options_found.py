@@ -1,0 +1,60 @@
+"""The options that a scene and the bundled plug-ins have, and the digest of a run by which two values are told apart."""
+
+from __future__ import annotations
+
+import hashlib
+import warnings
+from typing import Any, get_args
+
+import numpy as np
+from pydantic import BaseModel
+
+import mpmfw
+from mpmfw.discovery import KINDS, available, distribution_of, load
+from mpmfw.errors import SceneError
+from mpmfw.scene.tables import Tables
+
+#: Fields that choose a model of a union (an unknown one is refused below), or hold what was validated elsewhere.
+NO_OPTIONS = {"type", "options"}
+
+
+def models_of(annotation: Any) -> set[type[BaseModel]]:
+    """All models that an annotation names, however deep."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return {annotation}
+    return set().union(*(models_of(part) for part in get_args(annotation)))
+
+
+def option_models() -> dict[str, type[BaseModel]]:
+    """Models of all tables that can be reached from a scene, by name, and of the bundled plug-ins, by ``kind.plug-in``."""
+    found: dict[str, type[BaseModel]] = {}
+    todo: list[type[BaseModel]] = [Tables]
+    while todo:
+        model = todo.pop()
+        if model is not BaseModel and model.__name__ not in found:
+            found[model.__name__] = model
+            for field in model.model_fields.values():
+                todo += models_of(field.rebuild_annotation())
+    for kind in KINDS:
+        for name, entry in available(kind).items():
+            options = getattr(load(kind, name), "Options", None)
+            if distribution_of(entry) == "mpmfw" and options is not None:
+                found[f"{kind}.{name}"] = options
+    return found
+
+
+def outcome(scene: dict[str, Any]) -> str:
+    """Digest of all that a run records of the motion, or the words of its refusal."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # settling that is cut short says so
+            tree = mpmfw.run(scene)
+    except SceneError as error:
+        return f"refused: {error}"
+    digest = hashlib.sha256(str(tree.attrs["title"]).encode())
+    for group in tree.subtree:
+        for name, variable in sorted(group.variables.items(), key=lambda item: str(item[0])):
+            values = np.asarray(variable.values)
+            content = values.tobytes() if values.dtype.kind in "fiub" else str(values.tolist()).encode()
+            digest.update(f"{group.path}/{name}{values.shape}".encode() + content)
+    return digest.hexdigest()

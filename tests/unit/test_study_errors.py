@@ -1,0 +1,176 @@
+"""The error of a run: against a closed form, a reference or the finest run."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from mpmfw.errors import SceneError
+from mpmfw.scene import load_scene
+from mpmfw.studies.measures import MEASURES, About
+from studies_for_tests import judge_of, tiny_study
+
+
+def judged(error, **changes):
+    return judge_of(tiny_study(error=error, **changes))
+
+
+def run_of(distance, end=0.02, n=11):
+    """A run whose block moves by a known way, as a parabola in time."""
+    time = np.linspace(0.0, end, n)
+    x = np.zeros((n, 2, 2))
+    x[:, 0, 0] = distance * (time / 0.02) ** 2
+    series = xr.Dataset(
+        {"centre_of_mass": (("time", "body", "axis"), x)},
+        coords={"time": time, "body": ["block", "plane"], "axis": ["x", "y"]},
+    )
+    return xr.DataTree.from_dict({"/series": series})
+
+
+EXACT = 0.5 * 10.0 * (np.sin(0.4) - 0.1 * np.cos(0.4)) * 0.02**2
+
+
+def test_error_against_the_closed_form():
+    judge, grid = judged({"quantity": "end-displacement"})
+    ways = dict(zip(grid.combinations, (1.1, 0.8, 1.0, 1.0), strict=True))
+    ok = {index: k < 3 for k, index in enumerate(grid.combinations)}
+    found = judge.judge(lambda index: run_of(ways[index] * EXACT), ok)
+    errors = [one.error for one in found.values()]
+    assert errors == pytest.approx([0.1, 0.2, 0.0, np.nan], nan_ok=True, abs=1e-9)
+    assert found[0, 0].value == pytest.approx(1.1 * EXACT)
+    assert found[0, 0].expected == pytest.approx(EXACT)
+
+
+def test_error_of_a_curve_in_two_norms():
+    curve = {"quantity": "displacement"}
+    for norm, expected in (("largest", 0.1), ("l2", 0.1)):
+        judge, grid = judged({**curve, "norm": norm})
+        found = judge.judge(lambda _: run_of(1.1 * EXACT), dict.fromkeys(grid.combinations, True))
+        assert found[0, 0].error == pytest.approx(expected)
+
+
+def test_error_against_the_finest_run_interpolates_in_time():
+    judge, grid = judged({"quantity": "displacement", "kind": "finest", "finest": {"contact": "penalty"}})
+    assert {judge.finest(index) for index in grid.combinations} == {(1, 1)}
+    ways = {(0, 0): 1.2, (0, 1): 1.5, (1, 0): 0.9, (1, 1): 1.0}
+    found = judge.judge(
+        lambda index: run_of(ways[index], n=2001 if index == (1, 1) else 7),
+        dict.fromkeys(grid.combinations, True),
+    )
+    expected = [0.2, 0.5, 0.1, np.nan]
+    assert [one.error for one in found.values()] == pytest.approx(expected, nan_ok=True, abs=1e-5)
+
+
+def test_each_method_has_its_own_finest_run_unless_one_is_chosen():
+    judge, grid = judged({"quantity": "displacement", "kind": "finest"})
+    assert [judge.finest(index)[0] for index in grid.combinations] == [0, 0, 1, 1]
+    assert {judge.finest(index)[1] for index in grid.combinations} == {1}
+
+
+def test_error_against_a_file(tmp_path):
+    (tmp_path / "way.csv").write_text("# made up\ntime,way\n0,0\n0.01,1\n0.02,2\n", encoding="utf-8")
+    file = str(tmp_path / "way.csv")
+    judge, grid = judged({"quantity": "displacement", "kind": "reference", "file": file})
+    found = judge.judge(lambda _: run_of(2.0, n=3), dict.fromkeys(grid.combinations, True))
+    assert found[0, 0].error == pytest.approx(0.25)
+    beyond = judge.judge(lambda _: run_of(2.0, end=0.03, n=3), dict.fromkeys(grid.combinations, True))
+    assert np.isnan(beyond[0, 0].error)
+    for text, message in (("time,a,b\n0,0,0\n1,1,1\n", "error.column"), ("time,a\n1,0\n0,1\n", "rising")):
+        (tmp_path / "way.csv").write_text(text, encoding="utf-8")
+        with pytest.raises(SceneError, match=message):
+            judged({"quantity": "displacement", "kind": "reference", "file": file})
+
+
+def test_error_against_a_value():
+    judge, grid = judged({"quantity": "acceleration", "kind": "reference", "value": 4.0})
+    found = judge.judge(lambda _: run_of(0.5 * 5.0 * 0.02**2), dict.fromkeys(grid.combinations, True))
+    assert found[0, 0].error == pytest.approx(0.25)
+
+
+def test_measures_say_what_they_are():
+    for measure in MEASURES.values():
+        assert measure.meaning
+        assert measure.unit
+
+
+@pytest.mark.parametrize("quantity", MEASURES)
+@pytest.mark.parametrize(("key", "given"), [("body", "block"), ("pair", "block-plane"), ("axis", "x")])
+def test_a_key_that_a_measure_does_not_look_at_is_refused(quantity, key, given):
+    error = {"quantity": quantity, "kind": "finest", key: given}
+    if MEASURES[quantity].kind == "field":
+        error["kind"] = "closed-form"
+    if key in MEASURES[quantity].keys:
+        assert judged(error)[0].measure is MEASURES[quantity]
+        return
+    with pytest.raises(SceneError, match=rf"^error\.{key}: has no effect: {quantity} looks at "):
+        judged(error)
+
+
+def seen_run():
+    """A run in which every body, pair and axis has a way, an energy and a force of its own."""
+    time = np.linspace(0.0, 0.02, 5)
+    t = time[:, None]
+    way = t[..., None] ** 2 * np.array([[1.0, 2.0], [3.0, 4.0]])
+    series = xr.Dataset(
+        {
+            "centre_of_mass": (("time", "body", "axis"), way),
+            "angular_velocity": (("time", "body", "rotation"), (t * [1.0, 2.0])[..., None]),
+            "kinetic_energy": (("time", "body"), t * [1.0, 2.0]),
+            "contact_force": (("time", "pair", "axis"), t[..., None] * [[[1.0, 2.0], [3.0, 4.0]]]),
+        },
+        coords={"time": time, "body": ["block", "plane"], "axis": ["x", "y"], "pair": PAIRS},
+    )
+    return xr.DataTree.from_dict({"/series": series})
+
+
+PAIRS = ["block-plane", "block-third"]
+NAMES = {"body": ("block", "plane"), "pair": tuple(PAIRS), "axis": ("x", "y")}
+
+
+def with_pairs():
+    """The scene with a third body, so that there is more than one pair."""
+    _, grid = judged({"quantity": "acceleration"})
+    scene = next(iter(grid.scenes.values()))
+    third = {**scene.to_mapping()["bodies"]["block"]}
+    third["geometry"] = {"type": "rectangle", "lower": [0.81, 0.013], "upper": [1.21, 0.413]}
+    return load_scene({**scene.to_mapping(), "bodies": {**scene.to_mapping()["bodies"], "third": third}})
+
+
+@pytest.mark.parametrize(("quantity", "key"), [(m.name, key) for m in MEASURES.values() for key in m.keys])
+def test_a_key_that_a_measure_looks_at_changes_what_it_measures(quantity, key):
+    scene, run = with_pairs(), seen_run()
+    found = [MEASURES[quantity].of(run, scene, About(**{key: name})).values for name in NAMES[key]]
+    assert not np.allclose(found[0], found[1])
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"axis": "y"}, "error.axis: the scene 'scene' has a closed form of displacement, but none for axis = 'y'; "),
+        ({"body": "plane"}, "error.body: the scene 'scene' has a closed form of displacement, but none for body = 'plane'"),
+        ({"body": "plane", "axis": "y"}, "error.body: .* none for body = 'plane' and axis = 'y'; leave body and axis out"),
+        ({"axis": "z"}, "error.axis: 'z' is no axis of the scene, which has 2 dimensions"),
+        ({"body": "blok"}, "error.body: 'blok' is no body of the scene; expected one of block, plane"),
+    ],
+)  # fmt: skip
+def test_what_has_no_closed_form_is_named(given, said):
+    with pytest.raises(SceneError, match=f"^{said}"):
+        judged({"quantity": "displacement", **given})
+
+
+def test_the_energy_of_one_ring_is_not_judged_by_that_of_both():
+    error = {"quantity": "kinetic-energy", "kind": "reference"}
+    study = {"scene": "colliding-rings", "vary": {"cell_size": ["4 mm"]}}
+    assert judge_of({**study, "error": error})[0].exact
+    with pytest.raises(
+        SceneError, match=r"^error\.body: .* has a reference of kinetic-energy, but none for body = 'left'"
+    ):
+        judge_of({**study, "error": {**error, "body": "left"}})
+
+
+def test_a_scene_without_any_closed_form_says_what_is_left():
+    with pytest.raises(
+        SceneError, match=r"no closed form for kinetic-energy; expected kind = 'finest' or a file"
+    ):
+        judged({"quantity": "kinetic-energy"})
+    with pytest.raises(SceneError, match=r"no closed form for interface-stress; expected another quantity"):
+        judged({"quantity": "interface-stress"})

@@ -1,0 +1,197 @@
+"""A study's file: its keys, its mistakes, its scenes and what makes two runs the same."""
+
+import functools
+
+import numpy as np
+import pytest
+
+import mpmfw
+from mpmfw.discovery import available
+from mpmfw.errors import SceneError
+from mpmfw.scene import load_scene
+from mpmfw.scene.loading import shipped_scenes
+from mpmfw.studies.exact import column, incline
+from mpmfw.studies.identity import key_of
+from mpmfw.studies.keys import as_number, dimension_names, finer, is_numerical, overrides_of
+from mpmfw.studies.loading import load_study, shipped_studies
+from studies_for_tests import SLIDING, judge_of
+
+# -- keys
+
+
+def test_short_names_stand_for_keys_of_every_body():
+    scene = load_scene(SLIDING)
+    assert overrides_of(scene, "cfl", 0.3) == {"time.safety": 0.3}
+    assert overrides_of(scene, "segment", "1 cell") == {
+        "bodies.block.segment": "1 cell",
+        "bodies.plane.segment": "1 cell",
+    }
+    assert set(overrides_of(scene, "particles_per_cell", 4).values()) == {"0.5 cells"}
+    with pytest.raises(SceneError, match="expected a positive number"):
+        overrides_of(scene, "particles_per_cell", 0)
+
+
+def test_keys_that_change_the_method_and_keys_that_change_the_problem():
+    methods = ("contact", "shape", "cell_size", "kappa", "cfl", "particle_size", "bodies.block.segment")
+    assert all(is_numerical(key) for key in (*methods, "stepping.transported", "contact.penalty.damping"))
+    problems = ("contact.friction", "contact.pairs[0].friction", "gravity.tilt", "materials.soft.density")
+    assert not any(is_numerical(key) for key in (*problems, "time.end", "settle.gravity.tilt"))
+
+
+def test_names_of_dimensions_are_last_parts_unless_they_clash():
+    names = dimension_names(["contact", "bodies.a.segment", "bodies.b.segment", "contact.pairs[0].friction"])
+    assert list(names.values()) == ["contact", "bodies_a_segment", "bodies_b_segment", "friction"]
+    assert dimension_names(["materials.soft.stage"])["materials.soft.stage"] == "materials_soft_stage"
+
+
+def test_what_is_finer():
+    assert (finer("cell_size"), finer("particles_per_cell"), finer("kappa")) == (-1, 1, 0)
+    assert (as_number("0.5 cells"), as_number("2 mm"), as_number("cpdi"), as_number(True)) == (
+        0.5,
+        0.002,
+        None,
+        None,
+    )
+
+
+# -- files
+
+GOOD = """\
+scene = "sliding-block"
+
+[vary]
+contact = ["none", "penalty"]
+cell_size = [0.2, 0.1]
+
+[error]
+quantity = "acceleration"
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "message"),
+    [
+        ("contact =", "contacts =", 4, "did you mean 'contact'"),
+        ("cell_size =", "cel_size =", 5, "did you mean 'cell_size'"),
+        ('"none", ', '"non", ', 4, "did you mean 'none'"),
+        ("[0.2, 0.1]", "[0.2, -0.1]", 5, "must be greater than 0"),
+        ("[0.2, 0.1]", "0.2", 5, "expected an array"),
+        ("[0.2, 0.1]", "[]", 5, "has 0 entries"),
+        ("[0.2, 0.1]", "[0.2, 0.2]", 5, "0.2 is given twice"),
+        ("cell_size =", '"contact.method" =', 5, "sets the same key"),
+        ("cell_size =", '"bodies.blok.segment" =', 5, "did you mean 'block'"),
+        ('quantity = "acceleration"', 'quantity = "aceleration"', 8, "did you mean 'acceleration'"),
+        ('quantity = "acceleration"', "", 7, "quantity: missing"),
+        ("[error]", "[error]\nfile = 'a.csv'", 8, "has no effect"),
+        ("[error]", "[error]\nkind = 'finest'\nfinest = { shape = 'cpdi' }", 9, "is not varied"),
+        ("[error]", "[error]\nnorm = 'l2'", 8, "is a number"),
+        ("[error]", "[error]\nkind = 'closed'", 8, "did you mean 'closed-form'"),
+        ("[error]", "[error]\nbody = 'blok'", 8, "no body of the scene"),
+        ('"acceleration"', '"impulse"', 1, "kind = 'finest'"),
+        ('scene = "sliding-block"', 'scene = "sliding-blok"', 1, "did you mean 'sliding-block'"),
+        ('scene = "sliding-block"', "", 1, "scene: missing"),
+        ("[error]", "[cost]\nrepeats = 0\n[error]", 8, "must be at least 1"),
+        ("[error]", "[set]\ncell_size = 0.3\n[error]", 8, "takes its place"),
+        ("[error]", "[set]\n'time.ende' = 0.3\n[error]", 8, "did you mean 'end'"),
+        ("[vary]", "[vary", 3, "not valid TOML"),
+    ],
+)
+def test_a_mistake_is_one_message_with_its_line(tmp_path, old, new, line, message):
+    assert old in GOOD
+    path = tmp_path / "s.toml"
+    path.write_text(GOOD.replace(old, new), encoding="utf-8")
+    with pytest.raises(SceneError) as error:
+        judge_of(path)
+    text = str(error.value)
+    assert len(text.splitlines()) == 1
+    assert text.startswith(f"{path}:{line}:") or "kind = 'finest'" in message
+    assert message in text
+
+
+def test_several_mistakes_are_a_line_each(tmp_path):
+    path = tmp_path / "s.toml"
+    path.write_text(GOOD.replace("contact =", "contacts =").replace("acceler", "acelr"), encoding="utf-8")
+    with pytest.raises(SceneError) as error:
+        load_study(path)
+    assert [line.split(":")[1] for line in str(error.value).splitlines()] == ["4", "8"]
+
+
+def test_shipped_studies_are_valid_and_their_scenes_have_the_error_that_they_ask_for(monkeypatch):
+    installed = functools.cache(available)  # they do not change, and are looked up for every scene
+    monkeypatch.setattr("mpmfw.discovery.available", installed)
+    monkeypatch.setattr("mpmfw.scene.options.available", installed)
+    assert {"rolling-cylinder", "rings", "contact-stress", "sliding-block"} == set(shipped_studies())
+    for name in shipped_studies():
+        judge, grid = judge_of(name)
+        assert judge.exact
+        assert all(one.scene is not None for one in grid.combinations.values())
+
+
+def test_an_unknown_study_is_refused_with_the_nearest_name():
+    with pytest.raises(SceneError, match="did you mean 'rings'"):
+        load_study("ring")
+
+
+@pytest.mark.parametrize("given", [3, None, 1.5, ["rings"]])
+def test_what_cannot_be_a_study_is_refused_with_what_can(given):
+    with pytest.raises(
+        SceneError, match="is no study; expected a TOML file, the name of a shipped study"
+    ) as error:
+        mpmfw.study(given)
+    assert str(error.value).startswith(repr(given))
+
+
+def test_a_folder_is_no_study(tmp_path):
+    with pytest.raises(SceneError, match="is a folder; expected a TOML file or a shipped study") as error:
+        mpmfw.study(tmp_path)
+    assert str(error.value).startswith(str(tmp_path))
+
+
+# -- what is known of scenes
+
+
+def test_closed_forms_of_shipped_scenes():
+    shipped = shipped_scenes()
+    block = incline(load_scene("sliding-block"))
+    assert block is not None
+    assert block.acceleration == pytest.approx(10.0 * (0.5 - 0.3 * np.sqrt(0.75)))
+    rolls = incline(load_scene("rolling-cylinder-slip"))
+    assert rolls is not None
+    assert rolls.until == pytest.approx(1.663, abs=1e-3)
+    pressed = column(load_scene("contact-stress"))
+    assert pressed is not None
+    assert (pressed.lower, pressed.upper, pressed.pressure) == ("lower", "upper", 2e5)
+    assert [name for name in shipped if incline(load_scene(name))] == [
+        "rolling-cylinder-no-slip",
+        "rolling-cylinder-slip",
+        "sliding-block",
+    ]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"contact.friction": 0.9},
+        {"bodies.block.velocity": [1.0, 0.0]},
+        {"bodies.block.geometry": {"type": "rectangle", "lower": [0.1, 0.013], "upper": [0.2, 0.9]}},
+        {"gravity": {"vector": [1.0, -9.0]}},
+    ],
+)
+def test_a_block_that_need_not_slide_has_no_closed_form(change):
+    assert incline(load_scene("sliding-block", set=change)) is None
+
+
+# -- the same run
+
+
+def test_a_run_is_known_by_its_meaning():
+    scene = load_scene("sliding-block")
+    key = key_of(scene)
+    assert key_of(load_scene("sliding-block", set={"title": "another"})) == key
+    assert key_of(load_scene("sliding-block", set={"contact.penalty.kappa": 2.0})) != key
+    without = [
+        load_scene("sliding-block", set={"contact.method": "none", "grid.cell_size": h}) for h in (0.2, 0.1)
+    ]
+    assert key_of(without[0]) != key_of(without[1])
+    with_other = {"contact.method": "none", "contact.penalty.kappa": 2.0, "grid.cell_size": 0.2}
+    assert key_of(load_scene("sliding-block", set=with_other)) == key_of(without[0])

@@ -1,0 +1,137 @@
+"""The front of a study, what it concludes, and its figures."""
+
+import json
+import warnings
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from mpmfw.plots import figures_of
+from mpmfw.studies.conclusion import conclusions
+from mpmfw.studies.pareto import front
+
+# -- the front
+
+
+def brute_force(error, cost):
+    on = np.zeros(len(error), dtype=bool)
+    for i in range(len(error)):
+        known = np.isfinite(error[i]) and np.isfinite(cost[i])
+        beaten = [
+            error[j] <= error[i] and cost[j] <= cost[i] and (error[j] < error[i] or cost[j] < cost[i])
+            for j in range(len(error))
+        ]
+        on[i] = known and not any(beaten)
+    return on
+
+
+# Few values, so that ties are frequent
+NUMBERS = st.sampled_from([0.0, 1.0, 2.0, 3.0, 4.5, np.nan, np.inf])
+
+
+@given(st.integers(0, 12).flatmap(lambda n: st.tuples(*[arrays(float, n, elements=NUMBERS)] * 2)))
+def test_the_front_is_what_nothing_dominates(pairs):
+    error, cost = pairs
+    np.testing.assert_array_equal(front(error, cost), brute_force(error, cost))
+
+
+def test_the_front_keeps_the_shape_and_leaves_out_what_is_not_known():
+    error = np.array([[0.1, np.nan], [0.05, 0.2]])
+    cost = np.array([[1.0, 0.1], [2.0, 3.0]])
+    np.testing.assert_array_equal(front(error, cost), [[True, False], [True, False]])
+
+
+# -- conclusion and figures
+
+
+def made_up(problem=False, **changes):
+    error = np.array([[[0.2, 0.05], [0.02, 0.004]], [[0.3, 0.009], [0.02, np.nan]]])
+    cost = np.array([[[1.0, 8.0], [2.0, 20.0]], [[1.5, 9.0], [1.9, np.nan]]])
+    dims, coords = ("contact", "shape", "cell_size"), {}
+    coords = {"contact": ["bardenhagen", "penalty"], "shape": ["gimp", "cpdi"], "cell_size": [0.4, 0.2]}
+    if problem:
+        error, cost, dims = np.stack([error, error]), np.stack([cost, cost]), ("scene", *dims)
+        coords["scene"] = ["slip", "no slip"]
+    status = np.where(np.isfinite(error), "ok", "failed: it left the grid").astype(object)
+    on = np.stack([front(e, c) for e, c in zip(error, cost, strict=True)]) if problem else front(error, cost)
+    stages = ["shape", "projection", "force", "contact", "gather", "material"]
+    dataset = xr.Dataset(
+        {
+            "error": (dims, error),
+            "cpu_time": (dims, cost),
+            "cpu_time_spread": (dims, 0.1 * cost),
+            "pareto": (dims, on),
+            "status": (dims, status),
+            "timing": (dims, np.full(error.shape, "exclusive", dtype=object)),
+            "steps": (dims, np.full(error.shape, 100.0)),
+            "stage_time": ((*dims, "stage"), cost[..., None] * np.full(6, 1.0 / 6.0)),
+        },
+        coords={**coords, "stage": stages},
+        attrs={
+            "kind": "study",
+            "title": "made up",
+            "quantity": "end-displacement",
+            "under": 0.01,
+            "timing": "exclusive",
+            "problem_dims": json.dumps(["scene"] if problem else []),
+        },
+    )
+    return dataset.assign_attrs(changes)
+
+
+def test_the_cheapest_combination_under_an_error_is_named():
+    (said,) = conclusions(made_up())
+    assert said.startswith(
+        "The cheapest combination under 1 % error is penalty, gimp, cell_size 0.2, 9 s ± 0.9 s"
+    )
+    (said,) = conclusions(made_up(), under=0.1)
+    assert "bardenhagen, cpdi" not in said
+    assert "penalty, cpdi, cell_size 0.4, 1.9 s" in said
+    (said,) = conclusions(made_up(), under=0.001)
+    assert "no combination is under 0.1 %; the least, 0.4 %, has bardenhagen, cpdi, cell_size 0.2" in said
+    assert [line.partition(":")[0] for line in conclusions(made_up(problem=True))] == ["slip", "no slip"]
+
+
+@pytest.mark.parametrize("problem", [False, True])
+def test_figures_of_a_study(problem, tmp_path):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        figures = figures_of(made_up(problem))
+        for name, (figure, caption) in figures.items():
+            figure.savefig(tmp_path / f"{name}.png")
+            assert caption
+    assert list(figures) == ["front", "stages"]
+    axes = figures["front"][0].axes
+    assert len(axes) == 1 + problem
+    assert (axes[0].get_xscale(), axes[0].get_yscale()) == ("log", "log")
+    assert "[s]" in axes[0].get_xlabel()
+    assert "[%]" in axes[0].get_ylabel()
+    bars = figures["stages"][0].axes[0].patches
+    assert sum(bar.get_width() for bar in bars) == pytest.approx(8.0 + 20.0 + 9.0)
+
+
+def test_the_legend_of_stages_lists_those_that_occur():
+    dataset = made_up()
+    dataset["stage_time"] = dataset["stage_time"].where(dataset["stage"] != "contact", 0.0)
+    figure, _ = figures_of(dataset)["stages"]
+    (legend,) = figure.legends
+    named = {text.get_text() for text in legend.get_texts()} - {""}
+    assert named == {"shape", "projection", "force", "gather", "material"}
+
+
+def test_figures_of_a_study_without_any_result():
+    empty = made_up()
+    for name in ("error", "cpu_time", "stage_time"):
+        empty[name] = np.nan * empty[name]
+    assert figures_of(empty) == {}
+
+
+def test_figures_of_a_study_of_one_method():
+    one = made_up().isel(contact=0, shape=0)
+    assert list(figures_of(one)) == ["front", "stages"]
+    bare = made_up().isel(contact=0, shape=0).drop_vars(["contact", "shape"])
+    assert list(figures_of(bare)) == ["front", "stages"]
