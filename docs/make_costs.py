@@ -57,7 +57,9 @@ def allocated(scene: str, contact: str, shape: str) -> tuple[prediction.Predicti
     tracemalloc.start()
     simulation = Simulation(scene, contact=contact, shape=shape)
     simulation.step(simulation.next_step())
-    ours = tracemalloc.take_snapshot().filter_traces([tracemalloc.DomainFilter(True, np.lib.tracemalloc_domain)])
+    ours = tracemalloc.take_snapshot().filter_traces(
+        [tracemalloc.DomainFilter(True, np.lib.tracemalloc_domain)]
+    )
     tracemalloc.stop()
     fresh = Simulation(scene, contact=contact, shape=shape)
     found = prediction.predict(fresh, [array.nbytes for _, array in named_arrays(fresh.state)])

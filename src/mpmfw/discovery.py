@@ -69,8 +69,8 @@ def load(kind: Kind, name: str) -> type[Any]:
     Raises
     ------
     SceneError
-        No such plug-in is installed, or two of that name; it fails to import, its class has another name, or :func:`refuse_class` says why
-        it cannot be used.
+        No such plug-in is installed, or two of that name; it fails to import, its class has another name, or
+        :func:`refuse_class` says why it cannot be used.
     """
     entries = available(kind)
     if name not in entries:
