@@ -110,6 +110,7 @@ def test_figures_of_a_study(problem, tmp_path):
     assert (axes[0].get_xscale(), axes[0].get_yscale()) == ("log", "log")
     assert "[s]" in axes[0].get_xlabel()
     assert "[%]" in axes[0].get_ylabel()
+    assert all(panel.get_title(loc="left").endswith("(1 failed)") for panel in axes)
     bars = figures["stages"][0].axes[0].patches
     assert sum(bar.get_width() for bar in bars) == pytest.approx(8.0 + 20.0 + 9.0)
 

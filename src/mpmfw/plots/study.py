@@ -70,7 +70,7 @@ def front(dataset: xr.Dataset) -> Figure:
             linestyle=(0, (4, 3)),
             zorder=0,
         )
-        dress(axes, "CPU time [s]", f"error of {_quantity(dataset)} [%]" if axes is panels[0] else "", title)
+        dress(axes, "CPU time [s]", f"error of {_quantity(dataset)} [%]" if axes is panels[0] else "", _told(title, problem))
         _plain_ticks(axes)
     for axes in panels[len(problems) :]:
         axes.remove()
@@ -121,6 +121,12 @@ def _size(dataset: xr.Dataset, resolution: str | None, row: dict[str, Any]) -> f
         return 5.0
     order = order_of(dataset, resolution)
     return float(np.interp(order.index(row[resolution]), (0, max(1, len(order) - 1)), _SIZES))
+
+
+def _told(title: str, problem: xr.Dataset) -> str:
+    """The title, and how many runs of the problem have no marker because they failed or were refused."""
+    without = sum(not np.isfinite(row["run"]["error"]) for row in runs_of(problem))
+    return f"{title} ({without} failed)" if without else title
 
 
 def _is_known(run: xr.Dataset) -> bool:
