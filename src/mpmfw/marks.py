@@ -18,7 +18,8 @@ def refuse_dead_hooks(plugin: type[Any]) -> None:
     Raises
     ------
     SceneError
-        A method with a hook's name is not marked with ``hookimpl``, or one that is marked has no hook's name.
+        A method with a hook's name is not marked with ``hookimpl``, or one that is marked has no hook's name, or asks
+        for what the hook does not give.
     """
     hooks = [name for name in vars(HookSpecs) if not name.startswith("_")]
     marks = pluggy.PluginManager("mpmfw")
@@ -31,10 +32,24 @@ def refuse_dead_hooks(plugin: type[Any]) -> None:
                     f"{_written(plugin, method)} is marked with @hookimpl, but there is no hook '{called}'; "
                     f"{did_you_mean(called, hooks)}"
                 )
+            _refuse_arguments(plugin, method, called)
         elif method in hooks and inspect.isroutine(getattr(plugin, method)):
             raise SceneError(
                 f"{_written(plugin, method)} has the name of a hook and is not marked as one, so that it would never be "
                 "called; put @hookimpl above it, or give it another name"
+            )
+
+
+def _refuse_arguments(plugin: type[Any], method: str, hook: str) -> None:
+    specification = getattr(HookSpecs, hook, None)
+    if specification is None:  # an optional hook of somebody else's
+        return
+    given = [name for name in inspect.signature(specification).parameters if name != "self"]
+    for name, parameter in inspect.signature(getattr(plugin, method)).parameters.items():
+        if name not in ("self", *given) and parameter.default is parameter.empty:
+            raise SceneError(
+                f"{_written(plugin, method)} asks for '{name}', which the hook does not give; "
+                f"{did_you_mean(name, given)}"
             )
 
 

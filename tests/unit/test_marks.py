@@ -58,6 +58,16 @@ class Unknown(ContactStrategy):
         """Never called."""
 
 
+class Asking(ContactStrategy):
+    """An argument that the hook does not give."""
+
+    name = "asking"
+
+    @hookimpl
+    def after_momentum_update(self, grid: Grid, particle: Any) -> None:
+        """Cannot be called."""
+
+
 class WithPart(ContactStrategy):
     """A law whose part has the fault."""
 
@@ -73,10 +83,14 @@ class WithPart(ContactStrategy):
     [
         (Forgotten, r"test_marks\.Forgotten\.after_momentum_update has the name of a hook and is not marked"),
         (MarkLost, r"test_marks\.MarkLost\.after_momentum_update has the name of a hook and is not marked"),
+        (
+            Asking,
+            r"Asking\.after_momentum_update asks for 'particle', which the hook does not give; did you mean 'particles'",
+        ),
         (Unknown, r"Unknown\.after_momentum_updat is marked .* did you mean 'after_momentum_update'\?"),
     ],
 )
-def test_a_hook_that_would_never_be_called_is_refused(plugin: type[Any], said: str) -> None:
+def test_a_hook_that_could_not_be_called_is_refused(plugin: type[Any], said: str) -> None:
     with pytest.raises(SceneError, match=said):
         refuse_dead_hooks(plugin)
     with pytest.raises(SceneError, match=said):

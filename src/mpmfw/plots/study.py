@@ -70,7 +70,12 @@ def front(dataset: xr.Dataset) -> Figure:
             linestyle=(0, (4, 3)),
             zorder=0,
         )
-        dress(axes, "CPU time [s]", f"error of {_quantity(dataset)} [%]" if axes is panels[0] else "", _told(title, problem))
+        dress(
+            axes,
+            "CPU time [s]",
+            f"error of {_quantity(dataset)} [%]" if axes is panels[0] else "",
+            _told(title, problem),
+        )
         _plain_ticks(axes)
     for axes in panels[len(problems) :]:
         axes.remove()

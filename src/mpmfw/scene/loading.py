@@ -57,6 +57,11 @@ def load_scene(
         return scene.with_overrides(overrides) if overrides else scene
     if isinstance(scene, Mapping):
         return scene_from(Source(plain(scene)), overrides)
+    if not isinstance(scene, str | os.PathLike):
+        raise SceneError(
+            f"{scene!r} is no scene; expected a TOML file, the name of a shipped scene "
+            f"({', '.join(shipped_scenes())}), a mapping or a Scene"
+        )
     return scene_from(_read(scene), overrides)
 
 
