@@ -337,6 +337,6 @@ def test_options_are_judged_with_the_methods_that_the_call_names():
 @pytest.mark.parametrize("wrong", [3, None, ["rings"]])
 def test_what_is_no_scene_is_told_what_one_is(wrong):
     with pytest.raises(
-        SceneError, match="is no scene; expected a TOML file, the name of a shipped scene .*colliding-rings"
+        SceneError, match=r"is no scene; expected a TOML file, the name of a shipped scene .*colliding-rings"
     ):
         load_scene(wrong)
