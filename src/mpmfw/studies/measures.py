@@ -105,7 +105,7 @@ def measure(
     Parameters
     ----------
     name, unit, kind, keys, exact, norm, particles
-        As of a :class:`Measure`.
+        As of a ``Measure``.
     """
 
     def register(function: Extract) -> Extract:
