@@ -84,6 +84,7 @@ def main() -> None:
     FIGURES.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(sys.argv[1] if len(sys.argv) > 1 else temporary)
+        folder.mkdir(parents=True, exist_ok=True)
         sections = []
         for name in STUDIES:
             dataset = mpmfw.study(name, output=folder / f"{name}.nc", timing="exclusive")

@@ -121,10 +121,12 @@ def front_with_slip() -> tuple[float, ...]:
 
 
 def front_without_slip() -> tuple[float, ...]:
-    """Error and cost of the coarsest and the finest B-splines; not numbers where others are on the front."""
-    front = [run for run in pick(**NO_SLIP, contact="penalty") if run.front]
-    told = (front[0].error, front[0].cpu, front[-1].error, front[-1].cpu)
-    return told if {run.shape for run in front} == {"bspline"} else (math.nan,) * 4
+    """Error and cost of the first and the last B-splines of the front; not numbers where it ends with others."""
+    front = sorted((run for run in pick(**NO_SLIP, contact="penalty") if run.front), key=lambda run: run.cpu)
+    splines = [run for run in front if run.shape == "bspline"]
+    if front[-1] is not splines[-1]:
+        return (math.nan,) * 4
+    return splines[0].error, splines[0].cpu, splines[-1].error, splines[-1].cpu
 
 
 def departure(method: str) -> float:
