@@ -41,10 +41,10 @@ works on outlines. The table of a and b that ships with mpmfw comes from two blo
 bundled shape function and contact strategy; `mpmfw explain SCENE --measure` takes one of your own machine and keeps
 it. Steps are counted with the stable time step as it is after one step, when contact has seen where bodies touch; where
 they do not yet, as it is before. A limit that changes during the run changes them, as where rings touch for a part of it.
-Settling and output come on top; `contact-stress` is settling alone and is not in the table.
+Settling and output come on top; `contact-stress` is settling alone and is not in the table. What gravity, sides and rotation
+take is in no table: scenes of few points, in which calls are all the cost, take more than is predicted.
 
-Prediction against measurement, with times per stage taken just before on the same machine (`python docs/make_costs.py`):
-
+Prediction against measurement, with times per stage taken just before on the same machine (`python docs/make_costs.py`).
 Memory is that of the arrays allocated while the simulation is built and takes a step, as NumPy reports it.
 
 | scene | contact | shape | steps, predicted | run | CPU s, predicted | run | ratio | MB, predicted | allocated |
