@@ -6,6 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from contact_scenes import impact, wave_speed
+from mpmfw.simulation import Simulation
 from mpmfw_contact.penalty.stability import NOISE, SHALLOW, WEAK, carried_over, entered
 
 CELL = 0.1  # m
@@ -52,3 +54,17 @@ def test_a_new_spring_has_at_most_the_force_of_what_came(gap, came):
         assert rest == 0.0
     else:
         assert depth == pytest.approx(max(came, 0.0), abs=1e-15)
+
+
+def test_a_node_that_comes_in_by_the_face_has_all_of_its_force():
+    """At a fifth of the wave speed it comes far deeper in a step than what passes for shallow."""
+    mapping = impact(gap=0.047, speed=0.2 * wave_speed("soft"), slide=0.0)
+    mapping["contact"] = {"method": "penalty", "friction": 0.0}
+    simulation = Simulation(mapping, shape="cpdi")
+    found = simulation.contact.candidates
+    while not (found.master >= 0).any():
+        simulation.advance(1)
+    loaded = found.master >= 0
+    depth = -found.gap[loaded]
+    assert depth.max() > SHALLOW * CELL
+    assert (found.rest[loaded] == 0.0).all()
