@@ -86,7 +86,7 @@ EFFECTS = {
         "cpdi",
         hooks=_SHAPE,
         arrays="layout/half_edges",
-        modules="mpmfw_shape.cpdi mpmfw_shape._bilinear_surface",
+        modules="mpmfw_shape.cpdi mpmfw_shape._bilinear_surface mpmfw_shape._packed_rows",
     ),
     "bspline": brings("bspline", hooks=_SHAPE, modules="mpmfw_shape.bspline"),
     "neo_hookean": brings(
@@ -103,7 +103,7 @@ EFFECTS = {
         "cpdi2",
         hooks=f"{_SHAPE} declare_fields update_particle_domains diagnostics",
         arrays="corners",
-        modules="mpmfw_shape.cpdi2 mpmfw_shape._bilinear_surface",
+        modules="mpmfw_shape.cpdi2 mpmfw_shape._bilinear_surface mpmfw_shape._packed_rows",
         points="corners",
     ),
     "affine field": brings(arrays="particles/affine", series="affine_energy"),

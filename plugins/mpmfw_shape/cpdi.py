@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.api import FloatArray, Grid, Particles, Setup, Stencil, check_inside, empty_stencil, hookimpl
+from mpmfw.api import FloatArray, Grid, Particles, Setup, Stencil, hookimpl
 from mpmfw.kernels import kernel, scratch
+from mpmfw.kernels.packed import CORNERS, FULL, OUTSIDE, fill_domain
 from mpmfw.kernels.small_matrix import invert
-from mpmfw.kernels.stencil import fill_corner_in_cells, read_window
+from mpmfw.kernels.stencil import read_window
 from mpmfw.kernels.types import Floats, Indices, Ints
 from mpmfw_shape._bilinear_surface import LinearSurface
+from mpmfw_shape._packed_rows import empty_rows, fill_rows
 
 
 @kernel
@@ -22,28 +24,35 @@ def fill_cpdi(
     window_lower: Ints,
     window_shape: Ints,
     offset: Ints,
+    row: Ints,
     nodes: Indices,
     weight: Floats,
     gradient: Floats,
     spacing: tuple[float, ...],
 ) -> int:
-    """CPDI functions; 4**dim entries each (2**dim corners, 2**dim nodes round each corner).
+    """CPDI functions; up to 4**dim entries each, about 5 in 2D and 16 in 3D (:func:`mpmfw.kernels.fill_domain`).
 
     The domain is x_p + R ξ, ξ in [−1, 1]^dim, R = F R_0. With the corners x_c at signs s_c, φ_i = 2^−dim Σ_c
     N_i(x_c) and ∇φ_i = 2^−dim Σ_c R^−T s_c N_i(x_c): mean and mean gradient over the domain of the function
-    that interpolates N_i linearly between the corners. Return the first point outside its window, or −1.
+    that interpolates N_i linearly between the corners. Return the first point outside its window, −1, or −2 if the table
+    is too short.
     """
     dim = len(spacing)
     n_corners = 2**dim
-    share = 1.0 / n_corners
+    share_of_each = 1.0 / n_corners
     inverse_h = 1.0 / spacing[0]
     origin = scratch.vector(spacing)
     shape = scratch.integers(spacing)
     r = scratch.matrix(spacing, spacing)
     inverse = scratch.matrix(spacing, spacing)
-    slope = scratch.vector(spacing)
     centre = scratch.vector(spacing)
-    corner = scratch.vector(spacing)
+    corner = scratch.matrix(CORNERS, spacing)
+    slope = scratch.matrix(CORNERS, spacing)
+    share = scratch.vector(CORNERS)
+    for c in range(n_corners):
+        share[c] = share_of_each
+    k = 0
+    row[0] = 0
     for f in range(len(first) - 1):
         read_window(lower, window_lower, window_shape, f, origin, shape, spacing)
         start = offset[f]
@@ -57,22 +66,21 @@ def fill_cpdi(
             invert(r, inverse, spacing)
             for c in range(n_corners):
                 for d in range(dim):
-                    corner[d] = centre[d]
-                    slope[d] = 0.0
+                    corner[c, d] = centre[d]
+                    slope[c, d] = 0.0
                     for e in range(dim):
                         sign = 1.0 if (c >> e) & 1 else -1.0
-                        corner[d] += sign * r[d, e] * inverse_h
-                        slope[d] += sign * share * inverse[e, d]
-                k = (p * n_corners + c) * n_corners
-                if not fill_corner_in_cells(
-                    k, corner, share, slope, shape, start, nodes, weight, gradient, spacing
-                ):
-                    return p
+                        corner[c, d] += sign * r[d, e] * inverse_h
+                        slope[c, d] += sign * share_of_each * inverse[e, d]
+            k = fill_domain(k, corner, share, slope, shape, start, nodes, weight, gradient, spacing)
+            if k < 0:
+                return p if k == OUTSIDE else FULL
+            row[p + 1] = k
     return -1
 
 
 class Cpdi(LinearSurface):
-    """φ_ip from the corners of the deformed parallelogram F R_0: 16 entries in 2D, 64 in 3D."""
+    """φ_ip from the corners of the deformed parallelogram F R_0: up to 16 entries in 2D, 64 in 3D."""
 
     name = "cpdi"
 
@@ -80,7 +88,7 @@ class Cpdi(LinearSurface):
     def setup(self, setup: Setup) -> None:
         """Take the domains at the start; the deformed ones are F R_0 and are not stored."""
         self.half_edges = setup.half_edges
-        self.table = empty_stencil(setup.state.particles.count, 4**setup.dim, setup.dim)
+        self.table = empty_rows(setup.state.particles.count, setup.dim)
 
     @hookimpl
     def particle_reach(self, particles: Particles) -> FloatArray:
@@ -91,9 +99,10 @@ class Cpdi(LinearSurface):
     @hookimpl
     def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
         """φ_ip and ∇φ_ip of the deformed domains."""
-        table = self.table
-        check_inside(
-            fill_cpdi(
+        self.table = fill_rows(
+            fill_cpdi,
+            self.table,
+            (
                 particles.position,
                 particles.deformation_gradient,
                 self.half_edges,
@@ -102,10 +111,7 @@ class Cpdi(LinearSurface):
                 grid.window_lower,
                 grid.window_shape,
                 grid.offset,
-                table.nodes,
-                table.weight,
-                table.gradient,
-                grid.spacing,
-            )
+            ),
+            grid.spacing,
         )
-        return table
+        return self.table

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from mpmfw.api import (
@@ -13,14 +15,15 @@ from mpmfw.api import (
     SceneError,
     Setup,
     Stencil,
-    check_inside,
-    empty_stencil,
     hookimpl,
 )
 from mpmfw.kernels import device, kernel, scratch
-from mpmfw.kernels.stencil import fill_corner
+from mpmfw.kernels.packed import CORNERS as EACH_CORNER
+from mpmfw.kernels.packed import FULL, OUTSIDE, fill_domain
+from mpmfw.kernels.stencil import read_window
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 from mpmfw_shape._bilinear_surface import LinearSurface
+from mpmfw_shape._packed_rows import empty_rows, fill_rows
 
 CORNERS = Field(
     "corners",
@@ -69,47 +72,51 @@ def fill_cpdi2(
     window_lower: Ints,
     window_shape: Ints,
     offset: Ints,
+    row: Ints,
     nodes: Indices,
     weight: Floats,
     gradient: Floats,
     spacing: tuple[float, ...],
 ) -> int:
-    """φ_i = Σ_c w_c N_i(x_c) and ∇φ_i = Σ_c g_c N_i(x_c); 16 entries each.
+    """φ_i = Σ_c w_c N_i(x_c) and ∇φ_i = Σ_c g_c N_i(x_c); up to 16 entries each.
 
     w_c = 1/V ∫ M_c dV and g_c = 1/V ∮ M_c n dS = ½ (y_{c+1} − y_{c−1}, x_{c−1} − x_{c+1}) / V.
-    Return the first point whose corner is outside its window, or −1.
+    Return the first point whose corner is outside its window, −1, or −2 if the table is too short.
     """
-    slope = scratch.vector(spacing)
+    inverse_h = 1.0 / spacing[0]
+    origin = scratch.vector(spacing)
+    shape = scratch.integers(spacing)
+    corner = scratch.matrix(EACH_CORNER, spacing)
+    slope = scratch.matrix(EACH_CORNER, spacing)
+    share = scratch.vector(EACH_CORNER)
+    k = 0
+    row[0] = 0
     for f in range(len(first) - 1):
+        read_window(lower, window_lower, window_shape, f, origin, shape, spacing)
         for p in range(first[f], first[f + 1]):
             own = corners[p]
             area = area_of(own)
             for c in range(4):
                 after, before = (c + 1) % 4, (c + 3) % 4
-                slope[0] = 0.5 * (own[after, 1] - own[before, 1]) / area
-                slope[1] = 0.5 * (own[before, 0] - own[after, 0]) / area
-                if not fill_corner(
-                    (p * 4 + c) * 4,
-                    own[c],
-                    corner_share(own, c, area),
-                    slope,
-                    lower,
-                    window_lower[f],
-                    window_shape[f],
-                    offset[f],
-                    nodes,
-                    weight,
-                    gradient,
-                    spacing,
-                ):
-                    return p
+                slope[c, 0] = 0.5 * (own[after, 1] - own[before, 1]) / area
+                slope[c, 1] = 0.5 * (own[before, 0] - own[after, 0]) / area
+                share[c] = corner_share(own, c, area)
+                for d in range(len(spacing)):
+                    corner[c, d] = (own[c, d] - origin[d]) * inverse_h
+            k = fill_domain(k, corner, share, slope, shape, offset[f], nodes, weight, gradient, spacing)
+            if k < 0:
+                return p if k == OUTSIDE else FULL
+            row[p + 1] = k
     return -1
 
 
 @kernel
 def move_corners(
-    nodes: Indices,
-    weight: Floats,
+    first: Ints,
+    lower: Floats,
+    window_lower: Ints,
+    window_shape: Ints,
+    offset: Ints,
     node_velocity: Floats,
     corners: Floats,
     position: Floats,
@@ -118,27 +125,36 @@ def move_corners(
 ) -> None:
     """x_c += Δt Σ N_i(x_c) v_i, and x_p = Σ_c w_c x_c with the weights of the moved domain.
 
-    The table holds w_c N_i: dividing by Σ_i of the corner's entries gives N_i back. Points are set to Σ S_i
-    x_i, since otherwise the affine transfer, which turns about x_p, lets linear momentum drift.
+    Points are set to Σ S_i x_i, since otherwise the affine transfer, which turns about x_p, lets linear momentum drift.
     """
-    for p in range(len(position)):
-        for c in range(4):
-            k = (p * 4 + c) * 4
-            share = weight[k] + weight[k + 1] + weight[k + 2] + weight[k + 3]
-            for d in range(len(spacing)):
-                motion = 0.0
-                for entry in range(k, k + 4):
-                    motion += weight[entry] * node_velocity[nodes[entry], d]
-                corners[p, c, d] += dt * motion / share
-        area = area_of(corners[p])
-        for d in range(len(spacing)):
-            position[p, d] = 0.0
+    inverse_h = 1.0 / spacing[0]
+    origin = scratch.vector(spacing)
+    shape = scratch.integers(spacing)
+    for f in range(len(first) - 1):
+        read_window(lower, window_lower, window_shape, f, origin, shape, spacing)
+        for p in range(first[f], first[f + 1]):
             for c in range(4):
-                position[p, d] += corner_share(corners[p], c, area) * corners[p, c, d]
+                x, y = (
+                    (corners[p, c, 0] - origin[0]) * inverse_h,
+                    (corners[p, c, 1] - origin[1]) * inverse_h,
+                )
+                i, j = math.floor(x), math.floor(y)
+                a, b = x - i, y - j
+                node = offset[f] + int(i) * shape[1] + int(j)
+                for d in range(len(spacing)):
+                    below = (1.0 - b) * node_velocity[node, d] + b * node_velocity[node + 1, d]
+                    node_above = node + shape[1]
+                    above = (1.0 - b) * node_velocity[node_above, d] + b * node_velocity[node_above + 1, d]
+                    corners[p, c, d] += dt * ((1.0 - a) * below + a * above)
+            area = area_of(corners[p])
+            for d in range(len(spacing)):
+                position[p, d] = 0.0
+                for c in range(4):
+                    position[p, d] += corner_share(corners[p], c, area) * corners[p, c, d]
 
 
 class Cpdi2(LinearSurface):
-    """φ_ip from the four corners, which move with the grid velocity: 16 entries; 2D."""
+    """φ_ip from the four corners, which move with the grid velocity: up to 16 entries; 2D."""
 
     name = "cpdi2"
     dimensions = (2,)
@@ -156,7 +172,7 @@ class Cpdi2(LinearSurface):
         particles = setup.state.particles
         self.corners = setup.allocate(self.name, CORNERS, corner=4)
         self.corners[:] = setup.corners
-        self.table = empty_stencil(particles.count, 16, setup.dim)
+        self.table = empty_rows(particles.count, setup.dim)
 
     @hookimpl
     def particle_reach(self, particles: Particles) -> FloatArray:
@@ -167,29 +183,30 @@ class Cpdi2(LinearSurface):
     @hookimpl
     def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
         """S_ip and ∇S_ip of the quadrilaterals."""
-        table = self.table
-        check_inside(
-            fill_cpdi2(
+        self.table = fill_rows(
+            fill_cpdi2,
+            self.table,
+            (
                 self.corners,
                 particles.first,
                 grid.lower,
                 grid.window_lower,
                 grid.window_shape,
                 grid.offset,
-                table.nodes,
-                table.weight,
-                table.gradient,
-                grid.spacing,
-            )
+            ),
+            grid.spacing,
         )
-        return table
+        return self.table
 
     @hookimpl
     def update_particle_domains(self, particles: Particles, grid: Grid, dt: float) -> None:
         """Corners ride on the grid velocity; the points follow them."""
         move_corners(
-            self.table.nodes,
-            self.table.weight,
+            particles.first,
+            grid.lower,
+            grid.window_lower,
+            grid.window_shape,
+            grid.offset,
             grid.velocity,
             self.corners,
             particles.position,

@@ -87,7 +87,7 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
         times["contact"] = _time(entry, surface.count if surface is not None else state.particles.count)
     steps = _steps(simulation)
     stages = {stage: steps * times[stage] for stage in STEP_STAGES}
-    entries = {"linear": 4, "gimp": 9, "bspline": 9}.get(shape, 16) ** (state.grid.dim / 2)
+    entries = {"linear": 4, "gimp": 9, "bspline": 9}.get(shape, 7) ** (state.grid.dim / 2)
     table_bytes = int(state.particles.count * entries * (4 + 8 + 8 * state.grid.dim))
     return Prediction(steps, stages, sum(arrays) + table_bytes, source, tuple(unknown))
 

@@ -56,6 +56,49 @@ def test_table_equals_the_formula(name, dim):
         assert not value[own, grid.field_nodes(1 - field)].any()
 
 
+def check_cpdi(grid, particles):
+    """Compare with the twin's sum over every corner; return the table."""
+    table = make_shape("cpdi", particles, grid).interpolate(particles=particles, grid=grid)
+    value, gradient = twin.dense(table, len(grid.position))
+    for field in range(2):
+        own, nodes = slice(particles.first[field], particles.first[field + 1]), grid.field_nodes(field)
+        n, dn = expected_table("cpdi", grid, particles, field)
+        np.testing.assert_allclose(value[own, nodes], n[own], atol=1e-12)
+        np.testing.assert_allclose(gradient[own, nodes], dn[own], atol=1e-12 / H)
+    return table
+
+
+@DIMENSIONS
+def test_cpdi_names_each_node_once(dim):
+    table = check_cpdi(*make_problem(dim))
+    for a, b in zip(table.row, table.row[1:], strict=False):
+        assert len(set(table.nodes[a:b].tolist())) == b - a
+
+
+@DIMENSIONS
+def test_corners_on_grid_lines_keep_their_weight_there(dim):
+    grid, particles = make_problem(dim)
+    particles.initial_volume[:] = particles.volume[:] = (0.5 * H) ** dim
+    particles.deformation_gradient[:] = np.eye(dim)
+    cells = np.floor((particles.position - grid.lower) / H)
+    particles.position[:] = grid.lower + H * (
+        cells + 0.25
+    )  # every domain reaches from a grid line to mid-cell
+    table = check_cpdi(grid, particles)
+    assert (np.diff(table.row) == 2**dim).all()
+    particles.position[:] = grid.lower + H * (cells + 0.75)  # from mid-cell to the next line
+    table = check_cpdi(grid, particles)
+    assert (np.diff(table.row) == 2**dim).all()
+
+
+@DIMENSIONS
+def test_stretched_domains_lengthen_the_table(dim):
+    grid, particles = make_problem(dim)
+    particles.deformation_gradient[:] *= 3.0  # boxes of up to four nodes an axis
+    table = check_cpdi(grid, particles)
+    assert table.row[-1] > particles.count * 4**dim / 2
+
+
 @DIMENSIONS
 @pytest.mark.parametrize("name", SHAPES)
 @pytest.mark.parametrize("index", [0, 13, 39])

@@ -19,7 +19,6 @@ import numpy as np
 from mpmfw.benchmark import block
 from mpmfw.benchmark.block import Block
 from mpmfw.clock import STEP_STAGES
-from mpmfw.fields import AnyArray
 
 FLAGS = ("-O3", "-march=native", "-std=c++17", "-shared", "-fPIC")
 #: Stages of a step without contact.
@@ -63,10 +62,15 @@ def compiled_library() -> ctypes.CDLL | None:
             return None
 
 
-def problem_of(block_: Block, nodes: AnyArray, entries: int) -> SimpleNamespace:
-    """Copies of the block's arrays as the plain loop wants them."""
+#: Entries of a point along each axis in the plain loop, which gives every corner of a CPDI domain entries of its own.
+ENTRIES = {"linear": 2, "gimp": 3, "bspline": 3, "cpdi": 4}
+
+
+def problem_of(block_: Block, shape: str) -> SimpleNamespace:
+    """Copies of the block's arrays, and an empty table, as the plain loop wants them."""
     p, g = block_.state.particles, block_.state.grid
     n, dim = p.position.shape
+    entries = ENTRIES[shape] ** dim
     if g.window_lower.any() or len(set(g.window_shape[0])) != 1:
         raise ValueError("the plain loop knows one cubic window at the grid's lower corner")
     return SimpleNamespace(
@@ -89,7 +93,7 @@ def problem_of(block_: Block, nodes: AnyArray, entries: int) -> SimpleNamespace:
         affine=np.zeros((n, dim, dim)) if p.affine is None else p.affine.copy(),
         half_edges=block_.half_edges.copy(),
         half_length=0.5 * p.initial_volume ** (1.0 / dim),
-        nodes=np.zeros_like(nodes),
+        nodes=np.zeros(n * entries, dtype=np.int32),
         weight=np.zeros(n * entries),
         gradient=np.zeros((n * entries, dim)),
         node_position=g.position.copy(),
@@ -120,9 +124,8 @@ class PlainLoop:
     """
 
     def __init__(self, shape: str, block_: Block, *, compiler: bool = True) -> None:
-        stencil = block_.hook.interpolate(particles=block_.state.particles, grid=block_.state.grid)
         particles = block_.state.particles
-        self.problem = problem_of(block_, stencil.nodes, len(stencil.nodes) // particles.count)
+        self.problem = problem_of(block_, shape)
         library = compiled_library() if compiler else None
         self.language = "numba" if library is None else "C++"
         self.stages: dict[str, Callable[[], object]]

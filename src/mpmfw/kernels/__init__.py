@@ -9,8 +9,9 @@ call with :func:`device`, and takes scratch memory from :mod:`mpmfw.kernels.scra
   :func:`add_internal_force`, :func:`affine_from_moment`; on nodes alone: :func:`velocity_of_momentum`,
   :func:`integrate_momentum`, :func:`add_body_force`. The grid's answer to the points is in ``mpmfw.kernels.gather``.
 - **Point stencils**, to fill tables (:class:`mpmfw.api.Stencil`): :func:`fill_linear` is a whole shape function;
-  :func:`read_window`, :func:`cell_coordinate`, :func:`linear_weights`, :func:`fits`, :func:`fill_tensor_product`,
-  :func:`fill_corner`, :func:`fill_corner_in_cells` are its parts. To read them: :func:`entries`.
+  :func:`read_window`, :func:`cell_coordinate`, :func:`linear_weights`, :func:`fits`, :func:`fill_tensor_product`
+  are its parts; :func:`fill_domain` writes a row of varying length for the corners of a particle's domain, or returns
+  ``OUTSIDE`` (−1) or ``FULL`` (−2). To read them: :func:`entries`.
 - **Geometry** of closed polylines: :func:`segment_coordinate` (foot of a point on a segment, gap, length, tangent; the
   outward unit normal is (t_y, −t_x)), :func:`signed_distance` (closest point, its direction, inside or outside),
   :func:`squared_distance`, :func:`minimum_gap`, :func:`bounding_boxes`.
@@ -63,8 +64,9 @@ argument                    shape [unit]             meaning
 ``origin``                  (dim,) [m]               position of the first node of one window
 ``shape``                   (dim,) int64             number of nodes of one window
 ``base``                    (dim,)                   index of the first node that a point touches, within its window
-``slope``                   (dim, width) [1/m]       derivatives of the weights; in ``fill_corner…`` (1, dim)
-``share``                   number                   weight of a corner of a particle's domain
+``slope``                   (dim, width) [1/m]       derivatives of the weights; in ``fill_domain`` (2**dim, dim), of corners
+``share``                   (2**dim,)                weights of the corners of a particle's domain
+``corner``                  (2**dim, dim)            the corners in cells, counted from the window's first node
 ``x``, ``y``                [m]                      coordinates of a point; in ``cell_coordinate`` along one axis
 ``x1``, ``y1``              [m]                      first end of a segment
 ``x2``, ``y2``              [m]                      second end of a segment
@@ -76,6 +78,7 @@ argument                    shape [unit]             meaning
 from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device, kernel
 from mpmfw.kernels.nodal import add_body_force, integrate_momentum, velocity_of_momentum
+from mpmfw.kernels.packed import FULL, OUTSIDE, fill_domain
 from mpmfw.kernels.polyline import (
     bounding_boxes,
     minimum_gap,
@@ -93,8 +96,6 @@ from mpmfw.kernels.rows import add_scaled_row, set_scaled_row
 from mpmfw.kernels.small_matrix import determinant, invert
 from mpmfw.kernels.stencil import (
     cell_coordinate,
-    fill_corner,
-    fill_corner_in_cells,
     fill_linear,
     fill_tensor_product,
     fits,
@@ -105,6 +106,8 @@ from mpmfw.kernels.table import entries
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 
 __all__ = [
+    "FULL",
+    "OUTSIDE",
     "Float",
     "Floats",
     "Indices",
@@ -118,8 +121,7 @@ __all__ = [
     "determinant",
     "device",
     "entries",
-    "fill_corner",
-    "fill_corner_in_cells",
+    "fill_domain",
     "fill_linear",
     "fill_tensor_product",
     "fits",

@@ -130,7 +130,7 @@ def kernel(function: Callable[Params, Result]) -> Callable[Params, Result]:
 def device(function: Callable[Params, Result]) -> Callable[Params, Result]:
     """Compile ``function`` to be called from kernels alone: compiled into its callers, without a cache
     entry."""
-    compiled: Callable[Params, Result] = _njit(**OPTIONS)(function)
+    compiled: Callable[Params, Result] = _njit(forceinline=True, **OPTIONS)(function)
     return compiled
 
 

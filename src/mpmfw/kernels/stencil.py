@@ -8,7 +8,6 @@ import numpy as np
 
 from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device, kernel
-from mpmfw.kernels.rows import set_scaled_row
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 
 
@@ -91,72 +90,6 @@ def fill_tensor_product(
                         gradients[entry, 0] = along_a * weight[2, c]
                         gradients[entry, 1] = along_b * weight[2, c]
                         gradients[entry, 2] = n_ab * slope[2, c]
-
-
-@device
-def fill_corner(
-    k: int,
-    corner: Floats,
-    share: Float,
-    slope: Floats,
-    lower: Floats,
-    window_lower: Ints,
-    shape: Ints,
-    offset: int,
-    nodes: Indices,
-    values: Floats,
-    gradients: Floats,
-    spacing: tuple[float, ...],
-) -> bool:
-    """Write the 2**dim entries of a corner at ``corner`` [m], as :func:`fill_corner_in_cells` does."""
-    xi = scratch.vector(spacing)
-    for d in range(len(spacing)):
-        xi[d] = cell_coordinate(corner[d], lower[d], window_lower[d], spacing[d])
-    return fill_corner_in_cells(k, xi, share, slope, shape, offset, nodes, values, gradients, spacing)
-
-
-@device
-def fill_corner_in_cells(
-    k: int,
-    xi: Floats,
-    share: Float,
-    slope: Floats,
-    shape: Ints,
-    offset: int,
-    nodes: Indices,
-    values: Floats,
-    gradients: Floats,
-    spacing: tuple[float, ...],
-) -> bool:
-    """Write the 2**dim entries of one corner of a particle's domain: weight ``share`` N_i and gradient
-    ``slope`` N_i.
-
-    ``xi`` is the corner's position in cells, counted from the window's first node. Return whether the corner
-    lies in the window; nothing is written if not.
-    """
-    dim = len(spacing)
-    fraction = scratch.vector(spacing)
-    node = 0
-    inside = True
-    for d in range(dim):
-        cell = math.floor(xi[d])
-        fraction[d] = xi[d] - cell
-        inside = inside and cell >= 0.0 and cell + 2 <= shape[d]
-        node = node * shape[d] + int(cell)
-    if inside:
-        node += offset
-        for corner in range(2**dim):
-            index = 0
-            n = 1.0
-            for d in range(dim):
-                bit = (corner >> (dim - 1 - d)) & 1
-                index = index * shape[d] + bit
-                n *= fraction[d] if bit else 1.0 - fraction[d]
-            entry = np.uint64(k + corner)
-            nodes[entry] = node + index
-            values[entry] = share * n
-            set_scaled_row(gradients, entry, n, slope, 0, spacing)
-    return inside
 
 
 #: Least weight of the upper node: small against rounding of positions, and enough to carry a velocity.

@@ -1,0 +1,37 @@
+"""Tables of CPDI and CPDI2: rows of varying length, lengthened where they do not fit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from mpmfw.api import Stencil, check_inside, empty_stencil
+from mpmfw.kernels import FULL
+
+#: Entries a point to begin with: a domain of half a cell has 6.25 (2D) or 15.6 (3D) nodes in its box on average.
+ENTRIES = {2: 7, 3: 18}
+
+
+def empty_rows(points: int, dim: int) -> Stencil:
+    """A table with room for the usual number of entries, and for one whole row of 4**dim."""
+    return _with_room(points, points * ENTRIES[dim] + 4**dim, dim)
+
+
+def _with_room(points: int, entries: int, dim: int) -> Stencil:
+    return empty_stencil(1, entries, dim)._replace(row=empty_stencil(points, 0, dim).row)
+
+
+def fill_rows(
+    fill: Callable[..., int], table: Stencil, where: tuple[Any, ...], spacing: tuple[float, ...]
+) -> Stencil:
+    """Fill the table by ``fill(*where, *table, spacing)``; return it, or a longer one if it was full.
+
+    Raises
+    ------
+    OutsideGrid
+        A point is outside its window.
+    """
+    while (code := fill(*where, *table, spacing)) == FULL:
+        table = _with_room(len(table.row) - 1, 3 * len(table.nodes) // 2, len(spacing))
+    check_inside(code)
+    return table
