@@ -22,16 +22,22 @@ def _with_room(points: int, entries: int, dim: int) -> Stencil:
 
 
 def fill_rows(
-    fill: Callable[..., int], table: Stencil, where: tuple[Any, ...], spacing: tuple[float, ...]
-) -> Stencil:
-    """Fill the table by ``fill(*where, *table, spacing)``; return it, or a longer one if it was full.
+    fill: Callable[..., int], room: Stencil, where: tuple[Any, ...], spacing: tuple[float, ...]
+) -> tuple[Stencil, Stencil]:
+    """Fill ``room`` by ``fill(*where, *room, spacing)``, or a longer one if it is too short.
+
+    Returns
+    -------
+    The room, to be used again, and the part of it that is filled.
 
     Raises
     ------
     OutsideGrid
         A point is outside its window.
     """
-    while (code := fill(*where, *table, spacing)) == FULL:
-        table = _with_room(len(table.row) - 1, 3 * len(table.nodes) // 2, len(spacing))
+    while (code := fill(*where, *room, spacing)) == FULL:
+        room = _with_room(len(room.row) - 1, 3 * len(room.nodes) // 2, len(spacing))
     check_inside(code)
-    return table
+    row, nodes, weight, gradient = room
+    used = row[-1]
+    return room, Stencil(row, nodes[:used], weight[:used], gradient[:used])

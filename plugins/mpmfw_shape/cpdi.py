@@ -88,7 +88,7 @@ class Cpdi(LinearSurface):
     def setup(self, setup: Setup) -> None:
         """Take the domains at the start; the deformed ones are F R_0 and are not stored."""
         self.half_edges = setup.half_edges
-        self.table = empty_rows(setup.state.particles.count, setup.dim)
+        self.room = empty_rows(setup.state.particles.count, setup.dim)
 
     @hookimpl
     def particle_reach(self, particles: Particles) -> FloatArray:
@@ -99,9 +99,9 @@ class Cpdi(LinearSurface):
     @hookimpl
     def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
         """φ_ip and ∇φ_ip of the deformed domains."""
-        self.table = fill_rows(
+        self.room, table = fill_rows(
             fill_cpdi,
-            self.table,
+            self.room,
             (
                 particles.position,
                 particles.deformation_gradient,
@@ -114,4 +114,4 @@ class Cpdi(LinearSurface):
             ),
             grid.spacing,
         )
-        return self.table
+        return table

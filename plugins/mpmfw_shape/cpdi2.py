@@ -172,7 +172,7 @@ class Cpdi2(LinearSurface):
         particles = setup.state.particles
         self.corners = setup.allocate(self.name, CORNERS, corner=4)
         self.corners[:] = setup.corners
-        self.table = empty_rows(particles.count, setup.dim)
+        self.room = empty_rows(particles.count, setup.dim)
 
     @hookimpl
     def particle_reach(self, particles: Particles) -> FloatArray:
@@ -183,9 +183,9 @@ class Cpdi2(LinearSurface):
     @hookimpl
     def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
         """S_ip and ∇S_ip of the quadrilaterals."""
-        self.table = fill_rows(
+        self.room, table = fill_rows(
             fill_cpdi2,
-            self.table,
+            self.room,
             (
                 self.corners,
                 particles.first,
@@ -196,7 +196,7 @@ class Cpdi2(LinearSurface):
             ),
             grid.spacing,
         )
-        return self.table
+        return table
 
     @hookimpl
     def update_particle_domains(self, particles: Particles, grid: Grid, dt: float) -> None:

@@ -285,10 +285,9 @@ def _spread(state: State, phi: Stencil) -> FloatArray:
     """D_p = Σ_i φ_ip q qᵀ with q = x_i − x_p, (n, dim, dim) [m²]."""
     p = state.particles
     point = np.repeat(np.arange(p.count), np.diff(phi.row))
-    used = slice(0, phi.row[-1])
-    q = state.grid.position[phi.nodes[used]] - p.position[point]
+    q = state.grid.position[phi.nodes] - p.position[point]
     spread = np.zeros((p.count, p.dim, p.dim))
-    np.add.at(spread, point, phi.weight[used, None, None] * q[:, :, None] * q[:, None, :])
+    np.add.at(spread, point, phi.weight[:, None, None] * q[:, :, None] * q[:, None, :])
     return spread
 
 

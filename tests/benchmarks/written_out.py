@@ -26,7 +26,7 @@ class OneBody:
 
     def __init__(self, simulation: Simulation) -> None:
         self.p, self.g = simulation.state.particles, simulation.state.grid
-        self.half_edges, self.phi = simulation.shape.half_edges, simulation.shape.table
+        self.half_edges, self.phi = simulation.shape.half_edges, simulation.shape.room
         body = simulation.state.bodies[0]
         self.bulk, self.shear = body.bulk_modulus, body.shear_modulus
         self.limit = self.g.cell_size / max(body.wave_speed for body in simulation.state.bodies)
@@ -53,7 +53,7 @@ class OneBody:
         p, g, phi = self.p, self.g, self.phi
         outside = fill_cpdi(
             p.position, p.deformation_gradient, self.half_edges, p.first, g.lower, g.window_lower, g.window_shape,
-            g.offset, phi.nodes, phi.weight, phi.gradient, g.spacing,
+            g.offset, phi.row, phi.nodes, phi.weight, phi.gradient, g.spacing,
         )  # fmt: skip
         assert outside < 0
 

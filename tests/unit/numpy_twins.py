@@ -111,8 +111,7 @@ def dense(table: Stencil, n_nodes: int) -> tuple[FloatArray, FloatArray]:
     n, p = len(table.row) - 1, owner(table)
     value = np.zeros((n, n_nodes))
     gradient = np.zeros((n, n_nodes, table.gradient.shape[1]))
-    used = slice(0, table.row[-1])
-    np.add.at(value, (p, table.nodes[used]), table.weight[used])
+    np.add.at(value, (p, table.nodes), table.weight)
     if len(table.gradient):
-        np.add.at(gradient, (p, table.nodes[used]), table.gradient[used])
+        np.add.at(gradient, (p, table.nodes), table.gradient)
     return value, gradient
