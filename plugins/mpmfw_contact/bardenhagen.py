@@ -107,10 +107,26 @@ class Bardenhagen(ContactStrategy):
             )
         self.state = setup.state
         self.records = PairRecords(setup, self.name)
-        bodies, pairs = setup.bodies, setup.pairs
+        self._list_pairs()
+        self.given_normal = np.array(direction if direction is not None else [0.0] * setup.dim)
+        self.cut_off = (
+            self.options.cut_off * setup.cell_size if self.options.criterion == "position" else np.inf
+        )
+        self.contacts = shared.empty_contacts(64, setup.dim)
+        self.frame = -1
+
+    @hookimpl
+    def add_pairs(self, state: State) -> None:
+        """Laws and records of bodies that have come near."""
+        self._list_pairs()
+        self.records.add_pairs(state)
+
+    def _list_pairs(self) -> None:
+        """Bodies, friction and weights of the normals of all pairs."""
+        bodies, pairs = self.state.bodies, self.state.pairs
         self.first = np.array([pair.first for pair in pairs], dtype=np.int64)
         self.second = np.array([pair.second for pair in pairs], dtype=np.int64)
-        self.friction = np.array([pair.friction for pair in pairs])
+        self.friction = np.array([pair.friction for pair in pairs], dtype=float)
         # The normal is w_a g_a − w_b g_b of the outward gradients g: both, or the stiffer body's alone.
         stiffer_second = np.array(
             [bodies[p.second].p_wave_modulus > bodies[p.first].p_wave_modulus for p in pairs], dtype=bool
@@ -118,12 +134,6 @@ class Bardenhagen(ContactStrategy):
         averaged = self.options.normal == "averaged"
         self.weight_first = np.where(averaged | ~stiffer_second, 1.0, 0.0)
         self.weight_second = np.where(averaged | stiffer_second, 1.0, 0.0)
-        self.given_normal = np.array(direction if direction is not None else [0.0] * setup.dim)
-        self.cut_off = (
-            self.options.cut_off * setup.cell_size if self.options.criterion == "position" else np.inf
-        )
-        self.contacts = shared.empty_contacts(64, setup.dim)
-        self.frame = -1
 
     def _fit(self, grid: Grid) -> None:
         """Fit the nodal arrays to the windows whenever these were laid anew."""

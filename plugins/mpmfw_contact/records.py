@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.api import CONTACT_SERIES, AnyArray, Field, FloatArray, Setup
+from mpmfw.api import CONTACT_SERIES, AnyArray, Field, FloatArray, Setup, State
 
 
 class PairRecords:
@@ -28,6 +28,14 @@ class PairRecords:
         self.energy: FloatArray = own("energy", pair, "J m-1", "energy stored in contact springs")
         self.count: FloatArray = own("count", pair, "1", "nodes in contact")
         self._last_impulse = np.zeros_like(self.impulse)
+        self._owner = owner
+
+    def add_pairs(self, state: State) -> None:
+        """Rows for the pairs that were added to the state's: nothing has acted between them so far."""
+        rows = len(state.pairs)
+        for name in ("impulse", "frictional_work", "damping_work", "energy", "count"):
+            setattr(self, name, state.lengthen(f"{self._owner}/{name}", rows))
+        self._last_impulse = np.concatenate([self._last_impulse, self.impulse[len(self._last_impulse) :]])
 
     def restart(self) -> None:
         """Set the accumulators to zero."""

@@ -12,9 +12,11 @@ from mpmfw.effect import Effect
 from mpmfw.errors import SceneError
 from mpmfw.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, FloatArray
 from mpmfw.geometry import Layout, discretise
+from mpmfw.hookspecs import HookSpecs
 from mpmfw.marks import refuse_dead_hooks
+from mpmfw.pairs import FEW, NearPairs, overlapping
 from mpmfw.setup import Setup
-from mpmfw.state import Body, Pair, Particles, State, Stencil, joined
+from mpmfw.state import Body, Particles, State, Stencil, joined
 from mpmfw.transfer import Transfer, make_transfer
 from mpmfw.windows import make_grid
 
@@ -90,12 +92,11 @@ def build(scene: Scene, contact: ContactStrategy | None = None, shape: ShapeFunc
     n_fields = len(bodies) if per_body else 1
     grid = make_grid(scene.grid.cell_size, np.array(scene.grid.lower), np.array(scene.grid.upper), n_fields)
     particles = _particles(scene, layouts, bodies, transfer, n_fields)
-    index = {body.name: body.index for body in bodies}
-    pairs = tuple(Pair(i, index[a], index[b], f"{a}-{b}", mu) for i, (a, b, mu) in enumerate(scene.pairs))
     for body in bodies:
         material = materials[scene.bodies[body.name].material]
         material.slices = joined(material.slices, body.particles)
-    state = State(particles, grid, bodies, pairs)
+    state = State(particles, grid, bodies, ())
+    _list_pairs(scene, state, chosen_contact)
     return Build(scene, layouts, state, chosen_shape, chosen_contact, materials, scheme, transfer)
 
 
@@ -123,6 +124,24 @@ def _plugin(kind: Any, name: str, options: Any) -> Any:
     plugin = load(kind, name)
     given = options is not None and hasattr(plugin, "from_options")
     return plugin.from_options(options) if given else plugin()
+
+
+def _list_pairs(scene: Scene, state: State, contact: ContactStrategy | None) -> None:
+    """All pairs of bodies; of more than a few those that the scene names, if the strategy takes the others as they come."""
+    index = {body.name: body.index for body in state.bodies}
+    friction = 0.0 if scene.contact is None else scene.contact.friction
+    named = () if scene.contact is None else scene.contact.pairs
+    ends = [sorted(index[name] for name in pair.bodies) for pair in named]
+    given = {(a, b): float(pair.friction) for (a, b), pair in zip(ends, named, strict=True)}
+    near = NearPairs(tuple(index), float(friction), given)
+    hooks = [name for name in vars(HookSpecs) if not name.startswith("_")]
+    follows = hasattr(contact, "add_pairs") or not any(hasattr(contact, name) for name in hooks)
+    if len(index) <= FEW or not follows:
+        near.add(state, *np.triu_indices(len(index), 1))
+    else:
+        first, second = (np.array([end[k] for end in ends], dtype=np.int64) for k in (0, 1))
+        near.add(state, first, second)
+        state.near = near
 
 
 def _check_unused_contact(scene: Scene, contact: ContactStrategy | None) -> None:
@@ -216,15 +235,16 @@ def _check_overlap(bodies: tuple[Body, ...]) -> None:
         return
     import shapely
 
-    areas = [_area(body, shapely) for body in bodies]
-    for i, a in enumerate(bodies):
-        for b in bodies[i + 1 :]:
-            common = shapely.intersection(areas[i], areas[b.index]).area
-            if common > 1e-6 * min(areas[i].area, areas[b.index].area):
-                raise SceneError(
-                    f"bodies.{a.name} and bodies.{b.name} overlap by {common:.3g} m² at the start; move them apart, or "
-                    "say allow_overlap = true"
-                )
+    boxes = (np.array([body.lower for body in bodies]), np.array([body.upper for body in bodies]))
+    first, second = overlapping(*boxes)
+    areas = {int(index): _area(bodies[index], shapely) for index in np.union1d(first, second)}
+    for i, j in zip(first.tolist(), second.tolist(), strict=True):
+        common = shapely.intersection(areas[i], areas[j]).area
+        if common > 1e-6 * min(areas[i].area, areas[j].area):
+            raise SceneError(
+                f"bodies.{bodies[i].name} and bodies.{bodies[j].name} overlap by {common:.3g} m² at the start; move them "
+                "apart, or say allow_overlap = true"
+            )
 
 
 def _area(body: Body, shapely: Any) -> Any:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from mpmfw.fields import PARTICLE_FIELDS, SURFACE_FIELDS, AnyArray, Field
+from mpmfw.pairs import list_near
 from mpmfw.results import Frame, RunHeader, provenance
 from mpmfw.state import State
 
@@ -48,6 +49,7 @@ class Recorder:
             dim=state.grid.dim,
             bodies=names,
             pairs=tuple(pair.label for pair in state.pairs),
+            more_pairs=state.near is not None,
             particle_count={b.name: b.particles.stop - b.particles.start for b in state.bodies},
             fields=tuple(self.fields.values()),
             surface_count=counts,
@@ -58,6 +60,7 @@ class Recorder:
     def frame(self, interval: float) -> Frame:
         """Arrays of this moment; ``interval`` [s] since the last frame, 0 at the first."""
         state = self.state
+        list_near(state, self.hook)
         found: dict[str, dict[str, AnyArray]] = {"particles": {}, "surface": {}, "series": {}, "contact": {}}
         for answer in self.hook.diagnostics(state=state, interval=interval) or []:
             for name, values in answer.items():
@@ -78,7 +81,10 @@ class Recorder:
             contact={
                 pair.label: {name: values[pair.index] for name, values in wanted["contact"].items()}
                 for pair in state.pairs
-            },
+            }
+            if wanted["contact"]
+            else {},
+            pairs=() if state.near is None else tuple(pair.label for pair in state.pairs),
         )
 
     def _surface_slices(self) -> dict[str, slice]:

@@ -53,6 +53,16 @@ class HookSpecs:
         """
         raise NotImplementedError
 
+    @hookspec
+    def add_pairs(self, state: State) -> None:
+        """When bodies have come near that were apart: ``state.pairs`` has more pairs, at its end.
+
+        Who implements it is given, in a scene of many bodies, pairs only as they come near, before anything can act
+        between them; it then lengthens what it has for each pair (:meth:`mpmfw.api.State.lengthen`). Who does not is given
+        all pairs from the start, whose number grows with the square of that of the bodies. Called after windows were laid,
+        and before outputs. May change the plug-in's own arrays alone.
+        """
+
     @hookspec(firstresult=True)
     def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
         """Step 1: φ_ip and ∇φ_ip of every material point. Implemented by the shape function.

@@ -9,6 +9,7 @@ import numpy as np
 
 from mpmfw.build import Build
 from mpmfw.errors import SceneError
+from mpmfw.pairs import overlapping
 from mpmfw.recording import recorded
 from mpmfw.state import Body
 
@@ -63,28 +64,49 @@ def _contact(made: Build) -> None:
         made.note("contact", False, "one body" if count == 1 else "not named")
         return
     acts = type(made.contact).__name__
-    made.note("contact", True, f"{made.contact.name} ({acts}), pairs: {len(made.state.pairs)}")
+    pairs = str(len(made.state.pairs)) if made.state.near is None else "those that come near"
+    made.note("contact", True, f"{made.contact.name} ({acts}), pairs: {pairs}")
     per_body = made.contact.velocity_fields == "per_body"
     made.note(
         "velocity field per body",
         per_body,
         f"contact '{made.contact.name}' asks for {made.contact.velocity_fields}",
     )
-    frictional = [pair.label for pair in made.state.pairs if pair.friction > 0.0]
     if not made.contact.uses_friction:
         made.note("friction", False, f"contact '{made.contact.name}' does not use it")
     else:
-        made.note("friction", bool(frictional), ", ".join(frictional) or "μ = 0 in every pair")
+        frictional = _frictional(made)
+        made.note("friction", bool(frictional), frictional or "μ = 0 in every pair")
     _search(made, made.contact.reach(made.state.grid.cell_size))
     made.plugins += [made.contact, *made.contact.parts()]
 
 
+def _frictional(made: Build) -> str:
+    """The pairs with friction; where pairs are listed as they come near those that the scene names, and all others at once."""
+    named = [pair.label for pair in made.state.pairs if pair.friction > 0.0]
+    near = made.state.near
+    others = (
+        [f"μ = {near.friction:g} in pairs without a value of their own"] if near and near.friction else []
+    )
+    return ", ".join([*named, *others])
+
+
 def _search(made: Build, reach: float | None) -> None:
     """Whether bodies are near enough to be searched at the start; a strategy without a reach has no search."""
-    if reach is None or not made.state.pairs:
-        return
     bodies = made.state.bodies
-    apart = {pair.label: _apart(bodies[pair.first], bodies[pair.second]) for pair in made.state.pairs}
+    if reach is None or len(bodies) < 2:
+        return
+    if made.state.near is None:
+        ends = [(bodies[pair.first], bodies[pair.second]) for pair in made.state.pairs]
+    else:
+        lower, upper = (np.array([getattr(body, end) for body in bodies]) for end in ("lower", "upper"))
+        near = overlapping(lower - 0.5 * reach, upper + 0.5 * reach)
+        ends = [(bodies[a], bodies[b]) for a, b in zip(*(index.tolist() for index in near), strict=True)]
+    if not ends:
+        what = f"no two bodies' boxes are within its reach of {reach:.4g} m at the start"
+        made.note("contact search", False, f"asleep until bodies are near: {what}")
+        return
+    apart = {f"{first.name}-{second.name}": _apart(first, second) for first, second in ends}
     nearest = min(apart, key=lambda label: apart[label])
     awake = apart[nearest] <= reach
     what = f"the boxes of {nearest} are {apart[nearest]:.4g} m apart at the start, its reach is {reach:.4g} m"
@@ -130,7 +152,7 @@ def _gap(made: Build) -> bool:
     scene = made.scene
     if not scene.output.gap:
         return made.note("least gap", False, "output.gap = false")
-    if not made.state.pairs:
+    if len(made.state.bodies) == 1:
         return made.note("least gap", False, "one body")
     return made.note(
         "least gap", scene.dim == 2, "output.gap" if scene.dim == 2 else "outlines exist in 2D only"

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from mpmfw.fields import AFFINE_ENERGY, SERIES_FIELDS, AnyArray, Field, FloatArray
 from mpmfw.hookspecs import hookimpl
 from mpmfw.setup import Setup
-from mpmfw.state import State
+from mpmfw.state import Body, State
 
 
 class BodySeries:
@@ -45,12 +47,19 @@ class BodySeries:
     @hookimpl
     def diagnostics(self, state: State) -> dict[str, AnyArray]:
         """All series, (body, …)."""
-        rows = [self._of(state, index) for index in range(len(state.bodies))]
+        density = self._energy_density(state) if self.energy else None
+        rows = [self._of(state, body.particles, density) for body in state.bodies]
         return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
-    def _of(self, state: State, index: int) -> dict[str, AnyArray | float]:
+    def _energy_density(self, state: State) -> FloatArray:
+        """Stored energy per reference volume of all material points, (n,) [J/m^3]."""
+        f = state.particles.deformation_gradient
+        made_of = of_one_material(state.bodies, self.materials)
+        return np.concatenate([material.energy_density(f[own]) for own, material in made_of])  # type: ignore[attr-defined]
+
+    def _of(self, state: State, own: slice, density: FloatArray | None) -> dict[str, AnyArray | float]:
         """The series of one body."""
-        own, p = state.bodies[index].particles, state.particles
+        p = state.particles
         x, v, m = p.position[own], p.velocity[own], p.mass[own]
         mass = m.sum()
         centre, mean = m @ x / mass, m @ v / mass
@@ -63,16 +72,13 @@ class BodySeries:
             "linear_momentum": mass * mean,
             "angular_momentum": spin,
         }
-        return {**row, **self._energies(state, index)} if self.energy else row
+        return row if density is None else {**row, **self._energies(state, own, density)}
 
-    def _energies(self, state: State, index: int) -> dict[str, float]:
+    def _energies(self, state: State, own: slice, density: FloatArray) -> dict[str, float]:
         """The energies of one body [J]."""
-        own, p = state.bodies[index].particles, state.particles
+        p = state.particles
         v, m = p.velocity[own], p.mass[own]
-        strain = float(
-            self.materials[index].energy_density(p.deformation_gradient[own])  # type: ignore[attr-defined]
-            @ p.initial_volume[own]
-        )
+        strain = float(density[own] @ p.initial_volume[own])
         kinetic = 0.5 * float(m @ np.einsum("nd,nd->n", v, v))
         row = {"kinetic_energy": kinetic, "strain_energy": strain, "total_energy": kinetic + strain}
         if self.affine and p.affine is not None:
@@ -82,6 +88,21 @@ class BodySeries:
                 float((m * edge2) @ np.einsum("nij,nij->n", p.affine[own], p.affine[own])) / 24.0
             )
         return row
+
+
+def of_one_material(bodies: tuple[Body, ...], materials: tuple[object, ...]) -> list[tuple[slice, object]]:
+    """Material points of bodies of one material that follow each other, with that material.
+
+    Parameters
+    ----------
+    bodies, materials
+        All bodies, and what each is made of.
+    """
+    runs = [
+        list(run)
+        for _, run in itertools.groupby(zip(bodies, materials, strict=True), key=lambda each: id(each[1]))
+    ]
+    return [(slice(run[0][0].particles.start, run[-1][0].particles.stop), run[0][1]) for run in runs]
 
 
 def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
@@ -125,10 +146,8 @@ class VonMises:
     def diagnostics(self, state: State) -> dict[str, AnyArray]:
         """sqrt(3/2 s:s), (n,) [Pa]."""
         parts = []
-        for body, material in zip(state.bodies, self.materials, strict=True):
-            stress = material.cauchy_stress(  # type: ignore[attr-defined]
-                state.particles.deformation_gradient[body.particles]
-            )
+        for own, material in of_one_material(state.bodies, self.materials):
+            stress = material.cauchy_stress(state.particles.deformation_gradient[own])  # type: ignore[attr-defined]
             deviator = stress - np.trace(stress, axis1=1, axis2=2)[:, None, None] / 3.0 * np.eye(3)
             parts.append(np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator)))
         return {"von_mises": np.concatenate(parts)}

@@ -38,8 +38,18 @@ class Setup:
 
     @property
     def pairs(self) -> tuple[Pair, ...]:
-        """All pairs of bodies, in the scene's order."""
+        """All pairs of bodies, in the scene's order.
+
+        To a strategy that implements the hook ``add_pairs`` more than a few bodies are given no pair at first but those
+        that the scene names, and the others as they come near.
+        """
         return self.state.pairs
+
+    @property
+    def has_friction(self) -> bool:
+        """Whether any two bodies have friction, be their pair listed yet or not."""
+        near = self.state.near
+        return near.has_friction if near is not None else any(pair.friction > 0.0 for pair in self.pairs)
 
     @property
     def dim(self) -> int:

@@ -15,6 +15,7 @@ from mpmfw.errors import SceneError, SimulationError
 from mpmfw.fields import Field
 from mpmfw.frames import Recorder
 from mpmfw.hooks import BoundHooks, hook_names, make_manager
+from mpmfw.pairs import list_near
 from mpmfw.plan import plan
 from mpmfw.results import Frame, RunHeader
 from mpmfw.settling import settle
@@ -74,6 +75,7 @@ class Simulation:
         self.hook: Any = BoundHooks(self.manager, self.clock)
         reach = self.hook.particle_reach(particles=self.state.particles)
         lay_windows(self.state.grid, self.state.particles, reach, self.state.surface)
+        list_near(self.state, self.hook)
         self._check_supports()
         self._step = SCHEMES[self.scheme]
         self._time_step = TimeStep(self.scene, self.state, 2.0 / made.bulk_frequency, self.shape.courant)
@@ -221,7 +223,7 @@ class Simulation:
                 "scheme": self.scheme,
                 "transfer": self.transfer.name,
                 "transported": int(self.transfer.transported),
-                "rotation": {b.name: self._rotation(b.name) for b in self.state.bodies},
+                "rotation": self._rotations(),
                 "cell_size": self.state.grid.cell_size,
                 "effects": [{"name": e.name, "on": e.on, "reason": e.reason} for e in self.effects],
                 "plugins": plugins,
@@ -229,9 +231,12 @@ class Simulation:
             }
         )
 
-    def _rotation(self, body: str) -> str:
-        prefix = f"rotation of {body}: "
-        return next(e.name.removeprefix(prefix) for e in self.effects if e.name.startswith(prefix))
+    def _rotations(self) -> dict[str, str]:
+        """How every body's rotational inertia is treated, as the effects say it."""
+        said = [
+            e.name.removeprefix("rotation of ") for e in self.effects if e.name.startswith("rotation of ")
+        ]
+        return dict(each.split(": ") for each in said)
 
     def concerns(self) -> list[str]:
         """What a reader of the results must know, a sentence each; complete after the last step."""

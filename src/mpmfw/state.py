@@ -8,11 +8,14 @@ that a thousand bodies do not cost a thousand grids.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from mpmfw.fields import AnyArray, FloatArray, IndexArray, IntArray
+
+if TYPE_CHECKING:
+    from mpmfw.pairs import NearPairs
 
 
 class Stencil(NamedTuple):
@@ -185,9 +188,27 @@ class State:
     particles: Particles
     grid: Grid
     bodies: tuple[Body, ...]  #: in the scene's order
-    pairs: tuple[Pair, ...]  #: in the scene's order
+    #: in the scene's order; of many bodies those that have come near, and more may follow (see ``near``)
+    pairs: tuple[Pair, ...]
     surface: Surface | None = None  #: None unless an effect or the contact strategy needs outlines
     time: float = 0.0  #: [s]
     dt: float = 0.0  #: length of the step that runs, or of the last one [s]
     steps: int = 0  #: steps done since time zero
     arrays: dict[str, AnyArray] = field(default_factory=dict)  #: plug-ins' own arrays, as ``owner/name``
+    near: NearPairs | None = None  #: lists pairs as bodies come near; None where all pairs are listed
+
+    def lengthen(self, name: str, rows: int) -> AnyArray:
+        """A plug-in's array with rows of zeros added to a length of ``rows``; it takes the other's place.
+
+        Parameters
+        ----------
+        name
+            Its key in ``arrays``, ``owner/name``.
+        rows
+            New length of its first dimension, such as the number of pairs.
+        """
+        old = self.arrays[name]
+        longer = np.zeros((rows, *old.shape[1:]), dtype=old.dtype)
+        longer[: len(old)] = old
+        self.arrays[name] = longer
+        return longer

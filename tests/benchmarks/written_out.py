@@ -185,7 +185,7 @@ class Touching(TwoApart):
         assert entries <= len(g.link)
         k.swap()
         search.find_pairs(
-            g.stamp, c.radius, False, s.position, s.next, s.previous, s.body, c.laws.is_slave, lower, spacing, nodes,
+            g.stamp, c.radius, False, s.position, s.next, s.previous, s.body, c.laws.rank, lower, spacing, nodes,
             g.shared, g.head, g.head_stamp, g.link, g.link_segment, k.master, k.segment, k.coordinate, k.gap, k.normal,
         )  # fmt: skip
 

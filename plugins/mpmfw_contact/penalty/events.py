@@ -9,6 +9,7 @@ import numpy as np
 from mpmfw.api import AnyArray, Field, FloatArray, IntArray, Setup, State, hookimpl
 from mpmfw.kernels import kernel
 from mpmfw.kernels.types import Floats, Ints
+from mpmfw_contact.penalty.pair_table import pair_index
 
 if TYPE_CHECKING:
     from mpmfw_contact.penalty.strategy import Penalty
@@ -59,7 +60,7 @@ def follow_contacts(
         touched = -1
         for j in range(slots):
             if master[s, j] >= 0:
-                touched = pair_of[body[s], master[s, j]]
+                touched = pair_index(pair_of, body[s], master[s, j])
                 deepest[touched] = max(deepest[touched], -gap[s, j])
         if touched >= 0:
             age[s] += 1
@@ -86,13 +87,23 @@ class ContactEvents:
     @hookimpl
     def setup(self, setup: Setup) -> None:
         """Ages of the nodes' contacts."""
-        self.cell_size = setup.cell_size
-        self.labels = [pair.label for pair in setup.pairs]
+        self.state, self.cell_size = setup.state, setup.cell_size
         self.age: IntArray = setup.allocate(self.name, AGE)
         self.partner: IntArray = setup.allocate(self.name, PARTNER)
         self.fewest: FloatArray = np.full(len(setup.pairs), np.inf)
         self.deepest: FloatArray = np.zeros(len(setup.pairs))
         self.fewest_ever, self.deepest_ever = self.fewest.copy(), self.deepest.copy()
+
+    @hookimpl
+    def add_pairs(self, state: State) -> None:
+        """Nothing has happened yet between bodies that have come near."""
+        more = len(state.pairs) - len(self.fewest)
+        self.fewest, self.fewest_ever = (
+            np.append(a, np.full(more, np.inf)) for a in (self.fewest, self.fewest_ever)
+        )
+        self.deepest, self.deepest_ever = (
+            np.append(a, np.zeros(more)) for a in (self.deepest, self.deepest_ever)
+        )
 
     @hookimpl
     def end_step(self, state: State) -> None:
@@ -130,7 +141,7 @@ class ContactEvents:
     def concerns(self) -> list[str]:
         """Contacts that the steps do not resolve, and surfaces that overlap too far."""
         said = []
-        for pair, label in enumerate(self.labels):
+        for pair, label in enumerate(each.label for each in self.state.pairs):
             steps, depth = self.fewest_ever[pair], self.deepest_ever[pair] / self.cell_size
             if steps < FEWEST_STEPS:
                 said.append(

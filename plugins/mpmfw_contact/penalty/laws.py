@@ -6,24 +6,27 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpmfw.api import FloatArray, IntArray, SceneError, Setup
+from mpmfw.api import Body, FloatArray, IntArray, Pair, SceneError, Setup
 from mpmfw_contact.penalty.options import PenaltyOptions
+from mpmfw_contact.penalty.pair_table import pair_table
 
 
 @dataclass
 class PairLaws:
-    """Friction, stiffness and roles of all pairs of bodies."""
+    """Friction of all pairs of bodies; stiffness and role of all bodies."""
 
     first: IntArray  #: (n_pairs,) index of the pair's first body
     second: IntArray  #: (n_pairs,)
     friction: FloatArray  #: (n_pairs,) μ
-    pair_of: IntArray  #: (n_bodies, n_bodies) index of the pair, −1 for none
-    is_slave: IntArray  #: (n_bodies, n_bodies) whether nodes of one are slaves to segments of the other
-    modulus: FloatArray  #: (n_bodies, n_bodies) M, the lesser K + 4 G / 3 [Pa]
+    pair_of: IntArray  #: (n_pairs, 2) table of :func:`mpmfw_contact.penalty.pair_table.pair_index`
+    rank: (
+        IntArray  #: (n_bodies,) nodes of a body are slaves to segments of those of the same or a higher rank
+    )
+    modulus: FloatArray  #: (n_bodies,) M = K + 4 G / 3 [Pa]; a pair takes the lesser
 
     @classmethod
     def of(cls, setup: Setup, options: PenaltyOptions) -> PairLaws:
-        """Read the scene's pairs.
+        """Read the scene's bodies and the pairs listed so far.
 
         Raises
         ------
@@ -31,33 +34,32 @@ class PairLaws:
             An option that cannot have an effect here, or names no body.
         """
         _check(setup, options)
-        bodies, pairs, n = setup.bodies, setup.pairs, len(setup.bodies)
-        laws = cls(
-            first=np.array([pair.first for pair in pairs], dtype=np.int64),
-            second=np.array([pair.second for pair in pairs], dtype=np.int64),
-            friction=np.array([pair.friction for pair in pairs]),
-            pair_of=np.full((n, n), -1, dtype=np.int64),
-            is_slave=np.zeros((n, n), dtype=np.int64),
-            modulus=np.zeros((n, n)),
-        )
-        for pair in pairs:
-            a, b = bodies[pair.first], bodies[pair.second]
-            for i, j in ((a.index, b.index), (b.index, a.index)):
-                laws.pair_of[i, j] = pair.index
-                laws.modulus[i, j] = min(a.p_wave_modulus, b.p_wave_modulus)
-                laws.is_slave[i, j] = 1
-            if options.passes == "one":
-                master = a if a.p_wave_modulus >= b.p_wave_modulus else b
-                if options.master in (a.name, b.name):
-                    master = a if options.master == a.name else b
-                slave = b if master is a else a
-                laws.is_slave[master.index, slave.index] = 0
+        none, empty = np.zeros(0, dtype=np.int64), np.zeros(0)
+        modulus = np.array([body.p_wave_modulus for body in setup.bodies])
+        laws = cls(none, none, empty, none, _ranks(setup.bodies, options), modulus)
+        laws.list_pairs(setup.pairs)
         return laws
+
+    def list_pairs(self, pairs: tuple[Pair, ...]) -> None:
+        """Read the pairs anew, after some were added."""
+        self.first = np.array([pair.first for pair in pairs], dtype=np.int64)
+        self.second = np.array([pair.second for pair in pairs], dtype=np.int64)
+        self.friction = np.array([pair.friction for pair in pairs], dtype=float)
+        self.pair_of = pair_table(self.first, self.second)
+
+
+def _ranks(bodies: tuple[Body, ...], options: PenaltyOptions) -> IntArray:
+    """All alike where each body is slave once; else the stiffer is master, of equals the first, unless one is named."""
+    ranks = np.zeros(len(bodies), dtype=np.int64)
+    if options.passes == "one":
+        order = sorted(bodies, key=lambda b: (b.name == options.master, b.p_wave_modulus, -b.index))
+        ranks[[body.index for body in order]] = np.arange(len(bodies))
+    return ranks
 
 
 def _check(setup: Setup, options: PenaltyOptions) -> None:
     """Refuse options that cannot have an effect in this scene."""
-    if all(pair.friction == 0.0 for pair in setup.pairs) and options.variant == "default":
+    if not setup.has_friction and options.variant == "default":
         for name in ("tangential_ratio", "friction_law"):
             if name in options.model_fields_set:
                 raise SceneError(f"contact.penalty.{name} has no effect: every pair has friction = 0")

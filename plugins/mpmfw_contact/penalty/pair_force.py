@@ -6,6 +6,7 @@ import math
 
 from mpmfw.kernels import device, kernel
 from mpmfw.kernels.types import Float, Floats, Ints
+from mpmfw_contact.penalty.pair_table import pair_index
 
 
 @device
@@ -144,7 +145,7 @@ def contact_forces(
             normal_rows(e_x, e_y, xi, n)
             tangential_rows(e_x, e_y, xi, g, lever, c_t)
             approach = relative_motion(n, s, m, end, displacement)
-            pair = pair_of[body[s], body[m]]
+            pair = pair_index(pair_of, body[s], body[m])
             depth = max(rest[s, j] - g, 0.0) if len(rest) > 0 else -g
             f_n = k * depth
             energy[pair] += 0.5 * k * depth * depth

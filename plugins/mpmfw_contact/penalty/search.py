@@ -163,6 +163,15 @@ def reach_of(s: int, radius: Float, segment: Ints, gap: Floats) -> Float:
 
 
 @device
+def reach_towards(s: int, other: int, radius: Float, master: Ints, segment: Ints, gap: Floats) -> Float:
+    """How far a better segment of body ``other`` may be from node s: the radius, or the distance found if there is one."""
+    for j in range(segment.shape[1]):
+        if segment[s, j] >= 0 and master[s, j] == other:
+            return abs(gap[s, j]) * ROUNDING + (ROUNDING - 1.0) * radius
+    return radius
+
+
+@device
 def outside_box(x: Float, y: Float, x0: Float, x1: Float, y0: Float, y1: Float, reach: Float) -> bool:
     """Whether a point is farther than ``reach`` from the box x0 … x1, y0 … y1."""
     dx = max(x0 - x, x - x1, 0.0)
@@ -182,14 +191,12 @@ def cell_too_far(
 
 
 @device
-def too_far(
-    s: int, m: int, x: Float, y: Float, radius: Float, position: Floats, following: Ints, segment: Ints, gap: Floats
-) -> bool:  # fmt: skip
-    """Whether the segment's bounding box is farther than what was found already: spares most distances."""
+def too_far(m: int, x: Float, y: Float, reach: Float, position: Floats, following: Ints) -> bool:
+    """Whether the segment's bounding box is farther than ``reach``: spares most distances."""
     e = following[m]
     x0, x1 = min(position[m, 0], position[e, 0]), max(position[m, 0], position[e, 0])
     y0, y1 = min(position[m, 1], position[e, 1]), max(position[m, 1], position[e, 1])
-    return outside_box(x, y, x0, x1, y0, y1, reach_of(s, radius, segment, gap))
+    return outside_box(x, y, x0, x1, y0, y1, reach)
 
 
 @kernel
@@ -201,7 +208,7 @@ def find_pairs(
     following: Ints,
     previous: Ints,
     body: Ints,
-    is_slave: Ints,
+    rank: Ints,
     lower: Floats,
     spacing: tuple[float, ...],
     grid_nodes: Ints,
@@ -221,8 +228,8 @@ def find_pairs(
 
 
     ``literal`` takes instead, as [H17] writes it, every segment with g_n < 0 and 0 ≤ ξ ≤ 1 one of whose ends
-    lies within the radius, up to the number of slots. ``is_slave[a, b]`` tells whether nodes of body a are
-    slaves to segments of b. Return the number of candidates.
+    lies within the radius, up to the number of slots. Nodes of body a are slaves to segments of b if ``rank[a]`` is no
+    higher than ``rank[b]``. Return the number of candidates.
     """
     count = 0
     columns = grid_nodes[1]
@@ -246,13 +253,15 @@ def find_pairs(
                 m = link_segment[entry]
                 entry = link[entry]
                 other = body[m]
-                if other == body[s] or is_slave[body[s], other] == 0:
+                if other == body[s] or rank[body[s]] > rank[other]:
                     continue
                 if literal:
                     keep_literal(
                         s, m, other, radius, position, following, master, segment, coordinate, gap, normal
                     )
-                elif not too_far(s, m, x, y, radius, position, following, segment, gap):
+                    continue
+                reach = reach_towards(s, other, radius, master, segment, gap)
+                if not too_far(m, x, y, reach, position, following):
                     g, xi, e_x, e_y = signed_distance(x, y, m, position, following, previous)
                     if abs(g) < radius:
                         keep_nearest(s, m, other, g, xi, e_x, e_y, master, segment, coordinate, gap, normal)

@@ -6,6 +6,7 @@ import math
 
 from mpmfw.kernels import device, kernel
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
+from mpmfw_contact.penalty.pair_table import pair_index
 
 #: Share below which a spring hardly bears.
 WEAK = 0.1
@@ -43,7 +44,7 @@ def spring_stiffness(
     stiffness: Floats,
     work: Floats,
 ) -> None:
-    """k = κ M l_trib / h of every candidate; ``node_factor`` is κ l_trib / h, ``modulus`` M of each two bodies.
+    """k = κ M l_trib / h of every candidate; ``node_factor`` is κ l_trib / h, ``modulus`` M of each body.
 
     Where ``share`` and ``rest`` have nodes, l_trib is only the part of the node's tributary length that lies across the
     contact's normal: at a corner the segment round it carries none of the face's pressure. ``rest`` is the gap at which
@@ -54,7 +55,8 @@ def spring_stiffness(
         for j in range(slots):
             stiffness[s, j] = 0.0
             if segment[s, j] >= 0:
-                part, factor = 1.0, node_factor[s] * modulus[body[s], master[s, j]]
+                softer = min(modulus[body[s]], modulus[master[s, j]])
+                part, factor = 1.0, node_factor[s] * softer
                 if len(share) > 0:
                     e_x, e_y = normal[s, j, 0], normal[s, j, 1]
                     part = share_across(s, e_x, e_y, position, following, previous)
@@ -68,7 +70,7 @@ def spring_stiffness(
                             part, r, lost = carried_over(
                                 part, old_share[s, i], old_rest[s, i], slid, g, cell_size
                             )
-                            work[pair_of[body[s], master[s, j]]] += factor * lost
+                            work[pair_index(pair_of, body[s], master[s, j])] += factor * lost
                     if not known:
                         came = -motion(s, segment[s, j], coordinate[s, j], e_x, e_y, displacement, following)
                         r = entered(g, came, cell_size)

@@ -118,7 +118,7 @@ class Penalty(ContactStrategy):
             setup,
             self.name,
             slots,
-            friction=bool(self.laws.friction.any()),
+            friction=setup.has_friction,
             damping=self.options.damping > 0.0,
             shares=not literal,
         )
@@ -128,7 +128,7 @@ class Penalty(ContactStrategy):
         share = 0.5 if self.options.passes == "two" else 1.0
         # k = κ M l_trib / h of every surface node, up to M, which depends on the body that it meets.
         self.node_factor = share * self.options.kappa * self.surface.tributary / setup.cell_size
-        self.stiffest = max(1.0, self.options.tangential_ratio) if self.laws.friction.any() else 1.0
+        self.stiffest = max(1.0, self.options.tangential_ratio) if setup.has_friction else 1.0
         self.radius = self.reach(setup.cell_size)
         self.cell_size = setup.cell_size
         self.bulk_frequency = setup.bulk_frequency
@@ -137,6 +137,14 @@ class Penalty(ContactStrategy):
         self.count = 0
         self.searched = self.begins = False
         self.rows = np.zeros((3, 3, 2))
+
+    @hookimpl
+    def add_pairs(self, state: State) -> None:
+        """Laws and records of bodies that have come near."""
+        self.laws.list_pairs(state.pairs)
+        self.records.add_pairs(state)
+        if self.options.detection != "hamad2017":
+            self.spring_work = state.lengthen(f"{self.name}/{SPRING_WORK.name}", len(state.pairs))
 
     def _table(self) -> Stencil:
         """N_i(x_s) of this step."""
@@ -185,7 +193,7 @@ class Penalty(ContactStrategy):
             s.next,
             s.previous,
             s.body,
-            self.laws.is_slave,
+            self.laws.rank,
             grid.lower,
             grid.spacing,
             grid.nodes,
@@ -310,5 +318,5 @@ class Penalty(ContactStrategy):
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:  # noqa: ARG002
         """The pairs' series and the surface nodes' forces."""
-        lost = {"spring_work": self.spring_work.copy()} if len(self.spring_work) else {}
+        lost = {"spring_work": self.spring_work.copy()} if self.options.detection != "hamad2017" else {}
         return {"force": self.force, **self.records.series(interval), **lost}

@@ -30,10 +30,10 @@ def _alternatives(simulation: Simulation) -> Iterator[str]:
 def _friction(simulation: Simulation) -> Iterator[str]:
     contact = simulation.contact
     if contact is not None and not contact.uses_friction:
-        with_friction = [
-            f"{first}-{second}" for first, second, friction in simulation.scene.pairs if friction
-        ]
+        with_friction = [pair.label for pair in simulation.state.pairs if pair.friction]
         yield from (f"friction of {pair}: contact '{contact.name}' has none" for pair in with_friction)
+        if simulation.state.near is not None and simulation.state.near.friction:
+            yield f"contact.friction: contact '{contact.name}' has none"
 
 
 def _surfaces(simulation: Simulation) -> Iterator[str]:

@@ -10,7 +10,7 @@ import numpy as np
 from mpmfw.fields import MIN_GAP, AnyArray, Field
 from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels import kernel
-from mpmfw.kernels.polyline import minimum_gap
+from mpmfw.kernels.polyline import minimum_gaps
 from mpmfw.kernels.types import Floats, Indices, Ints
 from mpmfw.setup import Setup
 from mpmfw.state import Body, Grid, State, Surface
@@ -182,14 +182,12 @@ class GapDiagnostic:
         surface = state.surface
         if surface is None:
             raise RuntimeError("no surface to measure")
-        gaps = np.array([self._gap(surface, pair.first, pair.second) for pair in state.pairs])
-        return {"min_gap": gaps}
-
-    @staticmethod
-    def _gap(surface: Surface, a: int, b: int) -> float:
-        first, second = surface.of(a), surface.of(b)
-        ways = ((first, second), (second, first))
-        return min(
-            minimum_gap(p.start, p.stop, q.start, q.stop, surface.position, surface.next, surface.previous)
-            for p, q in ways
+        first, second = (
+            np.array([getattr(pair, end) for pair in state.pairs], dtype=np.int64)
+            for end in ("first", "second")
         )
+        gaps = np.zeros(len(first))
+        minimum_gaps(
+            first, second, surface.body_first, surface.position, surface.next, surface.previous, gaps
+        )
+        return {"min_gap": gaps}

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from mpmfw.kernels._jit import device, kernel
 from mpmfw.kernels.types import Float, Floats, Ints
 
@@ -79,6 +81,96 @@ def squared_distance(x: Float, y: Float, a: int, position: Floats, following: In
     return (dx - xi * tx) ** 2 + (dy - xi * ty) ** 2
 
 
+#: Consecutive segments that share a bounding box where the closest one is looked for.
+BLOCK = 8
+
+
+@device
+def block_boxes(first: int, last: int, position: Floats, following: Ints, boxes: Floats) -> None:
+    """Bounding boxes x0, x1, y0, y1 of each ``BLOCK`` of the segments ``first:last``, into the rows of ``boxes``."""
+    for m in range(first, last):
+        row, e = (m - first) // BLOCK, following[m]
+        if (m - first) % BLOCK == 0:
+            boxes[row, 0], boxes[row, 1], boxes[row, 2], boxes[row, 3] = (
+                math.inf,
+                -math.inf,
+                math.inf,
+                -math.inf,
+            )
+        boxes[row, 0] = min(boxes[row, 0], position[m, 0], position[e, 0])
+        boxes[row, 1] = max(boxes[row, 1], position[m, 0], position[e, 0])
+        boxes[row, 2] = min(boxes[row, 2], position[m, 1], position[e, 1])
+        boxes[row, 3] = max(boxes[row, 3], position[m, 1], position[e, 1])
+
+
+@device
+def box_distance(x: Float, y: Float, x0: Float, x1: Float, y0: Float, y1: Float) -> Float:
+    """Squared distance of a point from a box [m²], 0 inside."""
+    dx, dy = max(x0 - x, x - x1, 0.0), max(y0 - y, y - y1, 0.0)
+    return dx * dx + dy * dy
+
+
+@device
+def closest_segment(
+    x: Float, y: Float, within: Float, guess: int, first: int, last: int, position: Floats, following: Ints, boxes: Floats
+) -> int:  # fmt: skip
+    """Of the segments ``first:last`` that closest to a point, of equally close ones the first; −1 if none is near.
+
+    ``within`` is the square of the distance from which on they are of no interest [m²]. Only blocks are looked through
+    whose box is not farther than that, or than what was found; the block of ``guess`` is the first.
+    """
+    nearest, closest = within, -1
+    blocks = (last - first + BLOCK - 1) // BLOCK
+    for visit in range(-1, blocks):
+        block = (guess - first) // BLOCK if visit < 0 else visit
+        box = box_distance(x, y, boxes[block, 0], boxes[block, 1], boxes[block, 2], boxes[block, 3])
+        # The allowances are beyond rounding: no segment is passed over that the arithmetic would find closer.
+        if box > nearest * (1.0 + 1e-9) + 1e-24 * (x * x + y * y):
+            continue
+        for m in range(first + block * BLOCK, min(first + (block + 1) * BLOCK, last)):
+            square = squared_distance(x, y, m, position, following)
+            if square < nearest or (square == nearest and (closest < 0 or m < closest)):
+                nearest, closest = square, m
+    return closest
+
+
+@device
+def least_gap(
+    first_a: int, last_a: int, first_b: int, last_b: int, least: Float,
+    position: Floats, following: Ints, previous: Ints, boxes: Floats,
+) -> Float:  # fmt: skip
+    """``least``, or the least signed distance of nodes ``first_a:last_a`` from the segments ``first_b:last_b`` [m] if less.
+
+    ``boxes`` are those of the segments' blocks. The node that is closest to the box round them all goes first: most others
+    turn out to be farther from that box than the distance then found.
+    """
+    x0, x1, y0, y1 = math.inf, -math.inf, math.inf, -math.inf
+    for block in range((last_b - first_b + BLOCK - 1) // BLOCK):
+        x0, x1 = min(x0, boxes[block, 0]), max(x1, boxes[block, 1])
+        y0, y1 = min(y0, boxes[block, 2]), max(y1, boxes[block, 3])
+    start, shortest = first_a, math.inf
+    for s in range(first_a, last_a):
+        box = box_distance(position[s, 0], position[s, 1], x0, x1, y0, y1)
+        if box < shortest:
+            start, shortest = s, box
+    closest = first_b
+    for visit in range(first_a - 1, last_a):
+        s = start if visit < first_a else visit
+        x, y = position[s, 0], position[s, 1]
+        box = box_distance(x, y, x0, x1, y0, y1)
+        square = max(least, 0.0) * max(least, 0.0)
+        if box > square:
+            continue  # farther from the whole outline's box than the least distance, or outside where another is inside
+        # What is within the box may be inside, and deeper than the least distance found.
+        within = square * (1.0 + 1e-9) if box > 0.0 else math.inf
+        m = closest_segment(x, y, within, closest, first_b, last_b, position, following, boxes)
+        if m >= 0:
+            closest = m
+            gap, _, _, _ = signed_distance(x, y, m, position, following, previous)
+            least = min(least, gap)
+    return least
+
+
 @kernel
 def minimum_gap(
     first_a: int, last_a: int, first_b: int, last_b: int, position: Floats, following: Ints, previous: Ints
@@ -87,24 +179,41 @@ def minimum_gap(
 
     Each node counts with its closest segment; the least over the nodes is negative as soon as one is inside.
     """
-    x0, x1, y0, y1 = math.inf, -math.inf, math.inf, -math.inf
-    for m in range(first_b, last_b):
-        x0, x1 = min(x0, position[m, 0]), max(x1, position[m, 0])
-        y0, y1 = min(y0, position[m, 1]), max(y1, position[m, 1])
-    least = math.inf
-    for s in range(first_a, last_a):
-        x, y = position[s, 0], position[s, 1]
-        dx, dy = max(x0 - x, x - x1, 0.0), max(y0 - y, y - y1, 0.0)
-        if least > 0.0 and dx * dx + dy * dy > least * least:
-            continue  # outside the other body's box by more than the least distance found
-        nearest, closest = math.inf, first_b
-        for m in range(first_b, last_b):
-            square = squared_distance(x, y, m, position, following)
-            if square < nearest:
-                nearest, closest = square, m
-        gap, _, _, _ = signed_distance(x, y, closest, position, following, previous)
-        least = min(least, gap)
+    boxes = np.empty(((last_b - first_b) // BLOCK + 1, 4))
+    block_boxes(first_b, last_b, position, following, boxes)
+    least: float = least_gap(first_a, last_a, first_b, last_b, math.inf, position, following, previous, boxes)
     return least
+
+
+@kernel
+def minimum_gaps(
+    first: Ints,
+    second: Ints,
+    body_first: Ints,
+    position: Floats,
+    following: Ints,
+    previous: Ints,
+    gaps: Floats,
+) -> None:
+    """Least distance of the outlines of every two bodies ``first`` and ``second``, into ``gaps`` [m].
+
+    The lesser of both ways of :func:`minimum_gap`, of the nodes of one from the segments of the other; the nodes of body b
+    are ``body_first[b]:body_first[b + 1]``.
+    """
+    n_bodies = len(body_first) - 1
+    boxes = np.empty((body_first[n_bodies] // BLOCK + n_bodies, 4))
+    for b in range(n_bodies):
+        start = body_first[b] // BLOCK + b
+        block_boxes(body_first[b], body_first[b + 1], position, following, boxes[start:])
+    for c in range(len(first)):
+        least = math.inf
+        for way in range(2):
+            a, b = (first[c], second[c]) if way == 0 else (second[c], first[c])
+            least = least_gap(
+                body_first[a], body_first[a + 1], body_first[b], body_first[b + 1], least,
+                position, following, previous, boxes[body_first[b] // BLOCK + b :],
+            )  # fmt: skip
+        gaps[c] = least
 
 
 @kernel

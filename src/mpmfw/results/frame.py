@@ -28,6 +28,8 @@ class RunHeader:
     connectivity
         For each body with a surface, the node ``next[s]`` at which the segment that starts at node ``s``
         ends, counted within the body, shape (surface_node,).
+    more_pairs
+        Whether frames may name pairs that the header does not: bodies of many that come near each other.
     attributes
         Root attributes: scene text, title, contact, shape, scheme, transfer, effects, plug-ins, versions …
         Mappings and sequences of mixed type are stored as JSON; a value of ``None`` is left out.
@@ -40,6 +42,7 @@ class RunHeader:
     fields: tuple[Field, ...]
     surface_count: Mapping[str, int] = field(default_factory=dict)
     connectivity: Mapping[str, IntArray] = field(default_factory=dict)
+    more_pairs: bool = False
     attributes: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -62,6 +65,8 @@ class Frame:
         For each pair, ``{field: array}``.
     grid
         ``{field: array}``.
+    pairs
+        Labels of all pairs so far, the header's first, where the header says that there may be more.
     """
 
     time: float
@@ -70,3 +75,4 @@ class Frame:
     series: Mapping[str, AnyArray] = field(default_factory=dict)
     contact: Mapping[str, Mapping[str, AnyArray]] = field(default_factory=dict)
     grid: Mapping[str, AnyArray] = field(default_factory=dict)
+    pairs: tuple[str, ...] = ()

@@ -15,6 +15,9 @@ STATIC = frozenset({("particles", "mass"), ("particles", "initial_volume"), ("su
 #: be seen there, large enough that a thousand frames of a history are read at once.
 SERIES_CHUNK = 16_384
 
+#: Pairs in a chunk of a series where more pairs may follow.
+PAIRS_CHUNK = 1024
+
 #: Declarations state quantities per metre of thickness; in 3D there is none.
 _IN_3D = {
     "kg m-1": "kg",
@@ -41,7 +44,9 @@ def dimensions(field: Field) -> tuple[str, ...]:
     return field.dims if is_static(field) else ("time", *field.dims)
 
 
-def chunks(field: Field, sizes: tuple[int, ...], itemsize: int) -> tuple[int, ...] | None:
+def chunks(
+    field: Field, sizes: tuple[int, ...], itemsize: int, *, more_pairs: bool = False
+) -> tuple[int, ...] | None:
     """Return the chunk shape: one frame a chunk, or many frames of a short series.
 
     Parameters
@@ -52,9 +57,13 @@ def chunks(field: Field, sizes: tuple[int, ...], itemsize: int) -> tuple[int, ..
         Sizes of its dimensions but the time.
     itemsize
         Bytes of one number.
+    more_pairs
+        Whether pairs may be added to the dimension ``pair``.
     """
     if is_static(field):
         return None
     if field.group != "series":
         return (1, *sizes)
+    if more_pairs:
+        sizes = tuple(PAIRS_CHUNK if dim == "pair" else n for dim, n in zip(field.dims, sizes, strict=True))
     return (max(1, SERIES_CHUNK // (itemsize * math.prod(sizes))), *sizes)

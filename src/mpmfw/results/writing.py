@@ -53,6 +53,8 @@ class RunWriter:
         self.frames = 0
         self._fields = {(field.group, field.name): field for field in header.fields}
         self._variables: dict[tuple[str, str], netCDF4.Variable[Any]] = {}
+        self._shapes: dict[tuple[str, str], tuple[int, ...]] = {}
+        self._pairs = len(header.pairs)
         self._waiting: dict[tuple[str, str], list[AnyArray]] = {}
         self._times: list[float] = []
         self._waiting_bytes = 0
@@ -69,6 +71,7 @@ class RunWriter:
             An array was not declared or does not have the declared shape, or the disk is full.
         """
         try:
+            self._add_pairs(frame.pairs)
             for place, group, arrays in _places(frame):
                 for name, values in arrays.items():
                     self._put(place, self._declared(group, name), np.asarray(values))
@@ -131,7 +134,7 @@ class RunWriter:
         _labels(dataset, "axis2", axes)
         _labels(dataset, "rotation", ("z",) if header.dim == 2 else axes)
         _labels(dataset, "body", header.bodies)
-        _labels(dataset, "pair", header.pairs)
+        _labels(dataset, "pair", header.pairs, grows=header.more_pairs)
         dataset.createGroup("series")
         for body in header.bodies:
             dataset.createGroup(f"particles/{body}").createDimension("particle", header.particle_count[body])
@@ -143,6 +146,17 @@ class RunWriter:
                     following.long_name = "surface node at which the segment that starts at this one ends"
                     following[:] = header.connectivity[body]
         dataset.sync()
+
+    def _add_pairs(self, labels: tuple[str, ...]) -> None:
+        """Make room for pairs that no frame before this had; there they are missing."""
+        if len(labels) <= self._pairs:
+            return
+        if not self.header.more_pairs:
+            raise MpmfwError("frame names pairs that the header does not, which says that there are no more")
+        self._flush()
+        self._dataset["pair"][self._pairs : len(labels)] = np.array(labels[self._pairs :], dtype=object)
+        self._pairs = len(labels)
+        self._shapes.clear()
 
     def _set_attributes(self, attributes: Mapping[str, Any]) -> None:
         for name, value in attributes.items():
@@ -161,7 +175,10 @@ class RunWriter:
         variable = self._variables.get((place, field.name))
         if variable is None:
             variable = self._variables[place, field.name] = self._define(place, field, values)
-        expected = variable.shape if layout.is_static(field) else variable.shape[1:]
+        expected = self._shapes.get((place, field.name))
+        if expected is None:  # asked of the file once: it looks for the length of the time in every group
+            expected = variable.shape if layout.is_static(field) else variable.shape[1:]
+            self._shapes[place, field.name] = expected
         if values.shape != expected:
             raise MpmfwError(f"field '{place}/{field.name}' has shape {values.shape}, expected {expected}")
         if layout.is_static(field):
@@ -212,7 +229,7 @@ class RunWriter:
             layout.dimensions(field),
             zlib=field.group != "series",
             complevel=COMPRESSION,
-            chunksizes=layout.chunks(field, values.shape, dtype.itemsize),
+            chunksizes=layout.chunks(field, values.shape, dtype.itemsize, more_pairs=self.header.more_pairs),
             fill_value=np.nan if dtype.kind == "f" else None,
         )
         variable.setncatts({**field.attributes, "units": layout.unit(field, self.header.dim)})
@@ -240,11 +257,13 @@ def _places(frame: Frame) -> list[tuple[str, str, Mapping[str, AnyArray]]]:
     ]
 
 
-def _labels(dataset: netCDF4.Dataset, name: str, labels: tuple[str, ...]) -> None:
-    if not labels:  # a dimension of size 0 would be an unlimited one
+def _labels(dataset: netCDF4.Dataset, name: str, labels: tuple[str, ...], *, grows: bool = False) -> None:
+    if not labels and not grows:  # a dimension of size 0 would be an unlimited one
         return
-    dataset.createDimension(name, len(labels))
-    dataset.createVariable(name, str, (name,))[:] = np.array(labels, dtype=object)
+    dataset.createDimension(name, None if grows else len(labels))
+    variable = dataset.createVariable(name, str, (name,))
+    if labels:
+        variable[:] = np.array(labels, dtype=object)
 
 
 def _size(group: netCDF4.Dataset | None, dim: str) -> int | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -61,9 +62,11 @@ class Scene(Tables):
     @property
     def pairs(self) -> tuple[tuple[str, str, float], ...]:
         """All pairs of bodies in the scene's order, each with its Coulomb coefficient."""
-        names = list(self.bodies)
-        friction = (lambda a, b: 0.0) if self.contact is None else self.contact.friction_between  # noqa: ARG005
-        return tuple((a, b, friction(a, b)) for i, a in enumerate(names) for b in names[i + 1 :])
+        contact = self.contact
+        default, named = (0.0, ()) if contact is None else (float(contact.friction), contact.pairs)
+        given = {frozenset(pair.bodies): float(pair.friction) for pair in named}
+        ends = itertools.combinations(self.bodies, 2)
+        return tuple((a, b, given.get(frozenset((a, b)), default)) for a, b in ends)
 
     @property
     def text(self) -> str:

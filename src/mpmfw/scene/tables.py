@@ -92,11 +92,6 @@ class Contact(Table):
     pairs: Annotated[tuple[PairFriction, ...], Strict(False)] = ()
     options: Options = Field(default=None, exclude=True)
 
-    def friction_between(self, first: str, second: str) -> float:
-        """Coulomb's μ of a pair of bodies, in either order."""
-        given = (pair.friction for pair in self.pairs if set(pair.bodies) == {first, second})
-        return float(next(given, self.friction))
-
 
 class Material(Table):
     """A material model, its reference density [kg/m^3] and its options."""

@@ -10,6 +10,7 @@ from mpmfw.fields import FloatArray
 from mpmfw.kernels import gather as from_grid
 from mpmfw.kernels import nodal
 from mpmfw.kernels import projection as to_grid
+from mpmfw.pairs import list_near
 from mpmfw.state import Grid, OutsideGrid, Particles, State, Stencil
 from mpmfw.transfer import Transfer
 from mpmfw.windows import lay_windows
@@ -41,6 +42,7 @@ def _interpolate_anew(state: State, hook: Any) -> Stencil:
     """The same after the windows were laid round the bodies as they are now."""
     particles, grid, surface = state.particles, state.grid, state.surface
     lay_windows(grid, particles, hook.particle_reach(particles=particles), surface)
+    list_near(state, hook)
     try:
         phi: Stencil = hook.interpolate(particles=particles, grid=grid)
     except OutsideGrid as error:
