@@ -8,6 +8,7 @@ import numpy as np
 
 from mpmfw.kernels.polyline import signed_distance
 from mpmfw_contact.penalty import pair_force, search
+from mpmfw_contact.penalty.pair_table import pair_table as pair_of_bodies
 
 
 @dataclass
@@ -88,8 +89,8 @@ def find(loops, *, h=0.25, radius=None, literal=False, slots=3, lower=(-3.0, -3.
     lists = (shared, head, head_stamp, link, link_segment)
     entries = search.list_segments(1, loops.position, loops.following, *where, *lists)
     assert entries <= len(link)
-    others = (1 - np.eye(loops.n_bodies)).astype(np.int64)
-    loop = (loops.position, loops.following, loops.previous, loops.body, others)
+    alike = np.zeros(loops.n_bodies, dtype=np.int64)
+    loop = (loops.position, loops.following, loops.previous, loops.body, alike)
     out = (found.master, found.segment, found.coordinate, found.gap, found.normal)
     found.count = search.find_pairs(1, h if radius is None else radius, literal, *loop, *where, *lists, *out)
     return found
@@ -122,13 +123,9 @@ class Result:
 
 
 def pair_table(n_bodies):
-    """Index of the pair of every two bodies, and the pairs' first bodies."""
-    pair_of, first = np.full((n_bodies, n_bodies), -1), []
-    for a in range(n_bodies):
-        for b in range(a + 1, n_bodies):
-            pair_of[a, b] = pair_of[b, a] = len(first)
-            first.append(a)
-    return pair_of, np.array(first)
+    """The table of all pairs' indices, and the pairs' first bodies."""
+    first, second = np.triu_indices(n_bodies, 1)
+    return pair_of_bodies(first, second), first
 
 
 def forces(loops, found, law, old_master=None, old_tangential=None):

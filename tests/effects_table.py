@@ -73,7 +73,19 @@ LEAST = Brings(
 )
 
 _SHAPE = "setup particle_reach interpolate interpolate_surface"
-_PENALTY = (*("strategy", "search", "candidates", "laws", "options", "pair_force", "stability", "facing"),)
+_PENALTY = (
+    *(
+        "strategy",
+        "search",
+        "candidates",
+        "laws",
+        "options",
+        "pair_force",
+        "pair_table",
+        "stability",
+        "facing",
+    ),
+)
 EFFECTS = {
     "linear": brings("linear", hooks=_SHAPE, modules="mpmfw_shape.linear mpmfw_shape._bilinear_surface"),
     "gimp": brings(
@@ -138,7 +150,7 @@ EFFECTS = {
     "separate": brings(modules="mpmfw_contact.separate"),
     "bardenhagen": brings(
         "bardenhagen",
-        hooks="declare_fields setup after_momentum_projection after_momentum_update diagnostics",
+        hooks="declare_fields setup add_pairs after_momentum_projection after_momentum_update diagnostics",
         arrays="impulse frictional_work damping_work energy count sharers volume_gradient",
         modules="mpmfw_contact.bardenhagen mpmfw_contact._shared_nodes mpmfw_contact.records",
         series="contact_force contact_count frictional_work contact_energy damping_work",
@@ -146,7 +158,7 @@ EFFECTS = {
     "distance of bodies": brings("bardenhagen", arrays="mean_position"),
     "penalty": brings(
         "penalty",
-        hooks="declare_fields setup add_nodal_force stable_timestep diagnostics",
+        hooks="declare_fields setup add_pairs add_nodal_force stable_timestep diagnostics",
         arrays="impulse frictional_work damping_work spring_work energy count force master segment coordinate gap normal "
         "stiffness share rest old_master old_share old_rest owner shared head head_stamp link link_segment "
         "box_lower box_upper",
@@ -191,7 +203,7 @@ EFFECTS = {
     ),
     "contact events": brings(
         "contact_events",
-        hooks="declare_fields setup end_step diagnostics concerns",
+        hooks="declare_fields setup add_pairs end_step diagnostics concerns",
         arrays="age partner",
         modules="mpmfw_contact.penalty.events",
         series="steps_per_contact penetration",

@@ -210,12 +210,12 @@ def energy_kept(run: xr.Dataset) -> FloatArray:
     ----------
     run
         Series of one run, with dims (time, body) and (time, pair). A series that is absent, or NaN throughout
-        since only other methods of a comparison have it, counts as nothing.
+        since only other methods of a comparison have it, counts as nothing, and so does a pair before it is listed.
     """
     total = np.zeros(run.sizes["time"])
     for names, dim in ((_ENERGIES, "body"), (_WORKS, "pair")):
         for name in names:
             if name in run and bool(run[name].notnull().any()):
-                total = total + run[name].sum(dim, skipna=False).values
+                total = total + run[name].sum(dim, skipna=dim == "pair").values
     start = total[0] if len(total) else np.nan
     return np.asarray(total / start) if start > 0.0 else np.full(len(total), np.nan)

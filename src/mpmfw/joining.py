@@ -134,7 +134,7 @@ def union_of_times(times: Sequence[FloatArray]) -> FloatArray:
 def _series(
     lead: tuple[str, ...], shape: tuple[int, ...], trees: Mapping[tuple[int, ...], xr.DataTree]
 ) -> dict[str, xr.DataArray]:
-    series = {index: tree["series"].to_dataset() for index, tree in trees.items()}
+    series = _of_all_pairs({index: tree["series"].to_dataset() for index, tree in trees.items()})
     times = union_of_times([data["time"].values for data in series.values() if "time" in data.coords])
     joined: dict[str, xr.DataArray] = {}
     for index, data in series.items():
@@ -147,6 +147,17 @@ def _series(
                 joined[str(name)] = _empty(lead, shape, times, rest)
             joined[str(name)].values[index][at] = rest.values
     return joined
+
+
+def _of_all_pairs(series: dict[tuple[int, ...], xr.Dataset]) -> dict[tuple[int, ...], xr.Dataset]:
+    """The runs' series with the pairs of all: of many bodies each run lists those that came near each other in it."""
+    listed = [data["pair"].values.tolist() for data in series.values() if "pair" in data.coords]
+    if all(labels == listed[0] for labels in listed):
+        return series
+    every = list(dict.fromkeys(label for labels in listed for label in labels))
+    return {
+        index: data.reindex(pair=every) if "pair" in data.coords else data for index, data in series.items()
+    }
 
 
 def _empty(

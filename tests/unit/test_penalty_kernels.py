@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 import shapely
 
-from contact_kernels import Law, find, flat, forces, join, pair_table, star
+from contact_kernels import Law, find, flat, forces, join, star
 from mpmfw.kernels.polyline import bounding_boxes, minimum_gap
 from mpmfw_contact.penalty.layer import gather_layer, project_layer
 from mpmfw_contact.penalty.search import boxes_touch
@@ -130,7 +132,8 @@ def test_minimum_gap_is_the_least_signed_distance(name):
 
 def force_twin(loops, found, law, old_master, old_tangential):
     """Forces of all contacts and the pairs' frictional work, in NumPy and without Q."""
-    force, work = np.zeros_like(loops.position), np.zeros(len(pair_table(loops.n_bodies)[1]))
+    pairs = list(itertools.combinations(range(loops.n_bodies), 2))
+    force, work = np.zeros_like(loops.position), np.zeros(len(pairs))
     x, u = loops.position, loops.displacement
     for s, j in zip(*np.nonzero((found.segment >= 0) & (found.gap < 0.0)), strict=True):
         g, e_n, m = found.gap[s, j], found.normal[s, j], found.segment[s, j]
@@ -157,7 +160,8 @@ def force_twin(loops, found, law, old_master, old_tangential):
         k_t = law.tangential_ratio * law.stiffness
         trial = (old_tangential[s][known][-1] if known.any() else 0.0) - k_t * slip
         f_t = np.clip(trial, -law.friction * f_n, law.friction * f_n)
-        work[pair_table(loops.n_bodies)[0][loops.body[s], loops.body[m]]] += abs(f_t) * abs(trial - f_t) / k_t
+        pair = tuple(sorted((int(loops.body[s]), int(loops.body[m]))))
+        work[pairs.index(pair)] += abs(f_t) * abs(trial - f_t) / k_t
         force[[s, m, end]] += f_n * normal + f_t * tangential
     return force, work
 

@@ -14,6 +14,7 @@ from mpmfw.kernels.polyline import segment_coordinate
 from mpmfw.plots.style import dress, legend_below, new_figure
 from mpmfw.validation import Case
 from mpmfw_contact.penalty.pair_force import contact_forces, normal_rows, tangent_rows, tangential_rows
+from mpmfw_contact.penalty.pair_table import pair_table
 
 # Only an error of the closed form is left: the step's truncation is h² / l² ~ 1e-12, its rounding 1e-16 / h ~ 1e-10.
 STEP = 1e-6  # of the central differences, in segment lengths
@@ -151,7 +152,8 @@ def kernel_force(points: FloatArray, moved: FloatArray) -> FloatArray:
     value["xi"][0], value["gap"][0] = xi, gap
     normal, force = np.zeros((3, 1, 2)), np.zeros((3, 2))
     normal[0, 0] = along[1], -along[0]
-    pair_of, first, friction = np.array([[-1, 0], [0, -1]]), np.array([0]), np.array([FRICTION])
+    first, friction = np.array([0]), np.array([FRICTION])
+    pair_of = pair_table(first, np.array([1]))
     contact_forces(
         1, master.copy(), segment, value["xi"], value["gap"], np.zeros((0, 1)), normal, master, value["f_t"], value["old"],
         body, pair_of, first, points, moved, follow, follow, np.full((3, 1), STIFFNESS), value["c"], friction,

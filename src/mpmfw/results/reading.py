@@ -77,9 +77,15 @@ def tree_of(dataset: netCDF4.Dataset, *, load: bool = True) -> xr.DataTree:
     """
     groups = {name: xr.open_dataset(_store(group), decode_times=False) for name, group in _groups(dataset)}
     time = groups["/"].coords.get("time")
-    if time is not None and not np.isfinite(time.values).all():
+    if time is not None:
         complete = np.flatnonzero(np.isfinite(time.values))
-        groups = {name: group.isel(time=complete, missing_dims="ignore") for name, group in groups.items()}
+        # A group with a time of its own may have one frame more than the root.
+        groups = {
+            name: group.isel(time=complete)
+            if group.sizes.get("time", len(complete)) > len(complete)
+            else group
+            for name, group in groups.items()
+        }
     if load:
         groups = {name: group.load() for name, group in groups.items()}
     return xr.DataTree.from_dict(groups)

@@ -137,15 +137,28 @@ class RunWriter:
         _labels(dataset, "pair", header.pairs, grows=header.more_pairs)
         dataset.createGroup("series")
         for body in header.bodies:
-            dataset.createGroup(f"particles/{body}").createDimension("particle", header.particle_count[body])
+            self._own_group(f"particles/{body}").createDimension("particle", header.particle_count[body])
             if header.surface_count.get(body, 0):
-                surface = dataset.createGroup(f"surface/{body}")
+                surface = self._own_group(f"surface/{body}")
                 surface.createDimension("surface_node", header.surface_count[body])
                 if body in header.connectivity:
                     following = surface.createVariable("next", "i8", ("surface_node",))
                     following.long_name = "surface node at which the segment that starts at this one ends"
                     following[:] = header.connectivity[body]
         dataset.sync()
+
+    def _own_group(self, place: str) -> netCDF4.Dataset:
+        """A body's group; of many bodies each has dimensions of its own, in the place of the root's.
+
+        HDF5 keeps at every dimension a list of the variables that have it, which it writes anew for each one more, and
+        netCDF looks through all of them for the length of the time: both would grow with the square of the bodies.
+        """
+        group = self._dataset.createGroup(place)
+        if self.header.more_pairs:
+            group.createDimension("time", None)
+            group.createDimension("axis", self.header.dim)
+            group.createDimension("axis2", self.header.dim)
+        return group
 
     def _add_pairs(self, labels: tuple[str, ...]) -> None:
         """Make room for pairs that no frame before this had; there they are missing."""

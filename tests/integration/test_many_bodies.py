@@ -1,0 +1,203 @@
+"""Scenes of more than a few bodies: pairs are listed as they come near, nothing has a place for every two bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import mpmfw
+from many_discs import many_discs
+from mpmfw.analysis import energy_kept
+from mpmfw.pairs import FEW
+from mpmfw.simulation import Simulation
+
+METHODS = ("none", "separate", "bardenhagen", "penalty")
+
+
+def small(count: int, contact: str, **changes: Any) -> dict[str, Any]:
+    """Discs of three cells across, as few points as carry contact, and no frames but where they are asked for."""
+    least = {"shape__method": "linear", "output": {"particles": False, "surface": False}}
+    return many_discs(count, contact, radius=1.5, **{**least, **changes})
+
+
+def sizes_of(owner: Any, path: str, seen: set[int]) -> Iterator[tuple[str, int]]:
+    """Sizes of all arrays that an object holds, and those that it holds hold, by the way to them."""
+    if id(owner) in seen:
+        return
+    seen.add(id(owner))
+    if isinstance(owner, np.ndarray):
+        yield path, owner.size
+    elif isinstance(owner, dict):
+        for key, value in owner.items():
+            yield from sizes_of(value, f"{path}[{key}]", seen)
+    elif isinstance(owner, list | tuple) and len(owner) < 100:
+        for k, value in enumerate(owner):
+            yield from sizes_of(value, f"{path}[{k}]", seen)
+    elif type(owner).__module__.startswith("mpmfw"):
+        for name in (*getattr(owner, "__dict__", {}), *getattr(type(owner), "__slots__", ())):
+            yield from sizes_of(getattr(owner, name, None), f"{path}.{name}", seen)
+
+
+def all_sizes(count: int, method: str) -> tuple[int, dict[str, int]]:
+    """Number of pairs, and sizes of the arrays of state, plug-ins and frame after a step."""
+    sim = Simulation(small(count, method, output={"stability": True}))
+    sim.advance(1)
+    held = [sim.state, *sim.manager.get_plugins(), sim._recorder.frame(1.0).series]
+    named = {getattr(each, "name", type(each).__name__): each for each in held}
+    return len(sim.state.pairs), dict(sizes_of(named, "", set()))
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_no_array_has_a_place_for_every_two_bodies(method: str) -> None:
+    """Four times the bodies: what is in proportion grows by four, and at most by half more since fewer are at an edge."""
+    (few_pairs, few), (pairs, many) = (all_sizes(count, method) for count in (100, 400))
+    assert pairs < 24 * 400  # of 79 800
+    assert pairs < 1.3 * 4 * few_pairs
+    assert {
+        path: (few.get(path, 0), size) for path, size in many.items() if size > 6 * max(few.get(path, 0), 200)
+    } == {}
+    assert len(many) > 40
+
+
+def row_meets_row(method: str, count: int = FEW + 4, **changes: Any) -> dict[str, Any]:
+    """Two rows of discs, ten cells apart, that meet at 120 m/s."""
+    half = count // 2
+    scene = small(count, method, **{"time": {"end": 0.15, "output_interval": 0.0125}, **changes})
+    for k, body in enumerate(scene["bodies"].values()):
+        column, row = k % half, k // half
+        body["geometry"]["centre"] = [9.0 * column + 0.03, 13.0 * row + 0.07]
+        body["velocity"] = [0.0, 60.0 * (1 - 2 * row)]
+    scene["grid"].update(lower=[-8.0, -8.0], upper=[9.0 * half, 21.0])
+    return scene
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_pairs_that_meet_during_the_run_are_in_the_results_of_memory_and_file(
+    method: str, tmp_path: Any
+) -> None:
+    scene = row_meets_row(method)
+    half = len(scene["bodies"]) // 2
+    kept = mpmfw.run(scene)
+    written = mpmfw.run(scene, output=tmp_path / "run.nc")
+    for tree in (kept, written):
+        gaps = tree["series"]["min_gap"]
+        meeting = gaps.sel(pair=[f"d{k}-d{k + half}" for k in range(half)])
+        assert np.isnan(meeting.values[0]).all()  # too far at the start to be listed
+        assert np.isfinite(meeting.values[-1]).all()
+        assert (meeting.min("time") < 0.5).all()
+        assert f"d0-d{half + 2}" not in gaps["pair"].values
+    xr.testing.assert_identical(kept["series"].to_dataset(), written["series"].to_dataset())
+
+
+@pytest.mark.parametrize("method", ["bardenhagen", "penalty"])
+def test_a_body_moves_and_is_pushed_as_it_is_where_all_pairs_are_listed(
+    method: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = row_meets_row(method)
+    near = mpmfw.run(scene)["series"].to_dataset()
+    monkeypatch.setattr("mpmfw.build.FEW", 1000)
+    every = mpmfw.run(scene)["series"].to_dataset()
+    assert every.sizes["pair"] == 36 * 35 // 2 > near.sizes["pair"]
+    for name in near.data_vars:
+        one, other = near[name], every[name]
+        if "pair" in one.dims:
+            listed = one.notnull()
+            other = other.sel(pair=near["pair"])
+            assert listed.values[-1].all()
+            if name != "min_gap":
+                left = every[name].drop_sel(pair=near["pair"].values)
+                assert (left == 0.0).all()  # what is not listed does nothing
+                assert (other.where(~listed, 0.0) == 0.0).all()
+            other = other.where(listed)
+        np.testing.assert_array_equal(one.values, other.values, err_msg=str(name))
+    assert (near["contact_force"].sum("time") != 0.0).any()
+    assert np.isfinite(energy_kept(near)).all()
+
+
+def test_bodies_far_from_all_others_have_no_pair_and_results_all_the_same(tmp_path: Any) -> None:
+    scene = many_discs(
+        FEW + 1,
+        "penalty",
+        radius=1.5,
+        pitch=9.0,
+        time={"end": 0.01, "output_interval": 0.005},
+        shape__method="linear",
+        output={"particles": False, "surface": False},
+    )
+    for output in (None, tmp_path / "apart.nc"):
+        series = mpmfw.run(scene, output=output)["series"].to_dataset()
+        assert series["min_gap"].shape == (3, 0)
+        assert series["centre_of_mass"].shape == (3, FEW + 1, 2)
+
+
+def test_pairs_that_the_scene_names_are_listed_from_the_start() -> None:
+    scene = row_meets_row("penalty")
+    scene["contact"]["pairs"] = [{"bodies": ["d20", "d3"], "friction": 0.7}]
+    sim = Simulation(scene)
+    assert (sim.state.pairs[0].label, sim.state.pairs[0].friction) == ("d3-d20", 0.7)
+    assert np.isfinite(sim._recorder.frame(0.0).series["min_gap"]).all()
+    effects = {effect.name: effect for effect in sim.effects}
+    assert effects["contact"].reason == "penalty (Penalty), pairs: those that come near"
+    assert effects["friction"].reason == "d3-d20, μ = 0.3 in pairs without a value of their own"
+    assert not effects["contact search"].on
+
+
+def test_a_strategy_that_does_not_take_pairs_as_they_come_is_given_all() -> None:
+    from mpmfw.api import ContactStrategy, hookimpl
+
+    class Plain(ContactStrategy):
+        name = "plain"
+
+        @hookimpl
+        def setup(self, setup: Any) -> None:
+            self.pairs = setup.pairs
+
+    scene = small(FEW + 1, "none")
+    sim = Simulation(scene, contact=Plain())
+    n = FEW + 1
+    assert sim.state.near is None
+    assert len(sim.contact.pairs) == n * (n - 1) // 2
+
+
+def test_runs_that_list_other_pairs_are_compared_on_the_pairs_of_all() -> None:
+    data = mpmfw.compare(
+        row_meets_row("penalty", time={"end": 0.05, "output_interval": 0.025}),
+        contact=["none", "penalty"],
+        shape=["linear"],
+    )
+    assert (data["status"] == "ok").all()
+    gaps = data["min_gap"].squeeze("shape")
+    listed = np.isfinite(gaps.isel(time=-1)).sum("pair")
+    assert listed.sel(contact="penalty") > listed.sel(contact="none") > 0
+
+
+def test_a_file_of_many_bodies_grows_in_proportion(tmp_path: Any) -> None:
+    """Bytes of two frames; HDF5's lists of who uses a dimension would make it grow with the square."""
+
+    def size(n: int) -> int:
+        path = tmp_path / f"{n}.nc"
+        mpmfw.run(
+            many_discs(n, "penalty", radius=1.5, time={"end": 1e-4, "output_interval": 1e-4}), output=path
+        )
+        return path.stat().st_size
+
+    assert size(80) < 2.3 * size(40)
+
+
+def test_a_last_frame_without_a_time_is_left_out_of_every_group(tmp_path: Any) -> None:
+    import netCDF4
+
+    path = tmp_path / "cut.nc"
+    mpmfw.run(
+        many_discs(FEW + 1, "penalty", radius=1.5, time={"end": 2e-4, "output_interval": 1e-4}), output=path
+    )
+    with netCDF4.Dataset(path, "a") as data:
+        data["time"][-1] = np.nan
+    tree = mpmfw.open(path)
+    assert tree["series"].sizes["time"] == 2
+    assert tree["particles/d0"].sizes["time"] == 2
+    assert tree["surface/d5"]["position"].shape[0] == 2

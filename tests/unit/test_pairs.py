@@ -1,0 +1,156 @@
+"""Bodies that come near each other are listed, and nothing else is: against brute force."""
+
+from __future__ import annotations
+
+import itertools
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mpmfw.kernels.boxes import sweep_strips
+from mpmfw.pairs import FEW, NearPairs, _strips, overlapping
+from mpmfw_contact.penalty.pair_table import pair_index, pair_table
+
+
+def brute_force(lower, upper):
+    """All two boxes with a point in common."""
+    common = (lower[:, None] <= upper[None]).all(axis=2) & (lower[None] <= upper[:, None]).all(axis=2)
+    return sorted(zip(*(index.tolist() for index in np.nonzero(np.triu(common, 1))), strict=True))
+
+
+def listed(lower, upper):
+    first, second = overlapping(lower, upper)
+    return list(zip(first.tolist(), second.tolist(), strict=True))
+
+
+def boxes(rng, n, dim, kind):
+    """Corners of boxes: about alike, of very different sizes, all at one place, or on whole numbers so that many touch."""
+    lower = rng.uniform(-5.0, 5.0, (n, dim))
+    size = {"alike": 1.0, "whole": 1.0, "one place": 1.0, "various": 10.0 ** rng.uniform(-2.0, 1.3, (n, 1))}[
+        kind
+    ]
+    upper = lower + size * rng.uniform(0.2, 1.0, (n, dim))
+    if kind == "whole":
+        lower, upper = np.floor(lower), np.floor(upper)
+    return (0.0 * lower, 0.0 * upper) if kind == "one place" else (lower, upper)
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    n=st.integers(0, 60),
+    dim=st.sampled_from([2, 3]),
+    kind=st.sampled_from(["alike", "various", "one place", "whole"]),
+)
+def test_boxes_that_overlap_are_those_that_brute_force_finds(seed, n, dim, kind):
+    lower, upper = boxes(np.random.default_rng(seed), n, dim, kind)
+    assert listed(lower, upper) == brute_force(lower, upper)
+
+
+def test_a_box_that_is_not_there_overlaps_with_none():
+    lower, upper = (
+        np.array([[0.0, 0.0], [np.inf, np.inf], [0.5, 0.5]]),
+        np.array([[1.0, 1.0], [-np.inf] * 2, [2.0, 2.0]]),
+    )
+    assert listed(lower, upper) == [(0, 2)]
+
+
+@pytest.mark.parametrize("large", [False, True], ids=["lattice", "lattice in a large box"])
+def test_the_comparisons_grow_with_the_number_of_boxes(large):
+    """400 and 1600 boxes on a square lattice that touch, with and without one round them all, and one far away."""
+
+    def comparisons(side):
+        corners = np.array(list(itertools.product(range(side), repeat=2)), dtype=float)
+        lower, upper = corners, corners + 1.0
+        if large:
+            lower = np.concatenate([lower, [[0.0, 0.0], [50.0 * side, 3.0]]])
+            upper = np.concatenate([upper, [[side, side], [50.0 * side + 1.0, 4.0]]])
+        entries = _strips(lower, upper)
+        room = np.zeros(20 * len(lower), dtype=np.int64)
+        found, compared = sweep_strips(*entries, lower, upper, room, room.copy())
+        assert found == len(brute_force(lower, upper))
+        return compared / len(lower), len(entries[1]) / len(lower)
+
+    few, many = comparisons(20), comparisons(40)
+    assert max(few) < 30.0  # of 400 there would be 200 in a comparison of all
+    assert many[0] < 1.5 * few[0]
+    assert many[1] < 1.5 * few[1]
+
+
+def moving(rng, n):
+    """A state of windows alone, whose bodies move at random; the windows are laid with a margin of three nodes."""
+    grid = SimpleNamespace(dim=2, n_fields=n, frame=0, window_lower=None, window_shape=None)
+    return (
+        SimpleNamespace(grid=grid, pairs=(), near=None),
+        rng.uniform(0.0, 60.0, (n, 2)),
+        rng.uniform(0.5, 4.0, n),
+    )
+
+
+def lay(state, centre, radius):
+    """Windows round discs, with a margin of three nodes."""
+    grid = state.grid
+    grid.window_lower = np.floor(centre - radius[:, None]).astype(np.int64) - 3
+    grid.window_shape = np.floor(centre + radius[:, None]).astype(np.int64) + 4 - grid.window_lower + 1
+    grid.frame += 1
+
+
+@settings(max_examples=40, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_no_bodies_meet_before_their_pair_is_listed(seed):
+    """Discs wander and windows are laid anew when one leaves its own: whoever is within a cell is listed by then."""
+    rng = np.random.default_rng(seed)
+    n = FEW + 8
+    state, centre, radius = moving(rng, n)
+    near = NearPairs(tuple(f"b{k}" for k in range(n)), 0.0, {})
+    velocity = rng.uniform(-1.0, 1.0, (n, 2))
+    lay(state, centre, radius)
+    near.update(state)
+    sizes = [len(state.pairs)]
+    for _ in range(60):
+        centre = centre + velocity
+        low, high = centre - radius[:, None], centre + radius[:, None]
+        first, last = state.grid.window_lower, state.grid.window_lower + state.grid.window_shape - 1
+        if (low < first + 1).any() or (high > last - 1).any():
+            lay(state, centre, radius)
+            near.update(state)
+        known = {(pair.first, pair.second) for pair in state.pairs}
+        distance = np.linalg.norm(centre[:, None] - centre[None], axis=2) - radius[:, None] - radius[None]
+        within = set(zip(*(index.tolist() for index in np.nonzero(np.triu(distance < 1.0, 1))), strict=True))
+        assert within <= known
+        sizes.append(len(state.pairs))
+    assert [pair.index for pair in state.pairs] == list(range(len(state.pairs)))
+    assert len({pair.label for pair in state.pairs}) == len(state.pairs)
+    assert sizes == sorted(sizes)
+    assert sizes[0] < n * (n - 1) // 2
+
+
+def test_a_pair_has_the_friction_that_the_scene_gives_it():
+    near = NearPairs(("a", "b", "c"), 0.2, {(0, 2): 0.7})
+    state = SimpleNamespace(pairs=())
+    assert near.add(state, np.array([0, 1]), np.array([2, 2]))
+    assert not near.add(state, np.array([1]), np.array([2]))
+    assert near.add(state, np.array([0, 0]), np.array([1, 2]))
+    assert [(p.index, p.label, p.friction) for p in state.pairs] == [
+        (0, "a-c", 0.7),
+        (1, "b-c", 0.2),
+        (2, "a-b", 0.2),
+    ]
+    assert near.has_friction
+    assert not NearPairs(("a", "b"), 0.0, {(0, 1): 0.0}).has_friction
+
+
+def test_the_table_finds_every_pair_in_either_order_and_no_other():
+    rng = np.random.default_rng(3)
+    n = 50
+    bodies = np.array(list(itertools.combinations(range(n), 2)))
+    chosen = rng.permutation(len(bodies))[:300]
+    first, second = bodies[chosen].T
+    table = pair_table(first, second)
+    index = {tuple(two): k for k, two in enumerate(bodies[chosen].tolist())}
+    for a, b in itertools.product(range(n), repeat=2):
+        assert pair_index(table, a, b) == index.get((min(a, b), max(a, b)), -1)
+    assert pair_index(pair_table(first[:0], second[:0]), 0, 1) == -1
