@@ -188,8 +188,7 @@ class State:
     particles: Particles
     grid: Grid
     bodies: tuple[Body, ...]  #: in the scene's order
-    #: in the scene's order; of many bodies those that have come near, and more may follow (see ``near``)
-    pairs: tuple[Pair, ...]
+    pairs: tuple[Pair, ...]  #: in the scene's order; of many bodies those that have come near so far
     surface: Surface | None = None  #: None unless an effect or the contact strategy needs outlines
     time: float = 0.0  #: [s]
     dt: float = 0.0  #: length of the step that runs, or of the last one [s]

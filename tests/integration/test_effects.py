@@ -114,6 +114,7 @@ HOOKS: dict[str, tuple[dict[str, Any], dict[str, list[str]]]] = {
         {
             "declare_fields": ["penalty", "gap", "body_series", "von_mises"],
             "setup": ["soft", "shape", "penalty", "surface", "rotation", "body_series"],
+            "add_pairs": ["penalty"],
             "after_momentum_projection": ["surface"],
             "add_nodal_force": ["penalty"],
             "correct_inertia": ["rotation"],
@@ -127,6 +128,7 @@ HOOKS: dict[str, tuple[dict[str, Any], dict[str, list[str]]]] = {
         {
             "declare_fields": ["shape", "bardenhagen", "body_series", "von_mises"],
             "setup": ["soft", "shape", "bardenhagen", "rotation", "body_series"],
+            "add_pairs": ["bardenhagen"],
             "after_momentum_projection": ["bardenhagen"],
             "after_momentum_update": ["bardenhagen"],
             "correct_inertia": ["rotation"],

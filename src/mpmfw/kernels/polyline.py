@@ -105,7 +105,7 @@ def block_boxes(first: int, last: int, position: Floats, following: Ints, boxes:
 
 @device
 def box_distance(x: Float, y: Float, x0: Float, x1: Float, y0: Float, y1: Float) -> Float:
-    """Squared distance of a point from a box [m²], 0 inside."""
+    """Squared distance of a point from the box ``x0`` … ``x1``, ``y0`` … ``y1`` [m²], 0 inside."""
     dx, dy = max(x0 - x, x - x1, 0.0), max(y0 - y, y - y1, 0.0)
     return dx * dx + dy * dy
 
@@ -116,7 +116,7 @@ def closest_segment(
 ) -> int:  # fmt: skip
     """Of the segments ``first:last`` that closest to a point, of equally close ones the first; −1 if none is near.
 
-    ``within`` is the square of the distance from which on they are of no interest [m²]. Only blocks are looked through
+    ``boxes`` are those of the segments' blocks (:func:`block_boxes`), ``within`` is the square of the distance from which on they are of no interest [m²]. Only blocks are looked through
     whose box is not farther than that, or than what was found; the block of ``guess`` is the first.
     """
     nearest, closest = within, -1

@@ -28,11 +28,11 @@ class RunHeader:
     connectivity
         For each body with a surface, the node ``next[s]`` at which the segment that starts at node ``s``
         ends, counted within the body, shape (surface_node,).
-    more_pairs
-        Whether frames may name pairs that the header does not: bodies of many that come near each other.
     attributes
         Root attributes: scene text, title, contact, shape, scheme, transfer, effects, plug-ins, versions …
         Mappings and sequences of mixed type are stored as JSON; a value of ``None`` is left out.
+    more_pairs
+        Whether frames may name pairs that the header does not: bodies of many that come near each other.
     """
 
     dim: int
@@ -42,8 +42,8 @@ class RunHeader:
     fields: tuple[Field, ...]
     surface_count: Mapping[str, int] = field(default_factory=dict)
     connectivity: Mapping[str, IntArray] = field(default_factory=dict)
-    more_pairs: bool = False
     attributes: Mapping[str, Any] = field(default_factory=dict)
+    more_pairs: bool = False
 
 
 @dataclass
