@@ -30,6 +30,7 @@ class Candidates:
     tangential: FloatArray  #: (n_s, slots) f_t [N/m]
     share: FloatArray  #: (n_s, slots) part of the tributary length across the normal
     old_master: IntArray
+    old_segment: IntArray
     old_tangential: FloatArray
     old_share: FloatArray
     rest: FloatArray  #: (n_s, slots) gap at which the spring has no force [m]
@@ -66,6 +67,7 @@ class Candidates:
             tangential=array("tangential", "N m-1", "tangential force", on=friction),
             share=array("share", "1", "part of the tributary length across the normal", on=shares),
             old_master=array("old_master", "1", "body touched in the last step", "i8"),
+            old_segment=array("old_segment", "1", "segment of the last step", "i8"),
             old_tangential=array("old_tangential", "N m-1", "tangential force of the last step", on=friction),
             old_share=array("old_share", "1", "share of the last step", on=shares),
             rest=array("rest", "m", "gap at which the spring has no force", on=shares),
@@ -77,6 +79,7 @@ class Candidates:
     def swap(self) -> None:
         """What was found in the last step becomes the history."""
         self.master, self.old_master = self.old_master, self.master
+        self.segment, self.old_segment = self.old_segment, self.segment
         self.tangential, self.old_tangential = self.old_tangential, self.tangential
         self.share, self.old_share = self.old_share, self.share
         self.rest, self.old_rest = self.old_rest, self.rest

@@ -15,6 +15,7 @@ from mpmfw.api import (
     Grid,
     SceneError,
     Setup,
+    SimulationError,
     State,
     Stencil,
     hookimpl,
@@ -30,7 +31,12 @@ from mpmfw_contact.penalty.stability import (
     map_to_grid,
     spring_stiffness,
 )
+from mpmfw_contact.penalty.tracking import find_crossings, keep_inside
+from mpmfw_contact.penalty.travel import TravelLimit
 from mpmfw_contact.records import PairRecords
+
+#: Travel in a step, in search radii, below which no node can pass the middle of a body unseen.
+THIN = 0.05
 
 FORCE = Field(
     "force", ("surface_node", "axis"), "N m-1", "contact force on the surface node", "surface", output=True
@@ -81,12 +87,13 @@ class Penalty(ContactStrategy):
         return f"{self.name}({', '.join([f'variant={options.variant}', *departs])})"
 
     def parts(self) -> list[Any]:
-        """The surface layer's inertia, where it has a thickness."""
+        """The limit of travel, and the surface layer's inertia where it has a thickness."""
+        travel = TravelLimit(self.options.search_radius)
         if not self.adds_mass:
-            return []
+            return [travel]
         from mpmfw_contact.penalty.layer import InterfaceLayer
 
-        return [InterfaceLayer(self.options.interface_thickness)]
+        return [travel, InterfaceLayer(self.options.interface_thickness)]
 
     def reach(self, cell_size: float) -> float:
         """The search radius: bodies whose boxes are farther apart cost a comparison of boxes."""
@@ -112,7 +119,7 @@ class Penalty(ContactStrategy):
         self.laws = PairLaws.of(setup, self.options)
         self.state, self.surface = setup.state, setup.state.surface
         self.records = PairRecords(setup, self.name)
-        literal = self.options.detection == "hamad2017"
+        self.literal = literal = self.options.detection == "hamad2017"
         slots = 8 if literal else min(max(len(setup.bodies) - 1, 1), 3)
         self.candidates = Candidates.allocate(
             setup,
@@ -136,7 +143,7 @@ class Penalty(ContactStrategy):
         self.omega_squared = 0.0
         self.count = 0
         self.searched = self.begins = False
-        self.rows = np.zeros((3, 3, 2))
+        self.rows, self.through = np.zeros((3, 3, 2)), np.zeros(2)
 
     def _table(self) -> Stencil:
         """N_i(x_s) of this step."""
@@ -173,14 +180,23 @@ class Penalty(ContactStrategy):
         return count
 
     def _search_near(self, grid: Grid) -> int:
-        s, c, g = self.surface, self.candidates, self.grid
-        if not g.list_segments(s, grid, len(self.state.bodies)):
+        c, count = self.candidates, 0
+        tagged = self.grid.list_segments(self.surface, grid, len(self.state.bodies))
+        if not tagged and self.count == 0:
             return 0
         c.swap()
+        if tagged:
+            count = self._search_tagged(grid)
+        else:
+            c.segment.fill(-1)
+        return count if self.literal else count + self._track()
+
+    def _search_tagged(self, grid: Grid) -> int:
+        s, c, g = self.surface, self.candidates, self.grid
         return search.find_pairs(
             g.stamp,
             self.radius,
-            self.options.detection == "hamad2017",
+            self.literal,
             s.position,
             s.next,
             s.previous,
@@ -199,6 +215,38 @@ class Penalty(ContactStrategy):
             c.coordinate,
             c.gap,
             c.normal,
+        )
+
+    def _track(self) -> int:
+        """Nodes inside that the search has lost, or missed; the end of the run where bodies have crossed."""
+        s, c, g = self.surface, self.candidates, self.grid
+        found = (c.master, c.segment, c.coordinate, c.gap, c.normal)
+        outline = (s.next, s.previous, s.body, s.body_first)
+        added = keep_inside(s.position, *outline, c.old_master, c.old_segment, *found, self.through)
+        if self.through[0] > self.radius:
+            raise self._crossed(int(self.through[1]))
+        travel = float(np.abs(s.displacement).max())
+        if travel > THIN * self.radius:
+            boxes = (g.box_lower, g.box_upper)
+            added += find_crossings(
+                2.0 * travel, s.position, s.displacement, *outline, self.laws.is_slave, *boxes, *found
+            )
+        return added
+
+    def _crossed(self, node: int) -> SimulationError:
+        """What stops a run in which a node has gone through another body."""
+        surface, bodies, c = self.surface, self.state.bodies, self.candidates
+        mine = int(surface.body[node])
+        others = [int(b) for b in c.old_master[node] if b >= 0]
+        pair = self.state.pairs[int(self.laws.pair_of[mine, others[0]])]
+        return SimulationError(
+            f"{pair.label}: the bodies have crossed: a surface node came out by the far side of "
+            f"'{bodies[others[0]].name}' by {self.through[0] / self.cell_size:.2g} cells",
+            body=bodies[mine].name,
+            index=node - int(surface.body_first[mine]),
+            position=surface.position[node].tolist(),
+            time=self.state.time,
+            advice="a slower impact, a stiffer contact (contact.penalty.kappa), or smaller cells",
         )
 
     def _stiffness(self, grid: Grid, phi: Stencil) -> None:
