@@ -24,6 +24,7 @@ from mpmfw.kernels.polyline import bounding_boxes
 from mpmfw_contact.penalty import search
 from mpmfw_contact.penalty.candidates import Candidates, SearchGrid
 from mpmfw_contact.penalty.laws import PairLaws
+from mpmfw_contact.penalty.losses import add_losses
 from mpmfw_contact.penalty.options import HAMAD_2017, PenaltyOptions
 from mpmfw_contact.penalty.pair_force import contact_forces
 from mpmfw_contact.penalty.stability import (
@@ -46,7 +47,7 @@ SPRING_WORK = Field(
     "spring_work",
     ("pair",),
     "J m-1",
-    "energy lost by springs whose share or rest changes while they are loaded, since time zero",
+    "energy lost by springs that change or end while they are loaded, since time zero",
     "series",
     output=True,
 )
@@ -155,8 +156,10 @@ class Penalty(ContactStrategy):
     def add_nodal_force(self, grid: Grid, dt: float) -> None:
         """Search at x_s(tⁿ), form the pair forces, map them (eq. 9, 11)."""
         phi = self._table()
-        self.count = self._search(grid)
+        before, self.count = self.count, self._search(grid)
         if self.count == 0:
+            if before > 0:
+                self._part()
             return
         self._stiffness(grid, phi)
         self._forces(dt)
@@ -167,29 +170,28 @@ class Penalty(ContactStrategy):
         self.begins, self.searched = not self.searched, True
         boxes = self.grid
         bounding_boxes(surface.body_first, surface.position, boxes.box_lower, boxes.box_upper)
-        count = 0
-        if search.boxes_touch(
+        near = search.boxes_touch(
             self.laws.first, self.laws.second, boxes.box_lower, boxes.box_upper, self.radius
-        ):
-            count = self._search_near(grid)
-        if count == 0 and self.count > 0:
-            found.forget()
-            self.force.fill(0.0)
-            self.records.count.fill(0.0)
-            self.records.energy.fill(0.0)
-        return count
-
-    def _search_near(self, grid: Grid) -> int:
-        c, count = self.candidates, 0
-        tagged = self.grid.list_segments(self.surface, grid, len(self.state.bodies))
+        )
+        tagged = near and boxes.list_segments(surface, grid, len(self.state.bodies))
         if not tagged and self.count == 0:
             return 0
-        c.swap()
+        found.swap()
+        count = 0
         if tagged:
             count = self._search_tagged(grid)
         else:
-            c.segment.fill(-1)
+            found.segment.fill(-1)
         return count if self.literal else count + self._track()
+
+    def _part(self) -> None:
+        """No candidate is left: forget forces and history."""
+        self.candidates.master.fill(-1)
+        self._losses(0.0)
+        self.candidates.forget()
+        self.force.fill(0.0)
+        self.records.count.fill(0.0)
+        self.records.energy.fill(0.0)
 
     def _search_tagged(self, grid: Grid) -> int:
         s, c, g = self.surface, self.candidates, self.grid
@@ -267,7 +269,6 @@ class Penalty(ContactStrategy):
             c.normal,
             c.gap,
             self.cell_size,
-            self.laws.pair_of,
             c.old_master,
             c.old_share,
             c.old_rest,
@@ -275,7 +276,6 @@ class Penalty(ContactStrategy):
             c.share,
             c.rest,
             c.stiffness,
-            self.spring_work,
         )
         if len(self.node_stiffness) != len(grid.mass):
             self.node_stiffness = np.zeros(len(grid.mass))
@@ -298,9 +298,41 @@ class Penalty(ContactStrategy):
             period = math.sqrt(self.omega_squared) * self.state.dt
             c.damping[...] = 2.0 * self.options.damping * c.stiffness / period
 
+    def _losses(self, rubbed: float | FloatArray) -> None:
+        """What springs of the last step have lost, but for what friction has ``rubbed`` away in this one [J/m]."""
+        if self.literal:
+            return
+        c, s = self.candidates, self.surface
+        add_losses(
+            s.body,
+            self.laws.pair_of,
+            s.position,
+            s.displacement,
+            s.next,
+            s.previous,
+            c.master,
+            c.gap,
+            c.rest,
+            c.stiffness,
+            c.tangential,
+            c.old_master,
+            c.old_segment,
+            c.old_coordinate,
+            c.old_gap,
+            c.old_normal,
+            c.old_rest,
+            c.old_stiffness,
+            c.old_tangential,
+            self.options.tangential_ratio,
+            self.rows[0],
+            self.spring_work,
+        )
+        self.spring_work -= rubbed
+
     def _forces(self, dt: float) -> None:
         c, s, r = self.candidates, self.surface, self.records
         self.force.fill(0.0)
+        rubbed = r.frictional_work.copy()
         contact_forces(
             c.slots,
             c.master,
@@ -334,6 +366,7 @@ class Penalty(ContactStrategy):
             r.energy,
             r.count,
         )
+        self._losses(r.frictional_work - rubbed)
 
     @hookimpl
     def stable_timestep(self) -> tuple[float, str] | None:
