@@ -5,14 +5,8 @@ from __future__ import annotations
 from mpmfw.kernels import device, kernel
 from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw_contact.penalty.pair_force import better_segment, relative_motion, tangential_rows
+from mpmfw_contact.penalty.spring import spring_energy
 from mpmfw_contact.penalty.stability import motion
-
-
-@device
-def stretched(stiffness: Float, rest: Float, gap: Float) -> Float:
-    """Energy of a spring that only pushes [J/m]."""
-    depth = max(rest - gap, 0.0)
-    return 0.5 * stiffness * depth * depth
 
 
 @device
@@ -52,6 +46,7 @@ def add_losses(
     old_stiffness: Floats,
     old_tangential: Floats,
     tangential_ratio: float,
+    linear_to: float,
     rows: Floats,
     work: Floats,
 ) -> None:
@@ -74,10 +69,12 @@ def add_losses(
             m, xi, k = old_segment[s, i], old_coordinate[s, i], old_stiffness[s, i]
             e_x, e_y = old_normal[s, i, 0], old_normal[s, i, 1]
             moved = old_gap[s, i] + motion(s, m, xi, e_x, e_y, displacement, following)
-            lost = stretched(k, old_rest[s, i], moved)
+            lost = spring_energy(k, max(old_rest[s, i] - moved, 0.0), linear_to)
             for j in range(master.shape[1]):
                 if master[s, j] == other:
-                    lost -= stretched(stiffness[s, j], rest[s, j], gap[s, j])
+                    lost -= spring_energy(
+                        stiffness[s, j], max(rest[s, j] - gap[s, j], 0.0), linear_to
+                    )
             if len(tangential) > 0 and k > 0.0 and old_tangential[s, i] != 0.0:
                 f_t = old_tangential[s, i]
                 slip = slip_of(

@@ -6,6 +6,7 @@ import math
 
 from mpmfw.kernels import device, kernel
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
+from mpmfw_contact.penalty.spring import tangent_stiffness
 
 #: Share below which a spring hardly bears.
 WEAK = 0.1
@@ -131,7 +132,10 @@ def contact_frequency(
     slots: int,
     segment: Ints,
     coordinate: Floats,
+    gap: Floats,
+    rest: Floats,
     stiffness: Floats,
+    linear_to: float,
     following: Ints,
     row: Ints,
     nodes: Indices,
@@ -143,7 +147,7 @@ def contact_frequency(
 
     Row c of B maps nodal displacement to the gap of pair c; its entries are N_i(x_s) on the slave's field and
     (1−ξ) N_i(x_1) + ξ N_i(x_2) on the master's. Σ_d |(B M⁻¹ Bᵀ K)_cd| ≤ Σ_i |b_ci| (Σ_d k_d |b_di|) / m_i, so
-    that two passes over the pairs suffice. ``node_stiffness`` is scratch, zero on entry and on return.
+    that two passes over the pairs suffice. Springs deeper than ``linear_to`` [m] count with their tangent. ``node_stiffness`` is scratch, zero on entry and on return.
     """
     largest = 0.0
     for phase in range(3):
@@ -153,6 +157,8 @@ def contact_frequency(
                 if m < 0:
                     continue
                 k, xi = stiffness[s, j], coordinate[s, j]
+                if gap[s, j] < -linear_to and len(rest) > 0:
+                    k = tangent_stiffness(k, rest[s, j] - gap[s, j], linear_to)
                 total = 0.0
                 for end in range(3):
                     point = s if end == 0 else m if end == 1 else following[m]

@@ -27,6 +27,7 @@ from mpmfw_contact.penalty.laws import PairLaws
 from mpmfw_contact.penalty.losses import add_losses
 from mpmfw_contact.penalty.options import HAMAD_2017, PenaltyOptions
 from mpmfw_contact.penalty.pair_force import contact_forces
+from mpmfw_contact.penalty.spring import LINEAR_TO
 from mpmfw_contact.penalty.stability import (
     contact_frequency,
     map_to_grid,
@@ -139,6 +140,7 @@ class Penalty(ContactStrategy):
         self.stiffest = max(1.0, self.options.tangential_ratio) if self.laws.friction.any() else 1.0
         self.radius = self.reach(setup.cell_size)
         self.cell_size = setup.cell_size
+        self.linear_to = math.inf if literal else LINEAR_TO * setup.cell_size
         self.bulk_frequency = setup.bulk_frequency
         self.node_stiffness = np.zeros(0)
         self.omega_squared = 0.0
@@ -284,7 +286,10 @@ class Penalty(ContactStrategy):
             c.slots,
             c.segment,
             c.coordinate,
+            c.gap,
+            c.rest,
             c.stiffness,
+            self.linear_to,
             s.next,
             phi.row,
             phi.nodes,
@@ -324,6 +329,7 @@ class Penalty(ContactStrategy):
             c.old_stiffness,
             c.old_tangential,
             self.options.tangential_ratio,
+            self.linear_to,
             self.rows[0],
             self.spring_work,
         )
@@ -357,6 +363,7 @@ class Penalty(ContactStrategy):
             self.options.tangential_ratio,
             self.options.normal_variation == "hamad2017",
             self.options.friction_law == "hamad2017",
+            self.linear_to,
             dt,
             self.rows,
             self.force,

@@ -8,7 +8,7 @@ from typing import Any
 from mpmfw.kernels import device, kernel
 from mpmfw.kernels.polyline import segment_coordinate, signed_distance, squared_distance
 from mpmfw.kernels.types import Float, Floats, Ints
-from mpmfw_contact.penalty.facing import faces, node_normal
+from mpmfw_contact.penalty.facing import LEAST_COSINE, node_normal
 
 #: Least cosine between a slave node's normal and the direction out of a body by which the node has gone through it: one
 #: that leaves the way it came, or round a corner, has an angle of 90° or more, or little less.
@@ -27,15 +27,29 @@ def nearest_segment(x: Float, y: Float, first: int, last: int, position: Floats,
 
 
 @device
+def opposition(s: int, m: int, position: Floats, following: Ints, previous: Ints) -> Float:
+    """Cosine between the reversed outward normal of node s and that of segment m."""
+    n_x, n_y = node_normal(s, position, following, previous)
+    e = following[m]
+    x, y = position[e, 0] - position[m, 0], position[e, 1] - position[m, 1]
+    cosine: Float = (n_y * x - n_x * y) / (math.hypot(n_x, n_y) * math.hypot(x, y))
+    return cosine
+
+
+@device
 def walk(s: int, m: int, position: Floats, following: Ints, previous: Ints) -> int:
-    """Segment that is locally nearest to node s, reached from segment m along the segments that face the node."""
+    """Segment that is locally nearest to node s, reached from segment m along segments that face the node.
+
+    From a segment that does not, the way is free to those that face it more.
+    """
     x, y = position[s, 0], position[s, 1]
     least = squared_distance(x, y, m, position, following)
     for _ in range(len(following)):
+        bound = min(opposition(s, m, position, following, previous), LEAST_COSINE)
         nearer = -1
         for n in (following[m], previous[m]):
             square = squared_distance(x, y, n, position, following)
-            if square < least and faces(s, n, position, following, previous):
+            if square < least and opposition(s, n, position, following, previous) >= bound:
                 nearer, least = n, square
         if nearer < 0:
             break
@@ -191,7 +205,7 @@ def find_crossings(
             if found >= 0 or segment[s, place] >= 0:
                 continue
             for m in range(body_first[other], body_first[other + 1]):
-                if crosses(s, m, position, displacement, following) and faces(s, m, position, following, previous):
+                if crosses(s, m, position, displacement, following):
                     g, xi, e_x, e_y = behind(s, m, position, following, previous)
                     master[s, place], segment[s, place] = other, m
                     coordinate[s, place], gap[s, place] = xi, g
