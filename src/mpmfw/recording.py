@@ -46,10 +46,16 @@ def _ledger(made: Build, materials: tuple[Any, ...]) -> None:
     from mpmfw.effects.ledger_impulses import AfterImpulses, BeforeImpulses
 
     named = {plugin.name: plugin for plugin in made.plugins}
-    springs = "" if contact is None else f"{contact.name}/energy"
+    declared = [] if contact is None or not hasattr(contact, "declare_fields") else contact.declare_fields()
+    accounted = "spring_work" in [field.name for field in declared]
     guard = None if made.scene.allow_unstable else EnergyGuard.of(made.state)
     ledger = EnergyLedger(
-        materials, terms=_terms(made, named), springs=springs, guard=guard, check_every=CHECK_EVERY
+        materials,
+        terms=_terms(made, named),
+        contact="" if contact is None else contact.name,
+        accounted=accounted,
+        guard=guard,
+        check_every=CHECK_EVERY,
     )
     made.plugins.append(ledger)
     after = AfterImpulses(ledger, named.get("gravity"), named.get("pressure"))

@@ -236,7 +236,7 @@ class Simulation:
         said = [
             e.name.removeprefix("rotation of ") for e in self.effects if e.name.startswith("rotation of ")
         ]
-        return dict(each.split(": ") for each in said)
+        return dict(each.rsplit(": ", 1) for each in said)
 
     def concerns(self) -> list[str]:
         """What a reader of the results must know, a sentence each; complete after the last step."""

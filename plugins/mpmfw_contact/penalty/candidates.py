@@ -30,6 +30,11 @@ class Candidates:
     tangential: FloatArray  #: (n_s, slots) f_t [N/m]
     share: FloatArray  #: (n_s, slots) part of the tributary length across the normal
     old_master: IntArray
+    old_segment: IntArray
+    old_coordinate: FloatArray
+    old_gap: FloatArray
+    old_normal: FloatArray
+    old_stiffness: FloatArray
     old_tangential: FloatArray
     old_share: FloatArray
     rest: FloatArray  #: (n_s, slots) gap at which the spring has no force [m]
@@ -50,7 +55,7 @@ class Candidates:
             on: bool = True,
         ) -> np.ndarray:
             if not on:
-                return np.zeros((0, slots), dtype=dtype)
+                return np.zeros((0, slots, *(2 for _ in dims)), dtype=dtype)
             field = Field(name, ("surface_node", "slot", *dims), unit, meaning, "surface", dtype)
             return setup.allocate(owner, field, slot=slots)
 
@@ -66,6 +71,11 @@ class Candidates:
             tangential=array("tangential", "N m-1", "tangential force", on=friction),
             share=array("share", "1", "part of the tributary length across the normal", on=shares),
             old_master=array("old_master", "1", "body touched in the last step", "i8"),
+            old_segment=array("old_segment", "1", "segment of the last step", "i8", on=shares),
+            old_coordinate=array("old_coordinate", "1", "natural coordinate of the last step", on=shares),
+            old_gap=array("old_gap", "m", "normal gap of the last step", on=shares),
+            old_normal=array("old_normal", "1", "normal of the last step", dims=("axis",), on=shares),
+            old_stiffness=array("old_stiffness", "N m-2", "stiffness of the last step", on=shares),
             old_tangential=array("old_tangential", "N m-1", "tangential force of the last step", on=friction),
             old_share=array("old_share", "1", "share of the last step", on=shares),
             rest=array("rest", "m", "gap at which the spring has no force", on=shares),
@@ -78,6 +88,13 @@ class Candidates:
         """What was found in the last step becomes the history."""
         self.master, self.old_master = self.old_master, self.master
         self.tangential, self.old_tangential = self.old_tangential, self.tangential
+        if len(self.share) == 0:  # the literal form has no other history
+            return
+        self.segment, self.old_segment = self.old_segment, self.segment
+        self.coordinate, self.old_coordinate = self.old_coordinate, self.coordinate
+        self.gap, self.old_gap = self.old_gap, self.gap
+        self.normal, self.old_normal = self.old_normal, self.normal
+        self.stiffness, self.old_stiffness = self.old_stiffness, self.stiffness
         self.share, self.old_share = self.old_share, self.share
         self.rest, self.old_rest = self.old_rest, self.rest
 

@@ -7,6 +7,7 @@ import math
 from mpmfw.kernels import device, kernel
 from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw_contact.penalty.pair_table import pair_index
+from mpmfw_contact.penalty.spring import normal_force, spring_energy
 
 
 @device
@@ -110,6 +111,7 @@ def contact_forces(
     tangential_ratio: float,
     keep_q: bool,
     literal_friction: bool,
+    linear_to: float,
     dt: float,
     rows: Floats,
     force: Floats,
@@ -122,8 +124,8 @@ def contact_forces(
     """Forces of all slave nodes in contact, added to ``force`` (n_s, 2) of slaves and segment ends.
 
     Every slave node has ``slots`` places; ``segment`` −1 or ``gap`` ≥ 0 is no contact. ``stiffness`` k [N/m²], ``rest`` [m],
-    ``damping`` c / Δt [N/m²] and ``tangential`` [N/m] are (n_s, slots), or (0, slots) where there is no such effect. ``rows``
-    is scratch, (3, 3, 2).
+    ``damping`` c / Δt [N/m²] and ``tangential`` [N/m] are (n_s, slots), or (0, slots) where there is no such effect. Springs
+    deeper than ``linear_to`` [m] grow stiffer. ``rows`` is scratch, (3, 3, 2).
     """
     n, c_t, q = rows[0], rows[1], rows[2]
     energy[:] = 0.0
@@ -147,8 +149,8 @@ def contact_forces(
             approach = relative_motion(n, s, m, end, displacement)
             pair = pair_index(pair_of, body[s], body[m])
             depth = max(rest[s, j] - g, 0.0) if len(rest) > 0 else -g
-            f_n = k * depth
-            energy[pair] += 0.5 * k * depth * depth
+            f_n = normal_force(k, depth, linear_to)
+            energy[pair] += spring_energy(k, depth, linear_to)
             count[pair] += 1.0
             if len(damping) > 0:
                 dashpot = max(-min(damping[s, j], 2.0 * k) * approach, -f_n)

@@ -10,19 +10,26 @@ from mpmfw.kernels.types import Float, Floats, Indices, Ints
 from mpmfw_contact.penalty.facing import turn_to_facing
 
 
+@device
+def boxes_apart(a: int, b: int, lower: Floats, upper: Floats, reach: Float) -> bool:
+    """Whether the bounding boxes of bodies a and b are farther apart than ``reach`` [m] along an axis."""
+    apart = False
+    for d in range(2):
+        if lower[a, d] - upper[b, d] > reach or lower[b, d] - upper[a, d] > reach:
+            apart = True
+    return apart
+
+
 @kernel
 def boxes_touch(first: Ints, second: Ints, lower: Floats, upper: Floats, reach: float) -> bool:
     """Whether any pair of bodies has bounding boxes closer than ``reach``: if not, there is nothing to
     search."""
+    near = False
     for c in range(len(first)):
-        a, b = first[c], second[c]
-        apart = False
-        for d in range(2):
-            if lower[a, d] - upper[b, d] > reach or lower[b, d] - upper[a, d] > reach:
-                apart = True
-        if not apart:
-            return True
-    return False
+        if not boxes_apart(first[c], second[c], lower, upper, reach):
+            near = True
+            break
+    return near
 
 
 @device

@@ -6,7 +6,7 @@ import math
 
 from mpmfw.kernels import device, kernel
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
-from mpmfw_contact.penalty.pair_table import pair_index
+from mpmfw_contact.penalty.spring import tangent_stiffness
 
 #: Share below which a spring hardly bears.
 WEAK = 0.1
@@ -34,7 +34,6 @@ def spring_stiffness(
     normal: Floats,
     gap: Floats,
     cell_size: float,
-    pair_of: Ints,
     old_master: Ints,
     old_share: Floats,
     old_rest: Floats,
@@ -42,14 +41,13 @@ def spring_stiffness(
     share: Floats,
     rest: Floats,
     stiffness: Floats,
-    work: Floats,
 ) -> None:
     """k = κ M l_trib / h of every candidate; ``node_factor`` is κ l_trib / h, ``modulus`` M of each body.
 
     Where ``share`` and ``rest`` have nodes, l_trib is only the part of the node's tributary length that lies across the
     contact's normal: at a corner the segment round it carries none of the face's pressure. ``rest`` is the gap at which
-    the spring has no force (:func:`carried_over`, :func:`entered`); what springs lose as they change is added to the pairs'
-    ``work`` [J/m]. In the step that ``begins`` the run, bodies overlap as the scene has them.
+    the spring has no force (:func:`carried_over`, :func:`entered`). In the step that ``begins`` the run, bodies overlap as
+    the scene has them.
     """
     for s in range(len(body)):
         for j in range(slots):
@@ -67,10 +65,7 @@ def spring_stiffness(
                             slid = motion(
                                 s, segment[s, j], coordinate[s, j], -e_y, e_x, displacement, following
                             )
-                            part, r, lost = carried_over(
-                                part, old_share[s, i], old_rest[s, i], slid, g, cell_size
-                            )
-                            work[pair_index(pair_of, body[s], master[s, j])] += factor * lost
+                            part, r = carried_over(part, old_share[s, i], old_rest[s, i], slid, g, cell_size)
                     if not known:
                         came = -motion(s, segment[s, j], coordinate[s, j], e_x, e_y, displacement, following)
                         r = entered(g, came, cell_size)
@@ -103,8 +98,8 @@ def entered(gap: Float, came: Float, cell_size: Float) -> Float:
 @device
 def carried_over(
     part: Float, kept: Float, rest: Float, slid: Float, gap: Float, cell_size: Float
-) -> tuple[Float, Float, Float]:
-    """Share and rest gap of a loaded spring whose share was ``kept`` and would be ``part``, and the energy lost, over k's factor.
+) -> tuple[Float, Float]:
+    """Share and rest gap of a loaded spring whose share was ``kept`` and would be ``part``.
 
     Where corners meet the normal jumps, and a spring that became stiffer while it is loaded would make energy of
     nothing. One that grows keeps its force, and so loses energy; one that shrinks keeps its rest, and loses some too.
@@ -113,7 +108,6 @@ def carried_over(
     next to no share, and is shallow when a face takes it, has half of its length under that face: half of its force acts
     at once.
     """
-    before = max(rest - gap, 0.0)
     share, left = kept, max(max(1.0 - abs(slid) / cell_size, 0.0) * rest, gap)
     if kept < WEAK < part and gap > -SHALLOW * cell_size:
         share, left = part, 0.5 * gap
@@ -121,7 +115,7 @@ def carried_over(
         share, left = part, gap + (left - gap) * kept / part
     elif part < kept * (1.0 - NOISE):
         share = part
-    return share, left, 0.5 * (kept * before * before - share * (left - gap) * (left - gap))
+    return share, left
 
 
 @device
@@ -139,7 +133,10 @@ def contact_frequency(
     slots: int,
     segment: Ints,
     coordinate: Floats,
+    gap: Floats,
+    rest: Floats,
     stiffness: Floats,
+    linear_to: float,
     following: Ints,
     row: Ints,
     nodes: Indices,
@@ -151,7 +148,7 @@ def contact_frequency(
 
     Row c of B maps nodal displacement to the gap of pair c; its entries are N_i(x_s) on the slave's field and
     (1−ξ) N_i(x_1) + ξ N_i(x_2) on the master's. Σ_d |(B M⁻¹ Bᵀ K)_cd| ≤ Σ_i |b_ci| (Σ_d k_d |b_di|) / m_i, so
-    that two passes over the pairs suffice. ``node_stiffness`` is scratch, zero on entry and on return.
+    that two passes over the pairs suffice. Springs deeper than ``linear_to`` [m] count with their tangent. ``node_stiffness`` is scratch, zero on entry and on return.
     """
     largest = 0.0
     for phase in range(3):
@@ -161,6 +158,8 @@ def contact_frequency(
                 if m < 0:
                     continue
                 k, xi = stiffness[s, j], coordinate[s, j]
+                if gap[s, j] < -linear_to and len(rest) > 0:
+                    k = tangent_stiffness(k, rest[s, j] - gap[s, j], linear_to)
                 total = 0.0
                 for end in range(3):
                     point = s if end == 0 else m if end == 1 else following[m]

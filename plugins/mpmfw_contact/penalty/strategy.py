@@ -15,6 +15,7 @@ from mpmfw.api import (
     Grid,
     SceneError,
     Setup,
+    SimulationError,
     State,
     Stencil,
     hookimpl,
@@ -23,14 +24,21 @@ from mpmfw.kernels.polyline import bounding_boxes
 from mpmfw_contact.penalty import search
 from mpmfw_contact.penalty.candidates import Candidates, SearchGrid
 from mpmfw_contact.penalty.laws import PairLaws
+from mpmfw_contact.penalty.losses import add_losses
 from mpmfw_contact.penalty.options import HAMAD_2017, PenaltyOptions
 from mpmfw_contact.penalty.pair_force import contact_forces
+from mpmfw_contact.penalty.spring import LINEAR_TO
 from mpmfw_contact.penalty.stability import (
     contact_frequency,
     map_to_grid,
     spring_stiffness,
 )
+from mpmfw_contact.penalty.tracking import find_crossings, keep_inside
+from mpmfw_contact.penalty.travel import TravelLimit
 from mpmfw_contact.records import PairRecords
+
+#: Travel in a step, in search radii, below which no node can pass the middle of a body unseen.
+THIN = 0.05
 
 FORCE = Field(
     "force", ("surface_node", "axis"), "N m-1", "contact force on the surface node", "surface", output=True
@@ -40,7 +48,7 @@ SPRING_WORK = Field(
     "spring_work",
     ("pair",),
     "J m-1",
-    "energy lost by springs whose share or rest changes while they are loaded, since time zero",
+    "energy lost by springs that change or end while they are loaded, since time zero",
     "series",
     output=True,
 )
@@ -81,12 +89,13 @@ class Penalty(ContactStrategy):
         return f"{self.name}({', '.join([f'variant={options.variant}', *departs])})"
 
     def parts(self) -> list[Any]:
-        """The surface layer's inertia, where it has a thickness."""
+        """The limit of travel, and the surface layer's inertia where it has a thickness."""
+        travel = TravelLimit(self.options.search_radius)
         if not self.adds_mass:
-            return []
+            return [travel]
         from mpmfw_contact.penalty.layer import InterfaceLayer
 
-        return [InterfaceLayer(self.options.interface_thickness)]
+        return [travel, InterfaceLayer(self.options.interface_thickness)]
 
     def reach(self, cell_size: float) -> float:
         """The search radius: bodies whose boxes are farther apart cost a comparison of boxes."""
@@ -112,7 +121,7 @@ class Penalty(ContactStrategy):
         self.laws = PairLaws.of(setup, self.options)
         self.state, self.surface = setup.state, setup.state.surface
         self.records = PairRecords(setup, self.name)
-        literal = self.options.detection == "hamad2017"
+        self.literal = literal = self.options.detection == "hamad2017"
         slots = 8 if literal else min(max(len(setup.bodies) - 1, 1), 3)
         self.candidates = Candidates.allocate(
             setup,
@@ -131,12 +140,13 @@ class Penalty(ContactStrategy):
         self.stiffest = max(1.0, self.options.tangential_ratio) if setup.has_friction else 1.0
         self.radius = self.reach(setup.cell_size)
         self.cell_size = setup.cell_size
+        self.linear_to = math.inf if literal else LINEAR_TO * setup.cell_size
         self.bulk_frequency = setup.bulk_frequency
         self.node_stiffness = np.zeros(0)
         self.omega_squared = 0.0
         self.count = 0
         self.searched = self.begins = False
-        self.rows = np.zeros((3, 3, 2))
+        self.rows, self.through = np.zeros((3, 3, 2)), np.zeros(2)
 
     @hookimpl
     def add_pairs(self, state: State) -> None:
@@ -156,8 +166,10 @@ class Penalty(ContactStrategy):
     def add_nodal_force(self, grid: Grid, dt: float) -> None:
         """Search at x_s(tⁿ), form the pair forces, map them (eq. 9, 11)."""
         phi = self._table()
-        self.count = self._search(grid)
+        before, self.count = self.count, self._search(grid)
         if self.count == 0:
+            if before > 0:
+                self._part()
             return
         self._stiffness(grid, phi)
         self._forces(dt)
@@ -168,27 +180,35 @@ class Penalty(ContactStrategy):
         self.begins, self.searched = not self.searched, True
         boxes = self.grid
         bounding_boxes(surface.body_first, surface.position, boxes.box_lower, boxes.box_upper)
-        count = 0
-        if search.boxes_touch(
+        near = search.boxes_touch(
             self.laws.first, self.laws.second, boxes.box_lower, boxes.box_upper, self.radius
-        ):
-            count = self._search_near(grid)
-        if count == 0 and self.count > 0:
-            found.forget()
-            self.force.fill(0.0)
-            self.records.count.fill(0.0)
-            self.records.energy.fill(0.0)
-        return count
-
-    def _search_near(self, grid: Grid) -> int:
-        s, c, g = self.surface, self.candidates, self.grid
-        if not g.list_segments(s, grid, len(self.state.bodies)):
+        )
+        tagged = near and boxes.list_segments(surface, grid, len(self.state.bodies))
+        if not tagged and self.count == 0:
             return 0
-        c.swap()
+        found.swap()
+        count = 0
+        if tagged:
+            count = self._search_tagged(grid)
+        else:
+            found.segment.fill(-1)
+        return count if self.literal else count + self._track()
+
+    def _part(self) -> None:
+        """No candidate is left: forget forces and history."""
+        self.candidates.master.fill(-1)
+        self._losses(0.0)
+        self.candidates.forget()
+        self.force.fill(0.0)
+        self.records.count.fill(0.0)
+        self.records.energy.fill(0.0)
+
+    def _search_tagged(self, grid: Grid) -> int:
+        s, c, g = self.surface, self.candidates, self.grid
         return search.find_pairs(
             g.stamp,
             self.radius,
-            self.options.detection == "hamad2017",
+            self.literal,
             s.position,
             s.next,
             s.previous,
@@ -209,6 +229,49 @@ class Penalty(ContactStrategy):
             c.normal,
         )
 
+    def _track(self) -> int:
+        """Nodes inside that the search has lost, or missed; the end of the run where bodies have crossed."""
+        s, c, g = self.surface, self.candidates, self.grid
+        found: tuple[Any, ...] = (c.master, c.segment, c.coordinate, c.gap, c.normal)
+        outline = (s.next, s.previous, s.body, s.body_first)
+        added = keep_inside(s.position, *outline, c.old_master, c.old_segment, *found, self.through)
+        if self.through[0] > self.radius:
+            raise self._crossed(int(self.through[1]))
+        travel = float(np.abs(s.displacement).max())
+        if travel > THIN * self.radius:
+            laws = self.laws
+            added += find_crossings(
+                2.0 * travel,
+                s.position,
+                s.displacement,
+                s.next,
+                s.previous,
+                s.body_first,
+                laws.first,
+                laws.second,
+                laws.rank,
+                g.box_lower,
+                g.box_upper,
+                *found,
+            )
+        return added
+
+    def _crossed(self, node: int) -> SimulationError:
+        """What stops a run in which a node has gone through another body."""
+        surface, bodies, c = self.surface, self.state.bodies, self.candidates
+        mine = int(surface.body[node])
+        other = next(int(b) for b in c.old_master[node] if b >= 0)
+        pair = next(p for p in self.state.pairs if {p.first, p.second} == {mine, other})
+        return SimulationError(
+            f"{pair.label}: the bodies have crossed: a surface node came out by the far side of "
+            f"'{bodies[other].name}' by {self.through[0] / self.cell_size:.2g} cells",
+            body=bodies[mine].name,
+            index=node - int(surface.body_first[mine]),
+            position=surface.position[node].tolist(),
+            time=self.state.time,
+            advice="a slower impact, a stiffer contact (contact.penalty.kappa), or smaller cells",
+        )
+
     def _stiffness(self, grid: Grid, phi: Stencil) -> None:
         """Spring stiffness of every candidate, and the highest frequency that they give the grid."""
         c, s = self.candidates, self.surface
@@ -227,7 +290,6 @@ class Penalty(ContactStrategy):
             c.normal,
             c.gap,
             self.cell_size,
-            self.laws.pair_of,
             c.old_master,
             c.old_share,
             c.old_rest,
@@ -235,7 +297,6 @@ class Penalty(ContactStrategy):
             c.share,
             c.rest,
             c.stiffness,
-            self.spring_work,
         )
         if len(self.node_stiffness) != len(grid.mass):
             self.node_stiffness = np.zeros(len(grid.mass))
@@ -244,7 +305,10 @@ class Penalty(ContactStrategy):
             c.slots,
             c.segment,
             c.coordinate,
+            c.gap,
+            c.rest,
             c.stiffness,
+            self.linear_to,
             s.next,
             phi.row,
             phi.nodes,
@@ -258,9 +322,42 @@ class Penalty(ContactStrategy):
             period = math.sqrt(self.omega_squared) * self.state.dt
             c.damping[...] = 2.0 * self.options.damping * c.stiffness / period
 
+    def _losses(self, rubbed: float | FloatArray) -> None:
+        """What springs of the last step have lost, but for what friction has ``rubbed`` away in this one [J/m]."""
+        if self.literal:
+            return
+        c, s = self.candidates, self.surface
+        add_losses(
+            s.body,
+            self.laws.pair_of,
+            s.position,
+            s.displacement,
+            s.next,
+            s.previous,
+            c.master,
+            c.gap,
+            c.rest,
+            c.stiffness,
+            c.tangential,
+            c.old_master,
+            c.old_segment,
+            c.old_coordinate,
+            c.old_gap,
+            c.old_normal,
+            c.old_rest,
+            c.old_stiffness,
+            c.old_tangential,
+            self.options.tangential_ratio,
+            self.linear_to,
+            self.rows[0],
+            self.spring_work,
+        )
+        self.spring_work -= rubbed
+
     def _forces(self, dt: float) -> None:
         c, s, r = self.candidates, self.surface, self.records
         self.force.fill(0.0)
+        rubbed = r.frictional_work.copy()
         contact_forces(
             c.slots,
             c.master,
@@ -285,6 +382,7 @@ class Penalty(ContactStrategy):
             self.options.tangential_ratio,
             self.options.normal_variation == "hamad2017",
             self.options.friction_law == "hamad2017",
+            self.linear_to,
             dt,
             self.rows,
             self.force,
@@ -294,6 +392,7 @@ class Penalty(ContactStrategy):
             r.energy,
             r.count,
         )
+        self._losses(r.frictional_work - rubbed)
 
     @hookimpl
     def stable_timestep(self) -> tuple[float, str] | None:

@@ -41,6 +41,14 @@ LEDGER_FIELDS = [
     ),
 ]
 
+CONTACT_RESIDUAL = _series(
+    "contact_residual",
+    "work of contact since time zero that its springs, friction and dashpots do not account for",
+)
+
+#: What a contact with springs tells of its work, as ``State.arrays`` of each pair [J/m].
+SPRING_RECORDS = ("energy", "frictional_work", "damping_work", "spring_work")
+
 
 class EnergyLedger:
     """Terms of the energy balance as series, and the end of a run whose energy grows without reason.
@@ -55,9 +63,10 @@ class EnergyLedger:
     terms
         Works that something in the scene does: of ``gravity``, ``external``, ``contact``, ``inertia``. The others
         have no series.
-    springs
-        Key in ``State.arrays`` of the energy that the contact's springs hold, (pair,) [J/m]; a contact without springs
-        has no such array.
+    contact
+        Name of the contact, whose energy in springs is in ``State.arrays``, (pair,) [J/m]; one without springs has none.
+    accounted
+        Whether the contact tells all of :data:`SPRING_RECORDS`, so that its work has a residual.
     guard
         What stops a run whose energy grows, or None.
     check_every
@@ -74,18 +83,22 @@ class EnergyLedger:
         materials: tuple[Any, ...],
         *,
         terms: tuple[str, ...],
-        springs: str,
+        contact: str,
+        accounted: bool,
         guard: EnergyGuard | None,
         check_every: int,
     ) -> None:
-        self.materials, self.terms, self.springs = materials, terms, springs
+        self.materials, self.terms, self.contact, self.accounted = materials, terms, contact, accounted
         self.guard, self.check_every = guard, check_every
         self.running = False
 
     def _restart(self, state: State) -> None:
         self.running = True
         self.work = dict.fromkeys(("gravity", "external", "contact", "inertia"), 0.0)
-        self.dissipated = 0.0
+        self.dissipated = self.contact_before = 0.0
+        self.loaded: float | None = (
+            None  #: energy of the contact springs at the start; None until a step has told
+        )
         self.points = motion_energy(state.particles)
         self.start = self.points + strain_energy(state, self.materials)
         if self.guard is not None:
@@ -95,9 +108,12 @@ class EnergyLedger:
     def declare_fields(self) -> list[Field]:
         """The works that there are, what the transfer loses, and the residual."""
         return [
-            field
-            for field in LEDGER_FIELDS
-            if not field.name.endswith("_work") or field.name.removesuffix("_work") in self.terms
+            *(
+                field
+                for field in LEDGER_FIELDS
+                if not field.name.endswith("_work") or field.name.removesuffix("_work") in self.terms
+            ),
+            *([CONTACT_RESIDUAL] if self.accounted else []),
         ]
 
     def project(self, grid: Grid) -> None:
@@ -120,6 +136,7 @@ class EnergyLedger:
         """The works of all impulses of this step."""
         self.balanced = True
         self.moved = grid_energy(grid.mass, grid.momentum)
+        self.contact_before = self.work["contact"]
         for term, impulse in self.impulse.items():
             self.work[term] += impulse_work(impulse, grid.mass, grid.start_velocity, grid.momentum)
 
@@ -137,11 +154,12 @@ class EnergyLedger:
             return
         self.points = motion_energy(state.particles)
         self.dissipated += self.moved - self.points
+        if self.loaded is None:  # the first forces are those of the first positions
+            held = state.arrays.get(f"{self.contact}/energy")
+            self.loaded = 0.0 if held is None else float(held.sum())
         if self.guard is None:
             return
-        if self.guard.loaded is None:  # the first forces are those of the first positions
-            held = state.arrays.get(self.springs)
-            self.guard.loaded = 0.0 if held is None else float(held.sum())
+        self.guard.loaded = self.loaded
         self.guard.give(self.work["gravity"] + self.work["external"])
         if self.guard.grown(self.points) or state.steps % self.check_every == 0:
             self._balance(state)
@@ -160,7 +178,14 @@ class EnergyLedger:
         residual = self._balance(state)
         series = {f"{term}_work": np.float64(self.work[term]) for term in self.terms}
         last = {"transfer_dissipation": np.float64(self.dissipated), "energy_residual": np.float64(residual)}
+        if self.accounted:
+            last["contact_residual"] = np.float64(self._contact_residual(state))
         return {name: np.asarray(value) for name, value in {**series, **last}.items()}
+
+    def _contact_residual(self, state: State) -> float:
+        """Work of contact up to the positions that the springs have seen, which are a step old, and what became of it."""
+        told = sum(float(state.arrays[f"{self.contact}/{name}"].sum()) for name in SPRING_RECORDS)
+        return self.contact_before + told - (self.loaded or 0.0)
 
     def _balance(self, state: State) -> float:
         """What no term accounts for [J/m]; the guard looks at the whole energy."""

@@ -1,0 +1,93 @@
+"""How far bodies may travel towards each other in a step: a node must not pass the band in which it is searched."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from mpmfw.api import FloatArray, Pair, Setup, State, Surface, hookimpl
+from mpmfw.kernels import kernel
+from mpmfw.kernels.polyline import bounding_boxes
+from mpmfw.kernels.types import Floats, Ints
+
+#: Share of the search radius that bodies near each other may travel in a step, before the safety factor.
+SHARE = 0.5
+
+
+@kernel
+def fewest_steps(
+    first: Ints, second: Ints, lower: Floats, upper: Floats, slowest: Floats, fastest: Floats, band: float
+) -> float:
+    """Least (distance of the boxes + ``band``) / relative motion over all pairs: steps like the last that are left to them.
+
+    ``slowest`` and ``fastest`` are the least and largest components of the nodes' displacements, (n_bodies, 2) [m]: bodies
+    may turn and deform.
+    """
+    steps = math.inf
+    for c in range(len(first)):
+        a, b = first[c], second[c]
+        apart, motion = 0.0, 0.0
+        for d in range(2):
+            apart = max(apart, lower[a, d] - upper[b, d], lower[b, d] - upper[a, d])
+            most = max(abs(fastest[a, d] - slowest[b, d]), abs(fastest[b, d] - slowest[a, d]))
+            motion += most * most
+        if motion > 0.0:
+            steps = min(steps, (apart + band) / math.sqrt(motion))
+    return steps
+
+
+class TravelLimit:
+    """The part of the time step's limit that comes of speed alone.
+
+    Parameters
+    ----------
+    radius
+        Of the search, in cells.
+    """
+
+    name = "penalty_travel"
+    stage = "contact"
+
+    def __init__(self, radius: float) -> None:
+        self.share = SHARE * radius
+
+    @hookimpl
+    def setup(self, setup: Setup) -> None:
+        """Pairs and scratch."""
+        surface = setup.state.surface
+        if surface is None:
+            raise RuntimeError("no surface to follow")
+        self.surface: Surface = surface
+        self.band = self.share * setup.cell_size
+        self.owner = f"travel of {self.share:g} cells towards each other"
+        self._list(setup.pairs)
+        self.boxes: tuple[FloatArray, ...] = tuple(np.zeros((len(setup.bodies), 2)) for _ in range(4))
+
+    def _list(self, pairs: tuple[Pair, ...]) -> None:
+        self.first = np.array([pair.first for pair in pairs], dtype=np.int64)
+        self.second = np.array([pair.second for pair in pairs], dtype=np.int64)
+
+    @hookimpl
+    def add_pairs(self, state: State) -> None:
+        """Bodies that have come near."""
+        self._list(state.pairs)
+
+    @hookimpl
+    def stable_timestep(self, state: State) -> tuple[float, str] | None:
+        """Time in which some pair of bodies comes nearer by its distance and half of the search radius, as it moved last.
+
+        Before the first step the material points tell how bodies move.
+        """
+        surface, (lower, upper, slowest, fastest) = self.surface, self.boxes
+        bounding_boxes(surface.body_first, surface.position, lower, upper)
+        unit = state.dt
+        if state.steps == 0:
+            unit = 1.0
+            for body in state.bodies:
+                own = state.particles.velocity[body.particles]
+                slowest[body.index], fastest[body.index] = own.min(axis=0), own.max(axis=0)
+        else:
+            bounding_boxes(surface.body_first, surface.displacement, slowest, fastest)
+        steps = fewest_steps(self.first, self.second, lower, upper, slowest, fastest, self.band)
+        return (steps * unit, self.owner) if math.isfinite(steps) else None
