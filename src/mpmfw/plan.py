@@ -177,23 +177,27 @@ def _sides(made: Build) -> None:
     pressed = [(body, side) for body, side in given if side.pressure is not None]
     names = ", ".join(f"{body.name} {side.side}" for body, side in prescribed)
     if made.note("prescribed sides", bool(prescribed), names or "no fixed or moving side"):
-        from mpmfw.effects.constraint import Constraint, PrescribedSide
+        from mpmfw.effects.constraint import Constraint
 
-        alone = made.state.grid.n_fields == len(made.state.bodies)
-
-        made.plugins.append(
-            Constraint(
-                tuple(
-                    PrescribedSide(
-                        body, AXIS[side.side], side.side in UPPER, _velocity(side, made.scene.dim), alone
-                    )
-                    for body, side in prescribed
-                )
-            )
-        )
+        sides = tuple(_prescribed(made, body, side) for body, side in prescribed)
+        made.plugins.append(Constraint(sides, made.shape.boundary_degree))
     names = ", ".join(f"{body.name} {side.side}" for body, side in pressed)
     if made.note("pressure", bool(pressed), names or "no side under pressure"):
         made.plugins.append(_pressure(made, pressed))
+
+
+def _prescribed(made: Build, body: Body, side: Side) -> Any:
+    """A side of a body, a face of its own where the body is turned."""
+    from mpmfw.effects.constraint import PrescribedSide
+
+    axes = made.scene.bodies[body.name].geometry.axes
+    normal = (1.0 if side.side in UPPER else -1.0) * axes[AXIS[side.side]]
+    if body.outlines:
+        place = max(float((loop @ normal).max()) for loop in body.outlines)
+    else:
+        place = float(np.maximum(normal * body.lower, normal * body.upper).sum())
+    alone = made.state.grid.n_fields == len(made.state.bodies)
+    return PrescribedSide(body, normal, place, axes, _velocity(side, made.scene.dim), alone)
 
 
 def _velocity(side: Side, dim: int) -> Any:
