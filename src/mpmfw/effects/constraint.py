@@ -12,11 +12,11 @@ from mpmfw.hookspecs import hookimpl
 from mpmfw.setup import Setup
 from mpmfw.state import Body, Grid
 
-#: Largest number of passes over sides that share nodes: near corners they do, and two sides may ask for different velocities.
+#: Largest number of passes over rows that share nodes; two sides may ask for different velocities at their corner.
 PASSES = 100
 
-#: Change of a side's velocity that ends the passes, as a share of a body's wave speed.
-AGREED = 1e-14
+#: Change of a side's velocity that ends the passes, as a share of the bodies' wave speed.
+AGREED = 1e-13
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,22 +24,24 @@ class PrescribedSide:
     """One plane side of a body, with the velocity that is prescribed on it."""
 
     body: Body
-    normal: FloatArray  #: outward unit normal n, (dim,)
+    normal: FloatArray  #: n, outward unit normal, (dim,)
     place: float  #: n·x on the side at the start [m]
-    directions: FloatArray  #: (dim, dim), one unit vector a row: the body's own axes
-    velocity: FloatArray  #: (dim,) along these [m/s]; NaN leaves a component free
+    directions: FloatArray  #: unit vectors along the body's own axes, (dim, dim), one a row
+    velocity: FloatArray  #: components along these, (dim,) [m/s]; NaN leaves one free
     alone: bool = True  #: whether no other body shares the velocity field
 
     @property
     def axis(self) -> int:
-        """Axis of the grid to which the normal is nearest."""
-        return int(np.argmax(np.abs(self.normal) > np.abs(self.normal).max() - 1e-9))
+        """Axis of the grid to which the normal is nearest, the first of two."""
+        size = np.abs(self.normal)
+        return int(np.flatnonzero(size > size.max() - 1e-9)[0])
 
     @property
     def speed(self) -> float:
         """Prescribed velocity along the normal [m/s]; NaN where it is free."""
         along = self.directions @ self.normal
-        return float(along[np.abs(along) > 0.5] @ self.velocity[np.abs(along) > 0.5])
+        own = int(np.abs(along).argmax())
+        return float(along[own] * self.velocity[own])
 
     def box(self, cell_size: float) -> tuple[FloatArray, FloatArray]:
         """Where its columns may lie: everywhere in a field of the body's own, else a cell round the body at the start."""
@@ -68,34 +70,34 @@ class Constraint:
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Where the sides are, and what does not change of them."""
+        """Where the sides are, and what of them does not change."""
+        h = setup.cell_size
         self.frame = -1
-        self.places = [side.place for side in self.sides]
-        self.moved = [0.0] * len(self.sides)
-        self.boxes = [side.box(setup.cell_size) for side in self.sides]
+        self.places = np.array([side.place for side in self.sides])
+        self.motions = np.zeros(len(self.sides))
+        self.boxes = [side.box(h) for side in self.sides]
         self.points = [quadrature(side.normal, side.axis, self.degree) for side in self.sides]
-        self.cell_mass = [side.body.density * setup.cell_size**setup.dim for side in self.sides]
         self.directions = np.array([side.directions for side in self.sides])
         self.velocity = np.array([side.velocity for side in self.sides])
+        self.cell_mass = [side.body.density * h**setup.dim for side in self.sides]
         self.agreed = AGREED * max(side.body.wave_speed for side in self.sides)
 
     @hookimpl
     def constrain_momentum(self, grid: Grid) -> None:
         """Bring the velocity at every side to the prescribed one."""
         self._fit(grid)
-        rows = 0
+        self.rows = 0
         for index in range(len(self.sides)):
-            before = rows
-            rows = self._add_rows(index, grid, rows)
-            self.side[before:rows] = index
-        self.rows=rows
-        self.count=meet(
-            rows,
+            before = self.rows
+            self.rows = self._add_rows(index, grid)
+            self.side[before : self.rows] = index
+        meet(
+            self.rows,
             self.row,
             self.nodes,
             self.weights,
+            self.target,
             self.side,
-            self.on_side,
             self.directions,
             0.0 * self.velocity if self.at_rest else self.velocity,
             PASSES,
@@ -106,58 +108,74 @@ class Constraint:
         )
 
     def _fit(self, grid: Grid) -> None:
+        """Make room for the table whenever the windows were laid anew."""
         if self.frame == grid.frame:
             return
         self.frame = grid.frame
-        count = 0
+        rows, longest = 0, 0
+        width = 2 + max(int(self.degree + 1 + 2.0 * np.abs(shift).max()) for shift, _ in self.points)
         for side in self.sides:
-            nodes, shape = grid.field_nodes(side.body.field), grid.window_shape[side.body.field]
-            count += (nodes.stop - nodes.start) // int(shape[side.axis])
-        count*=5
-        self.row=np.zeros(count+1,dtype=np.int64)
-        self.nodes=np.zeros(count*10,dtype=np.int64)
-        self.weights=np.zeros(count*10)
-        self.side=np.zeros(count,dtype=np.int64)
-        self.on_side=np.zeros(count,dtype=np.int64)
+            shape = grid.window_shape[side.body.field]
+            rows += (width + 1) * int(np.prod(shape)) // int(shape[side.axis])
+            longest = max(longest, int(shape[side.axis]))
+        self.row = np.zeros(rows + 1, dtype=np.int64)
+        self.side = np.zeros(rows, dtype=np.int64)
+        self.target = np.zeros(rows)
+        self.nodes = np.zeros(rows * width, dtype=np.int64)
+        self.weights = np.zeros(rows * width)
+        self.scratch = np.zeros((2, longest))
 
-    def _add_rows(self, index: int, grid: Grid, rows: int) -> int:
+    def _add_rows(self, index: int, grid: Grid) -> int:
+        """Add a side's rows to the table; return their number then."""
         side = self.sides[index]
         nodes, shape = grid.field_nodes(side.body.field), grid.window_shape[side.body.field]
-        return add_rows(
-            rows,
+        rows: int = add_rows(
+            self.rows,
             nodes.start,
             nodes.stop,
             int(np.prod(shape[side.axis + 1 :])),
             int(shape[side.axis]),
             side.axis,
             side.normal,
-            self.places[index],
+            float(self.places[index]),
             *self.boxes[index],
             self.degree,
             *self.points[index],
-            self.cell_mass[index],
             side.alone,
+            self.cell_mass[index],
             grid.position,
             grid.mass,
-            np.empty(int(shape[side.axis])),
+            self.scratch,
             self.row,
             self.nodes,
             self.weights,
-            self.on_side,
+            self.target,
             grid.spacing,
         )
+        return rows
 
     @hookimpl
-    def advect(self, dt: float) -> None:
-        """How far the sides move in this step, after which they are where the shape functions' points are."""
+    def advect(self, grid: Grid, dt: float) -> None:
+        """How far each side moves: as prescribed along its normal, or with the mean of the body's velocity there."""
         for index, side in enumerate(self.sides):
-            speed = 0.0 * side.speed if self.at_rest else side.speed
+            speed = side.speed
             if np.isnan(speed):
+                speed = self._mean_speed(index, grid.velocity)
+            elif self.at_rest:
                 speed = 0.0
-            self.moved[index] = dt * speed
+            self.motions[index] = dt * speed
+
+    def _mean_speed(self, index: int, velocity: FloatArray) -> float:
+        """Mean velocity of the body along a side's normal, over its columns [m/s]."""
+        if self.rows == 0:
+            return 0.0
+        entries = slice(0, int(self.row[self.rows]))
+        parts = self.weights[entries] * (velocity[self.nodes[entries]] @ self.sides[index].normal)
+        at_side = np.add.reduceat(parts, self.row[: self.rows])
+        own = (self.side[: self.rows] == index) & (self.target[: self.rows] > 0.0)
+        return float(at_side[own].mean()) if own.any() else 0.0
 
     @hookimpl
     def end_step(self) -> None:
-        """Move the sides."""
-        for index in range(len(self.sides)):
-            self.places[index] += self.moved[index]
+        """Move the sides, now that nobody asks for their place at the beginning of the step."""
+        self.places += self.motions

@@ -1,8 +1,10 @@
 """Conditions on the grid for a plane side that lies anywhere within its cells.
 
 A column is a line of nodes along the axis to which the side's normal is nearest. Where it crosses the side, the velocity
-of the body is Σ c_k v_k, with the weights c_k of the boundary basis, and that is one condition. They are linear rows
-A v = V, as is every other; :func:`meet` brings the momentum to them.
+of the body is Σ c_k v_k, with the weights c_k of the boundary basis, and that is one condition, a row of A v = V. Rows of a
+second kind, v_k − 2 v_{k'} + v_{k''} = 0 with k' and k'' the two nodes next inwards, hold what has no motion of its own: the
+last node where next to nothing of the body reaches it, and beside an oblique side, which several nodes of a column reach,
+all of these. :func:`meet` brings the momentum to the rows.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ from mpmfw.kernels.types import Float, Floats, Ints
 #: Share of c² m, m the mass of a full cell, below which a node counts as empty: under a straight side it has c² m / 2.
 LIGHT = 0.05
 
-#: Weight below which a node outside of the side counts as empty as well: the little of a body that lies there is of the size
+#: Weight below which a node outside of the side counts as empty as well: the little of the body that lies there is of the size
 #: of its domains' own errors, and on a node of its own it would run away.
 THIN = 0.05
 
@@ -60,7 +62,7 @@ def quadrature(normal: FloatArray, axis: int, degree: int) -> tuple[FloatArray, 
 
     Returns
     -------
-    Distances of the points from that place along the column, outwards [cells], and shares ∝ Π β(ξ_d) of the sum 1, ξ the
+    Distances of the points from that place along the column [cells], and shares ∝ Π β(ξ_d) of the sum 1, ξ the
     distances across. With them Σ c_k = 1 and Σ c_k d_k = 0: a linear velocity is read exactly. A side along the grid has one
     point.
     """
@@ -79,12 +81,92 @@ def quadrature(normal: FloatArray, axis: int, degree: int) -> tuple[FloatArray, 
 
 
 @device
-def add_extension(k: int, inward: int, first: int, stride: int, r: int, row: Ints, nodes: Ints, weights: Floats) -> None:
-    """Write row r: v_k − 2 v_{k'} + v_{k''} = 0, k' and k'' the two next inwards."""
-    for j in range(3):
-        nodes[row[r] + j] = first + (k + j * inward) * stride
-        weights[row[r] + j] = -2.0 if j == 1 else 1.0
-    row[r + 1] = row[r] + 3
+def weigh_column(
+    first: int,
+    stride: int,
+    count: int,
+    axis: int,
+    inward: int,
+    crossing: Float,
+    reach: Float,
+    degree: int,
+    shift: Floats,
+    share: Floats,
+    node_position: Floats,
+    node_mass: Floats,
+    c: Floats,
+    distance: Floats,
+    h: Float,
+) -> Float:
+    """Weights c_k of a column and distances of its nodes, outwards [cells]; return the heaviest mass that has a weight."""
+    heaviest = 0.0
+    for k in range(count):
+        i = first + k * stride
+        distance[k] = inward * (crossing - node_position[i, axis]) / h
+        c[k] = 0.0
+        if abs(distance[k]) < reach:
+            for q in range(len(shift)):
+                c[k] += share[q] * cardinal_spline(distance[k] - shift[q], degree)
+            heaviest = max(heaviest, node_mass[i])
+    return heaviest
+
+
+@device
+def add_column(
+    rows: int,
+    first: int,
+    stride: int,
+    count: int,
+    inward: int,
+    reach: Float,
+    oblique: bool,
+    alone: bool,
+    light: Float,
+    node_mass: Floats,
+    c: Floats,
+    distance: Floats,
+    row: Ints,
+    nodes: Ints,
+    weights: Floats,
+    target: Floats,
+) -> int:
+    """Add the rows of one column, none if the body does not reach the side there; return the number of rows then.
+
+    An empty node outside is read by linear extrapolation, which keeps Σ c_k = 1 and Σ c_k d_k = 0.
+    """
+    begin = rows
+    for step in range(count - 2):
+        k = count - 1 - step if inward < 0 else step
+        one, two = k + inward, k + 2 * inward
+        mass = node_mass[first + k * stride]
+        if distance[k] >= reach + 1.0:
+            continue
+        thin = c[k] < THIN and (alone or mass <= light)
+        empty = distance[k] > 0.0 and (thin or mass <= light * c[k] * c[k])
+        if empty:
+            c[one] += 2.0 * c[k]
+            c[two] -= c[k]
+            c[k] = 0.0
+        elif c[k] != 0.0 and mass == 0.0:
+            return begin
+        in_line = empty or (oblique and distance[k] > 2.0 - reach)
+        lightest = min(mass, node_mass[first + one * stride], node_mass[first + two * stride])
+        if in_line and lightest > 0.0:
+            for j in range(3):
+                nodes[row[rows] + j] = first + (k + j * inward) * stride
+                weights[row[rows] + j] = -2.0 if j == 1 else 1.0
+            row[rows + 1] = row[rows] + 3
+            target[rows] = 0.0
+            rows += 1
+    entry = row[rows]
+    for k in range(count):
+        if c[k] != 0.0:
+            nodes[entry] = first + k * stride
+            weights[entry] = c[k]
+            entry += 1
+    row[rows + 1] = entry
+    target[rows] = 1.0
+    return rows + 1
 
 
 @kernel
@@ -102,21 +184,18 @@ def add_rows(
     degree: int,
     shift: Floats,
     share: Floats,
-    cell_mass: float,
     alone: bool,
+    cell_mass: float,
     node_position: Floats,
     node_mass: Floats,
-    c: Floats,
+    scratch: Floats,
     row: Ints,
     nodes: Ints,
     weights: Floats,
-    on_side: Ints,
+    target: Floats,
     spacing: tuple[float, ...],
 ) -> int:
-    """Add the rows of the side n·x = ``place``; return the number of rows then.
-
-    A node outside that carries next to no mass, or next to none of the side, is read by linear extrapolation from the two next
-    inwards, which keeps Σ c_k = 1 and Σ c_k d_k = 0. If it carries any, a row of its own holds it there.
+    """Add the rows of the side n·x = ``place`` to the table; return the number of rows then.
 
     Parameters
     ----------
@@ -127,23 +206,25 @@ def add_rows(
     axis
         Of the columns.
     normal, place
-        n, (dim,), and n·x on the side [m].
+        n, (dim,), outwards, and n·x on the side [m].
     box_lower, box_upper
         Columns outside of it are another body's, (dim,) [m].
     degree, shift, share
         Of the boundary basis, and its :func:`quadrature`.
-    cell_mass
-        ρ h^dim [kg/m].
     alone
         Whether no other body shares the velocity field.
-    c
-        Scratch, (count,).
-    row, nodes, weights, on_side
-        The table, filled: entries of row r are ``row[r]:row[r + 1]``; 1 for rows at the side, 0 for extrapolation.
+    cell_mass
+        ρ h^dim [kg/m].
+    scratch
+        (2, count or more).
+    row, nodes, weights, target
+        The table, filled: entries of row r are ``row[r]:row[r + 1]``, and V is ``target[r]`` times the side's velocity.
     """
     dim, h = len(spacing), spacing[0]
     inward = -1 if normal[axis] > 0.0 else 1
     reach = 0.5 * (degree + 1) + np.abs(shift).max()
+    oblique = len(shift) > 1
+    c, distance = scratch[0], scratch[1]
     for first in range(start, stop):
         inside = (first - start) // stride % count == 0
         crossing = place
@@ -153,50 +234,43 @@ def add_rows(
                 inside = inside and box_lower[d] <= node_position[first, d] <= box_upper[d]
         if not inside:
             continue
-        crossing /= normal[axis]
-        heaviest = 0.0
-        for k in range(count):
-            i = first + k * stride
-            c[k] = 0.0
-            distance = inward * (crossing - node_position[i, axis]) / h
-            if abs(distance) < reach:
-                for q in range(len(shift)):
-                    c[k] += share[q] * cardinal_spline(distance - shift[q], degree)
-                heaviest = max(heaviest, node_mass[i])
-        if heaviest == 0.0:
-            continue
-        light = LIGHT * min(cell_mass, 4.0 * heaviest)
-        begin = rows
-        held = True
-        for step in range(count - 2):
-            k = count - 1 - step if inward < 0 else step
-            i = first + k * stride
-            distance = inward * (crossing - node_position[i, axis]) / h
-            if distance > 0.0:
-                thin = c[k] < THIN and (alone or node_mass[i] <= light)
-                if distance < reach + 1.0 and (thin or node_mass[i] <= light * c[k] * c[k]):
-                    c[k + inward] += 2.0 * c[k]
-                    c[k + 2 * inward] -= c[k]
-                    c[k] = 0.0
-                    two = node_mass[i + inward * stride] > 0.0 and node_mass[i + 2 * inward * stride] > 0.0
-                    if node_mass[i] > 0.0 and two:
-                        add_extension(k, inward, first, stride, rows, row, nodes, weights)
-                        on_side[rows] = 0
-                        rows += 1
-            elif c[k] != 0.0 and node_mass[i] == 0.0:
-                held = False
-        if not held:
-            rows = begin
-            continue
-        entry = row[rows]
-        for k in range(count):
-            if c[k] != 0.0:
-                nodes[entry] = first + k * stride
-                weights[entry] = c[k]
-                entry += 1
-        row[rows + 1] = entry
-        on_side[rows] = 1
-        rows += 1
+        heaviest = weigh_column(
+            first,
+            stride,
+            count,
+            axis,
+            inward,
+            crossing / normal[axis],
+            reach,
+            degree,
+            shift,
+            share,
+            node_position,
+            node_mass,
+            c,
+            distance,
+            h,
+        )
+        if heaviest > 0.0:
+            light = LIGHT * min(cell_mass, 4.0 * heaviest)
+            rows = add_column(
+                rows,
+                first,
+                stride,
+                count,
+                inward,
+                reach,
+                oblique,
+                alone,
+                light,
+                node_mass,
+                c,
+                distance,
+                row,
+                nodes,
+                weights,
+                target,
+            )
     return rows
 
 
@@ -206,8 +280,8 @@ def meet(
     row: Ints,
     nodes: Ints,
     weights: Floats,
+    target: Floats,
     side: Ints,
-    on_side: Ints,
     directions: Floats,
     velocity: Floats,
     passes: int,
@@ -216,7 +290,7 @@ def meet(
     node_momentum: Floats,
     spacing: tuple[float, ...],
 ) -> int:
-    """Give every row r in turn the impulse that meets it, again and again until all agree; return the number of passes.
+    """Give every row in turn the impulse that meets it, again and again until all are met; return the number of passes.
 
     (m v)_k += λ A_rk e with λ = (V − Σ A_rk v_k·e) / Σ (A_rk² / m_k), along each prescribed direction e of the row's side. Each is
     the least change of the momentum, in the norm of the masses, that meets the row, and together they end at the least that meets
@@ -225,16 +299,16 @@ def meet(
 
     Parameters
     ----------
-    rows, row, nodes, weights, on_side
+    rows, row, nodes, weights, target
         The table, as :func:`add_rows` fills it.
     side
         Of each row.
     directions, velocity
         e, (n_sides, dim, dim), one a row, and V, (n_sides, dim) [m/s]; NaN leaves a component free.
     passes
-        Largest number of passes: sides may contradict each other.
+        Largest number of passes: two sides may ask for different velocities of a node.
     agreed
-        Change at the side [m/s] that ends them.
+        Change at the sides [m/s] that ends them.
     """
     dim = len(spacing)
     for count in range(passes):
@@ -244,19 +318,18 @@ def meet(
             for a in range(row[r], row[r + 1]):
                 compliance += weights[a] ** 2 / node_mass[nodes[a]]
             for e in range(dim):
-                target = velocity[side[r], e]
-                if target == target:
-                    missing = target * on_side[r]
+                prescribed = velocity[side[r], e]
+                if prescribed == prescribed:
+                    missing = target[r] * prescribed
                     for a in range(row[r], row[r + 1]):
+                        scale = weights[a] / node_mass[nodes[a]]
                         for d in range(dim):
-                            v = node_momentum[nodes[a], d] / node_mass[nodes[a]]
-                            missing -= weights[a] * v * directions[side[r], e, d]
+                            missing -= scale * node_momentum[nodes[a], d] * directions[side[r], e, d]
                     for a in range(row[r], row[r + 1]):
+                        impulse = missing / compliance * weights[a]
                         for d in range(dim):
-                            impulse = missing / compliance * weights[a] * directions[side[r], e, d]
-                            node_momentum[nodes[a], d] += impulse
-                    if on_side[r]:
-                        largest = max(largest, abs(missing))
+                            node_momentum[nodes[a], d] += impulse * directions[side[r], e, d]
+                    largest = max(largest, target[r] * abs(missing))
         if largest <= agreed:
             return count + 1
     return passes
