@@ -82,6 +82,7 @@ class BSpline(ShapeFunction):
     weights."""
 
     name = "bspline"
+    boundary_degree = 2
     _surface: Stencil | None = None
 
     @hookimpl

@@ -101,6 +101,8 @@ class ShapeFunction(PlugIn):
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
     #: Whether boundary nodes may carry no mass of the body whose surface touches them (point-like particles).
     massless_boundary: ClassVar[bool] = False
+    #: Degree of the B-splines that are the boundary basis: 1 bilinear.
+    boundary_degree: ClassVar[int] = 1
     #: Whether Σ φ q qᵀ may be singular, so that the affine field must be taken from Σ v ∇φᵀ.
     singular_spread: ClassVar[bool] = False
     #: Largest Courant number c Δt / h that is not refused.

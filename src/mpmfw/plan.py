@@ -14,10 +14,15 @@ from mpmfw.recording import recorded
 from mpmfw.state import Body
 
 if TYPE_CHECKING:
+    from mpmfw.effects.constraint import PrescribedSide
+    from mpmfw.fields import FloatArray
     from mpmfw.scene.tables import Side
 
 AXIS = {"left": 0, "right": 0, "bottom": 1, "top": 1, "back": 2, "front": 2}
 UPPER = frozenset({"right", "top", "front"})
+
+#: Distance within which an outline lies on a side [cells].
+FLAT = 1e-6
 
 
 def plan(made: Build) -> None:
@@ -199,23 +204,42 @@ def _sides(made: Build) -> None:
     pressed = [(body, side) for body, side in given if side.pressure is not None]
     names = ", ".join(f"{body.name} {side.side}" for body, side in prescribed)
     if made.note("prescribed sides", bool(prescribed), names or "no fixed or moving side"):
-        from mpmfw.effects.constraint import Constraint, PrescribedSide
+        from mpmfw.effects.constraint import Constraint
 
-        alone = made.state.grid.n_fields == len(made.state.bodies)
-
-        made.plugins.append(
-            Constraint(
-                tuple(
-                    PrescribedSide(
-                        body, AXIS[side.side], side.side in UPPER, _velocity(side, made.scene.dim), alone
-                    )
-                    for body, side in prescribed
-                )
-            )
-        )
+        sides = tuple(_prescribed(made, body, side) for body, side in prescribed)
+        made.plugins.append(Constraint(sides, made.shape.boundary_degree))
     names = ", ".join(f"{body.name} {side.side}" for body, side in pressed)
     if made.note("pressure", bool(pressed), names or "no side under pressure"):
         made.plugins.append(_pressure(made, pressed))
+
+
+def _face(made: Build, body: Body, side: Side) -> tuple[FloatArray, float]:
+    """Outward unit normal n of a body's side, and n·x on it [m]; the sides of a turned body are its own."""
+    axes = made.scene.bodies[body.name].geometry.axes
+    normal = (1.0 if side.side in UPPER else -1.0) * axes[AXIS[side.side]]
+    if body.outlines:
+        return normal, max(float((loop @ normal).max()) for loop in body.outlines)
+    return normal, float(np.maximum(normal * body.lower, normal * body.upper).sum())
+
+
+def _prescribed(made: Build, body: Body, side: Side) -> PrescribedSide:
+    """A fixed or moving side.
+
+    Raises
+    ------
+    SceneError
+        Nothing of the outline lies along it: it would hold a corner.
+    """
+    from mpmfw.effects.constraint import PrescribedSide
+
+    normal, place = _face(made, body, side)
+    tolerance = FLAT * made.state.grid.cell_size
+    at_side = [np.abs(loop @ normal - place) <= tolerance for loop in body.outlines]
+    if body.outlines and not any((on & np.roll(on, -1)).any() for on in at_side):
+        raise SceneError(f"bodies.{body.name}.sides: no part of the outline lies along the side '{side.side}'")
+    axes = made.scene.bodies[body.name].geometry.axes
+    alone = made.state.grid.n_fields == len(made.state.bodies)
+    return PrescribedSide(body, normal, place, axes, _velocity(side, made.scene.dim), alone)
 
 
 def _velocity(side: Side, dim: int) -> Any:
@@ -238,11 +262,10 @@ def _pressure(made: Build, pressed: list[tuple[Body, Side]]) -> Any:
         raise RuntimeError("pressure needs tracked surfaces")
     loads = []
     for body, side in pressed:
-        axis, upper = AXIS[side.side], side.side in UPPER
-        plane = (body.upper if upper else body.lower)[axis]
-        tolerance = 1e-6 * made.state.grid.cell_size
+        normal, place = _face(made, body, side)
+        tolerance = FLAT * made.state.grid.cell_size
         own = surface.of(body.index)
-        segments = segments_on_side(surface.position, surface.next, own, axis, plane, tolerance)
+        segments = segments_on_side(surface.position, surface.next, own, normal, place, tolerance)
         if len(segments) == 0:
             raise SceneError(f"bodies.{body.name}.sides: no surface segment lies on the side '{side.side}'")
         loads.append((float(side.pressure or 0.0), segments))

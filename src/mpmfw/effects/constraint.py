@@ -6,107 +6,176 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mpmfw.effects.side_rows import add_rows, meet, quadrature
 from mpmfw.fields import FloatArray
 from mpmfw.hookspecs import hookimpl
-from mpmfw.kernels import kernel
-from mpmfw.kernels.types import Floats
 from mpmfw.setup import Setup
 from mpmfw.state import Body, Grid
 
+#: Largest number of passes over rows that share nodes; two sides may ask for different velocities at their corner.
+PASSES = 100
 
-@kernel
-def prescribe_side(
-    start: int,
-    stop: int,
-    axis: int,
-    sign: float,
-    plane: float,
-    velocity: Floats,
-    box_lower: Floats,
-    box_upper: Floats,
-    node_position: Floats,
-    node_mass: Floats,
-    node_momentum: Floats,
-    spacing: tuple[float, ...],
-) -> None:
-    """(m v)_i = m_i v on nodes ``start:stop`` that lie on or beyond the plane, sign (x_axis − plane) > −h/2.
-
-    Only nodes within ``box_lower … box_upper`` count, so that in a field that bodies share a side holds its own body alone.
-    A plane between two nodes is taken to lie on the nearer one: a side that is pulled outwards would lose
-    hold of its nodes at once if only those beyond it counted. Components of ``velocity`` that are NaN stay
-    free.
-    """
-    dim = len(spacing)
-    tolerance = (0.5 - 1e-6) * spacing[0]  # a plane in mid-cell lies on the outer node, whatever the rounding
-    for i in range(start, stop):
-        inside = sign * (node_position[i, axis] - plane) >= -tolerance
-        for d in range(dim):
-            inside = inside and box_lower[d] <= node_position[i, d] <= box_upper[d]
-        if inside:
-            for d in range(dim):
-                if velocity[d] == velocity[d]:
-                    node_momentum[i, d] = node_mass[i] * velocity[d]
+#: Change of a side's velocity that ends the passes, as a share of the bodies' wave speed.
+AGREED = 1e-13
 
 
 @dataclass(frozen=True, slots=True)
 class PrescribedSide:
-    """One side of a body's bounding box at the start, moving with its prescribed velocity."""
+    """One plane side of a body, with the velocity that is prescribed on it."""
 
     body: Body
-    axis: int
-    upper: bool  #: the side at the upper end of the axis
-    velocity: FloatArray  #: (dim,) [m/s]; NaN leaves a component free
+    normal: FloatArray  #: n, outward unit normal, (dim,)
+    place: float  #: n·x on the side at the start [m]
+    directions: FloatArray  #: unit vectors along the body's own axes, (dim, dim), one a row
+    velocity: FloatArray  #: components along these, (dim,) [m/s]; NaN leaves one free
     alone: bool = True  #: whether no other body shares the velocity field
 
     @property
-    def sign(self) -> float:
-        """Direction of the outward normal along the axis."""
-        return 1.0 if self.upper else -1.0
+    def axis(self) -> int:
+        """Axis of the grid to which the normal is nearest, the first of two."""
+        size = np.abs(self.normal)
+        return int(np.flatnonzero(size > size.max() - 1e-9)[0])
 
-    def plane(self, time: float) -> float:
-        """Coordinate of the side at ``time`` [m]."""
-        start = (self.body.upper if self.upper else self.body.lower)[self.axis]
-        speed = self.velocity[self.axis]
-        return float(start + (0.0 if np.isnan(speed) else speed * max(time, 0.0)))
+    @property
+    def speed(self) -> float:
+        """Prescribed velocity along the normal [m/s]; NaN where it is free."""
+        along = self.directions @ self.normal
+        own = int(np.abs(along).argmax())
+        return float(along[own] * self.velocity[own])
 
     def box(self, cell_size: float) -> tuple[FloatArray, FloatArray]:
-        """Where its nodes may lie: everywhere in a field of the body's own, else a cell round the body at the start."""
+        """Where its columns may lie: everywhere in a field of the body's own, else a cell round the body at the start."""
         lower, upper = np.array(self.body.lower), np.array(self.body.upper)
         rim = np.inf if self.alone else 1.01 * cell_size
         return lower - rim, upper + rim
 
 
 class Constraint:
-    """Boundary conditions on the grid: the last word on the nodal momentum of a body's own velocity field."""
+    """Boundary conditions on the grid: the last word on the nodal momentum of a body's own velocity field.
+
+    Parameters
+    ----------
+    sides
+        In the scene's order.
+    degree
+        Of the shape function's boundary basis.
+    """
 
     name = "constraint"
 
-    def __init__(self, sides: tuple[PrescribedSide, ...]) -> None:
-        self.sides = sides
+    def __init__(self, sides: tuple[PrescribedSide, ...], degree: int) -> None:
+        self.sides, self.degree = sides, degree
         #: While a scene settles, moving sides are held where they are.
         self.at_rest = False
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Where each side's nodes may lie."""
-        self.boxes = [side.box(setup.cell_size) for side in self.sides]
+        """Where the sides are, and what of them does not change."""
+        h = setup.cell_size
+        self.frame = -1
+        self.places = np.array([side.place for side in self.sides])
+        self.motions = np.zeros(len(self.sides))
+        self.boxes = [side.box(h) for side in self.sides]
+        self.points = [quadrature(side.normal, side.axis, self.degree) for side in self.sides]
+        self.directions = np.array([side.directions for side in self.sides])
+        self.velocity = np.array([side.velocity for side in self.sides])
+        self.cell_mass = [side.body.density * h**setup.dim for side in self.sides]
+        self.agreed = AGREED * max(side.body.wave_speed for side in self.sides)
 
     @hookimpl
-    def constrain_momentum(self, grid: Grid, time: float) -> None:
-        """Set the momentum of the nodes on and beyond each side."""
-        for side, (lower, upper) in zip(self.sides, self.boxes, strict=True):
-            nodes = grid.field_nodes(side.body.field)
-            prescribe_side(
-                nodes.start,
-                nodes.stop,
-                side.axis,
-                side.sign,
-                side.plane(0.0 if self.at_rest else time),
-                0.0 * side.velocity if self.at_rest else side.velocity,
-                lower,
-                upper,
-                grid.position,
-                grid.mass,
-                grid.momentum,
-                grid.spacing,
-            )
+    def constrain_momentum(self, grid: Grid) -> None:
+        """Bring the velocity at every side to the prescribed one."""
+        self._fit(grid)
+        self.rows = 0
+        for index in range(len(self.sides)):
+            before = self.rows
+            self.rows = self._add_rows(index, grid)
+            self.side[before : self.rows] = index
+        meet(
+            self.rows,
+            self.row,
+            self.nodes,
+            self.weights,
+            self.target,
+            self.side,
+            self.directions,
+            0.0 * self.velocity if self.at_rest else self.velocity,
+            PASSES,
+            self.agreed,
+            grid.mass,
+            grid.momentum,
+            grid.spacing,
+        )
+
+    def _fit(self, grid: Grid) -> None:
+        """Make room for the table whenever the windows were laid anew."""
+        if self.frame == grid.frame:
+            return
+        self.frame = grid.frame
+        rows, longest = 0, 0
+        width = 2 + max(int(self.degree + 1 + 2.0 * np.abs(shift).max()) for shift, _ in self.points)
+        for side in self.sides:
+            shape = grid.window_shape[side.body.field]
+            rows += (width + 1) * int(np.prod(shape)) // int(shape[side.axis])
+            longest = max(longest, int(shape[side.axis]))
+        self.row = np.zeros(rows + 1, dtype=np.int64)
+        self.side = np.zeros(rows, dtype=np.int64)
+        self.target = np.zeros(rows)
+        self.nodes = np.zeros(rows * width, dtype=np.int64)
+        self.weights = np.zeros(rows * width)
+        self.scratch = np.zeros((2, longest))
+
+    def _add_rows(self, index: int, grid: Grid) -> int:
+        """Add a side's rows to the table; return their number then."""
+        side = self.sides[index]
+        nodes, shape = grid.field_nodes(side.body.field), grid.window_shape[side.body.field]
+        rows: int = add_rows(
+            self.rows,
+            nodes.start,
+            nodes.stop,
+            int(np.prod(shape[side.axis + 1 :])),
+            int(shape[side.axis]),
+            side.axis,
+            side.normal,
+            float(self.places[index]),
+            *self.boxes[index],
+            self.degree,
+            *self.points[index],
+            side.alone,
+            self.cell_mass[index],
+            grid.position,
+            grid.mass,
+            self.scratch,
+            self.row,
+            self.nodes,
+            self.weights,
+            self.target,
+            grid.spacing,
+        )
+        return rows
+
+    @hookimpl
+    def advect(self, grid: Grid, dt: float) -> None:
+        """How far each side moves: as prescribed along its normal, or with the mean of the body's velocity there."""
+        for index, side in enumerate(self.sides):
+            speed = side.speed
+            if np.isnan(speed):
+                speed = self._mean_speed(index, grid.velocity)
+            elif self.at_rest:
+                speed = 0.0
+            self.motions[index] = dt * speed
+
+    def _mean_speed(self, index: int, velocity: FloatArray) -> float:
+        """Mean velocity of the body along a side's normal, over its columns [m/s]."""
+        if self.rows == 0:
+            return 0.0
+        entries = slice(0, int(self.row[self.rows]))
+        parts = self.weights[entries] * (velocity[self.nodes[entries]] @ self.sides[index].normal)
+        at_side = np.add.reduceat(parts, self.row[: self.rows])
+        own = (self.side[: self.rows] == index) & (self.target[: self.rows] > 0.0)
+        return float(at_side[own].mean()) if own.any() else 0.0
+
+    @hookimpl
+    def end_step(self) -> None:
+        """Move the sides, now that nobody asks for their place at the beginning of the step."""
+        self.places += self.motions

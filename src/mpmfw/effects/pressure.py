@@ -58,9 +58,9 @@ class Pressure:
 
 
 def segments_on_side(
-    position: FloatArray, following: IntArray, own: slice, axis: int, coordinate: float, tolerance: float
+    position: FloatArray, following: IntArray, own: slice, normal: FloatArray, place: float, tolerance: float
 ) -> IntArray:
-    """Segments of one body both of whose ends lie on a side, as indices of their first node."""
+    """Segments of one body both of whose ends lie on the side n·x = ``place``, as indices of their first node."""
     index = np.arange(own.start, own.stop)
-    on_side = np.abs(position[:, axis] - coordinate) <= tolerance
+    on_side = np.abs(position @ normal - place) <= tolerance
     return np.asarray(index[on_side[index] & on_side[following[index]]], dtype=np.int64)

@@ -40,6 +40,11 @@ class Box(BaseModel):
         """The centre (3,) [m]."""
         return 0.5 * np.add(self.lower, self.upper)
 
+    @property
+    def axes(self) -> FloatArray:
+        """Unit vectors along the edges, one a row (3, 3)."""
+        return np.eye(3)
+
     def outlines(self, segment: float) -> tuple[FloatArray, ...]:  # noqa: ARG002
         """None: surfaces are polylines, and those exist in 2D only."""
         return ()

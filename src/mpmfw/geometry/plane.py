@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import Annotated, Any, ClassVar
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from mpmfw.geometry.clipped_lattice import clipped_lattice
@@ -45,6 +46,11 @@ class PlaneGeometry(BaseModel):
     @abstractmethod
     def fitted(self, size: float) -> Layout:
         """Quadrilaterals of edges up to ``size`` [m] that follow the outline."""
+
+    @property
+    def axes(self) -> FloatArray:
+        """Unit vectors along which the body's sides are named, one a row (2, 2)."""
+        return np.eye(2)
 
     @property
     def is_connected(self) -> bool:

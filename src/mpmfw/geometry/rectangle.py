@@ -40,6 +40,12 @@ class Rectangle(PlaneGeometry):
         return 0.5 * np.add(self.lower, self.upper)
 
     @property
+    def axes(self) -> FloatArray:
+        """Unit vectors along the edges, one a row (2, 2): sides turn with the rectangle."""
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        return np.array([[c, s], [-s, c]])
+
+    @property
     def corners(self) -> FloatArray:
         """The four corners (4, 2) [m], counter-clockwise."""
         (x0, y0), (x1, y1) = self.lower, self.upper

@@ -16,6 +16,9 @@ from mpmfw.scene.tables import Body, Tables
 _NAME = re.compile(r"[A-Za-z0-9_]+")
 
 
+#: Bodies without a plane side.
+ROUND = frozenset({"disc", "ring", "ball"})
+
 #: Names of dimensions in a run's file: a group beside a dimension of the same name cannot be read back.
 _DIMENSIONS = frozenset({"time", "body", "pair", "axis", "axis2", "rotation"})
 
@@ -182,6 +185,8 @@ def _side(body: Body, path: Path, index: int, dim: int) -> Iterator[Problem]:
         yield Problem(
             (*path, "side"), f"'{side.side}' is a side in 3D; expected one of left, right, bottom, top"
         )
+    if body.geometry.type in ROUND:
+        yield Problem((*path, "side"), f"a {body.geometry.type} has no plane side; expected a body that has one")
     if isinstance(side.fixed, tuple) and "z" in side.fixed and dim == 2:
         yield Problem((*path, "fixed"), "'z' is a component in 3D; expected x or y")
     if isinstance(side.fixed, tuple) and len(set(side.fixed)) != len(side.fixed):

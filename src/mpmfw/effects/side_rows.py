@@ -1,0 +1,335 @@
+"""Conditions on the grid for a plane side that lies anywhere within its cells.
+
+A column is a line of nodes along the axis to which the side's normal is nearest. Where it crosses the side, the velocity
+of the body is Σ c_k v_k, with the weights c_k of the boundary basis, and that is one condition, a row of A v = V. Rows of a
+second kind, v_k − 2 v_{k'} + v_{k''} = 0 with k' and k'' the two nodes next inwards, hold what has no motion of its own: the
+last node where next to nothing of the body reaches it, and beside an oblique side, which several nodes of a column reach,
+all of these. :func:`meet` brings the momentum to the rows.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mpmfw.fields import FloatArray
+from mpmfw.kernels import device, kernel
+from mpmfw.kernels.types import Float, Floats, Ints
+
+#: Share of c² m, m the mass of a full cell, below which a node counts as empty: under a straight side it has c² m / 2.
+LIGHT = 0.05
+
+#: Weight below which a node outside of the side counts as empty as well: the little of the body that lies there is of the size
+#: of its domains' own errors, and on a node of its own it would run away.
+THIN = 0.05
+
+#: Points of quadrature in a cell along an oblique side.
+QUADRATURE = 16
+
+
+@device
+def cardinal_spline(x: Float, degree: int) -> Float:
+    """B-spline β of a degree p at x cells from its node, Σ_j (−1)^j C(p+1, j) ((p+1)/2 − abs(x) − j)₊^p / p!."""
+    near = 0.5 * (degree + 1) - abs(x)
+    total = 0.0
+    factor = 1.0  # (−1)^j C(p + 1, j) / p!
+    for j in range(1, degree + 1):
+        factor /= j
+    for j in range(degree + 1):
+        if near > j:
+            total += factor * (near - j) ** degree
+        factor *= -(degree + 1.0 - j) / (j + 1.0)
+    return total
+
+
+@kernel
+def splines(x: Floats, degree: int, value: Floats) -> None:
+    """:func:`cardinal_spline` at many places."""
+    for q in range(len(x)):
+        value[q] = cardinal_spline(x[q], degree)
+
+
+def quadrature(normal: FloatArray, axis: int, degree: int) -> tuple[FloatArray, FloatArray]:
+    """Points of a side round the place where a column crosses it, and their shares.
+
+    Parameters
+    ----------
+    normal
+        Outward unit normal n, (dim,).
+    axis
+        Of the columns.
+    degree
+        Of the boundary basis β.
+
+    Returns
+    -------
+    Distances of the points from that place along the column [cells], and shares ∝ Π β(ξ_d) of the sum 1, ξ the
+    distances across. With them Σ c_k = 1 and Σ c_k d_k = 0: a linear velocity is read exactly. A side along the grid has one
+    point.
+    """
+    half = 0.5 * (degree + 1)
+    across = (np.arange(int(QUADRATURE * 2 * half)) + 0.5) / QUADRATURE - half
+    value = np.empty_like(across)
+    splines(across, degree, value)
+    value = 0.5 * (value + value[::-1]) / value.sum()
+    shift, share = np.zeros(1), np.ones(1)
+    for d, component in enumerate(normal):
+        slope = component / abs(normal[axis])
+        if d != axis and abs(slope) > 1e-12:
+            shift = np.add.outer(shift, slope * across).ravel()
+            share = np.multiply.outer(share, value).ravel()
+    return shift, share
+
+
+@device
+def weigh_column(
+    first: int,
+    stride: int,
+    count: int,
+    axis: int,
+    inward: int,
+    crossing: Float,
+    reach: Float,
+    degree: int,
+    shift: Floats,
+    share: Floats,
+    node_position: Floats,
+    node_mass: Floats,
+    c: Floats,
+    distance: Floats,
+    h: Float,
+) -> Float:
+    """Weights c_k of a column and distances of its nodes, outwards [cells]; return the heaviest mass that has a weight."""
+    heaviest = 0.0
+    for k in range(count):
+        i = first + k * stride
+        distance[k] = inward * (crossing - node_position[i, axis]) / h
+        c[k] = 0.0
+        if abs(distance[k]) < reach:
+            for q in range(len(shift)):
+                c[k] += share[q] * cardinal_spline(distance[k] - shift[q], degree)
+            heaviest = max(heaviest, node_mass[i])
+    return heaviest
+
+
+@device
+def add_column(
+    rows: int,
+    first: int,
+    stride: int,
+    count: int,
+    inward: int,
+    reach: Float,
+    oblique: bool,
+    alone: bool,
+    light: Float,
+    node_mass: Floats,
+    c: Floats,
+    distance: Floats,
+    row: Ints,
+    nodes: Ints,
+    weights: Floats,
+    target: Floats,
+) -> int:
+    """Add the rows of one column, none if the body does not reach the side there; return the number of rows then.
+
+    An empty node outside is read by linear extrapolation, which keeps Σ c_k = 1 and Σ c_k d_k = 0.
+    """
+    begin = rows
+    for step in range(count - 2):
+        k = count - 1 - step if inward < 0 else step
+        one, two = k + inward, k + 2 * inward
+        mass = node_mass[first + k * stride]
+        if distance[k] >= reach + 1.0:
+            continue
+        thin = c[k] < THIN and (alone or mass <= light)
+        empty = distance[k] > 0.0 and (thin or mass <= light * c[k] * c[k])
+        if empty:
+            c[one] += 2.0 * c[k]
+            c[two] -= c[k]
+            c[k] = 0.0
+        elif c[k] != 0.0 and mass == 0.0:
+            return begin
+        in_line = empty or (oblique and distance[k] > 2.0 - reach)
+        lightest = min(mass, node_mass[first + one * stride], node_mass[first + two * stride])
+        if in_line and lightest > 0.0:
+            for j in range(3):
+                nodes[row[rows] + j] = first + (k + j * inward) * stride
+                weights[row[rows] + j] = -2.0 if j == 1 else 1.0
+            row[rows + 1] = row[rows] + 3
+            target[rows] = 0.0
+            rows += 1
+    entry = row[rows]
+    for k in range(count):
+        if c[k] != 0.0:
+            nodes[entry] = first + k * stride
+            weights[entry] = c[k]
+            entry += 1
+    row[rows + 1] = entry
+    target[rows] = 1.0
+    return rows + 1
+
+
+@kernel
+def add_rows(
+    rows: int,
+    start: int,
+    stop: int,
+    stride: int,
+    count: int,
+    axis: int,
+    normal: Floats,
+    place: float,
+    box_lower: Floats,
+    box_upper: Floats,
+    degree: int,
+    shift: Floats,
+    share: Floats,
+    alone: bool,
+    cell_mass: float,
+    node_position: Floats,
+    node_mass: Floats,
+    scratch: Floats,
+    row: Ints,
+    nodes: Ints,
+    weights: Floats,
+    target: Floats,
+    spacing: tuple[float, ...],
+) -> int:
+    """Add the rows of the side n·x = ``place`` to the table; return the number of rows then.
+
+    Parameters
+    ----------
+    rows
+        Number of rows so far.
+    start, stop, stride, count
+        Nodes of the velocity field; step and number of those along ``axis``.
+    axis
+        Of the columns.
+    normal, place
+        n, (dim,), outwards, and n·x on the side [m].
+    box_lower, box_upper
+        Columns outside of it are another body's, (dim,) [m].
+    degree, shift, share
+        Of the boundary basis, and its :func:`quadrature`.
+    alone
+        Whether no other body shares the velocity field.
+    cell_mass
+        ρ h^dim [kg/m].
+    scratch
+        (2, count or more).
+    row, nodes, weights, target
+        The table, filled: entries of row r are ``row[r]:row[r + 1]``, and V is ``target[r]`` times the side's velocity.
+    """
+    dim, h = len(spacing), spacing[0]
+    inward = -1 if normal[axis] > 0.0 else 1
+    reach = 0.5 * (degree + 1) + np.abs(shift).max()
+    oblique = len(shift) > 1
+    c, distance = scratch[0], scratch[1]
+    for first in range(start, stop):
+        inside = (first - start) // stride % count == 0
+        crossing = place
+        for d in range(dim):
+            if d != axis:
+                crossing -= normal[d] * node_position[first, d]
+                inside = inside and box_lower[d] <= node_position[first, d] <= box_upper[d]
+        if not inside:
+            continue
+        heaviest = weigh_column(
+            first,
+            stride,
+            count,
+            axis,
+            inward,
+            crossing / normal[axis],
+            reach,
+            degree,
+            shift,
+            share,
+            node_position,
+            node_mass,
+            c,
+            distance,
+            h,
+        )
+        if heaviest > 0.0:
+            light = LIGHT * min(cell_mass, 4.0 * heaviest)
+            rows = add_column(
+                rows,
+                first,
+                stride,
+                count,
+                inward,
+                reach,
+                oblique,
+                alone,
+                light,
+                node_mass,
+                c,
+                distance,
+                row,
+                nodes,
+                weights,
+                target,
+            )
+    return rows
+
+
+@kernel
+def meet(
+    rows: int,
+    row: Ints,
+    nodes: Ints,
+    weights: Floats,
+    target: Floats,
+    side: Ints,
+    directions: Floats,
+    velocity: Floats,
+    passes: int,
+    agreed: float,
+    node_mass: Floats,
+    node_momentum: Floats,
+    spacing: tuple[float, ...],
+) -> int:
+    """Give every row in turn the impulse that meets it, again and again until all are met; return the number of passes.
+
+    (m v)_k += λ A_rk e with λ = (V − Σ A_rk v_k·e) / Σ (A_rk² / m_k), along each prescribed direction e of the row's side. Each is
+    the least change of the momentum, in the norm of the masses, that meets the row, and together they end at the least that meets
+    all (Kaczmarz 1937). So a velocity that is linear from the side inwards keeps its gradient, an impulse acts where a
+    traction on the side would, and no frequency of the body rises: the step needs no new limit.
+
+    Parameters
+    ----------
+    rows, row, nodes, weights, target
+        The table, as :func:`add_rows` fills it.
+    side
+        Of each row.
+    directions, velocity
+        e, (n_sides, dim, dim), one a row, and V, (n_sides, dim) [m/s]; NaN leaves a component free.
+    passes
+        Largest number of passes: two sides may ask for different velocities of a node.
+    agreed
+        Change at the sides [m/s] that ends them.
+    """
+    dim = len(spacing)
+    for count in range(passes):
+        largest = 0.0
+        for r in range(rows):
+            compliance = 0.0
+            for a in range(row[r], row[r + 1]):
+                compliance += weights[a] ** 2 / node_mass[nodes[a]]
+            for e in range(dim):
+                prescribed = velocity[side[r], e]
+                if prescribed == prescribed:
+                    missing = target[r] * prescribed
+                    for a in range(row[r], row[r + 1]):
+                        scale = weights[a] / node_mass[nodes[a]]
+                        for d in range(dim):
+                            missing -= scale * node_momentum[nodes[a], d] * directions[side[r], e, d]
+                    for a in range(row[r], row[r + 1]):
+                        impulse = missing / compliance * weights[a]
+                        for d in range(dim):
+                            node_momentum[nodes[a], d] += impulse * directions[side[r], e, d]
+                    largest = max(largest, target[r] * abs(missing))
+        if largest <= agreed:
+            return count + 1
+    return passes
