@@ -14,6 +14,7 @@ from mpmfw.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, FloatArray
 from mpmfw.geometry import Layout, discretise
 from mpmfw.marks import refuse_dead_hooks
 from mpmfw.setup import Setup
+from mpmfw.sizing import check_box_inside, check_memory
 from mpmfw.state import Body, Pair, Particles, State, Stencil, joined
 from mpmfw.transfer import Transfer, make_transfer
 from mpmfw.windows import make_grid
@@ -69,6 +70,7 @@ def build(scene: Scene, contact: ContactStrategy | None = None, shape: ShapeFunc
         _check_unused_contact(scene, contact)
         chosen_contact = None
     _check_methods(scene, chosen_shape, chosen_contact)
+    check_memory(scene)
     layouts = _layouts(scene)
     materials = {
         name: _plugin("material", scene.materials[name].model, scene.materials[name].options)
@@ -195,19 +197,10 @@ def _bodies(
 
 
 def _check_inside(scene: Scene, layouts: tuple[Layout, ...], bodies: tuple[Body, ...]) -> None:
-    lower, upper = np.array(scene.grid.lower), np.array(scene.grid.upper)
     for body, layout in zip(bodies, layouts, strict=True):
         low = np.minimum(layout.position.min(axis=0), body.lower)
         high = np.maximum(layout.position.max(axis=0), body.upper)
-        if (low < lower).any() or (high > upper).any():
-            raise SceneError(
-                f"bodies.{body.name}: the body from {_point(low)} to {_point(high)} m is not inside the grid from "
-                f"{_point(lower)} to {_point(upper)} m; expected a larger grid.lower … grid.upper"
-            )
-
-
-def _point(x: FloatArray) -> str:
-    return "(" + ", ".join(f"{value:.6g}" for value in x) + ")"
+        check_box_inside(scene, body.name, low, high)
 
 
 def _check_overlap(bodies: tuple[Body, ...]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import logging
 import os
@@ -40,6 +41,7 @@ def compare(
     progress: Any = None,
     set: Mapping[str, Any] | None = None,
     runner: Callable[..., xr.DataTree] | None = None,
+    force: bool = False,
 ) -> xr.Dataset:
     """Run a scene with every combination of contact and shape (and varied keys) and join what they give.
 
@@ -63,6 +65,8 @@ def compare(
         comparison keeps the series and the first and last outlines.
     runner
         Stands in for ``mpmfw.run``, with its signature.
+    force
+        Begin runs past the limits of steps and frames, as ``mpmfw.run`` does.
 
     Returns
     -------
@@ -89,6 +93,8 @@ def compare(
     keys = {names[key]: key for key in varied}
     path = None if output is None else _writable(os.fspath(output))
     run = runner or _run()
+    if force:
+        run = functools.partial(run, force=True)
     shared = {"output.particles": False, **(set or {})}
     outcomes: dict[tuple[int, ...], Outcome] = {}
     refusals: list[SceneError] = []

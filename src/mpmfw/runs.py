@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from mpmfw.errors import ResultsWarning, SceneError, SimulationError
+from mpmfw.limits import check_length, remark_on_size
 from mpmfw.results import RunWriter
 from mpmfw.results.memory import peak_memory, restart_peak_memory
 from mpmfw.scene import load_scene, located
@@ -25,6 +26,7 @@ def run(
     output: str | os.PathLike[str] | None = None,
     progress: Callable[[float, int], None] | None = None,
     set: Mapping[str, Any] | None = None,
+    force: bool = False,
 ) -> xr.DataTree:
     """Run a scene.
 
@@ -40,6 +42,8 @@ def run(
         Called now and then with the simulated time [s] and the number of steps.
     set
         Values by dotted key, set over the scene's own.
+    force
+        Begin a run that has more steps or frames than the limits in :mod:`mpmfw.limits`.
 
     Returns
     -------
@@ -56,9 +60,14 @@ def run(
     loaded = load_scene(scene, set={**chosen_methods(contact, shape), **(set or {})})
     try:
         simulation = Simulation(loaded, contact=contact, shape=shape)
+        if not force:
+            check_length(simulation)
     except SceneError as error:
         raise located(error, loaded) from error
-    with RunWriter(output, simulation.header()) as writer:
+    header = simulation.header()
+    if output is not None and (said := remark_on_size(simulation, header)):
+        warnings.warn(said, ResultsWarning, stacklevel=2)
+    with RunWriter(output, header) as writer:
         try:
             simulation.run(writer.write, progress)
         except SimulationError as error:

@@ -18,6 +18,7 @@ from mpmfw.hooks import BoundHooks, hook_names, make_manager
 from mpmfw.plan import plan
 from mpmfw.results import Frame, RunHeader
 from mpmfw.settling import settle
+from mpmfw.sizing import remarks_on
 from mpmfw.steppers import SCHEMES
 from mpmfw.steppers.operations import interpolate
 from mpmfw.timestep import TimeStep
@@ -235,7 +236,7 @@ class Simulation:
 
     def concerns(self) -> list[str]:
         """What a reader of the results must know, a sentence each; complete after the last step."""
-        return [said for answer in self.hook.concerns() or [] for said in answer]
+        return [*remarks_on(self.scene), *(said for answer in self.hook.concerns() or [] for said in answer)]
 
     def remarks(self) -> dict[str, list[str]]:
         """Lists of words for the results: ``warnings``, and ``time_step_owners`` where these are followed."""

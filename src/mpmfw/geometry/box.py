@@ -40,6 +40,11 @@ class Box(BaseModel):
         """The centre (3,) [m]."""
         return 0.5 * np.add(self.lower, self.upper)
 
+    @property
+    def bounds(self) -> FloatArray:
+        """Lower and upper corner (2, 3) [m]."""
+        return np.array([self.lower, self.upper])
+
     def outlines(self, segment: float) -> tuple[FloatArray, ...]:  # noqa: ARG002
         """None: surfaces are polylines, and those exist in 2D only."""
         return ()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import Annotated, Any, ClassVar
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from mpmfw.geometry.clipped_lattice import clipped_lattice
@@ -37,6 +38,11 @@ class PlaneGeometry(BaseModel):
     @abstractmethod
     def region(self) -> Any:
         """The body as a shapely polygon [m], of the exact area."""
+
+    @property
+    def bounds(self) -> FloatArray:
+        """Lower and upper corner of the bounding box (2, 2) [m]."""
+        return np.reshape(self.region.bounds, (2, 2))
 
     @abstractmethod
     def outlines(self, segment: float) -> tuple[FloatArray, ...]:

@@ -18,6 +18,7 @@ from mpmfw.errors import SceneError
 from mpmfw.scene.cells import with_lengths
 from mpmfw.scene.checks import check
 from mpmfw.scene.complaint import problems_of
+from mpmfw.scene.content import TOO_DEEP, check_content
 from mpmfw.scene.locator import Locator
 from mpmfw.scene.options import Chosen, separate_options
 from mpmfw.scene.override import merge, parse_path, parse_value
@@ -56,7 +57,11 @@ def load_scene(
     if isinstance(scene, Scene):
         return scene.with_overrides(overrides) if overrides else scene
     if isinstance(scene, Mapping):
-        return scene_from(Source(plain(scene)), overrides)
+        try:
+            source = Source(plain(scene))
+        except RecursionError:
+            raise SceneError(TOO_DEEP) from None
+        return scene_from(source, overrides)
     if not isinstance(scene, str | os.PathLike):
         raise SceneError(
             f"{scene!r} is no scene; expected a TOML file, the name of a shipped scene "
@@ -74,6 +79,11 @@ def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
         One line for each thing that is wrong.
     """
     overrides = {**source.overrides, **plain(overrides)}
+    unreadable = list(check_content(source.mapping))
+    for key, value in overrides.items():
+        unreadable += [replace(found, path=(), override=key) for found in check_content(value)]
+    if unreadable:
+        raise SceneError(_message(unreadable, source, overrides))
     mapping, problems = merge(source.mapping, overrides)
     chosen = separate_options(mapping)
     problems += chosen.problems
@@ -152,6 +162,8 @@ def _message(problems: list[Problem], source: Source, overrides: Mapping[str, An
 def _read(scene: str | os.PathLike[str]) -> Source:
     """Read a file, or else a shipped scene of that name."""
     path = Path(scene)
+    if "\0" in os.fspath(path):
+        raise SceneError(f"{os.fspath(path)!r}: has the character NUL, as the name of no file has")
     if path.is_file():
         try:
             return _parse(path.read_text(encoding="utf-8-sig"), os.fspath(scene), path.parent)
@@ -173,6 +185,8 @@ def _read(scene: str | os.PathLike[str]) -> Source:
 def _parse(text: str, name: str, directory: Path | None) -> Source:
     try:
         mapping = tomllib.loads(text)
+    except RecursionError:
+        raise SceneError(f"{name}: {TOO_DEEP}") from None
     except tomllib.TOMLDecodeError as error:
         found = re.search(r" \(at (?:line (\d+), column \d+|end of document)\)$", str(error))
         what = str(error)[: found.start()] if found else str(error)
