@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mpmfw.discovery import load, refuse_nameless
+from mpmfw.api import ContactStrategy, Material, ShapeFunction
+from mpmfw.blame import distribution_said, refusing
+from mpmfw.discovery import Kind, full_name, load, refuse_nameless
 from mpmfw.effect import Effect
 from mpmfw.errors import SceneError
 from mpmfw.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, FloatArray
@@ -20,7 +22,6 @@ from mpmfw.transfer import Transfer, make_transfer
 from mpmfw.windows import make_grid
 
 if TYPE_CHECKING:
-    from mpmfw.api import ContactStrategy, Material, ShapeFunction
     from mpmfw.scene import Scene
 
 
@@ -123,8 +124,22 @@ def make_setup(made: Build) -> Setup:
 def _plugin(kind: Any, name: str, options: Any) -> Any:
     """Import and make one plug-in."""
     plugin = load(kind, name)
-    given = options is not None and hasattr(plugin, "from_options")
-    return plugin.from_options(options) if given else plugin()
+    _check_base(kind, plugin)
+    with refusing(
+        f"{kind} plug-in '{name}' of {distribution_said(plugin)} cannot be made from the scene's options"
+    ):
+        given = options is not None and hasattr(plugin, "from_options")
+        return plugin.from_options(options) if given else plugin()
+
+
+def _check_base(kind: Kind, plugin: type[Any]) -> None:
+    """Refuse a class of another kind."""
+    base = {"contact": ContactStrategy, "shape": ShapeFunction, "material": Material}[kind]
+    if not issubclass(plugin, base):
+        raise SceneError(
+            f"{kind} plug-in {full_name(plugin)} of {distribution_said(plugin)}: expected a class derived from "
+            f"mpmfw.api.{base.__name__}"
+        )
 
 
 def _check_unused_contact(scene: Scene, contact: ContactStrategy | None) -> None:
@@ -138,8 +153,11 @@ def _check_unused_contact(scene: Scene, contact: ContactStrategy | None) -> None
 
 
 def _check_methods(scene: Scene, shape: ShapeFunction, contact: ContactStrategy | None) -> None:
-    chosen: dict[str, Any] = {"shape": shape, **({} if contact is None else {"contact": contact})}
+    chosen: dict[Kind, Any] = {"shape": shape}
+    if contact is not None:
+        chosen["contact"] = contact
     for kind, plugin in chosen.items():
+        _check_base(kind, type(plugin))
         refuse_nameless(type(plugin))
         refuse_dead_hooks(type(plugin))
         if scene.dim not in plugin.dimensions:
