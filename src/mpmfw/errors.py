@@ -70,5 +70,21 @@ class PluginError(SimulationError):
         super().__init__(f"{what}, in step {step + 1}", time=time)
 
 
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C or SIGTERM stopped a run; what was written so far is intact. Exit status 130 or 143.
+
+    Parameters
+    ----------
+    number
+        Of the signal.
+    said
+        What there is, and how to go on.
+    """
+
+    def __init__(self, number: int, said: str = "interrupted") -> None:
+        self.number = number
+        super().__init__(said)
+
+
 class ResultsWarning(UserWarning):
     """A run went through, with something that its reader must know."""

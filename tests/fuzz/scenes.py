@@ -22,7 +22,9 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--number", type=int)
     parser.add_argument("--memory", action="store_true", help="measure memory as well")
-    parser.add_argument("--failed", action="store_true", help="print those as well that failed with a message")
+    parser.add_argument(
+        "--failed", action="store_true", help="print those as well that failed with a message"
+    )
     asked = parser.parse_args()
     numbers = range(asked.first, asked.first + asked.count) if asked.number is None else [asked.number]
     ends: collections.Counter[str] = collections.Counter()
@@ -35,7 +37,11 @@ def main() -> int:
         slowest = max(slowest, (trial.seconds, number))
         if asked.number is not None:
             print(made.text)
-        if trial.outcome == "wrong" or (asked.failed and trial.outcome == "failed") or asked.number is not None:
+        if (
+            trial.outcome == "wrong"
+            or (asked.failed and trial.outcome == "failed")
+            or asked.number is not None
+        ):
             print(
                 f"-- mutant {number} of {made.seed}: {trial.outcome} after {trial.seconds:.2f} s\n{trial.said}",
                 flush=True,
