@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mpmfw.discovery import load, refuse_nameless
+from mpmfw.api import ContactStrategy, Material, ShapeFunction
+from mpmfw.blame import distribution_said, refusing
+from mpmfw.discovery import Kind, full_name, load, refuse_nameless
 from mpmfw.effect import Effect
 from mpmfw.errors import SceneError
 from mpmfw.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, FloatArray
@@ -16,12 +18,12 @@ from mpmfw.hookspecs import HookSpecs
 from mpmfw.marks import refuse_dead_hooks
 from mpmfw.pairs import FEW, NearPairs, overlapping
 from mpmfw.setup import Setup
+from mpmfw.sizing import check_box_inside, check_memory
 from mpmfw.state import Body, Particles, State, Stencil, joined
 from mpmfw.transfer import Transfer, make_transfer
 from mpmfw.windows import make_grid
 
 if TYPE_CHECKING:
-    from mpmfw.api import ContactStrategy, Material, ShapeFunction
     from mpmfw.scene import Scene
 
 
@@ -71,6 +73,7 @@ def build(scene: Scene, contact: ContactStrategy | None = None, shape: ShapeFunc
         _check_unused_contact(scene, contact)
         chosen_contact = None
     _check_methods(scene, chosen_shape, chosen_contact)
+    check_memory(scene)
     layouts = _layouts(scene)
     materials = {
         name: _plugin("material", scene.materials[name].model, scene.materials[name].options)
@@ -122,8 +125,22 @@ def make_setup(made: Build) -> Setup:
 def _plugin(kind: Any, name: str, options: Any) -> Any:
     """Import and make one plug-in."""
     plugin = load(kind, name)
-    given = options is not None and hasattr(plugin, "from_options")
-    return plugin.from_options(options) if given else plugin()
+    _check_base(kind, plugin)
+    with refusing(
+        f"{kind} plug-in '{name}' of {distribution_said(plugin)} cannot be made from the scene's options"
+    ):
+        given = options is not None and hasattr(plugin, "from_options")
+        return plugin.from_options(options) if given else plugin()
+
+
+def _check_base(kind: Kind, plugin: type[Any]) -> None:
+    """Refuse a class of another kind."""
+    base = {"contact": ContactStrategy, "shape": ShapeFunction, "material": Material}[kind]
+    if not issubclass(plugin, base):
+        raise SceneError(
+            f"{kind} plug-in {full_name(plugin)} of {distribution_said(plugin)}: expected a class derived from "
+            f"mpmfw.api.{base.__name__}"
+        )
 
 
 def _list_pairs(scene: Scene, state: State, contact: ContactStrategy | None) -> None:
@@ -155,8 +172,11 @@ def _check_unused_contact(scene: Scene, contact: ContactStrategy | None) -> None
 
 
 def _check_methods(scene: Scene, shape: ShapeFunction, contact: ContactStrategy | None) -> None:
-    chosen: dict[str, Any] = {"shape": shape, **({} if contact is None else {"contact": contact})}
+    chosen: dict[Kind, Any] = {"shape": shape}
+    if contact is not None:
+        chosen["contact"] = contact
     for kind, plugin in chosen.items():
+        _check_base(kind, type(plugin))
         refuse_nameless(type(plugin))
         refuse_dead_hooks(type(plugin))
         if scene.dim not in plugin.dimensions:
@@ -214,19 +234,10 @@ def _bodies(
 
 
 def _check_inside(scene: Scene, layouts: tuple[Layout, ...], bodies: tuple[Body, ...]) -> None:
-    lower, upper = np.array(scene.grid.lower), np.array(scene.grid.upper)
     for body, layout in zip(bodies, layouts, strict=True):
         low = np.minimum(layout.position.min(axis=0), body.lower)
         high = np.maximum(layout.position.max(axis=0), body.upper)
-        if (low < lower).any() or (high > upper).any():
-            raise SceneError(
-                f"bodies.{body.name}: the body from {_point(low)} to {_point(high)} m is not inside the grid from "
-                f"{_point(lower)} to {_point(upper)} m; expected a larger grid.lower … grid.upper"
-            )
-
-
-def _point(x: FloatArray) -> str:
-    return "(" + ", ".join(f"{value:.6g}" for value in x) + ")"
+        check_box_inside(scene, body.name, low, high)
 
 
 def _check_overlap(bodies: tuple[Body, ...]) -> None:

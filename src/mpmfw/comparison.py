@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import logging
 import os
 import re
+import signal
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -15,7 +17,7 @@ from typing import Any
 import xarray as xr
 
 from mpmfw.discovery import Kind, available, did_you_mean
-from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, SimulationError
+from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.joining import Outcome, join
 from mpmfw.scene.loading import plain
 from mpmfw.scene.requested import check_methods_run, check_requested
@@ -40,6 +42,7 @@ def compare(
     progress: Any = None,
     set: Mapping[str, Any] | None = None,
     runner: Callable[..., xr.DataTree] | None = None,
+    force: bool = False,
 ) -> xr.Dataset:
     """Run a scene with every combination of contact and shape (and varied keys) and join what they give.
 
@@ -63,6 +66,8 @@ def compare(
         comparison keeps the series and the first and last outlines.
     runner
         Stands in for ``mpmfw.run``, with its signature.
+    force
+        Begin runs past the limits of steps and frames, as ``mpmfw.run`` does.
 
     Returns
     -------
@@ -79,6 +84,8 @@ def compare(
         can run.
     MpmfwError
         The output cannot be written.
+    Interrupted
+        Ctrl-C or SIGTERM; the output keeps the runs that were done.
     """
     methods = {"contact": _methods("contact", contact), "shape": _methods("shape", shape)}
     varied = dict(vary or {})
@@ -87,8 +94,10 @@ def compare(
     coords = {kind: [method.label for method in chosen] for kind, chosen in methods.items()}
     coords |= {names[key]: _value_labels(key, values) for key, values in varied.items()}
     keys = {names[key]: key for key in varied}
-    path = None if output is None else _writable(os.fspath(output))
+    path = None if output is None else os.path.abspath(_writable(os.fspath(output)))
     run = runner or _run()
+    if force:
+        run = functools.partial(run, force=True)
     shared = {"output.particles": False, **(set or {})}
     outcomes: dict[tuple[int, ...], Outcome] = {}
     refusals: list[SceneError] = []
@@ -96,8 +105,13 @@ def compare(
         chosen_values = {key: values[i] for (key, values), i in zip(varied.items(), index[2:], strict=True)}
         choice = (methods["contact"][index[0]].value, methods["shape"][index[1]].value)
         label = "/".join(str(values[i]) for values, i in zip(coords.values(), index, strict=True))
-        with _collected(label) as notes:
-            outcome = _outcome(run, scene, choice, {**shared, **chosen_values}, progress, refusals, varied)
+        try:
+            with _collected(label) as notes:
+                outcome = _outcome(
+                    run, scene, choice, {**shared, **chosen_values}, progress, refusals, varied
+                )
+        except KeyboardInterrupt as error:
+            raise Interrupted(getattr(error, "number", signal.SIGINT), _kept(outcomes, path)) from None
         outcomes[index] = outcome = replace(outcome, notes=tuple(notes))
         if path is not None and outcome.tree is not None:
             _save(join(coords, outcomes, keys), path)
@@ -107,6 +121,13 @@ def compare(
     if path is not None:
         _save(dataset, path)
     return dataset
+
+
+def _kept(outcomes: Mapping[tuple[int, ...], Outcome], path: str | None) -> str:
+    """What an interrupted comparison leaves."""
+    done = sum(outcome.tree is not None for outcome in outcomes.values())
+    kept = f"{path} keeps the {done} runs that were done" if path is not None and done else "nothing is kept"
+    return f"interrupted: {kept}; the comparison begins anew if it is started again"
 
 
 def _outcome(
@@ -127,7 +148,9 @@ def _outcome(
         return Outcome(f"refused: {refusals[-1]}")
     except SimulationError as error:
         return Outcome(f"failed: {error}", getattr(error, "results", None))
-    except Exception as error:  # a stranger's method may raise anything, hours into a comparison
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # a stranger's method may raise anything, hours into a comparison
         _log.exception("contact %r with shape %r failed", contact, shape)
         return Outcome(f"failed: {type(error).__name__}: {error}")
     return Outcome(str(tree.attrs.get("status", "ok")), tree)

@@ -82,12 +82,20 @@ def load(kind: Kind, name: str) -> type[Any]:
             f"two distributions announce a {kind} plug-in '{name}': {announced}; uninstall one of them"
         )
     said = f"{kind} plug-in '{name}' of distribution {distribution_of(entry)}"
+    folder = os.getcwd()
     try:
         plugin = entry.load()
-    except Exception as error:  # a stranger's module may raise anything while it is imported
+    except KeyboardInterrupt:
+        raise
+    except (
+        BaseException
+    ) as error:  # a stranger's module may raise anything while it is imported, SystemExit included
         raise SceneError(
             f"{said} cannot be imported from {entry.value}: {type(error).__name__}: {error}"
         ) from error
+    finally:
+        if os.getcwd() != folder:  # relative names of files would mean others
+            os.chdir(folder)
     if not isinstance(plugin, type):
         raise SceneError(f"{said}: {entry.value} is not a class")
     try:

@@ -54,5 +54,37 @@ class SimulationError(MpmfwError):
         super().__init__(message + (f". Try: {advice}" if advice else ""))
 
 
+class PluginError(SimulationError):
+    """A plug-in failed while the run went on: what it did is named with plug-in, distribution and hook.
+
+    Parameters
+    ----------
+    what
+        What happened, and to whom.
+    step, time
+        Steps done before, and the time [s].
+    """
+
+    def __init__(self, what: str, *, step: int, time: float) -> None:
+        self.step = step
+        super().__init__(f"{what}, in step {step + 1}", time=time)
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C or SIGTERM stopped a run; what was written so far is intact. Exit status 130 or 143.
+
+    Parameters
+    ----------
+    number
+        Of the signal.
+    said
+        What there is, and how to go on.
+    """
+
+    def __init__(self, number: int, said: str = "interrupted") -> None:
+        self.number = number
+        super().__init__(said)
+
+
 class ResultsWarning(UserWarning):
     """A run went through, with something that its reader must know."""

@@ -40,6 +40,8 @@ class Field:
         NumPy type code.
     output
         Whether frames of the results' file hold the field.
+    missing
+        Whether NaN says that there is no value; anywhere else it fails the run.
     """
 
     name: str
@@ -49,6 +51,7 @@ class Field:
     group: Group = "particles"
     dtype: str = "f8"
     output: bool = False
+    missing: bool = False
 
     def allocate(self, sizes: Mapping[str, int]) -> AnyArray:
         """Return a zero array of shape ``[sizes[dim] for dim in dims]``."""

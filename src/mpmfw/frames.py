@@ -3,9 +3,11 @@ body."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from mpmfw.answers import check_finite, check_state_finite, values_of
+from mpmfw.errors import MpmfwError, PluginError
 from mpmfw.fields import PARTICLE_FIELDS, SURFACE_FIELDS, AnyArray, Field
 from mpmfw.pairs import list_near
 from mpmfw.results import Frame, RunHeader, provenance
@@ -16,10 +18,18 @@ if TYPE_CHECKING:
 
 
 class Recorder:
-    """Makes the header and the frames of one run."""
+    """Makes the header and the frames of one run.
 
-    def __init__(self, scene: Scene, state: State, declared: tuple[Field, ...], hook: Any) -> None:
-        self.state, self.hook = state, hook
+    Parameters
+    ----------
+    recording
+        Plug-ins that implement ``diagnostics``, in the order of the calls.
+    """
+
+    def __init__(
+        self, scene: Scene, state: State, declared: tuple[Field, ...], hook: Any, recording: Sequence[Any]
+    ) -> None:
+        self.state, self.hook, self.recording = state, hook, recording
         core = (*(PARTICLE_FIELDS if scene.output.particles else ()), *self._surface_fields(scene))
         groups = {
             "series": True,
@@ -62,8 +72,12 @@ class Recorder:
         state = self.state
         list_near(state, self.hook)
         found: dict[str, dict[str, AnyArray]] = {"particles": {}, "surface": {}, "series": {}, "contact": {}}
-        for answer in self.hook.diagnostics(state=state, interval=interval) or []:
-            for name, values in answer.items():
+        check_state_finite(state)
+        answers = self.hook.diagnostics(state=state, interval=interval) or []
+        who = self.recording if len(answers) == len(self.recording) else [None] * len(answers)
+        for plugin, answer in zip(who, answers, strict=True):
+            for name, values in values_of(plugin, answer, self._by_name, self._error).items():
+                check_finite(self._by_name[name], values, state.time)
                 found[self._by_name[name].group][name] = values
         for group, struct in (("particles", state.particles), ("surface", state.surface)):
             for field in self.fields.values():
@@ -86,6 +100,9 @@ class Recorder:
             else {},
             pairs=() if state.near is None else tuple(pair.label for pair in state.pairs),
         )
+
+    def _error(self, said: str) -> MpmfwError:
+        return PluginError(said, step=self.state.steps, time=self.state.time)
 
     def _surface_slices(self) -> dict[str, slice]:
         surface = self.state.surface

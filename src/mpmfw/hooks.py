@@ -11,13 +11,17 @@ import functools
 import linecache
 import zlib
 from collections.abc import Callable, Generator
+from operator import attrgetter
 from types import CodeType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import pluggy
 
 from mpmfw.clock import Clock
 from mpmfw.hookspecs import HookSpecs
+
+#: What is called for an implementation of a hook.
+FunctionOf: TypeAlias = Callable[[pluggy.HookImpl], Callable[..., Any]]
 
 
 def make_manager() -> pluggy.PluginManager:
@@ -37,13 +41,20 @@ class BoundHooks:
 
     A hook that nobody implements costs one empty call. Wrappers of the old style (``hookwrapper``) go through pluggy
     itself.
+
+    Parameters
+    ----------
+    function_of
+        What is called for an implementation; its own function, unless it is to be watched.
     """
 
     __slots__ = tuple(hook_names())
 
-    def __init__(self, manager: pluggy.PluginManager, clock: Clock) -> None:
+    def __init__(
+        self, manager: pluggy.PluginManager, clock: Clock, function_of: FunctionOf = attrgetter("function")
+    ) -> None:
         for name in hook_names():
-            setattr(self, name, _bind(getattr(manager.hook, name), clock))
+            setattr(self, name, _bind(getattr(manager.hook, name), clock, function_of))
 
     if TYPE_CHECKING:
 
@@ -54,19 +65,21 @@ def _nothing(**arguments: object) -> None:
     """Stand in for a hook without implementations."""
 
 
-def _bind(caller: pluggy.HookCaller, clock: Clock) -> Callable[..., Any]:
+def _bind(caller: pluggy.HookCaller, clock: Clock, function_of: FunctionOf) -> Callable[..., Any]:
     implementations = list(reversed(caller.get_hookimpls()))  # pluggy calls the last registered first
     if not implementations:
         return _nothing
     if any(impl.hookwrapper for impl in implementations):
         return caller
-    bound = _written_out(caller, [impl for impl in implementations if not impl.wrapper], clock)
+    bound = _written_out(caller, [impl for impl in implementations if not impl.wrapper], clock, function_of)
     for impl in reversed([impl for impl in implementations if impl.wrapper]):
         bound = _around(impl, bound, clock)
     return bound
 
 
-def _written_out(caller: pluggy.HookCaller, calls: list[pluggy.HookImpl], clock: Clock) -> Callable[..., Any]:
+def _written_out(
+    caller: pluggy.HookCaller, calls: list[pluggy.HookImpl], clock: Clock, function_of: FunctionOf
+) -> Callable[..., Any]:
     """A function made for these implementations; with one that is timed, and takes not all that is offered::
 
         def advect(*, grid, dt):
@@ -89,7 +102,7 @@ def _written_out(caller: pluggy.HookCaller, calls: list[pluggy.HookImpl], clock:
     lines = [f"def {caller.name}({', '.join(['*'] * bool(caller.spec.argnames) + [*caller.spec.argnames])}):"]
     lines += [] if first_result else ["    results = []"]
     for index, impl in enumerate(calls):
-        names[f"call_{index}"] = impl.function
+        names[f"call_{index}"] = function_of(impl)
         call = f"result = call_{index}({', '.join(impl.argnames)})"
         stage = getattr(impl.plugin, "stage", None)
         if stage is None:

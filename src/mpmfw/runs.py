@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import warnings
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from mpmfw.errors import ResultsWarning, SceneError, SimulationError
+from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, SimulationError
+from mpmfw.interruption import interruptible
+from mpmfw.limits import check_length, remark_on_size
 from mpmfw.results import RunWriter
 from mpmfw.results.memory import peak_memory, restart_peak_memory
 from mpmfw.scene import load_scene, located
@@ -25,6 +28,7 @@ def run(
     output: str | os.PathLike[str] | None = None,
     progress: Callable[[float, int], None] | None = None,
     set: Mapping[str, Any] | None = None,
+    force: bool = False,
 ) -> xr.DataTree:
     """Run a scene.
 
@@ -40,6 +44,8 @@ def run(
         Called now and then with the simulated time [s] and the number of steps.
     set
         Values by dotted key, set over the scene's own.
+    force
+        Begin a run that has more steps or frames than the limits in :mod:`mpmfw.limits`.
 
     Returns
     -------
@@ -51,27 +57,55 @@ def run(
         The request was wrong.
     SimulationError
         The run failed; what it reached is in the file, and in the error's attribute ``results``.
+    Interrupted
+        Ctrl-C or SIGTERM; the outputs before are in the file, whose status is ``interrupted``.
     """
     restart_peak_memory()
+    path = None if output is None else os.path.abspath(output)  # a plug-in may change the working folder
     loaded = load_scene(scene, set={**chosen_methods(contact, shape), **(set or {})})
     try:
         simulation = Simulation(loaded, contact=contact, shape=shape)
+        if not force:
+            check_length(simulation)
     except SceneError as error:
         raise located(error, loaded) from error
-    with RunWriter(output, simulation.header()) as writer:
+    header = simulation.header()
+    if path is not None and (said := remark_on_size(simulation, header)):
+        warnings.warn(said, ResultsWarning, stacklevel=2)
+    with interruptible() as signals, RunWriter(path, header) as writer:
         try:
-            simulation.run(writer.write, progress)
+            simulation.run(signals.whole(writer.write), progress)
+            end = _end(simulation, "ok")
         except SimulationError as error:
             writer.finish(_end(simulation, f"failed: {error}"))
             error.results = writer.results()
             raise
-        writer.finish(_end(simulation, "ok"))
+        except KeyboardInterrupt as error:
+            writer.finish(_end(simulation, "interrupted"))
+            raise Interrupted(getattr(error, "number", signal.SIGINT), _kept(writer, simulation)) from None
+        signals.whole(writer.finish)(end)
         for concern in simulation.concerns():
             warnings.warn(concern, ResultsWarning, stacklevel=2)
         return writer.results()
 
 
+def _kept(writer: RunWriter, simulation: Simulation) -> str:
+    """What an interrupted run leaves, and how to go on."""
+    said = f"interrupted at {simulation.state.time:.6g} s of {simulation.scene.time.end:g} s"
+    if writer.path is None or not writer.frames:
+        return f"{said}: nothing is kept; run it again"
+    return (
+        f"{said}: {writer.path} keeps the {writer.frames} outputs that it reached; run it again for the rest"
+    )
+
+
 def _end(simulation: Simulation, status: str) -> dict[str, Any]:
-    """The attributes that are known at the end."""
-    remarks = {name: json.dumps(said) for name, said in simulation.remarks().items() if said}
-    return {**simulation.costs(), **remarks, "peak_memory": peak_memory(), "status": status}
+    """The attributes that are known at the end; of a run that failed, without remarks that cannot be made."""
+    try:
+        remarks = simulation.remarks()
+    except MpmfwError:
+        if status == "ok":
+            raise
+        remarks = {}
+    said = {name: json.dumps(words) for name, words in remarks.items() if words}
+    return {**simulation.costs(), **said, "peak_memory": peak_memory(), "status": status}

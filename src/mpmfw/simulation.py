@@ -5,20 +5,25 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any
 
-from mpmfw.build import build, initial_velocity, make_setup
+from mpmfw.answers import declared_fields
+from mpmfw.blame import blaming, described
+from mpmfw.build import Build, build, initial_velocity, make_setup
 from mpmfw.clock import STAGES, STEP_STAGES, Clock
 from mpmfw.compilation import CompileTimer
 from mpmfw.effect import Effect
-from mpmfw.errors import SceneError, SimulationError
+from mpmfw.errors import PluginError, SceneError, SimulationError
 from mpmfw.fields import Field
 from mpmfw.frames import Recorder
+from mpmfw.guard import Guard
 from mpmfw.hooks import BoundHooks, hook_names, make_manager
 from mpmfw.pairs import list_near
 from mpmfw.plan import plan
 from mpmfw.results import Frame, RunHeader
 from mpmfw.settling import settle
+from mpmfw.sizing import remarks_on
 from mpmfw.steppers import SCHEMES
 from mpmfw.steppers.operations import interpolate
 from mpmfw.timestep import TimeStep
@@ -60,26 +65,50 @@ class Simulation:
             contact=None if contact is None or isinstance(contact, str) else contact,
             shape=None if shape is None or isinstance(shape, str) else shape,
         )
-        plan(made)
+        made_plugins = [made.contact, made.shape, *made.materials.values()]
+        with blaming(made_plugins):
+            plan(made)
         self.state, self.contact, self.shape = made.state, made.contact, made.shape
         self.scheme, self.transfer = made.scheme, made.transfer
         self.effects: tuple[Effect, ...] = tuple(made.effects)
         self.manager = make_manager()
         for plugin in reversed(made.plugins):  # pluggy calls the last registered first
-            self.manager.register(plugin, name=_registered_name(made, plugin))
+            self._register(plugin, _registered_name(made, plugin))
         self.manager.check_pending()
+        with blaming([*made_plugins, *made.plugins]):
+            self._set_up(made)
+
+    def _register(self, plugin: Any, name: str) -> None:
+        """Register one plug-in; two of one name would take each other's place."""
+        other = self.manager.get_plugin(name)
+        if other is not None:
+            raise SceneError(
+                f"{described(other)} and {described(plugin)} have one name; expected another for one of them"
+            )
+        self.manager.register(plugin, name=name)
+
+    def _set_up(self, made: Build) -> None:
+        """Tell the plug-ins what they need, and lay the grid round the bodies."""
         setup = make_setup(made)
-        declared = [f for fields in reversed(self.manager.hook.declare_fields()) for f in fields]
-        self.fields: tuple[Field, ...] = tuple(dict.fromkeys(declared))
+        self.fields: tuple[Field, ...] = declared_fields(self.manager)
         self.manager.hook.setup(setup=setup)
-        self.hook: Any = BoundHooks(self.manager, self.clock)
+        self._guard = Guard(self.state, (plugin for _, plugin in self.manager.list_name_plugin()))
+        self._bind_hooks()
         reach = self.hook.particle_reach(particles=self.state.particles)
         lay_windows(self.state.grid, self.state.particles, reach, self.state.surface)
         list_near(self.state, self.hook)
         self._check_supports()
         self._step = SCHEMES[self.scheme]
-        self._time_step = TimeStep(self.scene, self.state, 2.0 / made.bulk_frequency, self.shape.courant)
-        self._recorder = Recorder(self.scene, self.state, self.fields, self.hook)
+        self._time_step = TimeStep(
+            self.scene,
+            self.state,
+            2.0 / made.bulk_frequency,
+            self.shape.courant,
+            self._callers("stable_timestep"),
+        )
+        self._recorder = Recorder(
+            self.scene, self.state, self.fields, self.hook, self._callers("diagnostics")
+        )
         watch = self.manager.get_plugin("time_step_series")
         if watch is not None:
             watch.limits = self.limits
@@ -87,6 +116,23 @@ class Simulation:
         self._settled: dict[str, float] = {}
         self.compile_time = 0.0
         self._time_step.check(self.hook)
+
+    def _bind_hooks(self) -> None:
+        """Bind the calls of all hooks, and those of the steps in which strangers' are watched."""
+        self.hook: Any = BoundHooks(self.manager, self.clock)
+        strangers = bool(self._guard.strangers)
+        self._watched_hook = (
+            BoundHooks(self.manager, self.clock, self._guard.watched) if strangers else self.hook
+        )
+        self._watch = strangers
+
+    def _callers(self, hook: str) -> list[Any]:
+        """Plug-ins that implement a hook, in the order of the calls."""
+        return [impl.plugin for impl in reversed(getattr(self.manager.hook, hook).get_hookimpls())]
+
+    def _blaming(self) -> AbstractContextManager[None]:
+        """Context in which an exception of a plug-in becomes an error that names it."""
+        return blaming([plugin for _, plugin in self.manager.list_name_plugin()], self.state)
 
     # -- what it is
     # ---------------------------------------------------------------------------------------------------
@@ -100,7 +146,8 @@ class Simulation:
 
     def limits(self) -> list[tuple[float, str]]:
         """Every stable time step [s] with its owner, before the safety factor."""
-        return self._time_step.limits(self.hook)
+        with self._blaming():
+            return self._time_step.limits(self.hook)
 
     def stable_step(self) -> float:
         """Length of a step as the limits are now [s]; see :meth:`mpmfw.timestep.TimeStep.next`."""
@@ -127,21 +174,24 @@ class Simulation:
     def step(self, dt: float) -> None:
         """One time step of length ``dt`` [s]."""
         state = self.state
-        self._step(state, self.hook, self.transfer, self.clock, dt)
+        time, steps = state.time, state.steps
+        hook = self.hook
+        if self._watch:
+            hook, self._watch = self._watched_hook, False
+        self._step(state, hook, self.transfer, self.clock, dt)
         state.dt = dt
-        state.time += dt
-        state.steps += 1
+        state.time, state.steps = time + dt, steps + 1
 
     @contextlib.contextmanager
     def extra_plugin(self, plugin: Any) -> Iterator[None]:
         """Register a plug-in for a while: the damping of settling leaves nothing behind."""
         self.manager.register(plugin, name=plugin.name)
-        self.hook = BoundHooks(self.manager, self.clock)
+        self._bind_hooks()
         try:
             yield
         finally:
             self.manager.unregister(plugin)
-            self.hook = BoundHooks(self.manager, self.clock)
+            self._bind_hooks()
 
     def start(self) -> None:
         """Settle if the scene asks for it, then set the initial motion: time zero."""
@@ -155,14 +205,15 @@ class Simulation:
 
     def advance(self, steps: int, write: Callable[[Frame], None] | None = None) -> None:
         """Run a number of stable steps; hand a frame to ``write``, if there is one, at first and after every step."""
-        with CompileTimer(self.clock):
-            self.start()
-        if write is not None:
-            self._output(write, 0.0)
-        for _ in range(steps):
-            self.step(self.next_step())
+        with self._blaming():
+            with CompileTimer(self.clock):
+                self.start()
             if write is not None:
-                self._output(write, self.state.dt)
+                self._output(write, 0.0)
+            for _ in range(steps):
+                self.step(self.next_step())
+                if write is not None:
+                    self._output(write, self.state.dt)
         self.clock("output")
 
     def run(
@@ -178,7 +229,7 @@ class Simulation:
             The run failed; frames handed out so far are complete.
         """
         interval, end = self.scene.time.output_interval, self.scene.time.end
-        with CompileTimer(self.clock) as compiling:
+        with self._blaming(), CompileTimer(self.clock) as compiling:
             try:
                 self.start()
                 self._output(write, 0.0)
@@ -203,6 +254,8 @@ class Simulation:
 
     def _output(self, write: Callable[[Frame], None] | None, interval: float) -> None:
         self.clock("output")
+        self._guard.check()
+        self._watch = bool(self._guard.strangers)
         frame = self._recorder.frame(interval)
         if write is not None:
             write(frame)
@@ -240,7 +293,16 @@ class Simulation:
 
     def concerns(self) -> list[str]:
         """What a reader of the results must know, a sentence each; complete after the last step."""
-        return [said for answer in self.hook.concerns() or [] for said in answer]
+        with self._blaming():
+            answers = self.hook.concerns() or []
+        for plugin, answer in zip(self._callers("concerns"), answers, strict=False):
+            if not isinstance(answer, list | tuple) or not all(isinstance(said, str) for said in answer):
+                raise PluginError(
+                    f"{described(plugin)} answered concerns with {answer!r:.80}; expected a list of sentences",
+                    step=self.state.steps,
+                    time=self.state.time,
+                )
+        return [*remarks_on(self.scene), *(said for answer in answers for said in answer)]
 
     def remarks(self) -> dict[str, list[str]]:
         """Lists of words for the results: ``warnings``, and ``time_step_owners`` where these are followed."""

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from mpmfw.errors import SceneError, SimulationError
+from mpmfw.answers import check_limits
+from mpmfw.errors import PluginError, SceneError, SimulationError
 from mpmfw.state import State
 
 if TYPE_CHECKING:
@@ -23,9 +25,14 @@ class TimeStep:
         h / c of the fastest body [s].
     courant
         Share of it past which a step is refused: the shape function's own.
+    limiting
+        Plug-ins that implement ``stable_timestep``, in the order of the calls.
     """
 
-    def __init__(self, scene: Scene, state: State, bulk_limit: float, courant: float) -> None:
+    def __init__(
+        self, scene: Scene, state: State, bulk_limit: float, courant: float, limiting: Sequence[Any]
+    ) -> None:
+        self.limiting = limiting
         self.scene, self.state, self.bulk_limit = scene, state, bulk_limit
         # Looked up once: between two steps of many points the interpreter's own data has left the caches, and
         # whatever is asked anew in every step is waited for.
@@ -48,7 +55,14 @@ class TimeStep:
         SimulationError
             The step is past a stability limit and the scene does not allow it, or the limit has collapsed.
         """
-        limits = [self._bulk, *(hook.stable_timestep(state=self.state) or ())]
+        answers = hook.stable_timestep(state=self.state) or ()
+        try:
+            for answer in answers:
+                if not answer[0] > 0.0:  # NaN would be passed over by the least of all
+                    self._check(answers)
+        except (TypeError, LookupError):
+            self._check(answers)
+        limits = [self._bulk, *answers]
         limit, owner = min(limits)
         step: float = self._safety * limit if self._fixed is None else self._fixed
         if self._checked and (refusal := self._refusal(step, limits)) is not None:
@@ -70,11 +84,21 @@ class TimeStep:
         SceneError
             ``time.step`` or ``time.safety`` asks for it.
         """
-        limits = self.limits(hook)
+        answers = hook.stable_timestep(state=self.state) or ()
+        check_limits(self.limiting, answers, SceneError)
+        limits = [self._bulk, *answers]
         step: float = self._safety * min(limits)[0] if self._fixed is None else self._fixed
         if self._checked and (refusal := self._refusal(step, limits)) is not None:
             key = "time.safety" if self.scene.time.step is None else "time.step"
             raise SceneError(f"{key}: {refusal}; expected a smaller {key}, or allow_unstable = true")
+
+    def _check(self, answers: Sequence[Any]) -> None:
+        """Refuse answers that are no times, and say whose they are."""
+        check_limits(
+            self.limiting,
+            answers,
+            lambda said: PluginError(said, step=self.state.steps, time=self.state.time),
+        )
 
     def _refusal(self, step: float, limits: list[tuple[float, str]]) -> str | None:
         """Why a step is past a stability limit, or None. The bulk is unstable below h / c already."""

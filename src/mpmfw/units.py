@@ -7,9 +7,22 @@ metadata, so that the JSON schema, the messages and the documentation name the s
 from __future__ import annotations
 
 import functools
+import math
+import re
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field
+
+#: A quantity that is not zero has a magnitude between one over this and this, in SI: products of four of them, such as
+#: an energy, then stay within what a number of double precision holds (1e-308 to 1e+308).
+LARGEST = 1e60
+
+_NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*")
+_FACTOR = r"[^\W\d_]+[²³]?(?:(?:\^|\*\*)-?[0-9])?"
+_UNIT = re.compile(rf"%|°|(?:1?\s*/\s*)?{_FACTOR}(?:\s*[*/·\s]\s*{_FACTOR})*")
+
+#: Characters of the longest text that is read as a quantity.
+_LONGEST = 80
 
 
 @functools.cache
@@ -21,7 +34,9 @@ def _registry() -> Any:
 
 
 def to_si(value: object, unit: str) -> object:
-    """Return ``value`` in ``unit``; numbers pass through, strings are parsed with pint.
+    """Return ``value`` in ``unit``; numbers pass through, of strings a number and a unit are read.
+
+    Nothing is evaluated: ``"1/2 m"`` and ``"(1 + 1) m"`` are no quantities.
 
     Raises
     ------
@@ -34,19 +49,35 @@ def to_si(value: object, unit: str) -> object:
         return value
     if not value.strip():
         raise ValueError(f"an empty string is not a quantity; expected a number or a string {_example(unit)}")
+    number = _NUMBER.match(value[: _LONGEST + 1])
+    given = value[number.end() :].strip() if number else ""
+    if number is None or len(value) > _LONGEST or (given and not _UNIT.fullmatch(given)):
+        raise ValueError(f"{_shown(value)} is not a quantity; expected a number or a string {_example(unit)}")
+    if not given and unit not in ("1", "rad"):
+        raise ValueError(f"{value!r} has no unit: give a bare number (SI) or a quantity in {unit}")
+    return _converted(float(number.group(1)), given, unit, value) if given else float(number.group(1))
+
+
+def _converted(number: float, given: str, unit: str, text: str) -> float:
+    """The number from the unit ``given`` to ``unit``."""
     import pint
 
     try:
-        quantity = _registry().Quantity(value)
+        quantity = _registry().Quantity(number, _registry().parse_units(given))
         if quantity.dimensionless and unit not in ("1", "rad"):
-            raise ValueError(f"{value!r} has no unit: give a bare number (SI) or a quantity in {unit}")
+            raise ValueError(f"{text!r} has no unit: give a bare number (SI) or a quantity in {unit}")
         return float(quantity.to("dimensionless" if unit == "1" else unit).magnitude)
     except pint.DimensionalityError as error:
-        raise ValueError(f"{value!r} is not convertible to {unit}") from error
-    except (pint.UndefinedUnitError, pint.PintError, AttributeError, TypeError, SyntaxError) as error:
+        raise ValueError(f"{text!r} is not convertible to {unit}") from error
+    except (pint.PintError, AttributeError, TypeError, SyntaxError, ArithmeticError) as error:
         raise ValueError(
-            f"{value!r} is not a quantity; expected a number or a string {_example(unit)}"
+            f"{text!r} is not a quantity; expected a number or a string {_example(unit)}"
         ) from error
+
+
+def _shown(text: str) -> str:
+    """A text as a message quotes it."""
+    return repr(text) if len(text) <= _LONGEST else f"{text[:20]!r}…"
 
 
 def _example(unit: str) -> str:
@@ -54,11 +85,27 @@ def _example(unit: str) -> str:
     return f"such as '{'5 %' if unit == '1' else f'1.5 {unit}'}'"
 
 
+def within_range(value: float) -> float:
+    """The value, if products of such values can be computed with.
+
+    Raises
+    ------
+    ValueError
+        It is nearer to zero, or larger, than any physical quantity of a scene.
+    """
+    if value != 0.0 and math.isfinite(value) and not 1.0 / LARGEST <= abs(value) <= LARGEST:
+        raise ValueError(
+            f"{value!r} is out of range: a magnitude is 0 or from {1.0 / LARGEST:g} to {LARGEST:g} in SI units"
+        )
+    return value
+
+
 def quantity(unit: str) -> Any:
     """The pydantic annotation of a number measured in ``unit``."""
     return Annotated[
         float,
         BeforeValidator(functools.partial(to_si, unit=unit)),
+        AfterValidator(within_range),
         Field(allow_inf_nan=False, json_schema_extra={"unit": unit}),
     ]
 

@@ -143,7 +143,7 @@ def test_shipped_scenes_are_valid(name):
         ("cell_size = 0.5", "cell_size = -1", "s.toml:4: grid.cell_size: must be greater than 0, not -1; expected a "
          "length in m, a number or a string such as '2 mm'"),
         ("lower = [0, 0]\nupper = [10, 5]", "lower = [0, 'b']\nupper = [10, 5]", "s.toml:5: grid.lower[1]: 'b' is not "
-         "convertible to m; expected a length in m, a number or a string such as '2 mm'"),
+         "a quantity; expected a length in m, a number or a string such as '2 mm'"),
         ("end = 1\n", "", "s.toml:8: time.end: missing; expected a time in s, a number or a string such as '5 us'"),
         ('method = "linear"', 'method = "liner"', "s.toml:13: shape.method: no such shape plug-in: 'liner' is unknown; "
          "did you mean 'linear'? (one of bspline, cpdi, cpdi2, gimp, linear)"),
@@ -193,6 +193,13 @@ def test_shipped_scenes_are_valid(name):
          "valid here"),
         ("[bodies.block]", '[bodies."a-b"]', "s.toml:20: contact.pairs[0].bodies[0]: no body 'block'; the scene has a-b, "
          "floor\ns.toml:29: bodies.a-b: a name has letters, digits and '_' only ('-' joins the names of a pair)"),
+        ("cell_size = 0.5", "cell_size = 5e-324", "s.toml:4: grid.cell_size: 5e-324 is out of range: a magnitude is 0 or "
+         "from 1e-60 to 1e+60 in SI units"),
+        ('method = "linear"', 'method = "lin\\u0000ear"', "s.toml:13: shape.method: has the character NUL; expected text"),
+        ("[grid]", f"a = {40 * '['}{40 * ']'}\n[grid]", "s.toml:3: a[0][0]: is nested more than 32 tables and arrays deep"),
+        ("[grid]", f"a = {500 * '['}{500 * ']'}\n[grid]", "s.toml: tables and arrays are nested too deeply to be read; "
+         "no scene needs more than 32 levels"),
+        ("[grid]", f"{'a.' * 2000}a = 1\n[grid]", "s.toml:3: a.a.a: is nested more than 32 tables and arrays deep"),
         ("[gravity]", "[gravity", "s.toml:45: not valid TOML: Expected ']' at the end of a table declaration"),
     ],
 )  # fmt: skip

@@ -27,6 +27,7 @@ STEPS_PER_CONTACT = Field(
     "fewest steps that a contact of a surface node lasted, of those that ended since the last output",
     "series",
     output=True,
+    missing=True,
 )
 PENETRATION = Field(
     "penetration",

@@ -233,8 +233,17 @@ class Penalty(ContactStrategy):
         """Nodes inside that the search has lost, or missed; the end of the run where bodies have crossed."""
         s, c, g = self.surface, self.candidates, self.grid
         found: tuple[Any, ...] = (c.master, c.segment, c.coordinate, c.gap, c.normal)
-        outline = (s.next, s.previous, s.body, s.body_first)
-        added = keep_inside(s.position, *outline, c.old_master, c.old_segment, *found, self.through)
+        added = keep_inside(
+            s.position,
+            s.next,
+            s.previous,
+            s.body,
+            s.body_first,
+            c.old_master,
+            c.old_segment,
+            *found,
+            self.through,
+        )
         if self.through[0] > self.radius:
             raise self._crossed(int(self.through[1]))
         travel = float(np.abs(s.displacement).max())

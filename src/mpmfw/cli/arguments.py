@@ -33,6 +33,10 @@ OutputOption: TypeAlias = Annotated[
     Path | None, typer.Option("-o", "--output", metavar="FILE", help="File to write.", show_default=False)
 ]
 
+ForceOption: TypeAlias = Annotated[
+    bool, typer.Option("--force", help="Begin a run past the limits of steps and frames.")
+]
+
 
 def assignments(texts: list[str] | None, option: str = "--set") -> dict[str, str]:
     """``KEY=VALUE`` texts by key.

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from mpmfw.cli.arguments import SceneArgument, SetOption, assignments, names, variations
+from mpmfw.cli.arguments import ForceOption, SceneArgument, SetOption, assignments, names, variations
 from mpmfw.cli.errors import check_apart, check_writable
 from mpmfw.cli.progress import compare_progress
 from mpmfw.cli.summary import print_comparison
@@ -35,6 +35,7 @@ def compare(
     report: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Page of tables and figures (HTML) to write as well.")
     ] = None,
+    force: ForceOption = False,
 ) -> None:
     """Run SCENE with every combination of methods and join the results.
 
@@ -63,7 +64,9 @@ def compare(
     from mpmfw.report import write_report
 
     with compare_progress(combinations, loaded.time.end) as runner:
-        dataset = run_all(loaded, contact=contacts, shape=shapes, vary=varied, output=output, runner=runner)
+        dataset = run_all(
+            loaded, contact=contacts, shape=shapes, vary=varied, output=output, runner=runner, force=force
+        )
     if report is not None:
         write_report(dataset, report)
     print_comparison(dataset)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
+from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError
 
 if TYPE_CHECKING:
     from mpmfw.scene import Scene
@@ -32,6 +32,9 @@ def exit_status(command: Callable[..., Any]) -> Callable[..., None]:
         except MpmfwError as error:
             typer.echo(str(error), err=True)
             raise typer.Exit(1) from error
+        except Interrupted as error:
+            typer.echo(str(error), err=True)
+            raise typer.Exit(128 + error.number) from error
 
     return guarded
 

@@ -8,6 +8,7 @@ import typer
 
 from mpmfw.cli.arguments import (
     ContactOption,
+    ForceOption,
     OutputOption,
     SceneArgument,
     SetOption,
@@ -24,6 +25,7 @@ def run(
     shape: ShapeOption = None,
     set_: SetOption = None,
     output: OutputOption = None,
+    force: ForceOption = False,
 ) -> None:
     """Run SCENE and write its results, by default to a file named as the scene."""
     loaded = chosen_scene(scene, contact, shape, set_)
@@ -33,5 +35,5 @@ def run(
     from mpmfw.runs import run as run_scene
 
     with run_progress(loaded.time.end) as progress:
-        run_scene(loaded, output=path, progress=progress)
+        run_scene(loaded, output=path, progress=progress, force=force)
     typer.echo(str(path))

@@ -11,7 +11,15 @@ from mpmfw.hookspecs import hookimpl
 from mpmfw.state import State
 
 TIME_STEP_FIELDS = [
-    Field("time_step", (), "s", "mean length of the steps since the last output", "series", output=True),
+    Field(
+        "time_step",
+        (),
+        "s",
+        "mean length of the steps since the last output",
+        "series",
+        output=True,
+        missing=True,
+    ),
     Field("time_step_limit", (), "s", "stable time step at the output", "series", output=True),
     Field(
         "time_step_owner",

@@ -37,6 +37,11 @@ class Ball(BaseModel):
         """The centre (3,) [m]."""
         return np.array(self.centre)
 
+    @property
+    def bounds(self) -> FloatArray:
+        """Lower and upper corner of the bounding box (2, 3) [m]."""
+        return np.add(self.centre, [[-self.radius], [self.radius]])
+
     def outlines(self, segment: float) -> tuple[FloatArray, ...]:  # noqa: ARG002
         """None: surfaces are polylines, and those exist in 2D only."""
         return ()

@@ -45,6 +45,11 @@ class Box(BaseModel):
         """Unit vectors along the edges, one a row (3, 3)."""
         return np.eye(3)
 
+    @property
+    def bounds(self) -> FloatArray:
+        """Lower and upper corner (2, 3) [m]."""
+        return np.array([self.lower, self.upper])
+
     def outlines(self, segment: float) -> tuple[FloatArray, ...]:  # noqa: ARG002
         """None: surfaces are polylines, and those exist in 2D only."""
         return ()

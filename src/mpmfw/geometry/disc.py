@@ -31,6 +31,11 @@ class Disc(PlaneGeometry):
         return np.array(self.centre)
 
     @property
+    def bounds(self) -> FloatArray:
+        """Lower and upper corner of the bounding box (2, 2) [m]."""
+        return np.add(self.centre, [[-self.radius], [self.radius]])
+
+    @property
     def region(self) -> Any:
         """A fine polygon of the disc's area."""
         return shapely.Polygon(clipping_circle(self.centre, self.radius))

@@ -39,6 +39,11 @@ class PlaneGeometry(BaseModel):
     def region(self) -> Any:
         """The body as a shapely polygon [m], of the exact area."""
 
+    @property
+    def bounds(self) -> FloatArray:
+        """Lower and upper corner of the bounding box (2, 2) [m]."""
+        return np.reshape(self.region.bounds, (2, 2))
+
     @abstractmethod
     def outlines(self, segment: float) -> tuple[FloatArray, ...]:
         """Closed polylines (m, 2) [m] on the true outline, with segments no longer than ``segment`` [m]."""

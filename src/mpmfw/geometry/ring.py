@@ -46,6 +46,11 @@ class Ring(PlaneGeometry):
         return np.array(self.centre)
 
     @property
+    def bounds(self) -> FloatArray:
+        """Lower and upper corner of the bounding box (2, 2) [m]."""
+        return np.add(self.centre, [[-self.outer_radius], [self.outer_radius]])
+
+    @property
     def region(self) -> Any:
         """A fine polygon of the ring's area."""
         radii = (self.outer_radius, self.inner_radius)

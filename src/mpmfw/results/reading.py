@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import builtins
 import os
+import warnings
 from collections.abc import Iterator
 from typing import Any
 
@@ -11,7 +13,8 @@ import numpy as np
 import xarray as xr
 from xarray.backends import NetCDF4DataStore
 
-from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
+from mpmfw.results.writers import is_written
 
 #: Files that are open until their tree is closed: left to the garbage collector, a file may be freed before its groups, and
 #: the HDF5 library then fails in whatever is opened next.
@@ -38,13 +41,51 @@ def open(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree:
     Raises
     ------
     MpmfwError
-        The file does not exist or is no results' file.
+        The file does not exist, is no results' file, or was cut short.
+
+    Warns
+    -----
+    ResultsWarning
+        The run that wrote it is not finished: it goes on, was killed or interrupted, or failed.
+    """
+    tree = read(path, lazy=lazy)
+    if said := unfinished(tree, path):
+        warnings.warn(said, ResultsWarning, stacklevel=2)
+    return tree
+
+
+def unfinished(tree: xr.DataTree, path: str | os.PathLike[str]) -> str:
+    """What keeps the results of a run from being complete, in a sentence; empty if nothing does."""
+    status = str(tree.attrs.get("status", "ok"))
+    if tree.attrs.get("kind") != "run" or status == "ok":
+        return ""
+    if status == "running":
+        status = (
+            "is still being written"
+            if is_written(path)
+            else "was broken off: its run did not come to its end"
+        )
+    else:
+        status = f"is not complete: {status}"
+    time = tree.coords.get("time")
+    count = 0 if time is None else time.size
+    last = "" if time is None or not count else f", the last at {float(time[-1]):.6g} s"
+    return f"{os.fspath(path)} {status}; it holds {count} outputs{last}"
+
+
+def read(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree:
+    """The same as :func:`open`, without a word on results that are not complete.
+
+    Raises
+    ------
+    MpmfwError
+        The file does not exist, is no results' file, or was cut short.
     """
     name = os.fspath(path)
     try:
         dataset = netCDF4.Dataset(name)
     except OSError as error:
-        raise MpmfwError(f"cannot read '{name}': {error.strerror or error}") from error
+        raise MpmfwError(f"cannot read '{name}': {_reason(name, error)}") from error
     if lazy:
         tree = tree_of(dataset, load=False)
         _OPEN.add(dataset)
@@ -54,6 +95,16 @@ def open(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree:
         return tree_of(dataset)
     finally:
         dataset.close()
+
+
+def _reason(name: str, error: OSError) -> str:
+    """Why a file cannot be read: of an HDF5 file that is not whole, the library says nothing of use."""
+    try:
+        with builtins.open(name, "rb") as file:
+            begins_well = file.read(8) == b"\x89HDF\r\n\x1a\n"
+    except OSError:
+        begins_well = False
+    return "the file was cut short or is damaged" if begins_well else str(error.strerror or error)
 
 
 def check_results(path: str | os.PathLike[str]) -> None:
@@ -67,7 +118,9 @@ def check_results(path: str | os.PathLike[str]) -> None:
     try:
         netCDF4.Dataset(os.fspath(path)).close()
     except OSError as error:
-        raise SceneError(f"{os.fspath(path)}: is no results' file ({error.strerror or error})") from error
+        raise SceneError(
+            f"{os.fspath(path)}: is no results' file ({_reason(os.fspath(path), error)})"
+        ) from error
 
 
 def tree_of(dataset: netCDF4.Dataset, *, load: bool = True) -> xr.DataTree:

@@ -16,8 +16,9 @@ from mpmfw.errors import MpmfwError
 from mpmfw.fields import AnyArray, Field
 from mpmfw.results import layout
 from mpmfw.results.frame import Frame, RunHeader
-from mpmfw.results.reading import open as open_results
-from mpmfw.results.reading import tree_of
+from mpmfw.results.reading import read, tree_of
+from mpmfw.results.room import check_room
+from mpmfw.results.writers import claim, release
 
 #: Deflate level of particle and surface arrays; level 4 takes longer and gains next to nothing on
 #: floating-point noise.
@@ -44,12 +45,13 @@ class RunWriter:
     Raises
     ------
     MpmfwError
-        The file cannot be created.
+        The file cannot be created, or another run is writing it.
     """
 
     def __init__(self, path: str | os.PathLike[str] | None, header: RunHeader) -> None:
         self.header = header
-        self.path = None if path is None else os.fspath(path)
+        # A plug-in may change the working folder while the run goes on
+        self.path = None if path is None else os.path.abspath(path)
         self.frames = 0
         self._fields = {(field.group, field.name): field for field in header.fields}
         self._variables: dict[tuple[str, str], netCDF4.Variable[Any]] = {}
@@ -59,7 +61,8 @@ class RunWriter:
         self._times: list[float] = []
         self._waiting_bytes = 0
         self._tree: xr.DataTree | None = None
-        self._dataset = _create(self.path)
+        self._lock: int | None = None
+        self._dataset = self._create()
         self._write_header()
 
     def write(self, frame: Frame) -> None:
@@ -95,6 +98,17 @@ class RunWriter:
         self._set_attributes({"status": "ok", **attributes})
         self._dataset.sync()
 
+    def _create(self) -> netCDF4.Dataset:
+        """An empty file of this writer's own."""
+        try:
+            if self.path is None:
+                return netCDF4.Dataset("results.nc", "w", diskless=True, persist=False)
+            self._lock = claim(self.path)
+            check_room(self.path, 0, "results", anew=True)
+            return netCDF4.Dataset(self.path, "w")
+        except OSError as error:
+            raise MpmfwError(f"cannot create '{self.path}': {error.strerror or error}") from error
+
     def close(self) -> None:
         """Close the file; results kept in memory are read first. Closing twice is allowed."""
         if not self._dataset.isopen():
@@ -105,11 +119,12 @@ class RunWriter:
                 self._tree = tree_of(self._dataset)
         finally:
             self._dataset.close()
+            release(self._lock)
 
     def results(self) -> xr.DataTree:
         """Close and return what was written, the same whether it is in memory or in a file."""
         self.close()
-        return open_results(self.path) if self.path is not None else _known(self._tree)
+        return read(self.path) if self.path is not None else _known(self._tree)
 
     def __enter__(self) -> Self:
         return self
@@ -210,6 +225,9 @@ class RunWriter:
         if not self._times:
             return
         start = self.frames - len(self._times)
+        if self.path is not None:
+            # Compressed it is less, and a chunk that is begun anew is more
+            check_room(self.path, 2 * self._waiting_bytes, f"frame {start}")
         for key, waiting in self._waiting.items():
             if waiting:
                 self._variables[key][start : start + len(waiting)] = np.stack(waiting)
@@ -248,15 +266,6 @@ class RunWriter:
         variable.setncatts({**field.attributes, "units": layout.unit(field, self.header.dim)})
         variable.set_auto_maskandscale(False)  # costs more than the writing itself
         return variable
-
-
-def _create(path: str | None) -> netCDF4.Dataset:
-    try:
-        if path is None:
-            return netCDF4.Dataset("results.nc", "w", diskless=True, persist=False)
-        return netCDF4.Dataset(path, "w")
-    except OSError as error:
-        raise MpmfwError(f"cannot create '{path}': {error.strerror or error}") from error
 
 
 def _places(frame: Frame) -> list[tuple[str, str, Mapping[str, AnyArray]]]:

@@ -11,7 +11,11 @@ from mpmfw.discovery import nearest
 from mpmfw.scene.gravity import ConstantGravity
 from mpmfw.scene.locator import Path
 from mpmfw.scene.problem import Problem
+from mpmfw.scene.sides import check_sides
 from mpmfw.scene.tables import Body, Tables
+
+#: Least cell size over the largest coordinate: round-off of a position is then below 1e-6 of a cell.
+SMALLEST_CELL = 1e-9
 
 _NAME = re.compile(r"[A-Za-z0-9_]+")
 
@@ -43,6 +47,13 @@ def _grid(scene: Tables) -> Iterator[Problem]:
         )
     elif any(a + grid.cell_size > b for a, b in zip(grid.lower, grid.upper, strict=True)):
         yield Problem(("grid", "upper"), "must lie at least one cell above grid.lower in every direction")
+    farthest = max(map(abs, (*grid.lower, *grid.upper)))
+    if grid.cell_size < SMALLEST_CELL * farthest:
+        message = (
+            f"{grid.cell_size:g} m is less than {SMALLEST_CELL:g} of the grid's largest coordinate, {farthest:g} m: "
+            "positions would be rounded to a visible part of a cell"
+        )
+        yield Problem(("grid", "cell_size"), message)
 
 
 def _time(scene: Tables) -> Iterator[Problem]:
@@ -171,8 +182,8 @@ def _body(scene: Tables, path: Path, body: Body) -> Iterator[Problem]:
     if body.angular_velocity is not None and isinstance(body.angular_velocity, tuple) != (dim == 3):
         expected = "an array of 3 components in rad/s" if dim == 3 else "a number in rad/s"
         yield Problem((*path, "angular_velocity"), f"expected {expected}, because the grid is {dim}D")
-    for index in range(len(body.sides)):
-        yield from _side(body, (*path, "sides", index), index, dim)
+    wrong = [problem for i in range(len(body.sides)) for problem in _side(body, (*path, "sides", i), i, dim)]
+    yield from wrong or check_sides(body, path, dim, scene.time.end)
 
 
 def _side(body: Body, path: Path, index: int, dim: int) -> Iterator[Problem]:
@@ -186,7 +197,9 @@ def _side(body: Body, path: Path, index: int, dim: int) -> Iterator[Problem]:
             (*path, "side"), f"'{side.side}' is a side in 3D; expected one of left, right, bottom, top"
         )
     if body.geometry.type in ROUND:
-        yield Problem((*path, "side"), f"a {body.geometry.type} has no plane side; expected a body that has one")
+        yield Problem(
+            (*path, "side"), f"a {body.geometry.type} has no plane side; expected a body that has one"
+        )
     if isinstance(side.fixed, tuple) and "z" in side.fixed and dim == 2:
         yield Problem((*path, "fixed"), "'z' is a component in 3D; expected x or y")
     if isinstance(side.fixed, tuple) and len(set(side.fixed)) != len(side.fixed):

@@ -122,6 +122,8 @@ def _value_message(item: Any, expectation: str) -> str:
         return _join(f"must be {words} {item['ctx'][key]:g}, not {shown(item['input'])}", expectation)
     if kind == "finite_number":
         return _join(f"{item['input']} is not finite", expectation)
+    if kind == "too_short" and isinstance(item["input"], dict):
+        return "is empty; expected at least one table in it, named as you like"
     if kind in ("too_short", "too_long"):
         return _join(f"has {len(item['input'])} entries", expectation)
     return _join(f"{shown(item['input'])} is {_type_name(item['input'])}", expectation)

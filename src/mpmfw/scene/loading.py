@@ -6,7 +6,7 @@ import difflib
 import os
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
@@ -18,7 +18,8 @@ from mpmfw.errors import SceneError
 from mpmfw.scene.cells import with_lengths
 from mpmfw.scene.checks import check
 from mpmfw.scene.complaint import problems_of
-from mpmfw.scene.locator import Locator
+from mpmfw.scene.content import TOO_DEEP, check_content
+from mpmfw.scene.locator import Locator, dotted
 from mpmfw.scene.options import Chosen, separate_options
 from mpmfw.scene.override import merge, parse_path, parse_value
 from mpmfw.scene.problem import Origin, Problem, distinct
@@ -56,7 +57,11 @@ def load_scene(
     if isinstance(scene, Scene):
         return scene.with_overrides(overrides) if overrides else scene
     if isinstance(scene, Mapping):
-        return scene_from(Source(plain(scene)), overrides)
+        try:
+            source = Source(plain(scene))
+        except RecursionError:
+            raise SceneError(TOO_DEEP) from None
+        return scene_from(source, overrides)
     if not isinstance(scene, str | os.PathLike):
         raise SceneError(
             f"{scene!r} is no scene; expected a TOML file, the name of a shipped scene "
@@ -74,12 +79,20 @@ def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
         One line for each thing that is wrong.
     """
     overrides = {**source.overrides, **plain(overrides)}
+    unreadable = list(check_content(source.mapping))
+    for key, value in overrides.items():
+        unreadable += [replace(found, path=(), override=key) for found in check_content(value)]
+    if unreadable:
+        raise SceneError(_message(unreadable, source, overrides))
     mapping, problems = merge(source.mapping, overrides)
     chosen = separate_options(mapping)
     problems += chosen.problems
     scene: Scene | None = None
+    core = _with_resolved_paths(chosen.core, source.directory)
+    if outside := list(_outside(core, source, overrides)):  # before the models are made, which read the files
+        raise SceneError(_message(problems + outside, source, overrides))
     try:
-        core = with_lengths(_with_resolved_paths(chosen.core, source.directory))
+        core = with_lengths(core)
         scene = Scene.model_validate(core)
         problems += check(scene, chosen.plugins)
     except ValidationError as error:
@@ -114,6 +127,32 @@ def _with_resolved_paths(core: dict[str, Any], directory: Path | None) -> dict[s
         if isinstance(geometry, dict) and isinstance(geometry.get("path"), str):
             resolved[name] = {**body, "geometry": {**geometry, "path": str(directory / geometry["path"])}}
     return {**core, "bodies": resolved}
+
+
+def _outside(core: Mapping[str, Any], source: Source, overrides: Mapping[str, Any]) -> Iterator[Problem]:
+    """Mesh files that a scene's file, which may be a stranger's, names outside the folders that were given.
+
+    Those are the folder of the scene and the working folder. A program that makes a scene, and an override, may name any file.
+    """
+    bodies = core.get("bodies")
+    if source.directory is None or not isinstance(bodies, Mapping):
+        return
+    folders = (source.directory.resolve(), Path.cwd())
+    for name, body in bodies.items():
+        geometry = body.get("geometry") if isinstance(body, Mapping) else None
+        path = geometry.get("path") if isinstance(geometry, Mapping) else None
+        at = ("bodies", str(name), "geometry", "path")
+        given = any(at[: len(target)] == target for target in origin_of(source, overrides).overrides.values())
+        if (
+            isinstance(path, str)
+            and not given
+            and not any(Path(path).resolve().is_relative_to(f) for f in folders)
+        ):
+            message = (
+                f"the file is neither in the scene's folder, {folders[0]}, nor in the working folder; expected it there, or "
+                f"give it on the command line: --set {dotted(at)}=FILE"
+            )
+            yield Problem(at, message)
 
 
 def _with_options(scene: Scene, chosen: Chosen) -> Scene:
@@ -152,6 +191,8 @@ def _message(problems: list[Problem], source: Source, overrides: Mapping[str, An
 def _read(scene: str | os.PathLike[str]) -> Source:
     """Read a file, or else a shipped scene of that name."""
     path = Path(scene)
+    if "\0" in os.fspath(path):
+        raise SceneError(f"{os.fspath(path)!r}: has the character NUL, as the name of no file has")
     if path.is_file():
         try:
             return _parse(path.read_text(encoding="utf-8-sig"), os.fspath(scene), path.parent)
@@ -173,6 +214,8 @@ def _read(scene: str | os.PathLike[str]) -> Source:
 def _parse(text: str, name: str, directory: Path | None) -> Source:
     try:
         mapping = tomllib.loads(text)
+    except RecursionError:
+        raise SceneError(f"{name}: {TOO_DEEP}") from None
     except tomllib.TOMLDecodeError as error:
         found = re.search(r" \(at (?:line (\d+), column \d+|end of document)\)$", str(error))
         what = str(error)[: found.start()] if found else str(error)

@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from mpmfw.discovery import Kind, available, load
+from mpmfw.discovery import Kind, available, distribution_of, load
 from mpmfw.errors import SceneError
 from mpmfw.scene.complaint import choice_message, problems_of, shown, unknown_key
 from mpmfw.scene.locator import Path
@@ -111,9 +111,18 @@ def _validate(
     except SceneError as error:
         chosen.problems.append(Problem(name_path, str(error)))
         return
-    model: type[BaseModel] = getattr(plugin, "Options", _NoOptions)
+    model: Any = getattr(plugin, "Options", _NoOptions)
+    said = f"Options of {kind} plug-in '{name}' of distribution {distribution_of(installed[name])}"
+    if not (isinstance(model, type) and issubclass(model, BaseModel)):
+        chosen.problems.append(Problem(name_path, f"{said}: expected a pydantic model, found {shown(model)}"))
+        return
     chosen.plugins[table_path] = plugin
     try:
         chosen.options[table_path] = model.model_validate(dict(options))
     except ValidationError as error:
         chosen.problems += problems_of(error, model, options, table_path, core_keys)
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # a stranger's validators may raise anything
+        message = f"{said} cannot judge them: {type(error).__name__}: {error}"
+        chosen.problems.append(Problem(table_path, message))

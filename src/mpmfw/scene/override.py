@@ -49,7 +49,7 @@ def parse_value(text: str) -> Any:
     """A TOML value (``0.2``, ``true``, ``[1, 2]``), or the text itself where it is none (``2 mm``)."""
     try:
         document = tomllib.loads(f"value = {text}")
-    except tomllib.TOMLDecodeError:
+    except (tomllib.TOMLDecodeError, RecursionError):
         return text
     return document["value"] if len(document) == 1 else text
 

@@ -9,6 +9,9 @@ from typing import Any, Literal, TypeAlias
 
 from mpmfw.scene.locator import Locator, Path, dotted
 
+#: Characters of a message about one problem.
+LONGEST = 2000
+
 Lines: TypeAlias = Locator | None
 
 
@@ -66,7 +69,7 @@ class Origin:
             key = "" if key == override else key
         elif self.name is not None:
             parts.append(self.name if self.locator is None else f"{self.name}:{self.locator.line(at)}")
-        return ": ".join([*parts, *([key] if key else []), problem.message])
+        return _printable(": ".join([*parts, *([key] if key else []), problem.message]))
 
     def of_key(self, path: Path, text: str) -> str:
         """``text``, which is about the key at ``path``, with where the key was written in front of it."""
@@ -102,6 +105,12 @@ class Origin:
             if len(target) >= len(path) and target[: len(path) - 1] == path[:-1]
         )
         return next(made, None) if absent else None
+
+
+def _printable(line: str) -> str:
+    """The line as a terminal may show it: of a scene's own text, no control characters and no endless ones."""
+    shown = "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in line)
+    return shown if len(shown) <= LONGEST else f"{shown[: LONGEST // 2]} … {shown[-LONGEST // 4 :]}"
 
 
 def distinct(problems: Iterable[Problem]) -> list[Problem]:

@@ -12,7 +12,7 @@ import xarray as xr
 
 from mpmfw.errors import MpmfwError
 from mpmfw.joining import COSTS as RUN_COSTS
-from mpmfw.results import open as open_results
+from mpmfw.results.reading import read as open_results
 from mpmfw.results.replacing import replace_bytes
 
 #: Root attributes of a run that are its costs: name, unit, meaning.

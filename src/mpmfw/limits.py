@@ -1,0 +1,102 @@
+"""What a run may take before it is asked whether it is meant: steps and frames.
+
+A misplaced power of ten makes a run that never ends. Both limits are far beyond what runs of this kind take, and a run past
+them begins if it is forced.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mpmfw.errors import SceneError
+from mpmfw.sizing import shown_bytes
+
+if TYPE_CHECKING:
+    from mpmfw.results import RunHeader
+    from mpmfw.simulation import Simulation
+
+#: Steps: with the least scene a day, at 1 ms a step three hours.
+MOST_STEPS = 10_000_000
+
+#: Frames: at 10 kB each, the least that a frame takes, 1 GB.
+MOST_FRAMES = 100_000
+
+#: Bytes of results, before they are compressed, past which a run says so.
+LARGE_RESULTS = 1e9
+
+
+def frames_of(simulation: Simulation) -> float:
+    """Frames that the run will write."""
+    time = simulation.scene.time
+    return float(math.ceil(time.end / time.output_interval - 1e-9) + 1)
+
+
+def steps_of(simulation: Simulation) -> float:
+    """Steps that the run will take, settling left out, if the stability limit stays what it is at the start."""
+    time, step = simulation.scene.time, simulation.stable_step()
+    return float((frames_of(simulation) - 1.0) * math.ceil(min(time.output_interval, time.end) / step - 1e-9))
+
+
+def check_length(simulation: Simulation) -> None:
+    """Refuse a run of more steps or frames than anybody wants.
+
+    Raises
+    ------
+    SceneError
+        There are more than :data:`MOST_STEPS` or :data:`MOST_FRAMES`; the keys that decide are named.
+    """
+    time, forced = simulation.scene.time, "; --force (force=True) runs it all the same"
+    frames = frames_of(simulation)
+    if frames > MOST_FRAMES:
+        raise SceneError(
+            f"time.output_interval: {time.output_interval:g} s in {time.end:g} s makes {frames:.3g} frames, more than "
+            f"{MOST_FRAMES}{forced}"
+        )
+    step = simulation.stable_step()
+    steps = steps_of(simulation)
+    if steps > MOST_STEPS:
+        raise SceneError(_too_many(simulation, f"time.end: {time.end:g} s", steps, step) + forced)
+    settle = simulation.scene.settle
+    if settle is not None and settle.max_time is not None and settle.max_time / step > MOST_STEPS:
+        said = f"settle.max_time: {settle.max_time:g} s"
+        raise SceneError(_too_many(simulation, said, settle.max_time / step, step) + forced)
+
+
+def _too_many(simulation: Simulation, span: str, steps: float, step: float) -> str:
+    """``time.end: 1 s in steps of 1e-300 s, which time.step sets, takes 1e+300 steps, more than 10000000``."""
+    owner = "time.step" if simulation.scene.time.step is not None else min(simulation.limits())[1]
+    return f"{span} in steps of {step:.3g} s, set by {owner}, takes {steps:.3g} steps, more than {MOST_STEPS}"
+
+
+def remark_on_size(simulation: Simulation, header: RunHeader) -> str:
+    """What to say of results that will be large; empty of others."""
+    frames, each = frames_of(simulation), frame_bytes(header)
+    if frames * each <= LARGE_RESULTS:
+        return ""
+    return (
+        f"the results take up to {shown_bytes(frames * each)}: {frames:g} frames of {shown_bytes(each)}; a longer "
+        "time.output_interval or output.particles = false makes them smaller"
+    )
+
+
+def frame_bytes(header: RunHeader) -> float:
+    """Bytes of one frame before compression, fields of unknown dimensions left out."""
+    counts = {
+        "particle": sum(header.particle_count.values()),
+        "surface_node": sum(header.surface_count.values()),
+    }
+    sizes = {
+        **counts,
+        "axis": header.dim,
+        "axis2": header.dim,
+        "rotation": 1 if header.dim == 2 else 3,
+        "body": len(header.bodies),
+        "pair": len(header.pairs),
+    }
+    known = [field for field in header.fields if all(dim in sizes for dim in field.dims)]
+    return float(
+        sum(np.dtype(field.dtype).itemsize * math.prod(sizes[dim] for dim in field.dims) for field in known)
+    )

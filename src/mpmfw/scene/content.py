@@ -1,0 +1,55 @@
+"""What no scene may hold, whatever its keys: tables within tables without end, and text that no file takes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from mpmfw.scene.locator import Path
+from mpmfw.scene.problem import Problem
+from mpmfw.units import LARGEST
+
+#: Tables and arrays within each other; the deepest key of a scene has six.
+DEEPEST = 32
+
+TOO_DEEP = f"tables and arrays are nested too deeply to be read; no scene needs more than {DEEPEST} levels"
+
+
+def check_content(content: Any, at: Path = ()) -> Iterator[Problem]:
+    """Problems of the values as such, those of ``content`` at a place of the scene.
+
+    Where something is nested too deeply it comes alone: nothing else can be asked.
+    """
+    problems: list[Problem] = []
+    # A list of what is still to be looked at instead of calls: depth is what is asked about
+    waiting: list[tuple[Path, Any]] = [(at, content)]
+    while waiting:
+        path, value = waiting.pop()
+        if len(path) > DEEPEST:
+            yield Problem(path[:3], f"is nested more than {DEEPEST} tables and arrays deep")
+            return
+        if isinstance(value, Mapping):
+            problems += [
+                Problem(path, f"has a key {key!r}; {wrong}") for key in value if (wrong := _text(key))
+            ]
+            waiting += [((*path, str(key)), item) for key, item in value.items()]
+        elif isinstance(value, list | tuple):
+            waiting += [((*path, index), item) for index, item in enumerate(value)]
+        elif isinstance(value, int) and abs(value) > LARGEST:
+            problems.append(Problem(path, f"is an integer past {LARGEST:g}, out of range"))
+        elif isinstance(value, str) and (wrong := _text(value)):
+            problems.append(Problem(path, wrong))
+    yield from problems
+
+
+def _text(text: Any) -> str:
+    """What is wrong with a text; empty if nothing is."""
+    if not isinstance(text, str):
+        return ""
+    if "\0" in text:
+        return "has the character NUL; expected text"
+    try:
+        text.encode()
+    except UnicodeEncodeError as error:
+        return f"has the character {text[error.start]!a}, which is none of Unicode; expected text"
+    return ""

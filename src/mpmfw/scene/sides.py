@@ -1,0 +1,75 @@
+"""Sides of one body that ask for two motions of the same nodes, or run into each other."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+
+from mpmfw.scene.locator import Path
+from mpmfw.scene.problem import Problem
+from mpmfw.scene.tables import Body, Side
+
+_AXIS = {"left": 0, "right": 0, "bottom": 1, "top": 1, "back": 2, "front": 2}
+_UPPER = ("right", "top", "front")
+
+
+def check_sides(body: Body, path: Path, dim: int, end: float) -> Iterator[Problem]:
+    """Contradictions between the prescribed sides of a body.
+
+    Parameters
+    ----------
+    body, path
+        The body, and where it stands in the scene.
+    dim
+        Of the grid.
+    end
+        End of the motion [s].
+    """
+    for (_, first), (index, second) in itertools.combinations(enumerate(body.sides), 2):
+        at = (*path, "sides", index)
+        if _AXIS[first.side] == _AXIS[second.side] and first.side != second.side:
+            if said := _meeting(body, first, second, end):
+                yield Problem(at, said)
+        elif first.side == second.side or body.geometry.type in ("rectangle", "box"):
+            yield from _contradicting(first, second, at, dim)
+
+
+def _contradicting(first: Side, second: Side, at: Path, dim: int) -> Iterator[Problem]:
+    """Components that both prescribe, with different values, on nodes that they share."""
+    where = "" if first.side == second.side else ", with which it shares a corner,"
+    for axis in range(dim):
+        one, other = _component(first, axis), _component(second, axis)
+        if one is not None and other is not None and one != other:
+            name = "xyz"[axis]
+            message = (
+                f"prescribes {other:g} m/s along {name}, but side '{first.side}'{where} prescribes {one:g} m/s; "
+                f"expected the same value, or '{name}' free on one of them"
+            )
+            yield Problem(at, message)
+
+
+def _meeting(body: Body, first: Side, second: Side, end: float) -> str:
+    """When two opposite sides meet; empty if they do not before the end."""
+    lower, upper = (second, first) if first.side in _UPPER else (first, second)
+    axis = _AXIS[lower.side]
+    below, above = _component(lower, axis), _component(upper, axis)
+    if below is None or above is None or body.geometry.type == "mesh":
+        return ""
+    low, high = body.geometry.bounds[:, axis]
+    approach = below - above
+    if approach * end < high - low:
+        return ""
+    return (
+        f"meets side '{first.side}' at {(high - low) / approach:.4g} s, before time.end: the velocities of the two press "
+        f"the body to nothing; expected time.end, which is {end:g} s, to be earlier"
+    )
+
+
+def _component(side: Side, axis: int) -> float | None:
+    """Prescribed velocity along an axis [m/s]; None where the side leaves it free."""
+    if side.velocity is not None and axis < len(side.velocity):
+        value = side.velocity[axis]
+        return None if isinstance(value, str) else float(value)
+    if side.fixed is True or (side.fixed is not None and "xyz"[axis] in side.fixed):
+        return 0.0
+    return None

@@ -1,0 +1,207 @@
+"""Memory, steps and frames are known from the scene's numbers, and refused where they cannot be meant."""
+
+import copy
+import tracemalloc
+
+import pytest
+
+import mpmfw
+from mpmfw import sizing
+from mpmfw.errors import ResultsWarning, SceneError
+from mpmfw.limits import MOST_FRAMES, MOST_STEPS, frame_bytes, frames_of
+from mpmfw.scene import load_scene, shipped_scenes
+from mpmfw.simulation import Simulation
+
+DISC = {
+    "grid": {"cell_size": 0.5, "lower": [-3, -3], "upper": [3, 3]},
+    "time": {"end": 0.01, "output_interval": 0.01},
+    "shape": {"method": "linear"},
+    "materials": {"m": {"model": "neo_hookean", "density": 1000, "bulk_modulus": 1e6, "shear_modulus": 1e6}},
+    "bodies": {
+        "a": {
+            "material": "m",
+            "geometry": {"type": "disc", "centre": [0, 0], "radius": 1},
+            "particles": {"layout": "lattice", "size": 0.25},
+        }
+    },
+}
+PLATE = {"type": "rectangle", "lower": [-1, -1], "upper": [1, 1]}
+
+
+def refusal(**overrides):
+    with pytest.raises(SceneError) as caught:
+        mpmfw.run(DISC, set=overrides)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        ({"bodies.a.geometry.radius": 400}, "bodies.a: the body from (-400, -400) to (400, 400) m is not inside the grid"),
+        (
+            {"bodies.a.geometry.radius": 4e6, "grid.lower": [-1e7, -1e7], "grid.upper": [1e7, 1e7]},
+            "bodies.a.particles.size: the body 'a' of 8e+06 by 8e+06 m has up to 1.02e+15 material points of 0.25 m; the "
+            "scene needs up to",
+        ),
+        ({"grid.cell_size": 1e-8}, "grid.cell_size: the body 'a' of 2 by 2 m has up to 4e+16 nodes of the grid"),
+        ({"bodies.a.particles.size": 1e-9}, "bodies.a.particles.size: the body 'a' of 2 by 2 m has up to 4e+18 material"),
+        ({"bodies.a.segment": 1e-12}, "bodies.a.segment: the body 'a' of 2 by 2 m has up to"),
+        ({"grid.cell_size": 1e-12}, "grid.cell_size: 1e-12 m is less than 1e-09 of the grid's largest coordinate, 3 m"),
+        ({"grid.cell_size": 10**400}, "grid.cell_size: is an integer past 1e+60, out of range"),
+        ({"materials.m.density": 1e-300}, "materials.m.density: 1e-300 is out of range: a magnitude is 0 or from 1e-60"),
+        ({"bodies": {}}, "bodies: is empty; expected at least one table in it, named as you like"),
+        ({"title": "a\0b"}, "title: has the character NUL; expected text"),
+        ({"title": "\ud800"}, "title: has the character '\\ud800', which is none of Unicode; expected text"),
+        (
+            {"time.step": 1e-50},
+            "time.end: 0.01 s in steps of 1e-50 s, set by time.step, takes 1e+48 steps, more than 10000000; --force",
+        ),
+        ({"materials.m.bulk_modulus": 1e30}, "time.end: 0.01 s in steps of 7.91e-15 s, set by bulk wave speed (h / c)"),
+        ({"time.output_interval": 1e-12}, "1e-12 s in 0.01 s makes 1e+10 frames, more than 100000; --force"),
+    ],
+)  # fmt: skip
+def test_a_misplaced_power_of_ten_is_named(overrides, message):
+    tracemalloc.start()
+    try:
+        assert message in refusal(**overrides)
+        assert tracemalloc.get_traced_memory()[1] < 50e6
+    finally:
+        tracemalloc.stop()
+
+
+def test_the_limit_of_memory_is_that_of_the_machine(monkeypatch):
+    monkeypatch.setattr(sizing, "memory_limit", lambda: 1e5)
+    said = refusal()
+    assert (
+        "the scene needs up to 349 kB of memory, and the limit is 100 kB, the memory of this machine" in said
+    )
+    monkeypatch.undo()
+    assert 1e8 < sizing.memory_limit() < 1e16
+
+
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_the_estimate_covers_what_is_allocated(name):
+    scene = load_scene(name)
+    tracemalloc.start()
+    try:
+        simulation = Simulation(scene)
+        allocated = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    state, sizes = (
+        simulation.state,
+        [sizing.size_of(body, scene.grid.cell_size) for body in scene.bodies.values()],
+    )
+    for body, size in zip(state.bodies, sizes, strict=True):
+        assert body.particles.stop - body.particles.start <= size.points
+        own = state.surface.of(body.index)
+        assert own.stop - own.start <= size.surface_nodes
+    assert allocated <= sizing.most_memory(scene)
+
+
+@pytest.mark.parametrize(
+    ("geometry", "layout"),
+    [
+        ({"type": "disc", "centre": [0, 0], "radius": 1}, "fitted"),
+        ({"type": "ring", "centre": [0, 0], "inner_radius": 0.5, "outer_radius": 1}, "fitted"),
+        ({"type": "ring", "centre": [0, 0], "inner_radius": 0.5, "outer_radius": 1}, "lattice"),
+        ({**PLATE, "angle": 0.4}, "lattice"),
+        ({**PLATE, "angle": 0.4}, "fitted"),
+        ({"type": "polygon", "points": [[-1, -1], [1, -1], [0, 1]]}, "lattice"),
+    ],
+)
+@pytest.mark.parametrize("size", [0.5, 0.11, 0.03])
+def test_there_are_at_most_so_many_points(geometry, layout, size):
+    table = {**DISC["bodies"]["a"], "geometry": geometry, "particles": {"layout": layout, "size": size}}
+    scene = load_scene({**DISC, "bodies": {"a": table}})
+    most = sizing.size_of(scene.bodies["a"], 0.5).points
+    count = Simulation(scene).state.particles.count
+    assert count <= most <= 12 * count + 20
+
+
+def test_a_forced_run_begins_whatever_its_length(monkeypatch):
+    monkeypatch.setattr("mpmfw.limits.MOST_STEPS", 1)
+    assert "takes 4 steps, more than 1" in refusal(**{"time.end": 0.02, "time.step": 0.005})
+    tree = mpmfw.run(DISC, set={"time.end": 0.02, "time.step": 0.005}, force=True)
+    assert tree.attrs["status"] == "ok"
+    compared = mpmfw.compare(
+        DISC, ["none"], ["linear"], force=True, set={"time.end": 0.02, "time.step": 0.005}
+    )
+    assert compared.status.item() == "ok"
+
+
+def test_settling_has_the_same_limit():
+    said = refusal(settle={"max_time": 1e9}, gravity={"vector": [0, -1]})
+    assert said.startswith("--set settle: settle.max_time: 1e+09 s in steps of")
+    assert "more than 10000000" in said
+
+
+def test_shipped_scenes_are_far_below_the_limits():
+    for name in shipped_scenes():
+        time = load_scene(name).time
+        assert time.end / time.output_interval < 1e-2 * MOST_FRAMES
+    assert MOST_STEPS >= 1_000_000
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        (
+            {"bodies.a.particles.size": 10},
+            "bodies.a.particles.size, 10 m, is larger than the body of 2 by 2 m",
+        ),
+        ({"grid.cell_size": 2.5}, "grid.cell_size, 2.5 m, is larger than the body 'a' of 2 by 2 m"),
+    ],
+)
+def test_what_resolves_no_body_is_warned_of(overrides, message):
+    with pytest.warns(ResultsWarning, match=message.replace(".", r"\.")):
+        tree = mpmfw.run(DISC, set=overrides)
+    assert message in tree.attrs["warnings"]
+
+
+def test_large_results_are_announced(tmp_path, monkeypatch):
+    monkeypatch.setattr("mpmfw.limits.LARGE_RESULTS", 1e3)
+    with pytest.warns(ResultsWarning, match=r"the results take up to .* kB: 2 frames of"):
+        mpmfw.run(DISC, output=tmp_path / "run.nc")
+
+
+def test_the_size_of_a_frame_is_that_of_its_arrays():
+    simulation = Simulation(load_scene(DISC))
+    frames = []
+    simulation.advance(1, frames.append)
+    arrays = [
+        a
+        for group in (frames[1].particles, frames[1].surface)
+        for body in group.values()
+        for a in body.values()
+    ]
+    stored = sum(a.nbytes for a in [*arrays, *frames[1].series.values()])
+    assert frame_bytes(simulation.header()) == stored
+    assert frames_of(simulation) == 2
+
+
+def _plate(**sides):
+    scene = copy.deepcopy(DISC)
+    scene["bodies"]["a"]["geometry"] = PLATE
+    scene["bodies"]["a"]["sides"] = [{"side": side, **value} for side, value in sides.items()]
+    return scene
+
+
+def test_sides_that_contradict_each_other_are_refused():
+    cases = [
+        (_plate(left={"fixed": True}, bottom={"velocity": [1.0, 0.0]}), "bodies.a.sides[1]: prescribes 1 m/s along x, but "
+         "side 'left', with which it shares a corner, prescribes 0 m/s; expected the same value, or 'x' free on one of them"),
+        (_plate(left={"velocity": [300.0, "free"]}, right={"fixed": True}), "bodies.a.sides[1]: meets side 'left' at "
+         "0.006667 s, before time.end"),
+    ]  # fmt: skip
+    both = _plate(left={"fixed": True})
+    both["bodies"]["a"]["sides"].append({"side": "left", "velocity": [1.0, "free"]})
+    cases.append((both, "bodies.a.sides[1]: prescribes 1 m/s along x, but side 'left' prescribes 0 m/s"))
+    for scene, message in cases:
+        with pytest.raises(SceneError) as caught:
+            load_scene(scene)
+        assert message in str(caught.value)
+    load_scene(
+        _plate(left={"fixed": ["x"]}, bottom={"velocity": ["free", 0.0]}, right={"velocity": [1.0, "free"]})
+    )
+    load_scene(_plate(left={"velocity": [1.0, "free"]}, right={"velocity": [-1.0, "free"]}))
