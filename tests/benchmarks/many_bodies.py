@@ -18,9 +18,9 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))  # also when it is run as a script
 
-from many_discs import many_discs  # noqa: E402
-from mpmfw.results.writing import RunWriter  # noqa: E402
-from mpmfw.simulation import Simulation  # noqa: E402
+from many_discs import many_discs
+from mpmfw.results.writing import RunWriter
+from mpmfw.simulation import Simulation
 
 #: Steps of the two discs for one of the many, rounds of both.
 STEPS_OF_TWO, ROUNDS = 100, 5

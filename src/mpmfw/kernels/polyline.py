@@ -116,8 +116,9 @@ def closest_segment(
 ) -> int:  # fmt: skip
     """Of the segments ``first:last`` that closest to a point, of equally close ones the first; −1 if none is near.
 
-    ``boxes`` are those of the segments' blocks (:func:`block_boxes`), ``within`` is the square of the distance from which on they are of no interest [m²]. Only blocks are looked through
-    whose box is not farther than that, or than what was found; the block of ``guess`` is the first.
+    ``boxes`` are those of the segments' blocks (:func:`block_boxes`), ``within`` is the square of the distance from which on
+    they are of no interest [m²]. Only blocks are looked through whose box is not farther than that, or than what was found;
+    the block of ``guess`` is the first.
     """
     nearest, closest = within, -1
     blocks = (last - first + BLOCK - 1) // BLOCK
