@@ -214,7 +214,9 @@ def _prescribed(made: Build, body: Body, side: Side) -> PrescribedSide:
     tolerance = FLAT * made.state.grid.cell_size
     at_side = [np.abs(loop @ normal - place) <= tolerance for loop in body.outlines]
     if body.outlines and not any((on & np.roll(on, -1)).any() for on in at_side):
-        raise SceneError(f"bodies.{body.name}.sides: no part of the outline lies along the side '{side.side}'")
+        raise SceneError(
+            f"bodies.{body.name}.sides: no part of the outline lies along the side '{side.side}'"
+        )
     axes = made.scene.bodies[body.name].geometry.axes
     alone = made.state.grid.n_fields == len(made.state.bodies)
     return PrescribedSide(body, normal, place, axes, _velocity(side, made.scene.dim), alone)

@@ -37,6 +37,11 @@ class Ball(BaseModel):
         """The centre (3,) [m]."""
         return np.array(self.centre)
 
+    @property
+    def axes(self) -> FloatArray:
+        """Those of the grid, one a row (3, 3)."""
+        return np.eye(3)
+
     def outlines(self, segment: float) -> tuple[FloatArray, ...]:  # noqa: ARG002
         """None: surfaces are polylines, and those exist in 2D only."""
         return ()

@@ -186,7 +186,9 @@ def _side(body: Body, path: Path, index: int, dim: int) -> Iterator[Problem]:
             (*path, "side"), f"'{side.side}' is a side in 3D; expected one of left, right, bottom, top"
         )
     if body.geometry.type in ROUND:
-        yield Problem((*path, "side"), f"a {body.geometry.type} has no plane side; expected a body that has one")
+        yield Problem(
+            (*path, "side"), f"a {body.geometry.type} has no plane side; expected a body that has one"
+        )
     if isinstance(side.fixed, tuple) and "z" in side.fixed and dim == 2:
         yield Problem((*path, "fixed"), "'z' is a component in 3D; expected x or y")
     if isinstance(side.fixed, tuple) and len(set(side.fixed)) != len(side.fixed):
