@@ -122,7 +122,9 @@ EFFECTS = {
     "affine moments": brings(arrays="particles/moment"),
     "gravity": brings("gravity", hooks="add_nodal_force", modules="mpmfw.effects.gravity"),
     "prescribed sides": brings(
-        "constraint", hooks="setup constrain_momentum", modules="mpmfw.effects.constraint"
+        "constraint",
+        hooks="setup constrain_momentum advect end_step",
+        modules="mpmfw.effects.constraint mpmfw.effects.side_rows",
     ),
     "settling": brings(),
     "pressure": brings("pressure", hooks="add_nodal_force", modules="mpmfw.effects.pressure"),

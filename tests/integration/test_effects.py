@@ -106,6 +106,8 @@ HOOKS: dict[str, tuple[dict[str, Any], dict[str, list[str]]]] = {
             "setup": ["soft", "shape", "constraint", "body_series"],
             "add_nodal_force": ["gravity"],
             "constrain_momentum": ["constraint"],
+            "advect": ["constraint"],
+            "end_step": ["constraint"],
             "diagnostics": ["body_series", "von_mises"],
         },
     ),

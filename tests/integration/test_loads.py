@@ -103,9 +103,9 @@ def test_a_wholly_fixed_side_holds() -> None:
     )
     sim.advance(40)
     g = sim.state.grid
-    below = (g.position[:, 1] <= -0.5 + 1e-9) & (g.mass > 0.0)
-    assert below.any()
-    assert not g.velocity[below].any()
+    at_side = (np.abs(g.position[:, 1] + 0.5) < 1e-9) & (g.mass > 0.0)
+    assert at_side.any()
+    np.testing.assert_allclose(g.velocity[at_side], 0.0, atol=1e-10)
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -125,16 +125,14 @@ def test_a_pulled_block_strains_uniformly(shape: str) -> None:
     for _ in range(40):
         sim.step(sim.stable_step())
     strain = rate * sim.state.time
-    # 2 %: the pulled side has left its nodes by strain × 1 m, under a hundredth of a cell; the rest is the start's ringing
-    np.testing.assert_allclose(p.stress[:, 1, 1], P_WAVE * strain, rtol=0.02)
-    np.testing.assert_allclose(p.stress[:, 0, 0], LAME * strain, rtol=0.02)
-    np.testing.assert_allclose(p.stress[:, 0, 1], 0.0, atol=0.01 * P_WAVE * strain)
+    np.testing.assert_allclose(p.stress[:, 1, 1], P_WAVE * strain, rtol=0.005)
+    np.testing.assert_allclose(p.stress[:, 0, 0], LAME * strain, rtol=0.005)
+    np.testing.assert_allclose(p.stress[:, 0, 1], 0.0, atol=0.001 * P_WAVE * strain)
 
 
 @pytest.mark.parametrize("speed", [-0.5, 0.5])
 def test_a_moving_side_keeps_its_hold(speed: float) -> None:
-    # The side moves by 0.4 of a cell, either way. A side is taken to lie on its nearest nodes: a tenth of a metre of
-    # the block's one lies between them in the end, so 10 %.
+    # The side moves by 0.4 of a cell, either way. 0.5 %: Hooke's stress goes with ln J, not with the strain, but for a trace
     sides = [{"side": "bottom", "fixed": ["y"]}, *WALLS, {"side": "top", "velocity": ["free", speed]}]
     sim = Simulation(block(bodies__solid__sides=sides, materials__soft=HOOKE))
     sim.start()
@@ -142,7 +140,7 @@ def test_a_moving_side_keeps_its_hold(speed: float) -> None:
     p.velocity[:, 1] = speed * (p.position[:, 1] + 0.5)
     while sim.state.time < 0.1 / abs(speed):
         sim.step(sim.stable_step())
-    assert p.stress[:, 1, 1].mean() == pytest.approx(P_WAVE * 0.1 * np.sign(speed), rel=0.1)
+    np.testing.assert_allclose(p.stress[:, 1, 1], P_WAVE * 0.1 * np.sign(speed), rtol=0.005)
 
 
 def pressed_block(shape: str) -> np.ndarray:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
-from mpmfw.effects.constraint import prescribe_side
 from mpmfw.effects.local_inertia import correct_locally
 from mpmfw.effects.pressure import add_pressure
 from mpmfw.effects.rotation import correct_rotation
+from mpmfw.effects.side_rows import add_rows, meet, quadrature, splines
 from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, move_points, weigh_by_mass, weigh_plain
 from mpmfw.settling import damp_locally
 from mpmfw_shape.cpdi2 import fill_cpdi2, move_corners
@@ -32,23 +34,97 @@ def dense(row, index, weight, nodes=NODES):
     return matrix
 
 
+@pytest.mark.parametrize("degree", [1, 2, 3])
+def test_weights_at_a_side_read_a_linear_velocity(degree):
+    """Σ share = 1 and Σ share · distance = 0, and β sums to 1 and to x over its nodes, so Σ c = 1 and Σ c d = 0."""
+    normal = np.array([0.5, math.sqrt(0.75)])
+    shift, share = quadrature(normal, 1, degree)
+    assert len(shift) > 1
+    assert share.sum() == pytest.approx(1.0)
+    assert share @ shift == pytest.approx(0.0, abs=1e-14)
+    x = np.arange(-4, 5) - 0.37
+    value = np.empty_like(x)
+    splines(x, degree, value)
+    assert value.sum() == pytest.approx(1.0)
+    assert value @ x == pytest.approx(0.0, abs=1e-14)
+    single = quadrature(np.array([0.0, 1.0]), 1, degree)
+    assert [part.tolist() for part in single] == [[0.0], [1.0]]
+
+
+def test_splines_are_those_of_the_formula():
+    x = np.array([0.0, 0.25, 0.5, 1.0, 1.5, -0.25])
+    value = np.empty_like(x)
+    splines(x, 1, value)
+    np.testing.assert_allclose(value, np.maximum(0.0, 1.0 - np.abs(x)), atol=1e-15)
+    splines(x, 2, value)
+    near, far = 0.75 - x**2, 0.5 * (1.5 - np.abs(x)) ** 2
+    np.testing.assert_allclose(value, np.where(np.abs(x) <= 0.5, near, far), atol=1e-15)
+
+
 @pytest.mark.parametrize("dim", [2, 3])
-def test_a_side_prescribes_the_momentum_of_its_nodes(dim):
+def test_rows_are_met_by_the_least_change_of_momentum(dim):
+    """Against the solution of the constrained least squares, (M, Aᵀ; A, 0)."""
     spacing = (0.1,) * dim
-    x, mass = RNG.uniform(-1, 1, (NODES, dim)), RNG.random(NODES)
-    momentum = RNG.normal(size=(NODES, dim))
-    velocity = np.array([0.3, np.nan, -0.2][:dim])
-    low, high = np.full(dim, -0.8), np.full(dim, 0.9)
-    expected = momentum.copy()
-    held = -(x[:, 1] - 0.05) > -0.05 * (1 - 2e-6)
-    held &= (x >= low).all(axis=1) & (x <= high).all(axis=1)
-    held[:3] = held[37:] = False  # outside the range of nodes
-    for d in range(dim):
-        if d != 1:
-            expected[held, d] = mass[held] * velocity[d]
-    prescribe_side(3, 37, 1, -1.0, 0.05, velocity, low, high, x, mass, momentum, spacing)
-    assert 5 < held.sum() < 30
-    np.testing.assert_allclose(momentum, expected, rtol=1e-15)
+    row, nodes, weights = table(points=6)
+    mass, momentum = 0.1 + RNG.random(NODES), RNG.normal(size=(NODES, dim))
+    side, target = np.array([0, 0, 1, 1, 0, 1]), np.array([1.0, 0.0, 1.0, 1.0, 1.0, 0.0])
+    directions = np.array([np.linalg.qr(RNG.normal(size=(dim, dim)))[0], np.eye(dim)])
+    velocity = np.array([[0.3, np.nan, -0.2][:dim], [np.nan, 0.1, 0.7][:dim]])
+    rows, wanted = [], []
+    for r, dense_row in enumerate(dense(row, nodes, weights)):
+        for e in range(dim):
+            if not np.isnan(velocity[side[r], e]):
+                rows.append(np.outer(dense_row, directions[side[r], e]).ravel())
+                wanted.append(target[r] * velocity[side[r], e])
+    a, m = np.array(rows), np.repeat(mass, dim)
+    v = momentum.ravel() / m
+    v = v + (a / m).T @ np.linalg.solve(a @ (a / m).T, np.array(wanted) - a @ v)
+    met = momentum.copy()
+    passes = meet(
+        6, row, nodes.astype(np.int64), weights, target, side, np.zeros(6), directions, velocity, 2000, 1e-13,
+        mass, met, spacing,
+    )  # fmt: skip
+    assert passes < 2000
+    np.testing.assert_allclose(met, (m * v).reshape(NODES, dim), atol=1e-10)
+
+
+def side_rows(place, mass):
+    """Rows of the side y = ``place`` of a body below it, in a field of 3 × 8 nodes."""
+    x, y = np.meshgrid(np.arange(3.0), np.arange(8.0), indexing="ij")
+    position = np.column_stack([x.ravel(), y.ravel()])
+    row, nodes, weights, target = np.zeros(40, int), np.zeros(200, int), np.zeros(200), np.zeros(40)
+    wide = np.full(2, np.inf)
+    count = add_rows(
+        0, 0, 24, 1, 8, 1, np.array([0.0, 1.0]), place, -wide, wide, 1, np.zeros(1), np.ones(1), True, 1.0,
+        position, np.tile(mass, 3), np.zeros((2, 8)), row, nodes, weights, target, (1.0, 1.0),
+    )  # fmt: skip
+    return [
+        (target[r], dict(zip(nodes[row[r] : row[r + 1]].tolist(), weights[row[r] : row[r + 1]], strict=True)))
+        for r in range(count)
+    ]
+
+
+def test_a_column_has_one_row_with_the_weights_at_the_side():
+    full = np.array([0.5, 1, 1, 1, 0.9, 0.1, 0, 0])
+    rows = side_rows(4.4, full)
+    assert len(rows) == 3
+    assert rows[1] == (1.0, pytest.approx({12: 0.6, 13: 0.4}))
+
+
+def test_an_empty_node_is_read_from_those_inwards():
+    empty = np.array([0.5, 1, 1, 1, 0.5, 0, 0, 0])
+    assert side_rows(4.2, empty)[0] == (1.0, pytest.approx({4: 1.2, 3: -0.2}))
+
+
+def test_a_node_of_next_to_no_side_is_held_in_line():
+    thin = np.array([0.5, 1, 1, 1, 0.5, 1e-3, 0, 0])
+    first, second = side_rows(4.01, thin)[:2]
+    assert first == (0.0, {5: 1.0, 4: -2.0, 3: 1.0})
+    assert second == (1.0, pytest.approx({4: 1.01, 3: -0.01}))
+
+
+def test_a_column_that_the_body_does_not_reach_has_none():
+    assert side_rows(5.4, np.array([0.5, 1, 1, 0.5, 0, 0, 0, 0])) == []
 
 
 def test_pressure_is_that_of_the_outward_normals():

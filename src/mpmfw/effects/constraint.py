@@ -16,7 +16,7 @@ from mpmfw.state import Body, Grid
 PASSES = 100
 
 #: Change of a side's velocity that ends the passes, as a share of the bodies' wave speed.
-AGREED = 1e-13
+AGREED = 1e-10
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +74,8 @@ class Constraint:
         h = setup.cell_size
         self.frame = -1
         self.places = np.array([side.place for side in self.sides])
+        self.speeds = np.array([side.speed for side in self.sides])
+        self.free = np.flatnonzero(np.isnan(self.speeds)).tolist()
         self.motions = np.zeros(len(self.sides))
         self.boxes = [side.box(h) for side in self.sides]
         self.points = [quadrature(side.normal, side.axis, self.degree) for side in self.sides]
@@ -91,13 +93,14 @@ class Constraint:
             before = self.rows
             self.rows = self._add_rows(index, grid)
             self.side[before : self.rows] = index
-        meet(
+        self.passes = meet(
             self.rows,
             self.row,
             self.nodes,
             self.weights,
             self.target,
             self.side,
+            self.compliance,
             self.directions,
             0.0 * self.velocity if self.at_rest else self.velocity,
             PASSES,
@@ -108,19 +111,26 @@ class Constraint:
         )
 
     def _fit(self, grid: Grid) -> None:
-        """Make room for the table whenever the windows were laid anew."""
+        """Make room for the table, and find each side's columns, whenever the windows were laid anew."""
         if self.frame == grid.frame:
             return
         self.frame = grid.frame
-        rows, longest = 0, 0
         width = 2 + max(int(self.degree + 1 + 2.0 * np.abs(shift).max()) for shift, _ in self.points)
+        self.columns = []  # of each side: first and last node, step along a column, its nodes and axis
+        rows, longest = 0, 0
         for side in self.sides:
-            shape = grid.window_shape[side.body.field]
-            rows += (width + 1) * int(np.prod(shape)) // int(shape[side.axis])
-            longest = max(longest, int(shape[side.axis]))
+            nodes, shape, axis = (
+                grid.field_nodes(side.body.field),
+                grid.window_shape[side.body.field],
+                side.axis,
+            )
+            count = int(shape[axis])
+            self.columns.append((nodes.start, nodes.stop, int(np.prod(shape[axis + 1 :])), count, axis))
+            rows += (width + 1) * (nodes.stop - nodes.start) // count
+            longest = max(longest, count)
         self.row = np.zeros(rows + 1, dtype=np.int64)
         self.side = np.zeros(rows, dtype=np.int64)
-        self.target = np.zeros(rows)
+        self.target, self.compliance = np.zeros(rows), np.zeros(rows)
         self.nodes = np.zeros(rows * width, dtype=np.int64)
         self.weights = np.zeros(rows * width)
         self.scratch = np.zeros((2, longest))
@@ -128,14 +138,9 @@ class Constraint:
     def _add_rows(self, index: int, grid: Grid) -> int:
         """Add a side's rows to the table; return their number then."""
         side = self.sides[index]
-        nodes, shape = grid.field_nodes(side.body.field), grid.window_shape[side.body.field]
         rows: int = add_rows(
             self.rows,
-            nodes.start,
-            nodes.stop,
-            int(np.prod(shape[side.axis + 1 :])),
-            int(shape[side.axis]),
-            side.axis,
+            *self.columns[index],
             side.normal,
             float(self.places[index]),
             *self.boxes[index],
@@ -157,13 +162,9 @@ class Constraint:
     @hookimpl
     def advect(self, grid: Grid, dt: float) -> None:
         """How far each side moves: as prescribed along its normal, or with the mean of the body's velocity there."""
-        for index, side in enumerate(self.sides):
-            speed = side.speed
-            if np.isnan(speed):
-                speed = self._mean_speed(index, grid.velocity)
-            elif self.at_rest:
-                speed = 0.0
-            self.motions[index] = dt * speed
+        self.motions[:] = 0.0 if self.at_rest else dt * self.speeds
+        for index in self.free:
+            self.motions[index] = dt * self._mean_speed(index, grid.velocity)
 
     def _mean_speed(self, index: int, velocity: FloatArray) -> float:
         """Mean velocity of the body along a side's normal, over its columns [m/s]."""

@@ -225,8 +225,9 @@ def add_rows(
     reach = 0.5 * (degree + 1) + np.abs(shift).max()
     oblique = len(shift) > 1
     c, distance = scratch[0], scratch[1]
-    for first in range(start, stop):
-        inside = (first - start) // stride % count == 0
+    for column in range((stop - start) // count):
+        first = start + column // stride * stride * count + column % stride
+        inside = True
         crossing = place
         for d in range(dim):
             if d != axis:
@@ -282,6 +283,7 @@ def meet(
     weights: Floats,
     target: Floats,
     side: Ints,
+    compliance: Floats,
     directions: Floats,
     velocity: Floats,
     passes: int,
@@ -292,7 +294,7 @@ def meet(
 ) -> int:
     """Give every row in turn the impulse that meets it, again and again until all are met; return the number of passes.
 
-    (m v)_k += λ A_rk e with λ = (V − Σ A_rk v_k·e) / Σ (A_rk² / m_k), along each prescribed direction e of the row's side. Each is
+    (m v)_k += λ A_rk e with λ = (V − Σ A_rk v_k·e) / Σ (A_rk² / m_k), along each prescribed direction e of the row's side. It is
     the least change of the momentum, in the norm of the masses, that meets the row, and together they end at the least that meets
     all (Kaczmarz 1937). So a velocity that is linear from the side inwards keeps its gradient, an impulse acts where a
     traction on the side would, and no frequency of the body rises: the step needs no new limit.
@@ -303,6 +305,8 @@ def meet(
         The table, as :func:`add_rows` fills it.
     side
         Of each row.
+    compliance
+        Scratch, (rows or more,).
     directions, velocity
         e, (n_sides, dim, dim), one a row, and V, (n_sides, dim) [m/s]; NaN leaves a component free.
     passes
@@ -311,12 +315,13 @@ def meet(
         Change at the sides [m/s] that ends them.
     """
     dim = len(spacing)
+    for r in range(rows):
+        compliance[r] = 0.0
+        for a in range(row[r], row[r + 1]):
+            compliance[r] += weights[a] ** 2 / node_mass[nodes[a]]
     for count in range(passes):
         largest = 0.0
         for r in range(rows):
-            compliance = 0.0
-            for a in range(row[r], row[r + 1]):
-                compliance += weights[a] ** 2 / node_mass[nodes[a]]
             for e in range(dim):
                 prescribed = velocity[side[r], e]
                 if prescribed == prescribed:
@@ -326,7 +331,7 @@ def meet(
                         for d in range(dim):
                             missing -= scale * node_momentum[nodes[a], d] * directions[side[r], e, d]
                     for a in range(row[r], row[r + 1]):
-                        impulse = missing / compliance * weights[a]
+                        impulse = missing / compliance[r] * weights[a]
                         for d in range(dim):
                             node_momentum[nodes[a], d] += impulse * directions[side[r], e, d]
                     largest = max(largest, target[r] * abs(missing))

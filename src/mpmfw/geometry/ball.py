@@ -42,6 +42,11 @@ class Ball(BaseModel):
         """Lower and upper corner of the bounding box (2, 3) [m]."""
         return np.add(self.centre, [[-self.radius], [self.radius]])
 
+    @property
+    def axes(self) -> FloatArray:
+        """Those of the grid, one a row (3, 3)."""
+        return np.eye(3)
+
     def outlines(self, segment: float) -> tuple[FloatArray, ...]:  # noqa: ARG002
         """None: surfaces are polylines, and those exist in 2D only."""
         return ()

@@ -51,6 +51,7 @@ class CubicBSpline(ShapeFunction):
     name = "cubic_bspline"
     Options = CubicBSplineOptions
     options: CubicBSplineOptions
+    boundary_degree = 3
     # All other facts are the defaults of ShapeFunction: 2D and 3D; boundary nodes carry mass; the spread
     # Σ φ q qᵀ is h²/3 away from the grid's ends and never singular; `auto` is USL with affine FLIP.
 
