@@ -164,7 +164,7 @@ def check_state_finite(state: State) -> None:
             )
 
 
-def check_finite(field: Field, values: AnyArray, time: float) -> None:
+def check_finite(plugin: Any, field: Field, values: AnyArray, time: float) -> None:
     """Refuse to record a value that is not finite; NaN is allowed where the declaration gives it a meaning.
 
     Raises
@@ -176,9 +176,8 @@ def check_finite(field: Field, values: AnyArray, time: float) -> None:
         return
     if field.missing and not np.isinf(values).any():
         return
-    raise SimulationError(
-        f"{field.group}/{field.name} is not finite", time=time, advice="a smaller time.safety"
-    )
+    said = f"{field.group}/{field.name} of {described(plugin)} is not finite"
+    raise SimulationError(said, time=time, advice="a smaller time.safety")
 
 
 def _shown(value: Any) -> str:

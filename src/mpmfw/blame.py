@@ -6,6 +6,7 @@ step.
 
 from __future__ import annotations
 
+import functools
 import linecache
 import re
 import traceback
@@ -121,16 +122,19 @@ def distribution_said(kind: type[Any]) -> str:
     )
 
 
+@functools.lru_cache(maxsize=256)
 def bundled(kind: type[Any]) -> bool:
     """Whether the class is one of mpmfw's own distribution."""
     package = kind.__module__.partition(".")[0]
+    if package == "mpmfw":
+        return True
     own = {
         entry.module.partition(".")[0]
         for each in KINDS
         for entry in available(each).values()
         if distribution_of(entry) == "mpmfw"
     }
-    return package in {"mpmfw", *own}
+    return package in own
 
 
 def cause(error: BaseException) -> str:

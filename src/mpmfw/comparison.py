@@ -16,7 +16,7 @@ from typing import Any
 
 import xarray as xr
 
-from mpmfw.discovery import Kind, available, did_you_mean
+from mpmfw.discovery import Kind, available, did_you_mean, distribution_of
 from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.joining import Outcome, join
 from mpmfw.scene.loading import plain
@@ -142,7 +142,10 @@ def _outcome(
     """Run one combination and say how it went; only what the user broke off is raised."""
     contact, shape = choice
     try:
-        tree = run(scene, contact=contact, shape=shape, output=None, progress=progress, set=overrides)
+        apart = {"apart": True} if _is_strange(contact, shape) else {}
+        tree = run(
+            scene, contact=contact, shape=shape, output=None, progress=progress, set=overrides, **apart
+        )
     except SceneError as error:
         refusals.append(_named(error, varied))
         return Outcome(f"refused: {refusals[-1]}")
@@ -154,6 +157,15 @@ def _outcome(
         _log.exception("contact %r with shape %r failed", contact, shape)
         return Outcome(f"failed: {type(error).__name__}: {error}")
     return Outcome(str(tree.attrs.get("status", "ok")), tree)
+
+
+def _is_strange(contact: Any, shape: Any) -> bool:
+    """Whether a plug-in that is not mpmfw's own runs, which may bring down its process; objects cannot leave this one."""
+    chosen: tuple[tuple[Kind, Any], ...] = (("contact", contact), ("shape", shape))
+    if not all(isinstance(method, str) for _, method in chosen):
+        return False
+    entries = [available(kind)[method] for kind, method in chosen if method in available(kind)]
+    return any(distribution_of(entry) != "mpmfw" for entry in entries)
 
 
 def _named(error: SceneError, varied: Iterable[str]) -> SceneError:

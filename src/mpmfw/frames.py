@@ -77,7 +77,7 @@ class Recorder:
         who = self.recording if len(answers) == len(self.recording) else [None] * len(answers)
         for plugin, answer in zip(who, answers, strict=True):
             for name, values in values_of(plugin, answer, self._by_name, self._error).items():
-                check_finite(self._by_name[name], values, state.time)
+                check_finite(plugin, self._by_name[name], values, state.time)
                 found[self._by_name[name].group][name] = values
         for group, struct in (("particles", state.particles), ("surface", state.surface)):
             for field in self.fields.values():

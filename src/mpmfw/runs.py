@@ -9,6 +9,7 @@ import warnings
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from mpmfw.apart import run_apart
 from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.interruption import interruptible
 from mpmfw.limits import check_length, remark_on_size
@@ -29,6 +30,7 @@ def run(
     progress: Callable[[float, int], None] | None = None,
     set: Mapping[str, Any] | None = None,
     force: bool = False,
+    apart: bool = False,
 ) -> xr.DataTree:
     """Run a scene.
 
@@ -46,6 +48,8 @@ def run(
         Values by dotted key, set over the scene's own.
     force
         Begin a run that has more steps or frames than the limits in :mod:`mpmfw.limits`.
+    apart
+        Run in a process of its own, so that one that crashes or hangs ends nothing else; plug-ins by name alone.
 
     Returns
     -------
@@ -60,6 +64,11 @@ def run(
     Interrupted
         Ctrl-C or SIGTERM; the outputs before are in the file, whose status is ``interrupted``.
     """
+    if apart:
+        if any(method is not None and not isinstance(method, str) for method in (contact, shape)):
+            raise SceneError("apart: a run in a process of its own takes plug-ins by name, no objects")
+        request = {"contact": contact, "shape": shape, "set": dict(set or {}), "force": force}
+        return run_apart(scene, output, progress, **request)
     restart_peak_memory()
     path = None if output is None else os.path.abspath(output)  # a plug-in may change the working folder
     loaded = load_scene(scene, set={**chosen_methods(contact, shape), **(set or {})})

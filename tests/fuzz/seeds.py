@@ -111,7 +111,7 @@ step = 1e-4
 method = "linear"
 
 [stepping]
-transfer = "apic"
+transfer = "tpic"
 
 [materials.soft]
 model = "neo_hookean"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterable
 from typing import Any
 
@@ -25,7 +26,7 @@ def problems_of(
 
     ``also_valid`` are keys of the same table that another model reads.
     """
-    schema = model.model_json_schema()
+    schema = _schema(model)
     found: dict[Path, list[Any]] = {}
     for item in error.errors(include_url=False):
         found.setdefault(_data_path(item["loc"], data, item["type"]), []).append(item)
@@ -34,6 +35,12 @@ def problems_of(
         p: items for p, items in found.items() if items[0]["type"] != "too_short" or not _has_below(p, found)
     }
     return [_problem(items, path, schema, data, prefix, also_valid) for path, items in found.items()]
+
+
+@functools.lru_cache(maxsize=32)
+def _schema(model: type[BaseModel]) -> Schema:
+    """The model's JSON schema, made once: many scenes may be judged after each other."""
+    return model.model_json_schema()
 
 
 def _has_below(path: Path, others: Iterable[Path]) -> bool:
