@@ -163,7 +163,7 @@ def forces(loops, found, law, old_master=None, old_tangential=None):
         law.keep_q,
         law.literal_friction,
         law.dt,
-        np.zeros((3, 3, 2)),
+        np.zeros((2, 4, 3, 2)),
         result.force,
         result.impulse,
         result.friction_work,

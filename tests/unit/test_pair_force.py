@@ -121,6 +121,43 @@ def test_some_of_those_contacts_are_at_vertices():
     assert at_vertex > 0
 
 
+HEAD_ON = {
+    "round on round": (12, 12),
+    "round on flat": (12, 4),
+    "corner on round": (4, 12),
+    "corner on corner": (4, 4),
+}
+
+
+@pytest.mark.parametrize("keep_q", [False, True])
+@pytest.mark.parametrize("name", HEAD_ON)
+@pytest.mark.parametrize("first", range(3))
+def test_head_on_contact_is_symmetric_whichever_node_comes_first(name, first, keep_q):
+    """Regular polygons, mirror images of themselves about x, whose nodes meet on the line of centres."""
+
+    def polygon(n, sign, centre):
+        angle = 2.0 * np.pi * np.arange(n) / n
+        loop = np.stack([sign * np.cos(angle) + centre, sign * np.sin(angle)], axis=1)
+        return np.roll(loop, first, axis=0)
+
+    n, m = HEAD_ON[name]
+    right = polygon(m, 1.0, 0.98)
+    if name == "round on flat":
+        right = np.roll(np.array([[0.0, -1], [1, -1], [1, 1], [0, 1], [0, 0]]) - [0.02, 0], first, axis=0)
+    loops = join([polygon(n, 1.0, -1.0), right if name == "round on flat" else polygon(m, -1.0, 0.98)])
+    x = loops.position
+    image = [
+        int(np.argmin(np.hypot(*(x - p * (1, -1)).T) + (loops.body != b)))
+        for p, b in zip(x, loops.body, strict=True)
+    ]
+    random = np.random.default_rng(3).normal(size=x.shape)
+    loops.displacement[:] = 1e-3 * (random + random[image] * (1, -1))
+    force = forces(loops, find(loops, slots=1), Law(keep_q=keep_q)).force
+    assert np.abs(force).max() > 0.01 * K
+    assert np.abs(force[image] * (1, -1) - force).max() < 1e-12 * np.abs(force).max()
+    assert abs(moment(x, force)) < 1e-12 * np.abs(force).max()
+
+
 def pressed(law=LAW, depth=0.001, x=0.05):
     """A tip that has just been pressed in, straight, without sliding."""
     node = OneNode(law, x=x, y=0.0)

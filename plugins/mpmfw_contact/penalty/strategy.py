@@ -136,7 +136,7 @@ class Penalty(ContactStrategy):
         self.omega_squared = 0.0
         self.count = 0
         self.searched = self.begins = False
-        self.rows = np.zeros((3, 3, 2))
+        self.rows = np.zeros((2, 4, 3, 2))
 
     def _table(self) -> Stencil:
         """N_i(x_s) of this step."""
