@@ -73,7 +73,9 @@ LEAST = Brings(
 )
 
 _SHAPE = "setup particle_reach interpolate interpolate_surface"
-_PENALTY = (*("strategy", "search", "candidates", "laws", "options", "pair_force", "stability", "facing"),)
+_PENALTY = (
+    *("strategy", "law", "search", "candidates", "laws", "options", "pair_force", "stability", "facing"),
+)
 EFFECTS = {
     "linear": brings("linear", hooks=_SHAPE, modules="mpmfw_shape.linear mpmfw_shape._bilinear_surface"),
     "gimp": brings(

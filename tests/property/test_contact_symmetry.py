@@ -42,13 +42,13 @@ LACKS: dict[str, dict[str, str]] = {
         "bardenhagen-master": MASTER,
         "bardenhagen-position-master": MASTER,
         "penalty-one-pass": MASTER,
-        "penalty-hamad2017": MASTER,
+        "hamad2017": MASTER,
     },
-    "whole-cell shift": {"penalty-hamad2017": ROUNDING},
-    "quarter turn": {"penalty-hamad2017, impact": ROUNDING},
+    "whole-cell shift": {"hamad2017": ROUNDING},
+    "quarter turn": {"hamad2017, impact": ROUNDING},
     "absent far away": {
         "none": "one window spans all bodies, so that sums run in another order: equal to rounding only",
-        "penalty-hamad2017": LAYER,
+        "hamad2017": LAYER,
     },
 }
 

@@ -163,7 +163,7 @@ CONTACTS: dict[str, tuple[str, dict[str, Any]]] = {
     "penalty": ("penalty", {}),
     "bardenhagen": ("bardenhagen", {}),
     "none": ("none", {}),
-    "hamad2017": ("penalty", {"variant": "hamad2017"}),
+    "hamad2017": ("hamad2017", {}),
 }
 MUST_HOLD = [("penalty", shape) for shape in ("cpdi", "cpdi2", "bspline")]
 MUST_STAY_BOUNDED = [("bardenhagen", shape) for shape in ("gimp", "cpdi")]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmfw.api import FloatArray, IntArray, SceneError, Setup
-from mpmfw_contact.penalty.options import PenaltyOptions
+from mpmfw_contact.penalty.options import SurfaceOptions
 
 
 @dataclass
@@ -22,15 +22,15 @@ class PairLaws:
     modulus: FloatArray  #: (n_bodies, n_bodies) M, the lesser K + 4 G / 3 [Pa]
 
     @classmethod
-    def of(cls, setup: Setup, options: PenaltyOptions) -> PairLaws:
-        """Read the scene's pairs.
+    def of(cls, setup: Setup, method: str, options: SurfaceOptions, *, one_pass: bool) -> PairLaws:
+        """Read the scene's pairs; with ``one_pass`` one body of each is master alone.
 
         Raises
         ------
         SceneError
             An option that cannot have an effect here, or names no body.
         """
-        _check(setup, options)
+        _check(setup, method, options)
         bodies, pairs, n = setup.bodies, setup.pairs, len(setup.bodies)
         laws = cls(
             first=np.array([pair.first for pair in pairs], dtype=np.int64),
@@ -46,7 +46,7 @@ class PairLaws:
                 laws.pair_of[i, j] = pair.index
                 laws.modulus[i, j] = min(a.p_wave_modulus, b.p_wave_modulus)
                 laws.is_slave[i, j] = 1
-            if options.passes == "one":
+            if one_pass:
                 master = a if a.p_wave_modulus >= b.p_wave_modulus else b
                 if options.master in (a.name, b.name):
                     master = a if options.master == a.name else b
@@ -55,12 +55,12 @@ class PairLaws:
         return laws
 
 
-def _check(setup: Setup, options: PenaltyOptions) -> None:
+def _check(setup: Setup, method: str, options: SurfaceOptions) -> None:
     """Refuse options that cannot have an effect in this scene."""
-    if all(pair.friction == 0.0 for pair in setup.pairs) and options.variant == "default":
+    if all(pair.friction == 0.0 for pair in setup.pairs):
         for name in ("tangential_ratio", "friction_law"):
             if name in options.model_fields_set:
-                raise SceneError(f"contact.penalty.{name} has no effect: every pair has friction = 0")
+                raise SceneError(f"contact.{method}.{name} has no effect: every pair has friction = 0")
     if options.master is not None and options.master not in [body.name for body in setup.bodies]:
         names = ", ".join(body.name for body in setup.bodies)
-        raise SceneError(f"contact.penalty.master: no body '{options.master}'; expected one of {names}")
+        raise SceneError(f"contact.{method}.master: no body '{options.master}'; expected one of {names}")

@@ -180,7 +180,6 @@ def contact_forces(
     friction: Floats,
     tangential_ratio: float,
     keep_q: bool,
-    literal_friction: bool,
     dt: float,
     rows: Floats,
     force: Floats,
@@ -232,16 +231,12 @@ def contact_forces(
             f_t = 0.0
             if len(tangential) > 0:
                 k_t = tangential_ratio * k
-                if literal_friction:
-                    f_t = -k_t * slip if friction[pair] > 0.0 else 0.0
-                    frictional_work[pair] -= f_t * slip
-                else:
-                    stored, known = stored_force(s, body[m], old_master, old_tangential)
-                    if not known and approach < 0.0:
-                        slip *= min(1.0, g / approach)
-                    f_t, lost, kept = return_to_cone(stored - k_t * slip, friction[pair] * f_n, k_t)
-                    frictional_work[pair] += lost
-                    energy[pair] += kept
+                stored, known = stored_force(s, body[m], old_master, old_tangential)
+                if not known and approach < 0.0:
+                    slip *= min(1.0, g / approach)
+                f_t, lost, kept = return_to_cone(stored - k_t * slip, friction[pair] * f_n, k_t)
+                frictional_work[pair] += lost
+                energy[pair] += kept
                 tangential[s, j] = f_t
             master[s, j] = body[m]
             scale = dt if body[s] == pair_first[pair] else -dt

@@ -34,6 +34,8 @@ def _friction(simulation: Simulation) -> Iterator[str]:
             f"{first}-{second}" for first, second, friction in simulation.scene.pairs if friction
         ]
         yield from (f"friction of {pair}: contact '{contact.name}' has none" for pair in with_friction)
+    if contact is not None:
+        yield from contact.unused(simulation.state.pairs)
 
 
 def _surfaces(simulation: Simulation) -> Iterator[str]:
