@@ -235,7 +235,7 @@ PLUGINS: dict[str, Acts] = {
     "contact.penalty.interface_thickness": _penalty("interface_thickness", 0.0, 0.01),
     "contact.penalty.damping": _penalty("damping", 0.0, 0.3),
     "contact.penalty.map": _penalty("map", "plain", "mass_weighted"),
-    "contact.hamad2017.kappa": _hamad2017("kappa", 1.0, 2.0),
+    "contact.hamad2017.kappa": _hamad2017("kappa", 1.0, 0.5),
     "contact.hamad2017.tangential_ratio": _hamad2017("tangential_ratio", 1.0, 0.3),
     "contact.hamad2017.master": _hamad2017("master", "left", "right"),
     "contact.hamad2017.search_radius": _hamad2017("search_radius", 1.0, 0.002),

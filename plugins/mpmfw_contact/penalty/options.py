@@ -52,8 +52,8 @@ class PenaltyOptions(SurfaceOptions):
         for name in MOVED if isinstance(values, dict) else ():
             if name in values:
                 raise ValueError(
-                    f"'{name}' is no option of penalty: [H17] by its equations is the contact method 'hamad2017'; "
-                    'expected contact.method = "hamad2017"'
+                    f"'{name}' is no option of penalty: [H17] by its equations is a contact method of its own, "
+                    'contact.method = "hamad2017"'
                 )
         return values
 
