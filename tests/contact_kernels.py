@@ -105,7 +105,6 @@ class Law:
     friction: float = 0.3
     tangential_ratio: float = 1.0
     keep_q: bool = False
-    literal_friction: bool = False
     dt: float = 1e-3
 
 
@@ -158,9 +157,8 @@ def forces(loops, found, law, old_master=None, old_tangential=None):
         np.full(len(first), law.friction),
         law.tangential_ratio,
         law.keep_q,
-        law.literal_friction,
         law.dt,
-        np.zeros((3, 3, 2)),
+        np.zeros((2, 4, 3, 2)),
         result.force,
         result.impulse,
         result.friction_work,

@@ -27,7 +27,8 @@ STRATEGIES: dict[str, tuple[str, dict[str, Any]]] = {
     "bardenhagen-specified": ("bardenhagen", {"normal": "specified", "direction": [1.0, 0.0]}),
     "penalty": ("penalty", {}),
     "penalty-one-pass": ("penalty", {"passes": "one"}),
-    "penalty-hamad2017": ("penalty", {"variant": "hamad2017"}),
+    "hamad2017": ("hamad2017", {}),
+    "hamad2017-literal": ("hamad2017", {"friction_law": "literal"}),
 }
 #: Those that report an impulse.
 ACTING = [name for name in STRATEGIES if name not in ("none", "separate")]

@@ -76,14 +76,19 @@ _SHAPE = "setup particle_reach interpolate interpolate_surface"
 _PENALTY = (
     *(
         "strategy",
+        "law",
         "search",
         "candidates",
         "laws",
+        "losses",
         "options",
         "pair_force",
         "pair_table",
+        "spring",
         "stability",
         "facing",
+        "tracking",
+        "travel",
     ),
 )
 EFFECTS = {

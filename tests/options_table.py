@@ -207,11 +207,14 @@ def mesh_file(folder: Path) -> Acts:
 
 
 PENALTY, BARDENHAGEN = "contact__penalty", "contact__bardenhagen"
-LITERAL = {"friction_law": "hamad2017"}
 
 
 def _penalty(option: str, first: Any, second: Any, /, **beside: Any) -> Acts:
     return values(pair(), PENALTY, {**beside, option: first}, {**beside, option: second})
+
+
+def _hamad2017(option: str, first: Any, second: Any) -> Acts:
+    return values(pair("hamad2017"), "contact__hamad2017", {option: first}, {option: second})
 
 
 def _bardenhagen(option: str, first: Any, second: Any, /, **beside: Any) -> Acts:
@@ -223,18 +226,22 @@ def _material(model: str, option: str, first: Any, second: Any) -> Acts:
 
 
 PLUGINS: dict[str, Acts] = {
-    "contact.penalty.variant": _penalty("variant", "default", "hamad2017"),
     "contact.penalty.kappa": _penalty("kappa", 1.0, 2.0),
     "contact.penalty.tangential_ratio": _penalty("tangential_ratio", 1.0, 0.3),
     "contact.penalty.passes": _penalty("passes", "two", "one"),
     "contact.penalty.master": _penalty("master", "left", "right", passes="one"),
     "contact.penalty.normal_variation": _penalty("normal_variation", "exact", "hamad2017"),
-    "contact.penalty.friction_law": _penalty("friction_law", "return_map", "hamad2017"),
-    "contact.penalty.detection": _penalty("detection", "closest_point", "hamad2017", **LITERAL),
     "contact.penalty.search_radius": _penalty("search_radius", 1.0, 0.002),
     "contact.penalty.interface_thickness": _penalty("interface_thickness", 0.0, 0.01),
     "contact.penalty.damping": _penalty("damping", 0.0, 0.3),
     "contact.penalty.map": _penalty("map", "plain", "mass_weighted"),
+    "contact.hamad2017.kappa": _hamad2017("kappa", 1.0, 0.5),
+    "contact.hamad2017.tangential_ratio": _hamad2017("tangential_ratio", 1.0, 0.3),
+    "contact.hamad2017.master": _hamad2017("master", "left", "right"),
+    "contact.hamad2017.search_radius": _hamad2017("search_radius", 1.0, 0.002),
+    "contact.hamad2017.interface_thickness": _hamad2017("interface_thickness", 0.001, 0.01),
+    "contact.hamad2017.map": _hamad2017("map", "plain", "mass_weighted"),
+    "contact.hamad2017.friction_law": _hamad2017("friction_law", "coulomb", "literal"),
     "contact.bardenhagen.criterion": _bardenhagen("criterion", "velocity", "position"),
     "contact.bardenhagen.cut_off": _bardenhagen("cut_off", 0.8, 0.1, criterion="position"),
     "contact.bardenhagen.normal": _bardenhagen("normal", "averaged", "master"),
@@ -250,6 +257,14 @@ PLUGINS: dict[str, Acts] = {
 #: Options where they can have no effect, and a word of the refusal.
 REFUSED: dict[str, tuple[dict[str, Any], Changes, str]] = {
     "tangential_ratio, μ = 0": (pair(contact__friction=0), {PENALTY: {"tangential_ratio": 0.5}}, "friction"),
+    "friction_law, μ = 0": (
+        pair("hamad2017", contact__friction=0),
+        {"contact__hamad2017": {"friction_law": "literal"}},
+        "friction",
+    ),
+    "variant, a method now": (pair(), {PENALTY: {"variant": "hamad2017"}}, 'contact.method = "hamad2017"'),
+    "friction_law, of hamad2017": (pair(), {PENALTY: {"friction_law": "return_map"}}, "hamad2017"),
+    "detection, of hamad2017": (pair(), {PENALTY: {"detection": "closest_point"}}, "hamad2017"),
     "master, two passes": (pair(), {PENALTY: {"master": "left"}}, "no effect"),
     "master that is no body": (pair(), {PENALTY: {"passes": "one", "master": "nobody"}}, "nobody"),
     "cut_off, velocity": (pair("bardenhagen"), {BARDENHAGEN: {"cut_off": 0.5}}, "no effect"),

@@ -61,6 +61,11 @@ EACH: dict[str, Each] = {
     "contact.penalty.map": Each(
         pair(), {word: {PENALTY: {"map": word}} for word in ("plain", "mass_weighted", "auto")}, "plain"
     ),
+    "contact.hamad2017.map": Each(
+        pair("hamad2017"),
+        {word: {"contact__hamad2017": {"map": word}} for word in ("plain", "mass_weighted", "auto")},
+        "plain",
+    ),
     "contact.bardenhagen.normal": Each(
         UNEQUAL,
         {

@@ -23,6 +23,7 @@ Names that are neither classes nor functions:
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -142,6 +143,13 @@ class ContactStrategy(PlugIn):
         ``cell_size`` is that of the grid, h [m].
         """
         return None
+
+    def unused(self, pairs: Sequence[Pair]) -> list[str]:  # noqa: ARG002
+        """Facts of these pairs that the law does not look at with its options, one line each, for ``explain``.
+
+        That it has no friction at all is said by :attr:`uses_friction`.
+        """
+        return []
 
     def monitors(self) -> list[Any]:
         """Plug-ins that watch the strategy's own stability, registered where a scene says ``output.stability``."""

@@ -16,6 +16,7 @@ from mpmfw.testing import contact_checks, contact_conformance, examine, subject_
 from mpmfw.testing.contact.meeting import Meeting
 from mpmfw.testing.contact.motion import simulate
 from mpmfw_contact.bardenhagen import Bardenhagen
+from mpmfw_contact.hamad2017 import Hamad2017
 from mpmfw_contact.penalty import Penalty
 
 #: Each fault, and the check that is meant for it.
@@ -67,6 +68,20 @@ LACKS_NONE = {
     "shapes": f"{STICKS}, and discs that meet in a point are hardly slowed",
     "three-dimensions": "what bodies of one velocity field exchange is internal force: contact itself does nothing",
 }
+THROWN = "a node near a corner is behind the line of a far face too (eq. 10), a cell deep, and is thrown out along the near one"
+LAYER = "the interface layer has inertia and momentum of its own beside the material points'"
+LACKS_HAMAD_2017 = {
+    **dict.fromkeys(("coulomb-cone", "slip-on-the-cone", "sticking", "frictionless", "time-step"), THROWN),
+    "relabelling": "of two equally stiff bodies the first is the master, and its nodes are no slaves",
+    **dict.fromkeys(
+        ("equal-and-opposite", "moment-balance", "pushes-apart", "no-adhesion", "asleep-apart", "bystander"),
+        LAYER,
+    ),
+    **dict.fromkeys(("shapes", "reports"), LAYER),
+    **dict.fromkeys(("used-twice", "restart"), f"the runs break down: {THROWN}; {LAYER}"),
+}
+#: Without its layer.
+LACKS_THIN = {name: why for name, why in LACKS_HAMAD_2017.items() if LAYER not in why}
 LACKS_SEPARATE = {
     "pushes-apart": "no interaction: the bodies pass through each other",
     "shapes": "no interaction: the bodies pass through each other, with any shape function",
@@ -84,6 +99,16 @@ def _entry_points_are_read_once():
 
 @contact_conformance("penalty", pictures=None)
 def test_penalty_conforms(check):
+    check()
+
+
+@contact_conformance("hamad2017", expected_failures=LACKS_HAMAD_2017, pictures=None)
+def test_hamad2017_as_published_lacks_what_is_listed(check):
+    check()
+
+
+@contact_conformance(lambda: Hamad2017(interface_thickness=0.0), expected_failures=LACKS_THIN, pictures=None)
+def test_hamad2017_without_its_layer_lacks_what_eq_10_costs(check):
     check()
 
 

@@ -11,7 +11,7 @@ import pytest
 from effects_table import CASES
 from mpmfw.hooks import BoundHooks
 from mpmfw.simulation import Simulation
-from mpmfw_contact.penalty import search, strategy
+from mpmfw_contact.penalty import law, search, strategy
 from scenes_for_tests import two_blocks, with_changes
 
 pytestmark = pytest.mark.effects
@@ -82,7 +82,8 @@ def test_diagnostics_are_called_at_outputs_alone() -> None:
 
 #: Kernels of the search and of the force, each behind the one before it.
 KERNELS = {
-    strategy: ("bounding_boxes", "contact_forces", "spring_stiffness", "contact_frequency", "map_to_grid"),
+    law: ("contact_forces",),
+    strategy: ("bounding_boxes", "spring_stiffness", "contact_frequency", "map_to_grid"),
     search: ("boxes_touch", "mark_shared_nodes", "list_segments", "find_pairs"),
 }
 

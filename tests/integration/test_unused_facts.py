@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import pytest
 from typer.testing import CliRunner
 
+import mpmfw
 from mpmfw.cli.app import app
 from mpmfw.cli.unused import unused_facts
+from mpmfw.errors import ResultsWarning
 from mpmfw.simulation import Simulation
 from scenes_for_tests import block, two_blocks
 
@@ -101,3 +104,14 @@ def test_explain_names_a_ledger_that_is_not_kept(thickness: float, kept: bool) -
     said = [line for line in unused_facts(sim) if line.startswith("output.ledger: ")]
     assert len(said) == (0 if kept else 1)
     assert kept or "adds inertia of its own to the nodes" in said[0]
+
+
+@pytest.mark.parametrize("law", ["coulomb", "literal"])
+def test_explain_and_results_name_a_friction_whose_value_is_ignored(law: str) -> None:
+    scene = two_blocks("hamad2017", contact__hamad2017={"friction_law": law}, time__end=2e-3)
+    line = "value of friction of left-right: contact 'hamad2017' with friction_law = 'literal' ignores it"
+    assert facts(scene) == ([line] if law == "literal" else [])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResultsWarning)
+        tree = mpmfw.run(scene)
+    assert (line in tree.attrs["warnings"]) == (law == "literal")

@@ -62,7 +62,8 @@ def stiff_springs(fraction: float, courant: float = 0.3) -> Callable[[dict[str, 
             sim.advance(200, lambda frame: limits.append(float(frame.series["time_step_limit"]) / TICK))
         limit = min(limits) if fraction < 1.0 else limits[0]  # 1 / sqrt(1 + a κ), a refusal at once
         kappa = ((fraction / courant) ** 2 - 1.0) / (1.0 / limit**2 - 1.0)
-        return {**mapping, "contact": {**table, "penalty": {**table.get("penalty", {}), "kappa": kappa}}}
+        own = table["method"]
+        return {**mapping, "contact": {**table, own: {**table.get(own, {}), "kappa": kappa}}}
 
     return set_kappa
 
@@ -105,7 +106,7 @@ class Case:
     growth
         Bounds of the energy at any time and at the end, of the start.
     springs
-        Whether the case is about contact springs: for ``penalty`` alone.
+        Whether the case is about contact springs: for the methods that have them.
     """
 
     build: Callable[[], dict[str, Any]]
@@ -163,7 +164,7 @@ CONTACTS: dict[str, tuple[str, dict[str, Any]]] = {
     "penalty": ("penalty", {}),
     "bardenhagen": ("bardenhagen", {}),
     "none": ("none", {}),
-    "hamad2017": ("penalty", {"variant": "hamad2017"}),
+    "hamad2017": ("hamad2017", {}),
 }
 MUST_HOLD = [("penalty", shape) for shape in ("cpdi", "cpdi2", "bspline")]
 MUST_STAY_BOUNDED = [("bardenhagen", shape) for shape in ("gimp", "cpdi")]
@@ -178,7 +179,7 @@ METHODS = MUST_HOLD + MUST_STAY_BOUNDED + OTHERS
 
 def applies(case: str, contact: str) -> bool:
     """Whether a case is about this contact."""
-    return not CASES[case].springs or CONTACTS[contact][0] == "penalty"
+    return not CASES[case].springs or CONTACTS[contact][0] in ("penalty", "hamad2017")
 
 
 def outcome(case: str, contact: str, shape: str, shift: tuple[float, float], turn: float) -> Outcome:

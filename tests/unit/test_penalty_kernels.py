@@ -139,19 +139,23 @@ def force_twin(loops, found, law, old_master, old_tangential):
         g, e_n, m = found.gap[s, j], found.normal[s, j], found.segment[s, j]
         e_t = np.array([-e_n[1], e_n[0]])
         point = x[m] + found.coordinate[s, j] * (x[loops.following[m]] - x[m])
-        if found.coordinate[s, j] in (0.0, 1.0):  # of the segments that meet at the vertex, the one along e_t
+        masters = [m]
+        if found.coordinate[s, j] in (0.0, 1.0):  # both segments that meet at the vertex
             vertex = m if found.coordinate[s, j] == 0.0 else loops.following[m]
-            unit = [(x[loops.following[k]] - x[k]) for k in (loops.previous[vertex], vertex)]
-            along = [t @ e_t / np.linalg.norm(t) for t in unit]
-            m = loops.previous[vertex] if along[0] > along[1] else vertex
-        end = loops.following[m]
-        t = x[end] - x[m]
-        xi = (point - x[m]) @ t / (t @ t)
-        share = np.array([1.0, xi - 1.0, -xi])
-        lever = np.array([0.0, -1.0, 1.0]) * g / (t @ e_t)
-        normal, tangential = np.outer(share, e_n), np.outer(share, e_t) + np.outer(lever, e_n)
-        motion = u[[s, m, end]]
-        slip, approach = (tangential * motion).sum(), (normal * motion).sum()
+            masters = [loops.previous[vertex], vertex]
+        along = np.array([max((x[loops.following[k]] - x[k]) @ e_t, 0.0) for k in masters])
+        normal, tangential = np.zeros((2, *x.shape))
+        for k, part in zip(masters, along**2 / (along @ along), strict=True):
+            if part == 0.0:
+                continue
+            end = loops.following[k]
+            t = x[end] - x[k]
+            xi = (point - x[k]) @ t / (t @ t)
+            rows = np.array([1.0, xi - 1.0, -xi])
+            couple = np.array([0.0, -1.0, 1.0]) * g / (t @ e_t)
+            normal[[s, k, end]] += part * np.outer(rows, e_n)
+            tangential[[s, k, end]] += part * (np.outer(rows, e_t) + np.outer(couple, e_n))
+        slip, approach = (tangential * u).sum(), (normal * u).sum()
         f_n = -law.stiffness * g
         f_n += np.clip(-law.damping * approach, -f_n, 2.0 * law.stiffness * abs(approach))
         known = old_master[s] == loops.body[m]
@@ -162,7 +166,7 @@ def force_twin(loops, found, law, old_master, old_tangential):
         f_t = np.clip(trial, -law.friction * f_n, law.friction * f_n)
         pair = tuple(sorted((int(loops.body[s]), int(loops.body[m]))))
         work[pairs.index(pair)] += abs(f_t) * abs(trial - f_t) / k_t
-        force[[s, m, end]] += f_n * normal + f_t * tangential
+        force += f_n * normal + f_t * tangential
     return force, work
 
 

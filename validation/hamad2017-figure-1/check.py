@@ -20,7 +20,8 @@ POSITION = {"contact.bardenhagen.criterion": "position"}
 MASTER = {"contact.bardenhagen.normal": "master"}
 #: Out of the cylinder, the pair's first body: the normal that the two surfaces really have.
 SPECIFIED = {"contact.bardenhagen.normal": "specified", "contact.bardenhagen.direction": [0.0, -1.0]}
-LITERAL = {"contact.penalty.variant": "hamad2017"}
+#: [H17] with increments that add up below Coulomb's cap, and to the letter.
+HAMAD = {"": {}, "literal": {"contact.hamad2017.friction_law": "literal"}}
 
 GAP, BEHIND = (0.5, 1.1), (-float("inf"), -3.0)  #: of classical contact [h], [%]
 
@@ -41,7 +42,7 @@ def _methods(case: Case) -> list[Method]:
     return [
         *case.methods(CONTACTS, SHAPES),
         *case.methods(("penalty",), ("cpdi", "cpdi2"), {WITHOUT: LUMPED}),
-        *case.methods(("penalty",), ("cpdi",), {"variant = hamad2017": LITERAL}),
+        *case.methods(("hamad2017",), ("cpdi",), HAMAD),
         *case.methods(("bardenhagen",), SHAPES, {"criterion = position": POSITION}),
         *case.methods(
             ("bardenhagen",),

@@ -23,7 +23,8 @@ _LOOKS: dict[tuple[str, str], tuple[str, Any]] = {
     ("bardenhagen", "normal = master"): ("#7F3C8D", "-."),
     ("penalty", ""): ("#0072B2", "-"),
     ("penalty", "rotation = lumped"): ("#56B4E9", "--"),
-    ("penalty", "variant = hamad2017"): ("0.45", (0, (3, 1, 1, 1))),
+    ("hamad2017", ""): ("0.2", (0, (1, 1))),
+    ("hamad2017", "literal"): ("0.45", (0, (3, 1, 1, 1))),
 }
 _PUBLISHED = [("none", ""), ("bardenhagen", ""), ("penalty", "")]
 #: Slip, then no slip: by how much displacements may depart in the figure [m]; what sticks lies outside.

@@ -13,6 +13,7 @@ from mpmfw.fields import FloatArray
 from mpmfw.validation import Case, Method
 
 SEGMENTS = 517  #: of both bodies, in [H17]
+MIRROR_PLANES = 3  #: segments more that the cylinder may have, so that their number is a multiple of four
 PARTICLE = 0.2  #: largest edge of a domain [m]
 #: Until the rigid cylinder has moved by 10 m; [H17] does not say when its last picture is taken.
 TIMES = {"time.end": SLIP.end, "time.output_interval": SLIP.end / 4.0}
@@ -43,8 +44,8 @@ def _classical(method: Method) -> bool:
 def _discretisation(case: Case, tree: xr.DataTree) -> None:
     """Compare the discretisation with that of [H17]."""
     segments = sum(group.sizes["surface_node"] for group in tree["surface"].children.values())
-    same = (SEGMENTS, SEGMENTS)
-    case.gate("segments of both surfaces", segments, within=same, reference=f"[H17]: {SEGMENTS}")
+    about = (SEGMENTS, SEGMENTS + MIRROR_PLANES)
+    case.gate("segments of both surfaces", segments, within=about, reference=f"[H17]: {SEGMENTS}")
     for body, group in tree["particles"].children.items():
         corners = np.asarray(group["corners"].isel(time=0))
         case.show(f"material points of the {body}", len(corners))

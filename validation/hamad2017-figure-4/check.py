@@ -24,7 +24,12 @@ from mpmfw.validation import CONTACTS, SHAPES, Case, Method
 #: The exact normal: by symmetry the rings meet at x = 0 only.
 EXACT_NORMAL = {"contact.bardenhagen.normal": "specified", "contact.bardenhagen.direction": [1.0, 0.0]}
 POSITION = {"contact.bardenhagen.criterion": "position"}
-LITERAL = {"contact.penalty.variant": "hamad2017"}
+#: [H17] with the stiffness that the scene has for the penalty contact; friction of its increments added up, and to the letter.
+AS_SHIPPED = {"contact.hamad2017.kappa": 0.25}
+HAMAD = {
+    "kappa 0.25": AS_SHIPPED,
+    "kappa 0.25, literal": {**AS_SHIPPED, "contact.hamad2017.friction_law": "literal"},
+}
 FINER = {"grid.cell_size": "1 mm", **particles_of("0.5 cells")}
 VALUES = {"output.particles": False}
 
@@ -70,7 +75,7 @@ def _in_brief(case: Case) -> list[Method]:
         *case.methods(
             ("bardenhagen",), ("cpdi",), {"criterion position, exact normal": {**POSITION, **EXACT_NORMAL}}
         ),
-        *case.methods(("penalty",), ("cpdi",), {"variant hamad2017": LITERAL}),
+        *case.methods(("hamad2017",), ("cpdi",), HAMAD),
     ]
 
 

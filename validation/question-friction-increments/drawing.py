@@ -16,7 +16,7 @@ from mpmfw.plots.style import FONT, dress, legend_below, new_figure
 Curve = dict[float, tuple[float, float]]
 LOOKS: dict[str, dict[str, Any]] = {
     "": {"color": BLUE, "marker": "o", "linestyle": "-", "label": "return map"},
-    "literal increments": {"color": ORANGE, "marker": "^", "linestyle": "-", "label": "literal increments"},
+    "literal": {"color": ORANGE, "marker": "^", "linestyle": "-", "label": "literal"},
     "viscous": {**REFERENCE, "label": "rigid, viscous friction k_t Δt"},
 }
 

@@ -41,7 +41,8 @@ CLASSICAL = {
 }
 #: Height of the interface over a grid line, in cells of 0.1 m; the scene's is 0.13.
 HEIGHTS = {"interface on a grid line": 0.0, "interface in mid-cell": 0.5}
-LITERAL = {"variant hamad2017": {"contact.penalty.variant": "hamad2017"}}
+#: [H17] with increments that add up below Coulomb's cap, and to the letter.
+HAMAD = {"": {}, "literal": {"contact.hamad2017.friction_law": "literal"}}
 
 
 def check(case: Case) -> None:
@@ -52,7 +53,7 @@ def check(case: Case) -> None:
         methods += case.methods(("bardenhagen",), SHAPES, CLASSICAL)
         heights = {label: _interface_at(0.1 * height) for label, height in HEIGHTS.items()}
         methods += case.methods(("bardenhagen", "penalty"), ("cpdi",), heights)
-        methods += case.methods(("penalty",), ("cpdi",), LITERAL)
+        methods += case.methods(("hamad2017",), ("cpdi",), HAMAD)
     values = {"output.particles": False} | ({"time.end": 0.5} if case.quick else {})
     results = {}
     for method, tree in case.runs(methods, set=values):

@@ -17,14 +17,15 @@ if TYPE_CHECKING:
 #: (contact, label): name and colour in the figure; markers are the shape functions'.
 GROUPS = {
     ("penalty", ""): ("penalty", "#0072B2"),
-    ("penalty", "variant hamad2017"): ("penalty, hamad2017", "#56B4E9"),
+    ("hamad2017", ""): ("hamad2017", "#56B4E9"),
+    ("hamad2017", "literal"): ("hamad2017, literal", "#B2B200"),
     ("bardenhagen", ""): ("bardenhagen", "#D55E00"),
     ("bardenhagen", "criterion position"): ("bardenhagen, position", "#E69F00"),
     ("bardenhagen", "normal master"): ("bardenhagen, master", "#7F3C8D"),
     ("bardenhagen", "normal specified"): ("bardenhagen, specified", "#6B6B6B"),
     ("none", ""): ("none", "#009E73"),
 }
-STYLES = ("-", (0, (1, 1)), "-", "--", "-.", (0, (5, 2)), ":")
+STYLES = ("-", "-", (0, (1, 1)), "-", "--", "-.", (0, (5, 2)), ":")
 MARKERS = {"linear": "s", "gimp": "^", "cpdi": "o", "cpdi2": "D", "bspline": "v"}
 
 
@@ -56,7 +57,7 @@ def draw(results: Mapping[Method, xr.Dataset], exact: float, fitted: Callable[[x
         for shape, marker in MARKERS.items()
         if any(m.shape == shape for m in results)
     ]
-    legend_below(figure, [handles[:4], handles[4:], markers])
+    legend_below(figure, [handles[:5], handles[5:], markers])
     return figure
 
 

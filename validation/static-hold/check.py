@@ -32,11 +32,13 @@ CLASSICAL = {
     "criterion position": {"contact.bardenhagen.criterion": "position"},
     "normal master": {"contact.bardenhagen.normal": "master"},
 }
-LITERAL = {"variant hamad2017": {"contact.penalty.variant": "hamad2017"}}
+#: [H17] with increments that add up below Coulomb's cap, and to the letter.
+HAMAD = {"": {}, "literal": {"contact.hamad2017.friction_law": "literal"}}
 #: Linear functions take MUSL by themselves, see the README.
 UPDATE_LAST = {"USL": {"stepping.scheme": "usl"}}
 
-COLOURS = {"none": "#009E73", "bardenhagen": "#D55E00", "penalty": "#0072B2"}
+COLOURS = {"none": "#009E73", "bardenhagen": "#D55E00", "penalty": "#0072B2", "hamad2017": "#56B4E9"}
+LITERAL = "#B2B200"
 STYLES = {"linear": ":", "gimp": "--", "cpdi": "-", "cpdi2": "-.", "bspline": (0, (5, 1, 1, 1, 1, 1))}
 
 
@@ -47,7 +49,7 @@ def check(case: Case) -> None:
     else:
         methods = case.methods(CONTACTS, SHAPES)
         methods += case.methods(("bardenhagen",), SHAPES, CLASSICAL)
-        methods += case.methods(("penalty",), ("cpdi",), LITERAL)
+        methods += case.methods(("hamad2017",), ("cpdi",), HAMAD)
         methods += case.methods(("bardenhagen", "penalty"), ("linear",), UPDATE_LAST)
     results = {}
     for method, tree in case.runs(methods, set={"output.particles": False}):
@@ -93,11 +95,11 @@ def _figure(results: dict[Method, xr.Dataset]) -> Figure:
     axes = figure.subplots()
     rows: list[list[Line2D]] = [[], []]
     for method, series in results.items():
-        literal = method.label == "variant hamad2017"
+        literal = method.label == "literal"
         if method.label and not literal:
             continue
         look = {
-            "color": "#56B4E9" if literal else COLOURS[method.contact],
+            "color": LITERAL if literal else COLOURS[method.contact],
             "linestyle": STYLES[method.shape],
             "linewidth": 1.1,
         }
@@ -113,8 +115,8 @@ def _figure(results: dict[Method, xr.Dataset]) -> Figure:
         for name, colour in COLOURS.items()
         if name in contacts
     ]
-    if any(m.label == "variant hamad2017" for m in results):
-        rows[0].append(Line2D([], [], color="#56B4E9", linewidth=2.5, label="hamad2017"))
+    if any(m.label == "literal" for m in results):
+        rows[0].append(Line2D([], [], color=LITERAL, linewidth=2.5, label="hamad2017, literal"))
     shapes = [
         Line2D([], [], color="0.3", linestyle=style, linewidth=1.1, label=name)
         for name, style in STYLES.items()

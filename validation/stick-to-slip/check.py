@@ -32,10 +32,10 @@ CLASSICAL = {
         "contact.bardenhagen.direction": [0.0, -1.0],
     },
 }
-#: [H17] to the letter, at the default step and at a quarter of it; both slide within the first 0.4 s.
+#: Friction of [H17] to the letter, at the default step and at a quarter of it; both slide within the first 0.4 s.
 LITERAL = {
-    f"variant hamad2017, step x {step:g}": {
-        "contact.penalty.variant": "hamad2017",
+    f"literal, step x {step:g}": {
+        "contact.hamad2017.friction_law": "literal",
         "time.safety": 0.5 * step,
         "time.end": 0.6,
     }
@@ -50,7 +50,7 @@ def check(case: Case) -> None:
     methods = case.methods(("bardenhagen", "penalty") if case.quick else CONTACTS, shapes)
     if not case.quick:
         methods += case.methods(("bardenhagen",), ("gimp", "cpdi"), CLASSICAL)
-        methods += case.methods(("penalty",), ("cpdi",), LITERAL)
+        methods += case.methods(("hamad2017",), ("cpdi",), {"": {}, **LITERAL})
     values = {"output.particles": False}
     if case.quick:
         load = [[0.0, 0.0, -GRAVITY], [1.0, rate, -GRAVITY]]

@@ -21,8 +21,9 @@ GROUPS = {
     ("bardenhagen", ""): ("bardenhagen", "#D55E00", "-", 1.2),
     ("bardenhagen", "criterion position"): ("bardenhagen, position", "#E69F00", "--", 1.2),
     ("bardenhagen", "normal master"): ("bardenhagen, master", "#7F3C8D", "-.", 1.2),
-    ("penalty", "variant hamad2017, step x 1"): ("hamad2017", "#56B4E9", "-", 1.2),
-    ("penalty", "variant hamad2017, step x 0.25"): ("hamad2017, step / 4", "#56B4E9", ":", 1.6),
+    ("hamad2017", ""): ("hamad2017", "#56B4E9", "--", 1.6),
+    ("hamad2017", "literal, step x 1"): ("hamad2017, literal", "#56B4E9", "-", 1.2),
+    ("hamad2017", "literal, step x 0.25"): ("the same, step / 4", "#56B4E9", ":", 1.6),
     ("none", ""): ("none", "#009E73", ":", 1.6),
 }
 

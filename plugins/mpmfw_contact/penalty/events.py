@@ -12,7 +12,7 @@ from mpmfw.kernels.types import Floats, Ints
 from mpmfw_contact.penalty.pair_table import pair_index
 
 if TYPE_CHECKING:
-    from mpmfw_contact.penalty.strategy import Penalty
+    from mpmfw_contact.penalty.strategy import SurfaceSprings
 
 #: Steps per contact below which a free impact gains 18 % of its energy (in the worst phase).
 FEWEST_STEPS = 3
@@ -72,12 +72,12 @@ def follow_contacts(
 
 
 class ContactEvents:
-    """Follows the contacts of a penalty strategy's surface nodes, if the scene asks for it."""
+    """Follows the contacts of a strategy's surface nodes, if the scene asks for it."""
 
     name = "contact_events"
     stage = "output"
 
-    def __init__(self, contact: Penalty) -> None:
+    def __init__(self, contact: SurfaceSprings) -> None:
         self.contact = contact
 
     @hookimpl
@@ -147,16 +147,16 @@ class ContactEvents:
             if steps < FEWEST_STEPS:
                 said.append(
                     f"{label}: a contact lasted {steps:.0f} steps, fewer than {FEWEST_STEPS}, and gains energy; "
-                    "try a smaller time.safety or contact.penalty.kappa"
+                    f"try a smaller time.safety or contact.{self.contact.name}.kappa"
                 )
             if depth > DEEPEST:
                 said.append(
                     f"{label}: the bodies penetrate by {depth:.2g} cells, more than {DEEPEST:g}; try a larger "
-                    "contact.penalty.kappa"
+                    f"contact.{self.contact.name}.kappa"
                 )
         return said
 
 
-def monitors(contact: Penalty) -> list[Any]:
+def monitors(contact: SurfaceSprings) -> list[Any]:
     """What a scene with ``output.stability`` registers beside the contact."""
     return [ContactEvents(contact)]

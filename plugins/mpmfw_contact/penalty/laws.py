@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmfw.api import Body, FloatArray, IntArray, Pair, SceneError, Setup
-from mpmfw_contact.penalty.options import PenaltyOptions
+from mpmfw_contact.penalty.options import SurfaceOptions
 from mpmfw_contact.penalty.pair_table import pair_table
 
 
@@ -25,18 +25,19 @@ class PairLaws:
     modulus: FloatArray  #: (n_bodies,) M = K + 4 G / 3 [Pa]; a pair takes the lesser
 
     @classmethod
-    def of(cls, setup: Setup, options: PenaltyOptions) -> PairLaws:
-        """Read the scene's bodies and the pairs listed so far.
+    def of(cls, setup: Setup, method: str, options: SurfaceOptions, *, one_pass: bool) -> PairLaws:
+        """Read the scene's bodies and the pairs listed so far; with ``one_pass`` one body of each is master alone.
 
         Raises
         ------
         SceneError
             An option that cannot have an effect here, or names no body.
         """
-        _check(setup, options)
+        _check(setup, method, options)
         none, empty = np.zeros(0, dtype=np.int64), np.zeros(0)
         modulus = np.array([body.p_wave_modulus for body in setup.bodies])
-        laws = cls(none, none, empty, none, _ranks(setup.bodies, options), modulus)
+        ranks = _ranks(setup.bodies, options.master, one_pass=one_pass)
+        laws = cls(none, none, empty, none, ranks, modulus)
         laws.list_pairs(setup.pairs)
         return laws
 
@@ -48,21 +49,21 @@ class PairLaws:
         self.pair_of = pair_table(self.first, self.second)
 
 
-def _ranks(bodies: tuple[Body, ...], options: PenaltyOptions) -> IntArray:
+def _ranks(bodies: tuple[Body, ...], master: str | None, *, one_pass: bool) -> IntArray:
     """All alike where each body is slave once; else the stiffer is master, of equals the first, unless one is named."""
     ranks = np.zeros(len(bodies), dtype=np.int64)
-    if options.passes == "one":
-        order = sorted(bodies, key=lambda b: (b.name == options.master, b.p_wave_modulus, -b.index))
+    if one_pass:
+        order = sorted(bodies, key=lambda b: (b.name == master, b.p_wave_modulus, -b.index))
         ranks[[body.index for body in order]] = np.arange(len(bodies))
     return ranks
 
 
-def _check(setup: Setup, options: PenaltyOptions) -> None:
+def _check(setup: Setup, method: str, options: SurfaceOptions) -> None:
     """Refuse options that cannot have an effect in this scene."""
-    if not setup.has_friction and options.variant == "default":
+    if not setup.has_friction:
         for name in ("tangential_ratio", "friction_law"):
             if name in options.model_fields_set:
-                raise SceneError(f"contact.penalty.{name} has no effect: every pair has friction = 0")
+                raise SceneError(f"contact.{method}.{name} has no effect: every pair has friction = 0")
     if options.master is not None and options.master not in [body.name for body in setup.bodies]:
         names = ", ".join(body.name for body in setup.bodies)
-        raise SceneError(f"contact.penalty.master: no body '{options.master}'; expected one of {names}")
+        raise SceneError(f"contact.{method}.master: no body '{options.master}'; expected one of {names}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mpmfw.kernels import device, kernel
 from mpmfw.kernels.types import Float, Floats, Ints
-from mpmfw_contact.penalty.pair_force import better_segment, relative_motion, tangential_rows
+from mpmfw_contact.penalty.pair_force import length_along, relative_motion, tangential_rows
 from mpmfw_contact.penalty.pair_table import pair_index
 from mpmfw_contact.penalty.spring import spring_energy
 from mpmfw_contact.penalty.stability import motion
@@ -16,12 +16,10 @@ def slip_of(
     position: Floats, displacement: Floats, following: Ints, previous: Ints, rows: Floats,
 ) -> Float:  # fmt: skip
     """C_tᵀ Δu of node s and the point ξ of segment m, on which a tangential force acted over the last step [m]."""
-    if xi == 0.0 or xi == 1.0:
-        m, xi = better_segment(m, xi, e_x, e_y, position, following, previous)
-    end = following[m]
-    lever = -e_y * (position[end, 0] - position[m, 0]) + e_x * (position[end, 1] - position[m, 1])
-    tangential_rows(e_x, e_y, xi, gap, lever, rows)
-    slip: Float = relative_motion(rows, s, m, end, displacement)
+    if length_along(m, e_x, e_y, position, following) <= 0.0:  # the force acted on the vertex's other segment
+        m, xi = (previous[m], 1.0) if xi == 0.0 else (following[m], 0.0)
+    tangential_rows(e_x, e_y, xi, gap, length_along(m, e_x, e_y, position, following), rows)
+    slip: Float = relative_motion(rows, s, m, following[m], displacement)
     return slip
 
 

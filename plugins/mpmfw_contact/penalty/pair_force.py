@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 
 from mpmfw.kernels import device, kernel
+from mpmfw.kernels.polyline import signed_distance
 from mpmfw.kernels.types import Float, Floats, Ints
+from mpmfw_contact.penalty.facing import faces
 from mpmfw_contact.penalty.pair_table import pair_index
 from mpmfw_contact.penalty.spring import normal_force, spring_energy
 
@@ -86,6 +88,76 @@ def return_to_cone(trial: Float, limit: Float, k_t: Float) -> tuple[Float, Float
     return f_t, abs(f_t) * abs(trial - f_t) / k_t, 0.5 * f_t * f_t / k_t
 
 
+#: Difference of distances, in lengths of a segment, below which two segments are equally close: what rounding leaves.
+TIE = 1e-9
+
+
+@device
+def length_along(a: int, e_x: Float, e_y: Float, position: Floats, following: Ints) -> Float:
+    """(x_2 − x_1)·e_t of segment a [m], e_t = (−e_n,y, e_n,x)."""
+    b = following[a]
+    along: Float = -e_y * (position[b, 0] - position[a, 0]) + e_x * (position[b, 1] - position[a, 1])
+    return along
+
+
+@device
+def equally_close(
+    s: int, m: int, xi: Float, gap: Float, e_x: Float, e_y: Float, position: Floats, following: Ints, previous: Ints
+) -> tuple[int, Float, Float, Float, Float]:  # fmt: skip
+    """The neighbour of segment m to which node s is as close, and the share of the contact that it takes.
+
+    Where a node meets a vertex head-on, or is as deep under both sides of a corner, each of the two segments is as good as
+    the other: the contact is then with both, in shares w_i = L_i² / (L_1² + L_2²) of their lengths along the tangent, and
+    rows are means of theirs. Of the distance, which has a ridge there, that is a subgradient, and no index decides.
+
+    Returns
+    -------
+    First node of the neighbour, its share (0 without a tie, 1 if segment m has no length along the tangent), its ξ and e_n.
+    """
+    own = max(length_along(m, e_x, e_y, position, following), 0.0)
+    nearer, farther = previous[m], following[m]
+    if xi > 0.5:
+        nearer, farther = farther, nearer
+    for other in (nearer, farther):
+        g, other_xi, n_x, n_y = signed_distance(
+            position[s, 0], position[s, 1], other, position, following, previous
+        )
+        along = max(length_along(other, n_x, n_y, position, following), 0.0)
+        if abs(g - gap) <= TIE * max(own, along) and along > 0.0:
+            at_vertex = (xi == 0.0 or xi == 1.0) and (other_xi == 0.0 or other_xi == 1.0)
+            if at_vertex or faces(s, other, position, following, previous):
+                return other, along * along / (own * own + along * along), other_xi, n_x, n_y
+    return m, 0.0, xi, e_x, e_y
+
+
+@device
+def rows_of(
+    m: int, xi: Float, gap: Float, e_x: Float, e_y: Float, keep_q: bool,
+    position: Floats, following: Ints, out: Floats,
+) -> None:  # fmt: skip
+    """N, C_t and C_n of a node and segment m, into the first three of ``out`` (4, 3, 2)."""
+    lever = length_along(m, e_x, e_y, position, following)
+    normal_rows(e_x, e_y, xi, out[0])
+    tangential_rows(e_x, e_y, xi, gap, lever, out[1])
+    normal_rows(e_x, e_y, xi, out[2])
+    if keep_q:
+        end = following[m]
+        t_x, t_y = position[end, 0] - position[m, 0], position[end, 1] - position[m, 1]
+        turn_normal(t_x, t_y, gap, out[3], out[2])
+
+
+@device
+def add_forces(
+    f_n: Float, f_t: Float, s: int, m: int, following: Ints, rows: Floats, force: Floats, impulse: Floats, scale: Float
+) -> None:  # fmt: skip
+    """f_n C_n + f_t C_t on node and segment ends; the node's, times ``scale``, on the pair's impulse."""
+    end = following[m]
+    for d in range(2):
+        impulse[d] += scale * (f_n * rows[2, 0, d] + f_t * rows[1, 0, d])
+        for row, node in enumerate((s, m, end)):
+            force[node, d] += f_n * rows[2, row, d] + f_t * rows[1, row, d]
+
+
 @kernel
 def contact_forces(
     slots: int,
@@ -110,7 +182,6 @@ def contact_forces(
     friction: Floats,
     tangential_ratio: float,
     keep_q: bool,
-    literal_friction: bool,
     linear_to: float,
     dt: float,
     rows: Floats,
@@ -125,9 +196,8 @@ def contact_forces(
 
     Every slave node has ``slots`` places; ``segment`` −1 or ``gap`` ≥ 0 is no contact. ``stiffness`` k [N/m²], ``rest`` [m],
     ``damping`` c / Δt [N/m²] and ``tangential`` [N/m] are (n_s, slots), or (0, slots) where there is no such effect. Springs
-    deeper than ``linear_to`` [m] grow stiffer. ``rows`` is scratch, (3, 3, 2).
+    deeper than ``linear_to`` [m] grow stiffer. ``rows`` is scratch, (2, 4, 3, 2).
     """
-    n, c_t, q = rows[0], rows[1], rows[2]
     energy[:] = 0.0
     count[:] = 0.0
     for s in range(len(body)):
@@ -140,13 +210,18 @@ def contact_forces(
                 continue
             g, xi, k = gap[s, j], coordinate[s, j], stiffness[s, j]
             e_x, e_y = normal[s, j, 0], normal[s, j, 1]
-            if xi == 0.0 or xi == 1.0:
-                m, xi = better_segment(m, xi, e_x, e_y, position, following, previous)
-            end = following[m]
-            lever = -e_y * (position[end, 0] - position[m, 0]) + e_x * (position[end, 1] - position[m, 1])
-            normal_rows(e_x, e_y, xi, n)
-            tangential_rows(e_x, e_y, xi, g, lever, c_t)
-            approach = relative_motion(n, s, m, end, displacement)
+            other, share, other_xi, o_x, o_y = equally_close(
+                s, m, xi, g, e_x, e_y, position, following, previous
+            )
+            if share == 1.0:  # at a sharp vertex whose other segment has no length along the tangent
+                m, xi, share = other, other_xi, 0.0
+            rows_of(m, xi, g, e_x, e_y, keep_q, position, following, rows[0])
+            approach = (1.0 - share) * relative_motion(rows[0, 0], s, m, following[m], displacement)
+            slip = (1.0 - share) * relative_motion(rows[0, 1], s, m, following[m], displacement)
+            if share > 0.0:
+                rows_of(other, other_xi, g, o_x, o_y, keep_q, position, following, rows[1])
+                approach += share * relative_motion(rows[1, 0], s, other, following[other], displacement)
+                slip += share * relative_motion(rows[1, 1], s, other, following[other], displacement)
             pair = pair_index(pair_of, body[s], body[m])
             depth = max(rest[s, j] - g, 0.0) if len(rest) > 0 else -g
             f_n = normal_force(k, depth, linear_to)
@@ -158,44 +233,19 @@ def contact_forces(
                 damping_work[pair] += max(-dashpot * approach, 0.0)
             f_t = 0.0
             if len(tangential) > 0:
-                slip = relative_motion(c_t, s, m, end, displacement)
                 k_t = tangential_ratio * k
-                if literal_friction:
-                    f_t = -k_t * slip if friction[pair] > 0.0 else 0.0
-                    frictional_work[pair] -= f_t * slip
-                else:
-                    stored, known = stored_force(s, body[m], old_master, old_tangential)
-                    if not known and approach < 0.0:
-                        slip *= min(1.0, g / approach)
-                    f_t, lost, kept = return_to_cone(stored - k_t * slip, friction[pair] * f_n, k_t)
-                    frictional_work[pair] += lost
-                    energy[pair] += kept
+                stored, known = stored_force(s, body[m], old_master, old_tangential)
+                if not known and approach < 0.0:
+                    slip *= min(1.0, g / approach)
+                f_t, lost, kept = return_to_cone(stored - k_t * slip, friction[pair] * f_n, k_t)
+                frictional_work[pair] += lost
+                energy[pair] += kept
                 tangential[s, j] = f_t
             master[s, j] = body[m]
-            if keep_q:
-                t_x, t_y = position[end, 0] - position[m, 0], position[end, 1] - position[m, 1]
-                turn_normal(t_x, t_y, g, q, n)
-            sign = 1.0 if body[s] == pair_first[pair] else -1.0
-            for d in range(2):
-                pair_impulse[pair, d] += sign * dt * (f_n * n[0, d] + f_t * c_t[0, d])
-                for row, node in enumerate((s, m, end)):
-                    force[node, d] += f_n * n[row, d] + f_t * c_t[row, d]
-
-
-@device
-def better_segment(
-    m: int, xi: Float, e_x: Float, e_y: Float, position: Floats, following: Ints, previous: Ints
-) -> tuple[int, Float]:
-    """Of the two segments that meet at the closest vertex, the one whose tangent is nearer to e_t."""
-    other = previous[m] if xi == 0.0 else following[m]
-    best = 0.0
-    chosen, chosen_xi = m, xi
-    for a in (m, other):
-        b = following[a]
-        tx, ty = position[b, 0] - position[a, 0], position[b, 1] - position[a, 1]
-        along = (-e_y * tx + e_x * ty) / math.sqrt(tx * tx + ty * ty)
-        if along > best:
-            best = along
-            chosen = a
-            chosen_xi = xi if a == m else 1.0 - xi
-    return chosen, chosen_xi
+            scale = dt if body[s] == pair_first[pair] else -dt
+            own_n, own_t = (1.0 - share) * f_n, (1.0 - share) * f_t
+            add_forces(own_n, own_t, s, m, following, rows[0], force, pair_impulse[pair], scale)
+            if share > 0.0:
+                add_forces(
+                    f_n - own_n, f_t - own_t, s, other, following, rows[1], force, pair_impulse[pair], scale
+                )

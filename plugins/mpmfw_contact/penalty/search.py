@@ -133,6 +133,7 @@ def keep_nearest(
 ) -> None:  # fmt: skip
     """Keep the closest segment of each other body; of equally close ones that with the lower index.
 
+    The force is shared by neighbours that are equally close (:func:`.pair_force.equally_close`), whichever is kept.
     Where more bodies are near than there are slots, the farthest gives way, so that the order of search does not matter.
     """
     farthest = 0

@@ -1,9 +1,9 @@
-"""The penalty contact as a plug-in: search, force, map, and its own stable time step."""
+"""Springs between tracked surfaces as a plug-in: search, stiffness, map, and their stable time step; the force is a law's."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -25,8 +25,7 @@ from mpmfw_contact.penalty import search
 from mpmfw_contact.penalty.candidates import Candidates, SearchGrid
 from mpmfw_contact.penalty.laws import PairLaws
 from mpmfw_contact.penalty.losses import add_losses
-from mpmfw_contact.penalty.options import HAMAD_2017, PenaltyOptions
-from mpmfw_contact.penalty.pair_force import contact_forces
+from mpmfw_contact.penalty.options import SurfaceOptions
 from mpmfw_contact.penalty.spring import LINEAR_TO
 from mpmfw_contact.penalty.stability import (
     contact_frequency,
@@ -40,10 +39,6 @@ from mpmfw_contact.records import PairRecords
 #: Travel in a step, in search radii, below which no node can pass the middle of a body unseen.
 THIN = 0.05
 
-FORCE = Field(
-    "force", ("surface_node", "axis"), "N m-1", "contact force on the surface node", "surface", output=True
-)
-
 SPRING_WORK = Field(
     "spring_work",
     ("pair",),
@@ -53,40 +48,40 @@ SPRING_WORK = Field(
     output=True,
 )
 
+FORCE = Field(
+    "force", ("surface_node", "axis"), "N m-1", "contact force on the surface node", "surface", output=True
+)
 
-class Penalty(ContactStrategy):
-    """Surfaces of two-node segments; a node inside another body is pushed out, and held by friction, by
-    springs.
+
+class SurfaceSprings(ContactStrategy):
+    """Surfaces of two-node segments; a node inside another body is pushed out by springs, and held by friction.
 
     Spring stiffness of a slave node is k = κ M l_trib / h with M the softer body's K + 4 G / 3, halved where
-    both bodies are slaves (two-pass). The forces are mapped to each body's own velocity field with shape
+    both bodies are slaves. The forces are mapped to each body's own velocity field with shape
     functions at the surface nodes (eq. 11). A step must resolve the springs: ω² from the nodal masses bounds
-    it together with the bulk's.
+    it together with the bulk's. A law has a name, options and ``_forces``.
     """
 
-    name = "penalty"
-    Options = PenaltyOptions
-    options: PenaltyOptions
+    Options = SurfaceOptions
+    options: SurfaceOptions
     velocity_fields = "per_body"
     needs_surface = True
     uses_friction = True
     dimensions = (2,)
     stage = "contact"
+    #: Whether a node meets every segment that it penetrates (eq. 10), and not the closest one of a body.
+    every_segment: ClassVar[bool] = False
+    #: Whether springs bear by the part of their length that lies across the normal, and change with it.
+    shares: ClassVar[bool] = False
+    #: Whether the stiffer body is master, or the one that is named, and not each body slave once.
+    one_pass: bool = True
+    #: Normal dashpot as a fraction of critical.
+    damping: float = 0.0
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
         self.surface_map = self.options.map
         self.adds_mass = self.options.interface_thickness > 0.0
-
-    @property
-    def label(self) -> str:
-        """Name and options; of a variant, what departs from it."""
-        options = self.options
-        if options.variant == "default":
-            return super().label
-        own = {key: getattr(options, key) for key in sorted(options.model_fields_set - {"variant"})}
-        departs = [f"{key}={value}" for key, value in own.items() if value != HAMAD_2017.get(key)]
-        return f"{self.name}({', '.join([f'variant={options.variant}', *departs])})"
 
     def parts(self) -> list[Any]:
         """The limit of travel, and the surface layer's inertia where it has a thickness."""
@@ -107,53 +102,56 @@ class Penalty(ContactStrategy):
 
         return monitors(self)
 
+    @property
+    def keeps_friction(self) -> bool:
+        """Whether the tangential force is stored from step to step."""
+        return True
+
     @hookimpl
     def declare_fields(self) -> list[Field]:
         """Force of the surface nodes, and the pairs' series."""
-        literal = self.options.detection == "hamad2017"
-        return [FORCE, *PairRecords.declarations(), *([] if literal else [SPRING_WORK])]
+        return [FORCE, *PairRecords.declarations(), *([SPRING_WORK] if self.shares else [])]
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
         """Laws of the pairs as arrays."""
         if setup.state.surface is None:
-            raise SceneError("contact 'penalty' needs bodies with outlines")
-        self.laws = PairLaws.of(setup, self.options)
+            raise SceneError(f"contact '{self.name}' needs bodies with outlines")
+        self.laws = PairLaws.of(setup, self.name, self.options, one_pass=self.one_pass)
         self.state, self.surface = setup.state, setup.state.surface
         self.records = PairRecords(setup, self.name)
-        self.literal = literal = self.options.detection == "hamad2017"
-        slots = 8 if literal else min(max(len(setup.bodies) - 1, 1), 3)
+        slots = 8 if self.every_segment else min(max(len(setup.bodies) - 1, 1), 3)
         self.candidates = Candidates.allocate(
             setup,
             self.name,
             slots,
-            friction=setup.has_friction,
-            damping=self.options.damping > 0.0,
-            shares=not literal,
+            friction=self.keeps_friction and setup.has_friction,
+            damping=self.damping > 0.0,
+            shares=self.shares,
         )
-        self.spring_work = np.zeros(0) if literal else setup.allocate(self.name, SPRING_WORK)
+        self.spring_work = setup.allocate(self.name, SPRING_WORK) if self.shares else np.zeros(0)
         self.force: FloatArray = setup.allocate(self.name, FORCE)
         self.grid = SearchGrid.allocate(setup, self.name)
-        share = 0.5 if self.options.passes == "two" else 1.0
+        share = 1.0 if self.one_pass else 0.5
         # k = κ M l_trib / h of every surface node, up to M, which depends on the body that it meets.
         self.node_factor = share * self.options.kappa * self.surface.tributary / setup.cell_size
         self.stiffest = max(1.0, self.options.tangential_ratio) if setup.has_friction else 1.0
         self.radius = self.reach(setup.cell_size)
         self.cell_size = setup.cell_size
-        self.linear_to = math.inf if literal else LINEAR_TO * setup.cell_size
+        self.linear_to = LINEAR_TO * setup.cell_size if self.shares else math.inf
         self.bulk_frequency = setup.bulk_frequency
         self.node_stiffness = np.zeros(0)
         self.omega_squared = 0.0
         self.count = 0
         self.searched = self.begins = False
-        self.rows, self.through = np.zeros((3, 3, 2)), np.zeros(2)
+        self.rows, self.through = np.zeros((3, 2)), np.zeros(2)
 
     @hookimpl
     def add_pairs(self, state: State) -> None:
         """Laws and records of bodies that have come near."""
         self.laws.list_pairs(state.pairs)
         self.records.add_pairs(state)
-        if self.options.detection != "hamad2017":
+        if self.shares:
             self.spring_work = state.lengthen(f"{self.name}/{SPRING_WORK.name}", len(state.pairs))
 
     def _table(self) -> Stencil:
@@ -172,7 +170,9 @@ class Penalty(ContactStrategy):
                 self._part()
             return
         self._stiffness(grid, phi)
+        rubbed = self.records.frictional_work.copy()
         self._forces(dt)
+        self._losses(self.records.frictional_work - rubbed)
         map_to_grid(phi.row, phi.nodes, phi.weight, self.force, grid.force)
 
     def _search(self, grid: Grid) -> int:
@@ -192,7 +192,7 @@ class Penalty(ContactStrategy):
             count = self._search_tagged(grid)
         else:
             found.segment.fill(-1)
-        return count if self.literal else count + self._track()
+        return count + self._track() if self.shares else count
 
     def _part(self) -> None:
         """No candidate is left: forget forces and history."""
@@ -208,7 +208,7 @@ class Penalty(ContactStrategy):
         return search.find_pairs(
             g.stamp,
             self.radius,
-            self.literal,
+            self.every_segment,
             s.position,
             s.next,
             s.previous,
@@ -232,7 +232,6 @@ class Penalty(ContactStrategy):
     def _track(self) -> int:
         """Nodes inside that the search has lost, or missed; the end of the run where bodies have crossed."""
         s, c, g = self.surface, self.candidates, self.grid
-        found: tuple[Any, ...] = (c.master, c.segment, c.coordinate, c.gap, c.normal)
         added = keep_inside(
             s.position,
             s.next,
@@ -241,7 +240,11 @@ class Penalty(ContactStrategy):
             s.body_first,
             c.old_master,
             c.old_segment,
-            *found,
+            c.master,
+            c.segment,
+            c.coordinate,
+            c.gap,
+            c.normal,
             self.through,
         )
         if self.through[0] > self.radius:
@@ -261,7 +264,11 @@ class Penalty(ContactStrategy):
                 laws.rank,
                 g.box_lower,
                 g.box_upper,
-                *found,
+                c.master,
+                c.segment,
+                c.coordinate,
+                c.gap,
+                c.normal,
             )
         return added
 
@@ -325,15 +332,15 @@ class Penalty(ContactStrategy):
             grid.mass,
             self.node_stiffness,
         )
-        if self.options.damping > 0.0 and self.omega_squared > 0.0 and self.state.dt > 0.0:
+        if self.damping > 0.0 and self.omega_squared > 0.0 and self.state.dt > 0.0:
             # c = ζ 2 sqrt(k m) with the mass k / ω² that goes with the highest frequency; per length of the
             # last step
             period = math.sqrt(self.omega_squared) * self.state.dt
-            c.damping[...] = 2.0 * self.options.damping * c.stiffness / period
+            c.damping[...] = 2.0 * self.damping * c.stiffness / period
 
     def _losses(self, rubbed: float | FloatArray) -> None:
         """What springs of the last step have lost, but for what friction has ``rubbed`` away in this one [J/m]."""
-        if self.literal:
+        if not self.shares:
             return
         c, s = self.candidates, self.surface
         add_losses(
@@ -358,50 +365,14 @@ class Penalty(ContactStrategy):
             c.old_tangential,
             self.options.tangential_ratio,
             self.linear_to,
-            self.rows[0],
+            self.rows,
             self.spring_work,
         )
         self.spring_work -= rubbed
 
     def _forces(self, dt: float) -> None:
-        c, s, r = self.candidates, self.surface, self.records
-        self.force.fill(0.0)
-        rubbed = r.frictional_work.copy()
-        contact_forces(
-            c.slots,
-            c.master,
-            c.segment,
-            c.coordinate,
-            c.gap,
-            c.rest,
-            c.normal,
-            c.old_master,
-            c.tangential,
-            c.old_tangential,
-            s.body,
-            self.laws.pair_of,
-            self.laws.first,
-            s.position,
-            s.displacement,
-            s.next,
-            s.previous,
-            c.stiffness,
-            c.damping,
-            self.laws.friction,
-            self.options.tangential_ratio,
-            self.options.normal_variation == "hamad2017",
-            self.options.friction_law == "hamad2017",
-            self.linear_to,
-            dt,
-            self.rows,
-            self.force,
-            r.impulse,
-            r.frictional_work,
-            r.damping_work,
-            r.energy,
-            r.count,
-        )
-        self._losses(r.frictional_work - rubbed)
+        """Forces of all candidates in contact into ``self.force``, and the pairs' records."""
+        raise NotImplementedError
 
     @hookimpl
     def stable_timestep(self) -> tuple[float, str] | None:
@@ -413,7 +384,7 @@ class Penalty(ContactStrategy):
             omega_squared = self.omega_squared
         else:
             return None
-        zeta = self.options.damping
+        zeta = self.damping
         # A dashpot that lags by a step takes away from the limit of its spring: 2 (√(1 + ζ²) − ζ) / ω.
         omega_squared /= (math.sqrt(1.0 + zeta * zeta) - zeta) ** 2
         return 2.0 / math.sqrt(self.bulk_frequency**2 + omega_squared), "penalty springs and bulk"
@@ -426,5 +397,5 @@ class Penalty(ContactStrategy):
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:  # noqa: ARG002
         """The pairs' series and the surface nodes' forces."""
-        lost = {"spring_work": self.spring_work.copy()} if self.options.detection != "hamad2017" else {}
+        lost = {"spring_work": self.spring_work.copy()} if self.shares else {}
         return {"force": self.force, **self.records.series(interval), **lost}

@@ -34,6 +34,8 @@ def _friction(simulation: Simulation) -> Iterator[str]:
         yield from (f"friction of {pair}: contact '{contact.name}' has none" for pair in with_friction)
         if simulation.state.near is not None and simulation.state.near.friction:
             yield f"contact.friction: contact '{contact.name}' has none"
+    if contact is not None:
+        yield from contact.unused(simulation.state.pairs)
 
 
 def _surfaces(simulation: Simulation) -> Iterator[str]:

@@ -41,7 +41,10 @@ class Disc(PlaneGeometry):
         return shapely.Polygon(clipping_circle(self.centre, self.radius))
 
     def outlines(self, segment: float) -> tuple[FloatArray, ...]:
-        """One polyline with its nodes on the circle, the first at angle 0."""
+        """One polyline with its nodes on the circle, the first at angle 0.
+
+        Their number is a multiple of four, so that the outline is symmetric about axes and diagonals.
+        """
         return (circle_outline(self.centre, self.radius, segment),)
 
     def fitted(self, size: float) -> Layout:

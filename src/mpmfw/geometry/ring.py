@@ -60,21 +60,20 @@ class Ring(PlaneGeometry):
     def outlines(self, segment: float) -> tuple[FloatArray, ...]:
         """The outer circle counter-clockwise and the inner one clockwise, first nodes at angle 0.
 
-        Their numbers of nodes are even: two rings that meet are mirror images of each other.
+        Their numbers of nodes are multiples of four: two rings that meet are mirror images of each other.
         """
         outer, inner = (
-            circle_outline(self.centre, radius, segment, even=True)
-            for radius in (self.outer_radius, self.inner_radius)
+            circle_outline(self.centre, radius, segment) for radius in (self.outer_radius, self.inner_radius)
         )
         return outer, np.roll(inner[::-1], 1, axis=0)
 
     def fitted(self, size: float) -> Layout:
-        """A polar grid: ceil((R_o - R_i)/size) by round(2 π R_mean/size) quadrilaterals.
+        """A polar grid: ceil((R_o - R_i)/size) by about 2 π R_mean/size quadrilaterals, a multiple of four.
 
         The corners' radii are those of the circles times sqrt(x/sin x), x = 2 π/n_θ: the area is exact.
         """
         n_r = number_of_segments(self.outer_radius - self.inner_radius, size)
-        n_theta = max(4, round(np.pi * (self.outer_radius + self.inner_radius) / size))
+        n_theta = 4 * max(1, round(0.25 * np.pi * (self.outer_radius + self.inner_radius) / size))
         radii = np.linspace(self.inner_radius, self.outer_radius, n_r + 1) * equal_area_factor(n_theta)
         inner = np.stack([circle_nodes(self.centre, radius, n_theta) for radius in radii])
         nxt = np.roll(inner, -1, axis=1)

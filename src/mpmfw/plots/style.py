@@ -19,8 +19,14 @@ from mpmfw.references import Reference, own_attributes, reference_of
 PANEL = 85.0 / 25.4
 FONT = 8
 
-_COLOURS = {"penalty": "#0072B2", "bardenhagen": "#D55E00", "none": "#009E73", "separate": "#CC79A7"}
-_SPARE = ("#E69F00", "#56B4E9", "#7F3C8D", "#6B6B6B")
+_COLOURS = {
+    "penalty": "#0072B2",
+    "hamad2017": "#56B4E9",
+    "bardenhagen": "#D55E00",
+    "none": "#009E73",
+    "separate": "#CC79A7",
+}
+_SPARE = ("#E69F00", "#7F3C8D", "#B2B200", "#6B6B6B")
 _STYLES: dict[str, tuple[Any, str]] = {
     "cpdi": ("-", "o"),
     "gimp": ("--", "^"),

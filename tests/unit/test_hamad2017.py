@@ -1,0 +1,155 @@
+"""The law of [H17]: eq. 9 on every segment, and the reading of its friction."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from contact_kernels import find, flat, join, pair_table, star
+from mpmfw.api import Pair
+from mpmfw_contact.hamad2017 import Hamad2017, pair_forces
+
+K, MU, DT = 1e4, 0.3, 1e-3
+SLOTS = 8
+
+
+class Surfaces:
+    """Overlapping outlines under the law, moved by hand, with its friction history."""
+
+    def __init__(self, loops, *, literal=False, friction=MU, ratio=1.0):
+        self.loops, self.friction, self.ratio = loops, friction, ratio
+        n = len(loops.body)
+        self.tangential = np.zeros((0 if literal else n, SLOTS))
+        self.old_master, self.old_tangential = np.full((n, SLOTS), -1), self.tangential.copy()
+        self.work = self.energy = 0.0
+
+    def force(self):
+        """Forces on all nodes (n, 2), and the candidates."""
+        loops = self.loops
+        found = find(loops, literal=True, slots=SLOTS)
+        pair_of, first = pair_table(loops.n_bodies)
+        force, records = np.zeros_like(loops.position), np.zeros((3, len(first)))
+        pair_forces(
+            found.master, found.segment, found.coordinate, found.gap, found.normal, np.full(found.segment.shape, K),
+            self.old_master, self.tangential, self.old_tangential,
+            loops.body, loops.position, loops.displacement, loops.following,
+            pair_of, first, np.full(len(first), self.friction), self.ratio, DT,
+            np.zeros((4, 3, 2)), force, np.zeros((len(first), 2)), *records,
+        )  # fmt: skip
+        self.old_master, self.old_tangential = found.master, self.tangential.copy()
+        self.work += records[0, 0]
+        self.energy = records[1, 0]
+        return force, found
+
+
+class Tip(Surfaces):
+    """The tip of a triangle, node 0, a millimetre below the top of a flat body at y = 0."""
+
+    def __init__(self, x=0.05, **law):
+        tip = np.array([[x, -0.001], [x + 0.2, 1.0], [x - 0.2, 1.0]])
+        super().__init__(join([tip, flat(-2.0, 2.0, -1.0, 0.0, 16)]), **law)
+
+    def move(self, dx, dy=0.0):
+        """Move the triangle; return the normal and the tangential force on its tip."""
+        self.loops.displacement[:3] = (dx, dy)
+        self.loops.position[:3] += (dx, dy)
+        force, _ = self.force()
+        return force[0, 1], force[0, 0]
+
+
+def test_forces_are_eq_9_of_every_segment_that_eq_10_names():
+    rng = np.random.default_rng(4)
+    loops = join([star(rng, (-0.93, 0.1), 1.0), star(rng, (0.93, -0.1), 1.0)])
+    loops.displacement[:] = 1e-3 * rng.normal(size=loops.displacement.shape)
+    actual, found = Surfaces(loops, literal=True, ratio=0.7).force()
+    expected = np.zeros_like(actual)
+    x, u = loops.position, loops.displacement
+    for s, j in zip(*np.nonzero(found.segment >= 0), strict=True):
+        m = found.segment[s, j]
+        nodes = [s, m, loops.following[m]]
+        t = x[nodes[2]] - x[m]
+        length = np.hypot(*t)
+        e_t = t / length
+        e_n = np.array([e_t[1], -e_t[0]])
+        g_n, xi = (x[s] - x[m]) @ e_n, (x[s] - x[m]) @ e_t / length
+        weights, ends = np.array([1.0, xi - 1.0, -xi]), np.array([0.0, -1.0, 1.0])
+        c_n = np.outer(weights, e_n) - g_n / length * np.outer(ends, e_t)
+        c_t = np.outer(weights, e_t) + g_n / length * np.outer(ends, e_n)
+        g_t = (c_t * u[nodes]).sum()
+        expected[nodes] -= K * g_n * c_n + 0.7 * K * g_t * c_t
+    assert (found.segment >= 0).sum() > 3
+    np.testing.assert_allclose(actual, expected, atol=1e-12 * np.abs(expected).max())
+
+
+def test_gaps_of_the_steps_add_up_to_coulombs_cone_and_come_back():
+    tip = Tip()
+    normal, tangential = tip.move(1e-5)
+    assert normal == pytest.approx(K * 0.001)
+    assert tangential == pytest.approx(-K * 1e-5)
+    assert tip.move(2e-5)[1] == pytest.approx(-K * 3e-5)
+    assert tip.work == 0.0
+    assert tip.move(1e-2)[1] == pytest.approx(-MU * normal)
+    assert tip.work == pytest.approx(MU * normal * (1.003e-2 - MU * 0.001))
+    assert tip.move(-1e-5)[1] == pytest.approx(-MU * normal + K * 1e-5)
+
+
+@pytest.mark.parametrize("friction", [0.1, 0.4, 0.9])
+def test_sliding_force_is_in_proportion_to_mu(friction):
+    assert Tip(friction=friction).move(0.01)[1] == pytest.approx(-friction * K * 0.001)
+
+
+@pytest.mark.parametrize(("literal", "ratio"), [(False, 1.0), (True, 4.0)])
+def test_literal_friction_depends_on_the_time_step_and_the_reading_does_not(literal, ratio):
+    """The same path in steps four times as long: k_t times one step's slip is four times the force."""
+
+    def last(steps):
+        tip = Tip(literal=literal)
+        return [tip.move(2e-5 / steps)[1] for _ in range(steps)][-1]
+
+    assert last(8) / last(32) == pytest.approx(ratio, rel=1e-9)
+
+
+def test_literal_friction_leaves_the_cone_and_ignores_the_value_of_mu():
+    forces = [Tip(literal=True, friction=friction).move(0.01)[1] for friction in (0.05, 0.9)]
+    assert forces[0] == forces[1] == pytest.approx(-K * 0.01)
+    assert Tip(literal=True, friction=0.0).move(0.01)[1] == 0.0
+
+
+def test_friction_is_carried_to_the_next_segment():
+    tip = Tip(x=0.2499)
+    tip.move(5e-5)  # still on the segment that ends at x = 0.25
+    before = tip.tangential[0].sum()
+    tip.move(1e-4)
+    assert tip.loops.position[0, 0] > 0.25
+    assert before == pytest.approx(K * 5e-5)  # e_t is −x on the top
+    assert tip.tangential[0].sum() == pytest.approx(before + K * 1e-4)
+
+
+def test_a_node_above_the_end_of_two_segments_shares_what_it_carried():
+    """0 ≤ ξ ≤ 1 holds on both: each repels it in full (eq. 10), what friction had built up is not counted twice."""
+    tip = Tip(x=0.2499)
+    tip.move(5e-5)
+    before = tip.tangential[0].sum()
+    tip.loops.position[0, 0] = 0.25
+    tip.loops.displacement[:] = 0.0
+    _, found = tip.force()
+    assert (found.segment[0] >= 0).sum() == 2
+    assert before == pytest.approx(K * 5e-5)
+    assert tip.tangential[0, :2] == pytest.approx(0.5 * before)
+
+
+def test_release_forgets_the_force():
+    tip = Tip()
+    tip.move(1e-5)
+    assert tip.move(0.0, 0.01) == (0.0, 0.0)
+    assert tip.move(0.0, -0.01)[1] == 0.0
+
+
+def test_literal_friction_is_named_as_ignoring_mu():
+    pairs = [Pair(0, 0, 1, "a-b", 0.3), Pair(1, 0, 2, "a-c", 0.0)]
+    (line,) = Hamad2017(friction_law="literal").unused(pairs)
+    assert "a-b" in line
+    assert "a-c" not in line
+    assert "ignores" in line
+    assert Hamad2017().unused(pairs) == []
+    assert Hamad2017(friction_law="literal").unused(pairs[1:]) == []
