@@ -213,7 +213,9 @@ def _methods(kind: Kind, chosen: Sequence[Any]) -> list[_Method]:
 
 
 def _label(method: Any) -> str:
-    return str(getattr(method, "label", None) or getattr(method, "name", None) or type(method).__name__)
+    """What tables and figures call a method; a formula between two $ would be set, and one that is none fails the figure."""
+    given = str(getattr(method, "label", None) or getattr(method, "name", None) or type(method).__name__)
+    return "".join(c for c in given.replace("$", "") if c.isprintable())
 
 
 def _check(

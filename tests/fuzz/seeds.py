@@ -121,7 +121,7 @@ shear_modulus = "0.5 MPa"
 
 [bodies.ball]
 material = "soft"
-geometry = { type = "ball", centre = [0, 0, 0], radius = 0.6 }
+geometry = { type = "ball", centre = [0.03, 0.04, 0.05], radius = 0.6 }
 particles = { size = 0.4 }
 velocity = [0, 0, 1]
 angular_velocity = [0, 1, 0]

@@ -1,0 +1,197 @@
+"""Runs that are broken off: what is kept, what is said, and that a file tells whether it is complete."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from tests.scenes_for_tests import two_blocks
+from typer.testing import CliRunner
+
+import mpmfw
+from mpmfw.cli import app
+from mpmfw.errors import MpmfwError, ResultsWarning
+from mpmfw.fields import PARTICLE_FIELDS, SERIES_FIELDS
+from mpmfw.results import Frame, RunHeader, RunWriter
+from mpmfw.results.reading import read
+
+POSITION, ENERGY = PARTICLE_FIELDS[0], SERIES_FIELDS[5]
+HEADER = RunHeader(2, ("a",), (), {"a": 2000}, (POSITION, ENERGY))
+
+
+def frame(k):
+    values = np.random.default_rng(k).random((2000, 2))
+    return Frame(0.1 * k, {"a": {"position": values}}, series={"kinetic_energy": np.full(1, float(k))})
+
+
+LIMITED = """
+import resource, sys
+from mpmfw.results import RunWriter
+from tests.integration.test_broken_off import HEADER, frame
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]), resource.RLIM_INFINITY))
+with RunWriter(sys.argv[1], HEADER) as writer:
+    for k in range(1000):
+        writer.write(frame(k))
+"""
+
+
+@pytest.mark.skipif(
+    not hasattr(os, "posix_fallocate"), reason="room cannot be taken in advance on this platform"
+)
+@pytest.mark.parametrize("limit", [1_300_000, 1_400_001, 1_555_555])
+def test_no_room_is_named_and_what_was_written_is_readable(tmp_path, limit):
+    path = tmp_path / "run.nc"
+    done = subprocess.run(
+        [sys.executable, "-c", LIMITED, str(path), str(limit)], capture_output=True, text=True, check=False
+    )
+    assert f"to '{path}': File too large; what was written before is readable" in done.stderr
+    with pytest.warns(
+        ResultsWarning, match=r"is not complete: failed: cannot write frame \d+ to .*; it holds \d+ outputs"
+    ):
+        tree = mpmfw.open(path)
+    count = tree.sizes["time"]
+    assert count > 3
+    np.testing.assert_array_equal(tree["series/kinetic_energy"][:, 0], np.arange(count))
+    for k in range(count):
+        np.testing.assert_array_equal(tree["particles/a/position"][k], frame(k).particles["a"]["position"])
+
+
+def test_a_full_disk_stops_the_run_and_keeps_its_outputs(tmp_path, monkeypatch):
+    path, room = tmp_path / "run.nc", iter([True] * 3)
+
+    def full(descriptor, offset, size):
+        if not next(room, False):
+            raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "posix_fallocate", full, raising=False)
+    scene = two_blocks("none", time={"end": 0.01, "output_interval": 0.001}, output={"gap": False})
+    with pytest.raises(
+        MpmfwError, match="cannot write frame 2 to .*run.nc': No space left on device; what was written"
+    ):
+        mpmfw.run(scene, output=path)
+    assert read(path).sizes["time"] == 2
+    assert read(path).attrs["status"].startswith("failed: cannot write frame 2")
+
+
+def test_no_room_at_the_start_leaves_the_old_file(tmp_path, monkeypatch):
+    path = tmp_path / "run.nc"
+    with RunWriter(path, HEADER) as writer:
+        writer.write(frame(0))
+        writer.finish({})
+
+    def full(descriptor, offset, size):
+        raise OSError(122, "Disk quota exceeded")
+
+    monkeypatch.setattr(os, "posix_fallocate", full, raising=False)
+    with pytest.raises(MpmfwError, match=r"cannot write results to .*run.nc': Disk quota exceeded$"):
+        RunWriter(path, HEADER)
+    assert mpmfw.open(path).sizes["time"] == 1
+
+
+def test_a_second_writer_is_refused_and_the_first_goes_on(tmp_path):
+    path = tmp_path / "run.nc"
+    with RunWriter(path, HEADER) as first:
+        first.write(frame(0))
+        with pytest.raises(
+            MpmfwError, match=r"run.nc' is being written by another run; give another name, or wait"
+        ):
+            RunWriter(path, HEADER)
+        with pytest.warns(
+            ResultsWarning, match=r"run.nc is still being written; it holds 1 outputs, the last at 0 s"
+        ):
+            mpmfw.open(path)
+        first.write(frame(1))
+        first.finish({})
+    assert mpmfw.open(path).sizes["time"] == 2
+    with RunWriter(path, HEADER) as again:  # afterwards it may be replaced
+        again.finish({})
+    assert mpmfw.open(path).sizes["time"] == 0
+
+
+@pytest.mark.filterwarnings("default::mpmfw.errors.ResultsWarning")
+def test_a_file_that_was_broken_off_says_so_at_a_glance(tmp_path):
+    path = tmp_path / "run.nc"
+    writer = RunWriter(path, HEADER)
+    writer.write(frame(0))
+    writer.close()  # as a kill leaves it
+    with pytest.warns(
+        ResultsWarning, match=r"run.nc was broken off: its run did not come to its end; it holds 1 outputs"
+    ):
+        mpmfw.open(path)
+    said = CliRunner().invoke(
+        app, ["plot", str(path), "--series", "kinetic_energy", "-o", str(tmp_path / "a.png")]
+    )
+    assert said.exit_code == 0
+    assert "note: " in said.stderr
+    assert "was broken off" in said.stderr.replace("\n", " ")
+
+
+@pytest.mark.parametrize("share", [0.9, 0.5, 0.1])
+def test_a_file_that_was_cut_short_is_named(tmp_path, share):
+    path = tmp_path / "run.nc"
+    with RunWriter(path, HEADER) as writer:
+        for k in range(5):
+            writer.write(frame(k))
+        writer.finish({})
+    content = path.read_bytes()
+    path.write_bytes(content[: int(share * len(content))])
+    with pytest.raises(MpmfwError, match=r"cannot read '.*run.nc': the file was cut short or is damaged"):
+        mpmfw.open(path)
+    said = CliRunner().invoke(app, ["plot", str(path)])
+    assert (said.exit_code, "was cut short" in said.stderr) == (2, True)
+
+
+RUNS = """
+import sys
+import mpmfw
+from mpmfw.cli import main
+sys.argv = ["mpmfw", "run", *sys.argv[1:]]
+main()
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="signals of POSIX")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_stops_a_run_between_frames(tmp_path, number):
+    path = tmp_path / "run.nc"
+    settings = ["time.end=1000", "time.output_interval=0.005", "time.safety=0.05", "output.ledger=false"]
+    arguments = [
+        "sliding-block",
+        "-o",
+        str(path),
+        "--force",
+        *[part for s in settings for part in ("--set", s)],
+    ]
+    # No settling: the first output comes at once
+    scene = tmp_path / "s.toml"
+    text = mpmfw.load_scene("sliding-block").text
+    scene.write_text(text.replace("[settle]\ngravity = { magnitude = 10, tilt = 0 }\n", ""))
+    with subprocess.Popen(
+        [sys.executable, "-c", RUNS, str(scene), *arguments[1:]], stderr=subprocess.PIPE, text=True
+    ) as process:
+        deadline = time.monotonic() + 300
+        while _outputs(path) < 3:
+            assert process.poll() is None, process.stderr.read()
+            assert time.monotonic() < deadline
+            time.sleep(0.2)
+        process.send_signal(number)
+        _, said = process.communicate(timeout=60)
+    assert process.returncode == 128 + number
+    tree = read(path)
+    assert tree.attrs["status"] == "interrupted"
+    assert tree.attrs["cpu_time"] > 0.0
+    assert f"keeps the {tree.sizes['time']} outputs that it reached; run it again for the rest" in said
+    assert "Traceback" not in said
+    for name, values in tree["series"].data_vars.items():
+        assert np.isfinite(values).all(), name
+    assert np.isfinite(tree["particles/block/position"]).all()
+
+
+def _outputs(path):
+    try:
+        return read(path).sizes.get("time", 0)
+    except MpmfwError:
+        return 0
