@@ -4,7 +4,7 @@ Closed form of the rigid block: a = g (sin θ - μ cos θ), or rest if tan θ < 
 finite elements about steady sliding, and their motion, with springs and with impulses in their place.
 """
 
-# cost: 330
+# cost: 340
 
 from __future__ import annotations
 
@@ -18,31 +18,28 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "finite-elements"))
 
+from eigenvalues import CONTACTS, VISCOSITY, check_modes, lowest, modes_of, named
 from figure import draw_chatter, draw_map
 from measures import Measured, gravity_table, growth_of, of_elements, of_points, onset
-from slider_fem import growth, incline, slide, slide_steadily
+from slider_fem import incline, slide
 
 from mpmfw.validation import Case, Method
 
 if TYPE_CHECKING:
-    from slider_fem import Incline, Slide
+    from slider_fem import Slide
 
 FRICTIONS, TILTS = (0.1, 0.3, 0.5, 0.7, 0.9), (10.0, 20.0, 30.0, 40.0, 50.0)  # of the map [1], [deg]
 STEEP, FINER = 40.0, (0.3, 0.4, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75)  # round the onset [deg], [1]
 CALM = 0.5  #: μ up to which the acceleration of the recommended combination must be right
 CREEP = 1e-3  #: speed below which a block sticks [m/s]
 
-#: Where eigenvalues are sought [1]; 0.3 and 0.9 alone with the finest elements.
-MODES = (0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 0.9)
-
-CONTACTS = ("springs", "impulses")
 MASTER = {"contact.bardenhagen.normal": "master"}
-STRONGEST = {**MASTER, "contact.bardenhagen.criterion": "position"}
-PIC = {"stepping.transfer": "flip", "stepping.pic_fraction": 0.05}
+CLASSICAL = {
+    "normal master": MASTER,
+    "normal master, criterion position": {**MASTER, "contact.bardenhagen.criterion": "position"},
+}
+PIC_LABEL, PIC = "flip, 5 % pic", {"stepping.transfer": "flip", "stepping.pic_fraction": 0.05}
 ONCE = {"time.output_interval": 0.0005, "time.end": 0.2}
-LOWEST = 95.0  #: the first modes, those of rocking and shear, couple at 63 to 76 Hz, the next at 110 Hz and above [Hz]
-#: β of the viscous solid [s]: a loss factor of 0.28 at the 75 Hz of the lowest mode that flutters.
-VISCOSITY = 6e-4
 
 Row = tuple[Method | str, list[Measured]]
 
@@ -58,58 +55,6 @@ def check(case: Case) -> None:
         case.figure("map", draw_map(check_map(case), CREEP))
 
 
-def check_modes(case: Case) -> dict[tuple[str, float], np.ndarray]:
-    """Growth rate of the lowest mode that flutters, over friction: (n, 2) μ and σ by contact and element size."""
-    sizes = (0.1, 0.05) if case.quick else (0.1, 0.05, 1.0 / 30.0)
-    modes: dict[tuple[str, float], np.ndarray] = {}
-    for size in sizes:
-        bodies = incline(size, elastic=True)
-        for contact in CONTACTS:
-            method = _named(contact, size)
-            with case.timed():
-                quiet = _modes(bodies, 0.0, contact)
-                frictions = (0.3,) if case.quick else MODES if size > 0.04 else (0.3, 0.9)
-                found = [_modes(bodies, friction, contact) for friction in frictions]
-            case.gate("growing modes without friction", len(quiet), within=(0, 0), reference=0, method=method)
-            modes[contact, size] = np.array(
-                [[0.0, 0.0], *([mu, _lowest(one)[0]] for mu, one in zip(frictions, found, strict=True))]
-            )
-            sigma, frequency = _lowest(found[frictions.index(0.3)])
-            case.show("growth of the lowest mode, mu = 0.3", sigma, unit="1/s", method=method)
-            case.show("its frequency", frequency, unit="Hz", method=method)
-            case.show(
-                "growth of the fastest mode, mu = 0.3",
-                _fastest(found[frictions.index(0.3)]),
-                unit="1/s",
-                method=method,
-            )
-
-    def at_03(contact: str, size: float) -> float:
-        rates = modes[contact, size]
-        return float(rates[np.isclose(rates[:, 0], 0.3), 1][0])
-
-    coarse, fine = sizes[-2:]
-    change = at_03("impulses", fine) / at_03("impulses", coarse) - 1.0
-    limit = 100.0 * (fine * at_03("springs", coarse) - coarse * at_03("springs", fine)) / (fine - coarse)
-    case.gate(
-        "growth of the lowest mode, mu = 0.3, change by finer elements",
-        100.0 * change,
-        within=(-5.0, 5.0),
-        reference=0.0,
-        unit="%",
-        method="finite elements, no springs",
-    )
-    case.gate(
-        "growth of the lowest mode, mu = 0.3, springs to h = 0 against none",
-        limit / at_03("impulses", fine) - 100.0,
-        within=(-5.0, 5.0),
-        reference=0.0,
-        unit="%",
-        method="finite elements",
-    )
-    return modes
-
-
 def check_growth(case: Case) -> list[tuple[str, float, float]]:
     """Growth of the bounce in motion against the eigenvalue: of the finite elements themselves, then of mpmfw."""
     grown: list[tuple[str, float, float]] = []
@@ -123,7 +68,7 @@ def check_growth(case: Case) -> list[tuple[str, float, float]]:
             run = slide(
                 size, friction, math.radians(STEEP), contact=contact, elastic=True, end=ONCE["time.end"]
             )
-        _judge_growth(case, _named(contact, size), run.time, run.y, size, friction, contact)
+        _judge_growth(case, named(contact, size), run.time, run.y, size, friction, contact)
     for size, friction in ((0.1, 0.3),) if case.quick else ((0.1, 0.3), (0.05, 0.2), (0.05, 0.3)):
         method = _penalty(case, size)
         for _, tree in case.runs([method], set={**_scene(friction, STEEP), **ONCE}):
@@ -143,7 +88,7 @@ def _judge_growth(
     friction: float,
     contact: str,
 ) -> float:
-    rate, frequency = _lowest(_modes(incline(size, elastic=True), friction, contact))
+    rate, frequency = lowest(modes_of(incline(size, elastic=True), friction, contact))
     found = growth_of(time, y, frequency)
     label = f"the bounce at mu = {friction:g}, 40 deg"
     case.gate(
@@ -173,7 +118,7 @@ def check_onset(case: Case) -> list[Row]:
     for contact in CONTACTS:
         for size in (0.1,) if case.quick else (0.1, 0.05):
             found = _elements(case, contact, size, [(mu, STEEP) for mu in frictions])
-            rows.append((_named(contact, size), found))
+            rows.append((named(contact, size), found))
             onsets.append(onset(found))
             case.show("onset: least mu with an error above 1 %, 40 deg", onsets[-1], method=rows[-1][0])
     for size in (0.1,) if case.quick else (0.1, 0.05):
@@ -203,19 +148,18 @@ def check_cures(case: Case) -> list[Row]:
                 within=(-1.0, 1.0),
                 reference=0.0,
                 unit="%",
-                method=f"{_named('springs', size)}, viscous",
+                method=f"{named('springs', size)}, viscous",
             )
     rows: list[Row] = []
     cures: Sequence[tuple[str, str, dict[str, Any], tuple[float, float] | None]] = (
-        ("penalty", "flip, 5 % pic", PIC, (-2.0, 2.0)),
-        ("bardenhagen", "normal master", MASTER, None),
-        ("bardenhagen", "normal master, criterion position", STRONGEST, None),
+        ("penalty", PIC_LABEL, PIC, (-2.0, 2.0)),
+        *(("bardenhagen", label, values, None) for label, values in CLASSICAL.items()),
         ("penalty", "damping 1", {"contact.penalty.damping": 1.0}, None),
     )
     for contact, label, values, within in cures[:1] if case.quick else cures:
         for size in (0.1,) if case.quick else (0.1, 0.05):
             method = _sized(case, contact, label, size, values)
-            frictions = (0.5, 0.6) if label in ("flip, 5 % pic", "normal master") and size == 0.05 else ()
+            frictions = (0.5, 0.6) if label in (PIC_LABEL, "normal master") and size == 0.05 else ()
             found = _points(case, method, [*steep, *((mu, STEEP) for mu in frictions)])
             for one in found[:2]:
                 limits: dict[str, Any] = {"reference": 0.0, "unit": "%", "method": method}
@@ -231,47 +175,36 @@ def check_cures(case: Case) -> list[Row]:
 def check_map(case: Case) -> list[Row]:
     """Stick and slide over friction and tilt, with springs, impulses, penalty and the classical contacts."""
     at = [(mu, tilt) for mu in FRICTIONS for tilt in TILTS]
-    rows: list[Row] = [(_named(contact, 0.05), _elements(case, contact, 0.05, at)) for contact in CONTACTS]
-    rows += [
-        (method, _points(case, method, at))
-        for method in (
-            *case.methods(("penalty", "bardenhagen")),
-            *case.methods(
-                ("bardenhagen",),
-                settings={"normal master": MASTER, "normal master, criterion position": STRONGEST},
-            ),
-        )
+    rows: list[Row] = []
+    methods = [
+        *CONTACTS,
+        *case.methods(settings={"": {}, PIC_LABEL: PIC}),
+        *case.methods(("bardenhagen",), settings={"": {}, **CLASSICAL}),
     ]
-    for method, found in rows:
-        sticks = [one.speed for one in found if not one.slides]
-        calm = [one.error for one in found if one.slides and one.friction <= CALM]
-        judge = case.gate if isinstance(method, Method) and method.recommended else case.show
-        for quantity, value, within, unit, reference in (
-            ("largest creep of a block that sticks", 1e3 * max(sticks), (0.0, 1e3 * CREEP), "mm/s", "0"),
-            (f"largest error of the acceleration, mu <= {CALM:g}", max(calm, key=abs), (-1.0, 1.0), "%", "0"),
-            ("largest T / (mu N)", max(one.ratio for one in found), (0.0, 1.001), "", "at most 1"),
-        ):
-            judge(f"map: {quantity}", value, within=within, unit=unit, reference=reference, method=method)
-        right = sum(one.speed < CREEP if not one.slides else abs(one.error) <= 1.0 for one in found)
-        case.show("map: cells that stick, or slide within 1 %", right, reference=len(found), method=method)
+    for method in methods:
+        with case.timed():
+            if isinstance(method, Method):
+                row: Row = (method, _points(case, method, at))
+            else:
+                row = (named(method, 0.05), _elements(case, method, 0.05, at))
+        _judge_map(case, *row)
+        rows.append(row)
     return rows
 
 
-def _modes(bodies: Incline, friction: float, contact: str) -> np.ndarray:
-    """(n, 2) σ and f of the modes that grow, about sliding with those nodes in contact that then bear."""
-    rigid = contact == "impulses"
-    pressed = slide_steadily(bodies, friction, rigid_contact=rigid).pressed
-    return growth(bodies, friction, rigid_contact=rigid, pressed=pressed)
-
-
-def _lowest(modes: np.ndarray) -> tuple[float, float]:
-    """σ and f of the growing mode below :data:`LOWEST`; (0, 0) if there is none."""
-    below = modes[modes[:, 1] < LOWEST] if len(modes) else modes
-    return (float(below[0, 0]), float(below[0, 1])) if len(below) else (0.0, 0.0)
-
-
-def _fastest(modes: np.ndarray) -> float:
-    return float(modes[:, 0].max()) if len(modes) else 0.0
+def _judge_map(case: Case, method: Method | str, found: list[Measured]) -> None:
+    """Creep, acceleration below the onset, and the cone, over the cells of one method's map."""
+    sticks = [one.speed for one in found if not one.slides]
+    calm = [one.error for one in found if one.slides and one.friction <= CALM]
+    judge = case.gate if isinstance(method, Method) and method.recommended else case.show
+    for quantity, value, within, unit, reference in (
+        ("largest creep of a block that sticks", 1e3 * max(sticks), (0.0, 1e3 * CREEP), "mm/s", "0"),
+        (f"largest error of the acceleration, mu <= {CALM:g}", max(calm, key=abs), (-1.0, 1.0), "%", "0"),
+        ("largest T / (mu N)", max(one.ratio for one in found), (0.0, 1.001), "", "at most 1"),
+    ):
+        judge(f"map: {quantity}", value, within=within, unit=unit, reference=reference, method=method)
+    right = sum(one.speed < CREEP if not one.slides else abs(one.error) <= 1.0 for one in found)
+    case.show("map: cells that stick, or slide within 1 %", right, reference=len(found), method=method)
 
 
 def _elements(
@@ -308,10 +241,6 @@ def _sized(case: Case, contact: str, label: str, size: float, values: dict[str, 
     """A method at a cell size; the size is part of the label unless it is the scene's."""
     told = ", ".join(filter(None, (label, f"h = {size:g}" if size != 0.1 else "")))
     return case.methods((contact,), settings={told: {**values, "grid.cell_size": size}})[0]
-
-
-def _named(contact: str, size: float) -> str:
-    return f"finite elements, {'springs' if contact == 'springs' else 'no springs'}, {1e3 * size:.3g} mm"
 
 
 def _error_at(one: Measured) -> str:

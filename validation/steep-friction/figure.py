@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 from measures import Measured
 
 from mpmfw.plots.style import FONT, dress, legend_below, new_figure
@@ -23,23 +24,25 @@ GREYS = {0.1: "#B8B8B8", 0.05: "#7A7A7A", 1.0 / 30.0: "#000000"}
 
 #: Beginning of the name: name in the figure, colour, line, marker.
 LOOKS: dict[str, tuple[str, str, Any, str]] = {
-    "finite elements, springs, 50 mm": ("finite elements, springs", "#000000", "-", "s"),
-    "finite elements, no springs, 50 mm": ("finite elements, no springs", "#7A7A7A", "--", "D"),
-    "penalty, cpdi": ("penalty", "#0072B2", "-", "o"),
-    "penalty, cpdi, h = 0.05": ("penalty, h / 2", "#56B4E9", "-", "^"),
-    "penalty, cpdi, flip, 5 % pic, h = 0.05": ("penalty, 5 % PIC, h / 2", "#009E73", "-.", "v"),
-    "bardenhagen, cpdi, normal master, h = 0.05": ("bardenhagen, master, h / 2", "#7F3C8D", ":", "P"),
+    "finite elements, springs, 50 mm": ("finite elements, springs, 50 mm", "#000000", "-", "s"),
+    "finite elements, no springs, 50 mm": ("finite elements, no springs, 50 mm", "#7A7A7A", "--", "D"),
+    "penalty, cpdi": ("penalty, 100 mm", "#0072B2", "-", "o"),
+    "penalty, cpdi, h = 0.05": ("penalty, 50 mm", "#56B4E9", "-", "^"),
+    "penalty, cpdi, flip, 5 % pic, h = 0.05": ("penalty with 5 % PIC, 50 mm", "#009E73", "-.", "v"),
+    "bardenhagen, cpdi, normal master, h = 0.05": ("bardenhagen, master, 50 mm", "#7F3C8D", ":", "P"),
 }
 
 NAMES = {
     "finite elements, springs, 50 mm": "(a) finite elements, springs",
     "finite elements, no springs, 50 mm": "(b) finite elements, no springs",
     "penalty, cpdi": "(c) penalty",
-    "bardenhagen, cpdi": "(d) bardenhagen",
-    "bardenhagen, cpdi, normal master": "(e) bardenhagen, master",
-    "bardenhagen, cpdi, normal master, criterion position": "(f) bardenhagen, master, position",
+    "penalty, cpdi, flip, 5 % pic": "(d) penalty with 5 % PIC",
+    "bardenhagen, cpdi": "(e) bardenhagen",
+    "bardenhagen, cpdi, normal master": "(f) bardenhagen, master",
+    "bardenhagen, cpdi, normal master, criterion position": "(g) bardenhagen, master, position",
 }
 BOUNDS = (0.0, 0.1, 0.3, 1.0, 3.0, 10.0, 1e9)  # of |error| [%]
+STAYS, CREEPS = "#F4F4F4", "#FFB000"
 COLOURS = ("#2166AC", "#67A9CF", "#D1E5F0", "#FDDBC7", "#EF8A62", "#B2182B")
 
 
@@ -52,9 +55,9 @@ def draw_chatter(
     """Growth of the lowest mode over friction, and error of the acceleration at 40 degrees over friction."""
     figure = new_figure(2, 1, 68.0)
     left, right = figure.subplots(1, 2)
-    handles = _draw_growth(left, modes, grown)
-    below = _draw_errors(right, steep, sliding_limit)
-    legend_below(figure, [handles[:4], handles[4:], below[:4], below[4:]])
+    left.legend(handles=_draw_growth(left, modes, grown), loc="upper left", fontsize=FONT - 2, frameon=False)
+    handles = _draw_errors(right, steep, sliding_limit)
+    legend_below(figure, [handles[k : k + 3] for k in range(0, len(handles), 3)])
     return figure
 
 
@@ -68,9 +71,10 @@ def _draw_growth(
             "linestyle": "-" if contact == "springs" else "--",
             "linewidth": 1.2,
         }
-        axes.plot(rates[:, 0], rates[:, 1], **look)
+        known = rates if len(rates) > 3 else rates[1:]  # no line from zero to the first of few points
+        axes.plot(*known.T, **look)
         name = "springs" if contact == "springs" else "no springs"
-        handles.append(Line2D([], [], label=f"(a) {name}, {1e3 * size:.0f} mm", **look))
+        handles.append(Line2D([], [], label=f"finite elements, {name}, {1e3 * size:.0f} mm", **look))
     for size, colour in (("0.1", "#0072B2"), ("0.05", "#56B4E9")):
         at = [(mu, rate) for h, mu, rate in grown if h == size]
         if at:
@@ -81,9 +85,9 @@ def _draw_growth(
                 "markersize": 5.5,
             }
             axes.plot(*np.transpose(at), **look, zorder=5)
-            handles.append(Line2D([], [], label=f"(a) penalty, {1e3 * float(size):.0f} mm", **look))
+            handles.append(Line2D([], [], label=f"penalty, {1e3 * float(size):.0f} mm", **look))
     axes.set_xlim(0.0, None)
-    axes.set_ylim(0.0, None)
+    axes.set_ylim(0.0, 190.0)  # room for the legend
     dress(
         axes,
         "friction coefficient μ [–]",
@@ -103,7 +107,7 @@ def _draw_errors(axes: Any, steep: Sequence[Row], sliding_limit: float) -> list[
         look = {"color": colour, "linestyle": style, "linewidth": 1.1, "marker": marker, "markersize": 4.0}
         error = [max(abs(one.error), 2e-3) for one in found]
         axes.semilogy([one.friction for one in found], error, **look)
-        handles.append(Line2D([], [], label=f"(b) {name}", **look))
+        handles.append(Line2D([], [], label=name, **look))
     axes.axhline(1.0, color="k", linewidth=0.8)
     axes.axvline(sliding_limit, color="k", linewidth=0.8, linestyle=":")
     axes.annotate(
@@ -121,60 +125,66 @@ def _draw_errors(axes: Any, steep: Sequence[Row], sliding_limit: float) -> list[
 
 def draw_map(rows: Sequence[Row], creep: float) -> Figure:
     """A panel a method: the error of the acceleration where the block slides, and whether it stays where it sticks."""
-    figure = new_figure(2, 3, 56.0)
-    panels = figure.subplots(3, 2, sharex=True, sharey=True)
-    colours, norm = ListedColormap(COLOURS), BoundaryNorm(BOUNDS, len(COLOURS))
-    for axes, (method, found) in zip(panels.flat, rows, strict=True):
-        frictions, tilts = (sorted({getattr(one, key) for one in found}) for key in ("friction", "tilt"))
-        for one in found:
-            i, j = tilts.index(one.tilt), frictions.index(one.friction)
-            value = abs(one.error) if one.slides else 0.0
-            face = colours(norm(value)) if one.slides else "#F4F4F4" if one.speed < creep else "#FFB000"
-            axes.add_patch(_cell(i, j, face))
-            dark = one.slides and (value >= 10.0 or value < 0.1)
-            axes.text(
-                i,
-                j,
-                _said(one, creep),
-                ha="center",
-                va="center",
-                fontsize=FONT - 2,
-                color="w" if dark else "k",
-            )
-        bound = [math.tan(tilt) for tilt in np.radians(np.linspace(5.0, 55.0, 101))]
-        where = np.interp(bound, frictions, range(len(frictions)), left=np.nan, right=np.nan)
-        axes.plot(np.linspace(-0.5, 4.5, 101), where, "k-", linewidth=1.0)
-        axes.set_xlim(-0.5, len(tilts) - 0.5)
-        axes.set_ylim(-0.5, len(frictions) - 0.5)
-        axes.set_xticks(range(len(tilts)), [f"{math.degrees(tilt):.0f}" for tilt in tilts])
-        axes.set_yticks(range(len(frictions)), [f"{friction:g}" for friction in frictions])
+    figure = new_figure(2, 4, 44.0)
+    panels = figure.subplots(4, 2, sharex=True, sharey=True)
+    for axes, (method, found) in zip(panels.flat, rows, strict=False):
+        _draw_cells(axes, found, creep)
         dress(axes, "tilt θ [°]", "friction coefficient μ [–]", NAMES[str(method)])
         axes.grid(False)
         axes.label_outer()
-    names = ["< 0.1", "0.1 to 0.3", "0.3 to 1", "1 to 3", "3 to 10", "> 10 % error of the acceleration"]
+    panels[2, 1].tick_params(labelbottom=True)
+    panels[2, 1].set_xlabel("tilt θ [°]", fontsize=FONT)
+    names = ["below 0.1 %", "0.1 to 0.3 %", "0.3 to 1 %", "1 to 3 %", "3 to 10 %", "above 10 %"]
     keys = [_key(colour, name) for colour, name in zip(COLOURS, names, strict=True)]
-    legend_below(
-        figure, [keys, [_key("#F4F4F4", "sticks, as it must"), _key("#FFB000", "creeps by more than 1 mm/s")]]
+    keys += [_key(STAYS, "sticks, as it must"), _key(CREEPS, "must stick, and creeps")]
+    panels[3, 1].axis("off")
+    title = "error of the acceleration [%], numbers in cells;\nblack line: tan θ = μ"
+    panels[3, 1].legend(
+        handles=keys,
+        title=title,
+        loc="center",
+        ncols=2,
+        fontsize=FONT - 1,
+        title_fontsize=FONT - 1,
+        frameon=False,
     )
     return figure
+
+
+def _draw_cells(axes: Any, found: Sequence[Measured], creep: float) -> None:
+    """Fill a panel, and write the error [%] or the speed of creep into each cell."""
+    frictions, tilts = (sorted({getattr(one, key) for one in found}) for key in ("friction", "tilt"))
+    colours, norm = ListedColormap(COLOURS), BoundaryNorm(BOUNDS, len(COLOURS))
+    for one in found:
+        i, j = tilts.index(one.tilt), frictions.index(one.friction)
+        size = abs(one.error) if one.slides else 0.0
+        face = colours(norm(size)) if one.slides else STAYS if one.speed < creep else CREEPS
+        axes.add_patch(Rectangle((i - 0.5, j - 0.5), 1.0, 1.0, facecolor=face, edgecolor="w", linewidth=0.8))
+        colour = "w" if one.slides and (size >= 10.0 or size < 0.1) else "k"
+        axes.text(i, j, _said(one, creep), ha="center", va="center", fontsize=FONT - 1, color=colour)
+    _draw_border(axes, [[math.tan(tilt) > friction for friction in frictions] for tilt in tilts])
+    axes.set_xlim(-0.5, len(tilts) - 0.5)
+    axes.set_ylim(-0.5, len(frictions) - 0.5)
+    axes.set_xticks(range(len(tilts)), [f"{math.degrees(tilt):.0f}" for tilt in tilts])
+    axes.set_yticks(range(len(frictions)), [f"{friction:g}" for friction in frictions])
+
+
+def _draw_border(axes: Any, slides: Sequence[Sequence[bool]]) -> None:
+    """Draw the edges between cells where the rigid block slides, (tilts, frictions), and those where it sticks."""
+    for i, column in enumerate(slides):
+        for j, here in enumerate(column):
+            if j + 1 < len(column) and here != column[j + 1]:
+                axes.plot((i - 0.5, i + 0.5), (j + 0.5, j + 0.5), "k-", linewidth=1.4)
+            if i + 1 < len(slides) and here != slides[i + 1][j]:
+                axes.plot((i + 0.5, i + 0.5), (j - 0.5, j + 0.5), "k-", linewidth=1.4)
 
 
 def _said(one: Measured, creep: float) -> str:
     if not one.slides:
         return "stick" if one.speed < creep else f"{1e3 * one.speed:.0f} mm/s"
-    return (
-        f"{one.error:+.0f}"
-        if abs(one.error) >= 10.0
-        else f"{one.error:+.2g}"
-        if abs(one.error) >= 0.1
-        else f"{one.error:+.2f}"
-    )
-
-
-def _cell(i: int, j: int, face: Any) -> Any:
-    from matplotlib.patches import Rectangle
-
-    return Rectangle((i - 0.5, j - 0.5), 1.0, 1.0, facecolor=face, edgecolor="w", linewidth=0.8)
+    digits = 0 if abs(one.error) >= 10.0 else 1 if abs(one.error) >= 1.0 else 2
+    told = f"{one.error:+.{digits}f}"
+    return "0.00" if told in ("+0.00", "-0.00") else told.replace("-", "−")
 
 
 def _key(colour: str, name: str) -> Line2D:
