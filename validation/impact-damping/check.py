@@ -31,6 +31,7 @@ VARIANTS: dict[str, dict[str, Any]] = {
     "kappa 1, damping 1": {KAPPA: 1.0, ZETA: 1.0},
     "flip": {TRANSFER: "flip"},
     "flip, 1 % pic": {TRANSFER: "flip", "stepping.pic_fraction": 0.01},
+    "flip, 5 % pic": {TRANSFER: "flip", "stepping.pic_fraction": 0.05},
     "flip, 10 % pic": {TRANSFER: "flip", "stepping.pic_fraction": 0.1},
     "apic": {TRANSFER: "apic"},
     "tpic": {TRANSFER: "tpic"},

@@ -1,7 +1,7 @@
 """Compilation of the loops, with the annotations kept, and the array types.
 
 numba keeps compiled code by the file of a loop and misses an edit of a file that it imports. The folder of the code is
-therefore named by a hash of all files of this package.
+therefore named by a hash of all files of the packages beside this one.
 """
 
 import hashlib
@@ -22,7 +22,9 @@ Function = TypeVar("Function", bound=Callable[..., object])
 
 _config: Any = config  # numba's annotations differ between versions
 _HERE = Path(__file__).parent
-_SOURCES = hashlib.sha256(b"".join(source.read_bytes() for source in sorted(_HERE.glob("*.py")))).hexdigest()
+_SOURCES = hashlib.sha256(
+    b"".join(source.read_bytes() for source in sorted(_HERE.parent.glob("*_fem/*.py")))
+).hexdigest()
 _ROOT = Path(os.environ.get("NUMBA_CACHE_DIR", _HERE / "__pycache__"))
 
 

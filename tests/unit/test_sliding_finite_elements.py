@@ -1,0 +1,153 @@
+"""The sliding block of validation/finite-elements: what the case of steep friction rests on."""
+
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "validation" / "finite-elements"))
+
+from rings_fem.element import add_internal_force
+from slider_fem import (
+    acceleration_of,
+    contact_matrix,
+    growth,
+    incline,
+    slide,
+    slide_steadily,
+    stiffness_matrix,
+)
+from slider_fem.bodies import DENSITY, GRAVITY, HEIGHT, LENGTH
+
+CONTACTS = ("springs", "impulses")
+MASS = DENSITY * LENGTH * HEIGHT
+
+
+def test_the_stiffness_is_that_of_small_motions_of_the_elements():
+    bodies = incline(0.1, elastic=True)
+    small = 1e-7 * np.random.default_rng(5).normal(size=bodies.points.shape)
+    for solid in (bodies.block, bodies.plane):
+        ahead, behind = np.zeros_like(small), np.zeros_like(small)
+        add_internal_force(bodies.points + small, solid, ahead)
+        add_internal_force(bodies.points - small, solid, behind)
+        linear = stiffness_matrix(solid, len(small)) @ small.ravel()
+        np.testing.assert_allclose(linear, 0.5 * (behind - ahead).ravel(), atol=1e-6 * np.abs(linear).max())
+
+
+def test_a_free_block_has_three_motions_without_stiffness():
+    bodies = incline(0.1, elastic=False)
+    own = np.linalg.eigvalsh(
+        stiffness_matrix(bodies.block, len(bodies.points))[: 2 * bodies.n_block, : 2 * bodies.n_block]
+    )
+    assert np.sum(np.abs(own) < 1e-9 * own.max()) == 3
+    assert own.min() > -1e-9 * own.max()
+
+
+@pytest.mark.parametrize("elastic", [False, True])
+def test_the_faces_weights_leave_no_resultant_and_see_no_common_motion(elastic):
+    bodies = incline(0.1, elastic=elastic)
+    for axis in (0, 1):
+        rows = contact_matrix(bodies, axis).reshape(len(bodies.bottom), -1, 2)
+        np.testing.assert_allclose(rows.sum(1), 0.0, atol=1e-14)
+        np.testing.assert_allclose(rows[:, :, axis] @ bodies.points[:, 1], 0.0, atol=1e-14)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3, 0.9])
+def test_steady_sliding_bears_the_weight_and_moves_pressure_to_the_front(friction):
+    bodies = incline(0.05, elastic=True)
+    state = slide_steadily(bodies, friction)
+    gaps = contact_matrix(bodies, 1) @ state.displacement
+    forces = np.where(state.pressed, -bodies.stiffness * gaps, 0.0)
+    assert np.all(forces >= 0.0)
+    assert forces.sum() == pytest.approx(MASS * GRAVITY)
+    centre = forces @ bodies.points[bodies.bottom, 0] / forces.sum()
+    # The moment of friction about the centre of mass: N e = T H / 2.
+    assert centre == pytest.approx(0.5 * LENGTH + friction * 0.5 * HEIGHT, abs=2e-4)
+
+
+@pytest.mark.parametrize("rigid_contact", [False, True])
+@pytest.mark.parametrize("elastic", [False, True])
+def test_nothing_grows_without_friction_and_something_does_with_it(elastic, rigid_contact):
+    bodies = incline(0.1, elastic=elastic)
+    assert len(growth(bodies, 0.0, rigid_contact=rigid_contact)) == 0
+    assert growth(bodies, 0.3, rigid_contact=rigid_contact)[:, 0].max() > 25.0
+
+
+def test_stiffer_springs_flutter_as_no_springs_do():
+    stiff, none = (
+        growth(incline(0.1, elastic=False, kappa=kappa), 0.3, rigid_contact=rigid)[0]
+        for kappa, rigid in ((1e4, False), (1.0, True))
+    )
+    np.testing.assert_allclose(stiff, none, rtol=1e-2)
+
+
+def test_viscosity_takes_the_growth_away():
+    bodies = incline(0.1, elastic=False)
+    rates = [growth(bodies, 0.3, rigid_contact=True, viscosity=beta)[:, 0] for beta in (0.0, 3e-4, 1e-3)]
+    assert rates[0].max() > 4.0 * rates[1].max() > 0.0
+    assert len(rates[2]) == 0
+
+
+@pytest.mark.parametrize("contact", CONTACTS)
+@pytest.mark.parametrize("elastic", [False, True])
+def test_a_block_that_must_stick_stays(contact, elastic):
+    run = slide(0.1, 0.9, math.radians(30.0), contact=contact, elastic=elastic, end=0.3)
+    late = run.x[run.time > 0.2]
+    assert np.ptp(late) < 1e-4
+    assert run.stuck[-1] > 0.5
+
+
+@pytest.mark.parametrize("contact", CONTACTS)
+@pytest.mark.parametrize("elastic", [False, True])
+def test_a_block_with_little_friction_has_coulombs_acceleration(contact, elastic):
+    tilt, friction = math.radians(30.0), 0.1
+    run = slide(0.1, friction, tilt, contact=contact, elastic=elastic)
+    exact = GRAVITY * (math.sin(tilt) - friction * math.cos(tilt))
+    assert acceleration_of(run.time, run.x) == pytest.approx(exact, rel=2e-3)
+
+
+@pytest.mark.parametrize("contact", CONTACTS)
+def test_contact_only_pushes_friction_stays_in_its_cone_and_both_are_all_that_acts(contact):
+    tilt, friction = math.radians(40.0), 0.7
+    run = slide(0.1, friction, tilt, contact=contact, elastic=True)
+    assert run.normal.min() >= 0.0
+    assert np.all(np.abs(run.tangential) <= friction * run.normal * (1.0 + 1e-12))
+    step = run.time[1] - run.time[0]
+    turned = tilt * 0.5 * (1.0 - np.cos(np.pi * np.minimum((run.time - step) / 0.15, 1.0)))
+    acted = step * np.array(
+        [
+            (MASS * GRAVITY * np.sin(turned) - run.tangential).sum(),
+            (run.normal - MASS * GRAVITY * np.cos(turned)).sum(),
+        ]
+    )
+    np.testing.assert_allclose(run.momentum, acted, atol=1e-9 * MASS)
+
+
+def test_the_bounce_grows_in_motion_as_its_eigenvalue_says():
+    sys.path.insert(0, str(Path(__file__).parents[2] / "validation" / "steep-friction"))
+    from measures import growth_of
+
+    sigma, frequency = growth(incline(0.1, elastic=True), 0.3)[0]
+    run = slide(0.1, 0.3, math.radians(40.0), elastic=True, end=0.2)
+    found = growth_of(run.time, run.y, frequency)
+    assert found[0] == pytest.approx(sigma, rel=0.1)
+    assert found[1] == pytest.approx(frequency, rel=0.02)
+
+
+def test_the_onset_is_the_least_friction_from_which_on_all_are_wrong():
+    sys.path.insert(0, str(Path(__file__).parents[2] / "validation" / "steep-friction"))
+    from measures import Measured, onset
+
+    def row(errors):
+        tilt = math.radians(40.0)
+        found = []
+        for friction, error in errors.items():
+            exact = 10.0 * (math.sin(tilt) - friction * math.cos(tilt))
+            found.append(Measured(friction, tilt, exact * (1.0 + 0.01 * error), 0.1, 1.0, 0.0))
+        return found
+
+    assert onset(row({0.3: 0.1, 0.5: -2.0, 0.6: 0.5, 0.65: 1.5, 0.7: -30.0})) == 0.65
+    assert onset(row({0.3: 3.0, 0.5: 2.0})) == 0.3
+    assert onset(row({0.3: 3.0, 0.5: 0.2})) == math.inf
