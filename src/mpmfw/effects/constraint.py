@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -83,6 +84,12 @@ class Constraint:
         self.velocity = np.array([side.velocity for side in self.sides])
         self.cell_mass = [side.body.density * h**setup.dim for side in self.sides]
         self.agreed = AGREED * max(side.body.wave_speed for side in self.sides)
+
+    def held_momentum(self, grid: Grid, time: float) -> FloatArray:
+        """Nodal momenta as :meth:`constrain_momentum` would leave them, (n_nodes, dim) [kg/s]; those of ``grid`` stay."""
+        held = dataclasses.replace(grid, momentum=grid.momentum.copy())
+        self.constrain_momentum(held, time)
+        return held.momentum
 
     @hookimpl
     def constrain_momentum(self, grid: Grid) -> None:
