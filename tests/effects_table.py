@@ -138,7 +138,8 @@ EFFECTS = {
     "separate": brings(modules="mpmfw_contact.separate"),
     "bardenhagen": brings(
         "bardenhagen",
-        hooks="declare_fields setup after_momentum_projection after_momentum_update diagnostics",
+        hooks="declare_fields setup after_momentum_projection after_momentum_update after_second_projection "
+        "diagnostics",
         arrays="impulse frictional_work damping_work energy count sharers volume_gradient",
         modules="mpmfw_contact.bardenhagen mpmfw_contact._shared_nodes mpmfw_contact.records",
         series="contact_force contact_count frictional_work contact_energy damping_work",

@@ -154,6 +154,7 @@ class Bardenhagen(ContactStrategy):
         if count:
             self._normals(grid, phi, particles, count)
             self._correct(grid, count, projected=True)
+            self._record(grid, count)
         self.count = count
 
     @hookimpl
@@ -161,8 +162,19 @@ class Bardenhagen(ContactStrategy):
         """Correct the updated momentum at the same nodes, with the same normals."""
         if self.count:
             self._correct(grid, self.count, projected=False)
+            self._record(grid, self.count)
         else:
             self.records.count.fill(0.0)
+
+    @hookimpl
+    def after_second_projection(self, grid: Grid) -> None:
+        """Correct MUSL's second momentum, from which the strain is taken, at the same nodes, with the same normals.
+
+        Else bodies that no longer approach are strained as if they did, and what the strain takes up has no work
+        against it. No point moves with this momentum: its impulse and work are in no record.
+        """
+        if self.count:
+            self._correct(grid, self.count, projected=False)
 
     def _find(self, grid: Grid) -> int:
         arguments = (self.first, self.second, grid.window_lower, grid.window_shape, grid.offset, grid.mass)
@@ -209,7 +221,7 @@ class Bardenhagen(ContactStrategy):
         )
 
     def _correct(self, grid: Grid, count: int, *, projected: bool) -> None:
-        c, records = self.contacts, self.records
+        c = self.contacts
         shared.correct_momentum(
             count,
             c.pair,
@@ -217,11 +229,23 @@ class Bardenhagen(ContactStrategy):
             c.node_b,
             c.normal,
             c.impulse,
+            c.work,
             projected,
             self.friction,
             grid.mass,
             grid.momentum,
             self.sharers,
+            grid.spacing,
+        )
+
+    def _record(self, grid: Grid, count: int) -> None:
+        """Add the last correction to what the pairs' series are made from."""
+        c, records = self.contacts, self.records
+        shared.record(
+            count,
+            c.pair,
+            c.impulse,
+            c.work,
             records.impulse,
             records.frictional_work,
             records.count,

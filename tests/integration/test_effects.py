@@ -129,6 +129,7 @@ HOOKS: dict[str, tuple[dict[str, Any], dict[str, list[str]]]] = {
             "setup": ["soft", "shape", "bardenhagen", "rotation", "body_series"],
             "after_momentum_projection": ["bardenhagen"],
             "after_momentum_update": ["bardenhagen"],
+            "after_second_projection": ["bardenhagen"],
             "correct_inertia": ["rotation"],
             "diagnostics": ["bardenhagen", "body_series", "von_mises"],
         },
