@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -22,6 +22,9 @@ from mpmfw.api import (
 from mpmfw.api import Field as ArrayField
 from mpmfw_contact import _shared_nodes as shared
 from mpmfw_contact.records import PairRecords
+
+if TYPE_CHECKING:
+    from mpmfw_contact._leaning import LeaningNormals
 
 NODAL = (
     ArrayField(
@@ -85,6 +88,18 @@ class Bardenhagen(ContactStrategy):
     velocity_fields = "per_body"
     uses_friction = True
     stage = "contact"
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self.leaning: LeaningNormals | None = None
+        if self.options.normal == "averaged":
+            from mpmfw_contact._leaning import LeaningNormals
+
+            self.leaning = LeaningNormals(self)
+
+    def parts(self) -> list[Any]:
+        """What follows averaged normals; the other kinds lean on one body alone."""
+        return [] if self.leaning is None else [self.leaning]
 
     @hookimpl
     def declare_fields(self) -> list[ArrayField]:
@@ -255,6 +270,8 @@ class Bardenhagen(ContactStrategy):
     def restart(self) -> None:
         """Forget impulse and work of the settling."""
         self.records.restart()
+        if self.leaning is not None:
+            self.leaning.restart()
 
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:  # noqa: ARG002
