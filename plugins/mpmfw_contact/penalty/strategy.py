@@ -77,8 +77,8 @@ class Penalty(ContactStrategy):
         if options.variant == "default":
             return super().label
         own = {key: getattr(options, key) for key in sorted(options.model_fields_set - {"variant"})}
-        departs = [f"{key}={value}" for key, value in own.items() if value != HAMAD_2017.get(key)]
-        return f"{self.name}({', '.join([f'variant={options.variant}', *departs])})"
+        departs = {key: value for key, value in own.items() if value != HAMAD_2017.get(key)}
+        return self.said_with({"variant": options.variant, **departs})
 
     def parts(self) -> list[Any]:
         """The surface layer's inertia, where it has a thickness."""

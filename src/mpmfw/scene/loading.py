@@ -18,11 +18,13 @@ from mpmfw.errors import SceneError
 from mpmfw.scene.cells import with_lengths
 from mpmfw.scene.checks import check
 from mpmfw.scene.complaint import problems_of
-from mpmfw.scene.locator import Locator
+from mpmfw.scene.locator import Locator, dotted
+from mpmfw.scene.locator import Path as KeyPath
 from mpmfw.scene.options import Chosen, separate_options
 from mpmfw.scene.override import merge, parse_path, parse_value
 from mpmfw.scene.problem import Origin, Problem, distinct
 from mpmfw.scene.scene import Scene, Source
+from mpmfw.scene.specification import keys_of
 
 
 def shipped_scenes() -> dict[str, str]:
@@ -74,7 +76,9 @@ def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
         One line for each thing that is wrong.
     """
     overrides = {**source.overrides, **plain(overrides)}
-    mapping, problems = merge(source.mapping, overrides)
+    expanded, said_twice = _expanded(overrides)
+    mapping, problems = merge(source.mapping, expanded)
+    problems += said_twice
     chosen = separate_options(mapping)
     problems += chosen.problems
     scene: Scene | None = None
@@ -101,6 +105,27 @@ def plain(value: Any) -> Any:
     if hasattr(value, "tolist"):  # NumPy arrays and scalars
         return value.tolist()
     return os.fspath(value) if isinstance(value, os.PathLike) else value
+
+
+def _expanded(overrides: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
+    """The overrides with the keys that methods with options stand for, and what of these is said twice."""
+    found: dict[str, Any] = {}
+    problems = []
+    for key, value in overrides.items():
+        try:
+            keys = {dotted(path): given for path, given in keys_of(key, value).items()}
+        except SceneError as error:
+            problems.append(Problem((), str(error), override=key))
+            continue
+        twice = [other for other in overrides if other != key and any(_within(one, other) for one in keys)]
+        message = f"{key} = '{value}' sets it too; leave one of them out"
+        problems += [Problem((), message, override=other) for other in twice]
+        found |= keys or {key: value}
+    return found, problems
+
+
+def _within(key: str, table: str) -> bool:
+    return key == table or key.startswith(f"{table}.")
 
 
 def _with_resolved_paths(core: dict[str, Any], directory: Path | None) -> dict[str, Any]:
@@ -132,11 +157,11 @@ def _with_options(scene: Scene, chosen: Chosen) -> Scene:
 
 def origin_of(source: Source, overrides: Mapping[str, Any]) -> Origin:
     """Where the keys of a scene were written."""
-    targets = {}
-    for key in overrides:
+    targets: list[tuple[str, KeyPath]] = []
+    for key, value in overrides.items():
         try:
-            targets[key] = parse_path(key)
-        except ValueError:
+            targets += [(key, path) for path in keys_of(key, value) or [parse_path(key)]]
+        except (ValueError, SceneError):
             continue  # it is a problem of its own
     locator = Locator(source.text) if source.text is not None else None
     return Origin(source.name, locator, targets)

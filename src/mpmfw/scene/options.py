@@ -102,6 +102,11 @@ def _validate(
 ) -> None:
     """Validate one plug-in's options; what is wrong is noted, with the path of the name or of the option."""
     installed = available(kind)
+    alone = name.partition("(")[0]
+    if alone != name and alone in installed:
+        message = f"expected the name alone, '{alone}', and its options in the table [{kind}.{alone}]"
+        chosen.problems.append(Problem(name_path, message))
+        return
     if name not in installed:
         message = f"no such {kind} plug-in: {choice_message(name, list(installed))}"
         chosen.problems.append(Problem(name_path, message))
@@ -111,9 +116,19 @@ def _validate(
     except SceneError as error:
         chosen.problems.append(Problem(name_path, str(error)))
         return
-    model: type[BaseModel] = getattr(plugin, "Options", _NoOptions)
     chosen.plugins[table_path] = plugin
+    made, problems = with_options(plugin, options, table_path, core_keys)
+    chosen.problems += problems
+    if made is not None:
+        chosen.options[table_path] = made
+
+
+def with_options(
+    plugin: type[Any], options: Mapping[str, Any], path: Path, core_keys: tuple[str, ...] = ()
+) -> tuple[BaseModel | None, list[Problem]]:
+    """An instance of the plug-in's own model, or what is wrong with options that stand at ``path`` of the scene."""
+    model: type[BaseModel] = getattr(plugin, "Options", _NoOptions)
     try:
-        chosen.options[table_path] = model.model_validate(dict(options))
+        return model.model_validate(dict(options)), []
     except ValidationError as error:
-        chosen.problems += problems_of(error, model, options, table_path, core_keys)
+        return None, problems_of(error, model, options, path, core_keys)
