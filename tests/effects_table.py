@@ -157,10 +157,17 @@ EFFECTS = {
     "separate": brings(modules="mpmfw_contact.separate"),
     "bardenhagen": brings(
         "bardenhagen",
-        hooks="declare_fields setup add_pairs after_momentum_projection after_momentum_update diagnostics",
+        hooks="declare_fields setup add_pairs after_momentum_projection after_momentum_update after_second_projection "
+        "diagnostics",
         arrays="impulse frictional_work damping_work energy count sharers volume_gradient",
         modules="mpmfw_contact.bardenhagen mpmfw_contact._shared_nodes mpmfw_contact.records",
         series="contact_force contact_count frictional_work contact_energy damping_work",
+    ),
+    "averaged normals": brings(
+        "bardenhagen_leaning",
+        hooks="declare_fields setup after_momentum_projection after_momentum_update concerns",
+        arrays="normal_impulse mean_normal lean",
+        modules="mpmfw_contact._leaning",
     ),
     "distance of bodies": brings("bardenhagen", arrays="mean_position"),
     "penalty": brings(
@@ -298,10 +305,13 @@ CASES = {
     "linear elastic": Case(with_changes(ONE, materials__soft=ELASTIC), (), material="linear_elastic"),
     "three dimensions": Case(box(shape__method="linear", bodies__solid__rotation="lumped"), ()),
     "no contact": Case(_two("none"), ("none",)),
-    "contact by velocity": Case(_two("bardenhagen"), ("bardenhagen", "rotation")),
+    "contact by velocity": Case(_two("bardenhagen"), ("bardenhagen", "averaged normals", "rotation")),
     "contact by position": Case(
         _two("bardenhagen", contact__bardenhagen={"criterion": "position"}),
-        ("bardenhagen", "distance of bodies", "rotation"),
+        ("bardenhagen", "averaged normals", "distance of bodies", "rotation"),
+    ),
+    "one body's normal": Case(
+        _two("bardenhagen", contact__bardenhagen={"normal": "master"}), ("bardenhagen", "rotation")
     ),
     "flip": Case(with_changes(ONE, stepping={"transfer": "flip"}), ()),
     "pic": Case(with_changes(ONE, stepping={"transfer": "pic"}), ()),

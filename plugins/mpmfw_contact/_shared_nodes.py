@@ -18,13 +18,14 @@ class Contacts(NamedTuple):
     node_a: Ints  #: (n,) flat node of the first body's field
     node_b: Ints  #: (n,) flat node of the second body's field
     normal: Floats  #: (n, dim) unit normal out of the first body; 0 where the bodies do not touch
-    impulse: Floats  #: (n, dim) impulse on the first body [N s/m]
+    impulse: Floats  #: (n, dim) impulse on the first body, 0 where the two do not approach [N s/m]
+    work: Floats  #: (n,) work of friction [J/m]
 
 
 def empty_contacts(capacity: int, dim: int) -> Contacts:
     """Room for ``capacity`` shared nodes."""
     pair, a, b = (np.zeros(capacity, dtype=np.int64) for _ in range(3))
-    return Contacts(pair, a, b, np.zeros((capacity, dim)), np.zeros((capacity, dim)))
+    return Contacts(pair, a, b, np.zeros((capacity, dim)), np.zeros((capacity, dim)), np.zeros(capacity))
 
 
 @kernel
@@ -155,14 +156,12 @@ def correct_momentum(
     node_b: Ints,
     normal: Floats,
     impulse: Floats,
+    work: Floats,
     projected: bool,
     friction: Floats,
     node_mass: Floats,
     node_momentum: Floats,
     sharers: Floats,
-    pair_impulse: Floats,
-    frictional_work: Floats,
-    contact_count: Floats,
     spacing: tuple[float, ...],
 ) -> None:
     """Take away approach and, within Coulomb's cone, slip at shared nodes.
@@ -179,7 +178,6 @@ def correct_momentum(
     for c in range(count):
         sharers[node_a[c]] = 0.0
         sharers[node_b[c]] = 0.0
-    contact_count[:] = 0.0
     for c in range(count):  # who takes part: all decided before anything moves
         i, j = node_a[c], node_b[c]
         approach = 0.0
@@ -191,10 +189,10 @@ def correct_momentum(
         if approach > 0.0:
             sharers[i] += 1.0
             sharers[j] += 1.0
-            contact_count[pair[c]] += 1.0
     for c in range(count):
         i, j = node_a[c], node_b[c]
         approach = impulse[c, 0]
+        work[c] = 0.0
         for d in range(dim):
             impulse[c, d] = 0.0
         if approach > 0.0:
@@ -211,9 +209,31 @@ def correct_momentum(
                 direction = slip[d] / speed if speed > 0.0 else 0.0
                 impulse[c, d] = -m * approach * normal[c, d] - tangential * direction
             left = speed - tangential / m
-            frictional_work[pair[c]] += tangential * (0.5 * (speed + left) if projected else left)
+            work[c] = tangential * (0.5 * (speed + left) if projected else left)
     for c in range(count):
         for d in range(dim):
             node_momentum[node_a[c], d] += impulse[c, d]
             node_momentum[node_b[c], d] -= impulse[c, d]
+
+
+@kernel
+def record(
+    count: int,
+    pair: Ints,
+    impulse: Floats,
+    work: Floats,
+    pair_impulse: Floats,
+    frictional_work: Floats,
+    contact_count: Floats,
+    spacing: tuple[float, ...],
+) -> None:
+    """Add a correction to the pairs' impulses and works, and count the nodes that it touched."""
+    dim = len(spacing)
+    contact_count[:] = 0.0
+    for c in range(count):
+        touched = False
+        for d in range(dim):
             pair_impulse[pair[c], d] += impulse[c, d]
+            touched = touched or impulse[c, d] != 0.0
+        frictional_work[pair[c]] += work[c]
+        contact_count[pair[c]] += 1.0 if touched else 0.0

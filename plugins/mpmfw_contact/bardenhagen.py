@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -22,6 +22,9 @@ from mpmfw.api import (
 from mpmfw.api import Field as ArrayField
 from mpmfw_contact import _shared_nodes as shared
 from mpmfw_contact.records import PairRecords
+
+if TYPE_CHECKING:
+    from mpmfw_contact._leaning import LeaningNormals
 
 NODAL = (
     ArrayField(
@@ -85,6 +88,18 @@ class Bardenhagen(ContactStrategy):
     velocity_fields = "per_body"
     uses_friction = True
     stage = "contact"
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self.leaning: LeaningNormals | None = None
+        if self.options.normal == "averaged":
+            from mpmfw_contact._leaning import LeaningNormals
+
+            self.leaning = LeaningNormals(self)
+
+    def parts(self) -> list[Any]:
+        """What follows averaged normals; the other kinds lean on one body alone."""
+        return [] if self.leaning is None else [self.leaning]
 
     @hookimpl
     def declare_fields(self) -> list[ArrayField]:
@@ -164,6 +179,7 @@ class Bardenhagen(ContactStrategy):
         if count:
             self._normals(grid, phi, particles, count)
             self._correct(grid, count, projected=True)
+            self._record(grid, count)
         self.count = count
 
     @hookimpl
@@ -171,8 +187,19 @@ class Bardenhagen(ContactStrategy):
         """Correct the updated momentum at the same nodes, with the same normals."""
         if self.count:
             self._correct(grid, self.count, projected=False)
+            self._record(grid, self.count)
         else:
             self.records.count.fill(0.0)
+
+    @hookimpl
+    def after_second_projection(self, grid: Grid) -> None:
+        """Correct MUSL's second momentum, from which the strain is taken, at the same nodes, with the same normals.
+
+        Else bodies that no longer approach are strained as if they did, and what the strain takes up has no work
+        against it. No point moves with this momentum: its impulse and work are in no record.
+        """
+        if self.count:
+            self._correct(grid, self.count, projected=False)
 
     def _find(self, grid: Grid) -> int:
         arguments = (self.first, self.second, grid.window_lower, grid.window_shape, grid.offset, grid.mass)
@@ -219,7 +246,7 @@ class Bardenhagen(ContactStrategy):
         )
 
     def _correct(self, grid: Grid, count: int, *, projected: bool) -> None:
-        c, records = self.contacts, self.records
+        c = self.contacts
         shared.correct_momentum(
             count,
             c.pair,
@@ -227,11 +254,23 @@ class Bardenhagen(ContactStrategy):
             c.node_b,
             c.normal,
             c.impulse,
+            c.work,
             projected,
             self.friction,
             grid.mass,
             grid.momentum,
             self.sharers,
+            grid.spacing,
+        )
+
+    def _record(self, grid: Grid, count: int) -> None:
+        """Add the last correction to what the pairs' series are made from."""
+        c, records = self.contacts, self.records
+        shared.record(
+            count,
+            c.pair,
+            c.impulse,
+            c.work,
             records.impulse,
             records.frictional_work,
             records.count,
@@ -241,6 +280,8 @@ class Bardenhagen(ContactStrategy):
     def restart(self) -> None:
         """Forget impulse and work of the settling."""
         self.records.restart()
+        if self.leaning is not None:
+            self.leaning.restart()
 
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:  # noqa: ARG002

@@ -23,7 +23,7 @@ Names that are neither classes nor functions:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -85,11 +85,17 @@ class PlugIn:
 
     @property
     def label(self) -> str:
-        """Name and the options that were set, for tables and coordinates."""
-        changed = ", ".join(
-            f"{key}={getattr(self.options, key)}" for key in sorted(self.options.model_fields_set)
-        )
-        return f"{self.name}({changed})" if changed else self.name
+        """Name and the options that were set, for tables and coordinates; wherever a method is named, it names this one."""
+        return self.said_with({key: getattr(self.options, key) for key in self.options.model_fields_set})
+
+    def said_with(self, options: Mapping[str, Any]) -> str:
+        """The plug-in's name and these options as one text, ``NAME(option=value, …)``.
+
+        ``options`` are values by name; those that are None are not said.
+        """
+        from mpmfw.scene.specification import specification_of
+
+        return specification_of(self.name, options)
 
 
 class ShapeFunction(PlugIn):

@@ -16,11 +16,12 @@ from typing import Any
 
 import xarray as xr
 
-from mpmfw.discovery import Kind, available, did_you_mean, distribution_of
+from mpmfw.discovery import Kind, available, distribution_of
 from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.joining import Outcome, join
 from mpmfw.scene.loading import plain
 from mpmfw.scene.requested import check_methods_run, check_requested
+from mpmfw.scene.specification import called, known_specification, parse_specification
 from mpmfw.scene.toml_text import value_text
 
 _log = logging.getLogger("mpmfw")
@@ -51,8 +52,9 @@ def compare(
     scene
         A file, the name of a shipped scene, or a mapping.
     contact, shape
-        Methods: names of plug-ins or configured strategy objects, each once. An object is labelled by its
-        ``label``, else its ``name``; a label that occurs again gets ``#2``, ``#3`` …
+        Methods: names of plug-ins, names with options such as ``"penalty(kappa=2)"``, or configured strategy objects, each
+        once. Options beside a name are set over those of the scene's own table of the method; an object has its own alone.
+        An object is labelled by its ``label``, else its ``name``; a label that occurs again gets ``#2``, ``#3`` …
     vary
         Scene keys and their values, such as ``{"grid.cell_size": [0.4, 0.2]}``; the key's last part names the
         dimension. Values that are not all numbers or all texts, such as vectors, are labelled by their text.
@@ -147,7 +149,7 @@ def _outcome(
             scene, contact=contact, shape=shape, output=None, progress=progress, set=overrides, **apart
         )
     except SceneError as error:
-        refusals.append(_named(error, varied))
+        refusals.append(_named(error, varied, {"contact": contact, "shape": shape}))
         return Outcome(f"refused: {refusals[-1]}")
     except SimulationError as error:
         return Outcome(f"failed: {error}", getattr(error, "results", None))
@@ -164,13 +166,14 @@ def _is_strange(contact: Any, shape: Any) -> bool:
     chosen: tuple[tuple[Kind, Any], ...] = (("contact", contact), ("shape", shape))
     if not all(isinstance(method, str) for _, method in chosen):
         return False
-    entries = [available(kind)[method] for kind, method in chosen if method in available(kind)]
+    names = [(kind, parse_specification(method).name) for kind, method in chosen]
+    entries = [available(kind)[name] for kind, name in names if name in available(kind)]
     return any(distribution_of(entry) != "mpmfw" for entry in entries)
 
 
-def _named(error: SceneError, varied: Iterable[str]) -> SceneError:
-    """The error with the keys that are varied called so: to a run they are set as others are."""
-    text = str(error)
+def _named(error: SceneError, varied: Iterable[str], methods: Mapping[str, Any]) -> SceneError:
+    """The error with methods and the keys that are varied called so: to a run they are set as others are."""
+    text = called(str(error), {kind: f"{kind} {method}" for kind, method in methods.items()})
     for key in varied:
         text = re.sub(rf"^--set (?={re.escape(key)}(?::|$))", "--vary ", text, flags=re.MULTILINE)
     return error if text == str(error) else SceneError(text)
@@ -197,19 +200,27 @@ def _methods(kind: Kind, chosen: Sequence[Any]) -> list[_Method]:
         raise SceneError(f"{kind}: expected a list of at least one method, got {chosen!r}")
     methods: list[_Method] = []
     for k, method in enumerate(chosen):
-        if any(method is other or (isinstance(method, str) and method == other) for other in chosen[:k]):
-            raise SceneError(
-                f"{kind}: {_label(method) if not isinstance(method, str) else method} is given twice"
-            )
-        if isinstance(method, str) and method not in available(kind):
-            raise SceneError(f"unknown {kind} plug-in '{method}'; {did_you_mean(method, available(kind))}")
-        base = method if isinstance(method, str) else _label(method)
+        base = _known(kind, method) if isinstance(method, str) else _label(method)
+        if any(
+            method is other
+            or (isinstance(method, str) and isinstance(other, str) and base == _known(kind, other))
+            for other in chosen[:k]
+        ):
+            raise SceneError(f"{kind}: {base} is given twice")
         label, count = base, 1
         while any(other.label == label for other in methods):
             count += 1
             label = f"{base}#{count}"
-        methods.append(_Method(label, method))
+        methods.append(_Method(label, base if isinstance(method, str) else method))
     return methods
+
+
+def _known(kind: Kind, text: str) -> str:
+    """A name or a name with options, in the one way of writing that labels have."""
+    try:
+        return str(known_specification(kind, text))
+    except SceneError as error:
+        raise SceneError(f"{kind} {error}") from error
 
 
 def _label(method: Any) -> str:
@@ -229,7 +240,9 @@ def _check(
 
 
 def _plugin(method: Any) -> str:
-    return method if isinstance(method, str) else str(getattr(method, "name", type(method).__name__))
+    if isinstance(method, str):
+        return parse_specification(method).name
+    return str(getattr(method, "name", type(method).__name__))
 
 
 def _value_labels(key: str, values: Sequence[Any]) -> list[Any]:

@@ -44,6 +44,7 @@ SURFACE = {
 }
 RECORDS = {"impulse", "frictional_work", "damping_work", "energy", "count"}
 CLASSICAL = {f"bardenhagen/{name}" for name in RECORDS | {"volume_gradient", "sharers"}}
+CLASSICAL |= {f"bardenhagen_leaning/{name}" for name in ("normal_impulse", "mean_normal", "lean")}
 
 
 @pytest.mark.parametrize(
@@ -128,13 +129,15 @@ HOOKS: dict[str, tuple[dict[str, Any], dict[str, list[str]]]] = {
     "bardenhagen": (
         VELOCITY,
         {
-            "declare_fields": ["shape", "bardenhagen", "body_series", "von_mises"],
-            "setup": ["soft", "shape", "bardenhagen", "rotation", "body_series"],
+            "declare_fields": ["shape", "bardenhagen", "bardenhagen_leaning", "body_series", "von_mises"],
+            "setup": ["soft", "shape", "bardenhagen", "bardenhagen_leaning", "rotation", "body_series"],
             "add_pairs": ["bardenhagen"],
-            "after_momentum_projection": ["bardenhagen"],
-            "after_momentum_update": ["bardenhagen"],
+            "after_momentum_projection": ["bardenhagen", "bardenhagen_leaning"],
+            "after_momentum_update": ["bardenhagen", "bardenhagen_leaning"],
+            "after_second_projection": ["bardenhagen"],
             "correct_inertia": ["rotation"],
             "diagnostics": ["bardenhagen", "body_series", "von_mises"],
+            "concerns": ["bardenhagen_leaning"],
         },
     ),
 }

@@ -108,8 +108,8 @@ def test_normals_agree_with_numpy(fields, kind, cut_off):
 
 
 def correct(f, c, count, friction):
-    """Run the kernel; records of the pairs."""
-    records = SimpleNamespace(impulse=np.zeros((3, f.dim)), work=np.zeros(3), count=np.zeros(3))
+    """Run the kernels; records of the pairs."""
+    records = SimpleNamespace(impulse=np.zeros((3, f.dim)), work=np.zeros(3), count=np.ones(3))
     shared.correct_momentum(
         count,
         c.pair,
@@ -117,16 +117,15 @@ def correct(f, c, count, friction):
         c.node_b,
         c.normal,
         c.impulse,
+        c.work,
         True,
         friction,
         f.mass,
         f.momentum,
         np.zeros(len(f.mass)),
-        records.impulse,
-        records.work,
-        records.count,
         f.spacing,
     )
+    shared.record(count, c.pair, c.impulse, c.work, records.impulse, records.work, records.count, f.spacing)
     return records
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from mpmfw.discovery import Kind, available, did_you_mean
+from mpmfw.discovery import Kind
 from mpmfw.errors import SceneError
 
 if TYPE_CHECKING:
@@ -18,7 +18,12 @@ SceneArgument: TypeAlias = Annotated[
     typer.Argument(metavar="SCENE", help="A TOML file, or the name of a shipped scene.", show_default=False),
 ]
 ContactOption: TypeAlias = Annotated[
-    str | None, typer.Option("--contact", metavar="NAME", help="Contact strategy, instead of the scene's.")
+    str | None,
+    typer.Option(
+        "--contact",
+        metavar="NAME",
+        help="Contact strategy, instead of the scene's; with options as in 'penalty(kappa=2)'.",
+    ),
 ]
 ShapeOption: TypeAlias = Annotated[
     str | None, typer.Option("--shape", metavar="NAME", help="Shape function, instead of the scene's.")
@@ -67,6 +72,7 @@ def chosen_scene(scene: str, contact: str | None, shape: str | None, set_: list[
     """
     from mpmfw.scene import load_scene
     from mpmfw.scene.requested import check_methods_run
+    from mpmfw.scene.specification import called
 
     overrides = assignments(set_)
     choices: tuple[tuple[Kind, str | None], ...] = (("contact", contact), ("shape", shape))
@@ -78,41 +84,54 @@ def chosen_scene(scene: str, contact: str | None, shape: str | None, set_: list[
                 f"--{kind} {name}: --set {kind}.method chooses another one; leave one of them out"
             )
         overrides[f"{kind}.method"] = installed(kind, name)
-    loaded = load_scene(scene, set=overrides)
+    try:
+        loaded = load_scene(scene, set=overrides)
+    except SceneError as error:
+        said: dict[str, str] = {kind: f"--{kind} {name}" for kind, name in choices if name is not None}
+        raise SceneError(called(str(error), said)) from error
     methods = {"contact": [loaded.contact.method] if loaded.contact else [], "shape": [loaded.shape.method]}
     check_methods_run(assignments(set_), methods, "--set")
     return loaded
 
 
 def installed(kind: Kind, name: str) -> str:
-    """The name, if there is such a plug-in.
+    """The plug-in's name with the options that are given beside it, in the order of the alphabet.
 
     Raises
     ------
     SceneError
-        There is none.
+        There is no such plug-in, or it has no such option or refuses a value.
     """
-    if name not in available(kind):
-        raise SceneError(f"--{kind} {name}: no such {kind} plug-in; {did_you_mean(name, available(kind))}")
-    return name
+    from mpmfw.scene.specification import known_specification
+
+    try:
+        return str(known_specification(kind, name))
+    except SceneError as error:
+        raise SceneError(f"--{kind} {error}") from error
 
 
 def names(text: str | None, kind: Kind) -> list[str] | None:
-    """Names of plug-ins between commas, or None if the option is absent.
+    """Plug-ins between commas, each a name or a name with options, or None if the option is absent.
 
     Raises
     ------
     SceneError
-        A name is empty, unknown or given twice.
+        A name is empty, unknown or given twice; an option is unknown or refused.
     """
+    from mpmfw.scene.specification import split_specifications
+
     if text is None:
         return None
-    found = [name.strip() for name in text.split(",")]
-    if not all(found):
+    try:
+        found = split_specifications(text)
+    except SceneError as error:
+        raise SceneError(f"--{kind} {error}") from error
+    if not found or not all(found):
         raise SceneError(f"--{kind} {text}: expected names with a comma between them")
-    if len(set(found)) < len(found):
+    known = [installed(kind, name) for name in found]
+    if len(set(known)) < len(known):
         raise SceneError(f"--{kind} {text}: a name is given twice")
-    return [installed(kind, name) for name in found]
+    return known
 
 
 def variations(texts: list[str] | None) -> dict[str, list[Any]]:

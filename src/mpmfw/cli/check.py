@@ -28,7 +28,8 @@ PluginArgument: TypeAlias = Annotated[
     str,
     typer.Argument(
         metavar="PLUGIN",
-        help="Name of an installed plug-in (mpmfw plugins lists them), or module:Class with --kind.",
+        help="Name of an installed plug-in (mpmfw plugins lists them), or module:Class with --kind; with options as in "
+        "'penalty(kappa=2)'.",
         show_default=False,
     ),
 ]
@@ -64,11 +65,12 @@ def check(
 
     Each failure says which property is broken, the smallest counterexample, and where its picture is.
     """
+    from mpmfw.scene.specification import parse_specification
     from mpmfw.testing import contact_checks, examine, subject_of
     from mpmfw.testing.examination import justified
     from mpmfw.testing.parametrised import chosen
 
-    asked = _kind_of(plugin, kind)
+    asked = _kind_of(parse_specification(plugin).name, kind)
     if ":" in plugin and (here := str(Path.cwd())) not in sys.path:
         sys.path.insert(
             0, here

@@ -17,7 +17,11 @@ from mpmfw.cli.summary import print_comparison
 def compare(
     scene: SceneArgument,
     contact: Annotated[
-        str | None, typer.Option(metavar="A,B,…", help="Contact strategies; the scene's own if left out.")
+        str | None,
+        typer.Option(
+            metavar="A,B,…",
+            help="Contact strategies, with options as in 'none,penalty(kappa=2)'; the scene's own if left out.",
+        ),
     ] = None,
     shape: Annotated[
         str | None, typer.Option(metavar="A,B,…", help="Shape functions; the scene's own if left out.")
@@ -43,6 +47,7 @@ def compare(
     """
     from mpmfw.scene import load_scene
     from mpmfw.scene.requested import check_methods_run, check_requested
+    from mpmfw.scene.specification import parse_specification
 
     contacts, shapes = names(contact, "contact"), names(shape, "shape")
     varied = variations(vary)
@@ -56,8 +61,12 @@ def compare(
     # A single body needs no contact; the dimension is there all the same
     contacts = contacts or [loaded.contact.method if loaded.contact else "none"]
     shapes = shapes or [loaded.shape.method]
+    run = {
+        kind: [parse_specification(said).name for said in chosen]
+        for kind, chosen in (("contact", contacts), ("shape", shapes))
+    }
     for option, keys in (("--set", shared), ("--vary", varied)):
-        check_methods_run(keys, {"contact": contacts, "shape": shapes}, option)
+        check_methods_run(keys, run, option)
     combinations = len(contacts) * len(shapes) * math.prod(len(values) for values in varied.values())
 
     from mpmfw.comparison import compare as run_all

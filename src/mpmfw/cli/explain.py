@@ -50,10 +50,10 @@ def explain(
 def _print_head(simulation: Simulation) -> None:
     scene, state = simulation.scene, simulation.state
     typer.echo(scene.title or scene.name)
-    method = "none needed" if scene.contact is None else scene.contact.method
+    method = "none needed" if simulation.contact is None else simulation.contact.label
     typer.echo(
         f"{scene.dim}D, {len(state.bodies)} bodies, {state.particles.count} material points, "
-        f"contact {method}, shape {scene.shape.method}\n"
+        f"contact {method}, shape {simulation.shape.label}\n"
     )
 
 

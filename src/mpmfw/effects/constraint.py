@@ -85,10 +85,10 @@ class Constraint:
         self.cell_mass = [side.body.density * h**setup.dim for side in self.sides]
         self.agreed = AGREED * max(side.body.wave_speed for side in self.sides)
 
-    def held_momentum(self, grid: Grid, time: float) -> FloatArray:
+    def held_momentum(self, grid: Grid) -> FloatArray:
         """Nodal momenta as :meth:`constrain_momentum` would leave them, (n_nodes, dim) [kg/s]; those of ``grid`` stay."""
         held = dataclasses.replace(grid, momentum=grid.momentum.copy())
-        self.constrain_momentum(held, time)
+        self.constrain_momentum(held)
         return held.momentum
 
     @hookimpl

@@ -110,12 +110,12 @@ class LocalInertia:
             self.state.arrays[f"{self.name}/correction"] = self.correction
 
     @hookimpl
-    def correct_inertia(self, grid: Grid, phi: Stencil, particles: Particles, dt: float) -> None:
+    def correct_inertia(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
         """Correct each body's own velocity field."""
         self._fit(grid)
         held = grid.momentum
         if self.constraint is not None:
-            held = self.constraint.held_momentum(grid, self.state.time + dt)
+            held = self.constraint.held_momentum(grid)
         for body in self.bodies:
             nodes = grid.field_nodes(body.field)
             correct_locally(

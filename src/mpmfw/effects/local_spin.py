@@ -247,12 +247,12 @@ class LocalSpin:
             self.state.arrays[f"{self.name}/common"] = self.common
 
     @hookimpl
-    def correct_inertia(self, grid: Grid, particles: Particles, dt: float) -> None:
+    def correct_inertia(self, grid: Grid, particles: Particles) -> None:
         """Correct each body's own velocity field."""
         self._fit(grid)
         held = grid.momentum
         if self.constraint is not None:
-            held = self.constraint.held_momentum(grid, self.state.time + dt)
+            held = self.constraint.held_momentum(grid)
         for body in self.bodies:
             nodes = grid.field_nodes(body.field)
             correct_spin(

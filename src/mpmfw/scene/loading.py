@@ -20,10 +20,12 @@ from mpmfw.scene.checks import check
 from mpmfw.scene.complaint import problems_of
 from mpmfw.scene.content import TOO_DEEP, check_content
 from mpmfw.scene.locator import Locator, dotted
+from mpmfw.scene.locator import Path as KeyPath
 from mpmfw.scene.options import Chosen, separate_options
 from mpmfw.scene.override import merge, parse_path, parse_value
 from mpmfw.scene.problem import Origin, Problem, distinct
 from mpmfw.scene.scene import Scene, Source
+from mpmfw.scene.specification import keys_of
 
 
 def shipped_scenes() -> dict[str, str]:
@@ -84,7 +86,9 @@ def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
         unreadable += [replace(found, path=(), override=key) for found in check_content(value)]
     if unreadable:
         raise SceneError(_message(unreadable, source, overrides))
-    mapping, problems = merge(source.mapping, overrides)
+    expanded, said_twice = _expanded(overrides)
+    mapping, problems = merge(source.mapping, expanded)
+    problems += said_twice
     chosen = separate_options(mapping)
     problems += chosen.problems
     scene: Scene | None = None
@@ -116,6 +120,27 @@ def plain(value: Any) -> Any:
     return os.fspath(value) if isinstance(value, os.PathLike) else value
 
 
+def _expanded(overrides: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
+    """The overrides with the keys that methods with options stand for, and what of these is said twice."""
+    found: dict[str, Any] = {}
+    problems = []
+    for key, value in overrides.items():
+        try:
+            keys = {dotted(path): given for path, given in keys_of(key, value).items()}
+        except SceneError as error:
+            problems.append(Problem((), str(error), override=key))
+            continue
+        twice = [other for other in overrides if other != key and any(_within(one, other) for one in keys)]
+        message = f"{key} = '{value}' sets it too; leave one of them out"
+        problems += [Problem((), message, override=other) for other in twice]
+        found |= keys or {key: value}
+    return found, problems
+
+
+def _within(key: str, table: str) -> bool:
+    return key == table or key.startswith(f"{table}.")
+
+
 def _with_resolved_paths(core: dict[str, Any], directory: Path | None) -> dict[str, Any]:
     """The tables with the paths of mesh files taken from the scene file's folder."""
     bodies = core.get("bodies")
@@ -142,7 +167,7 @@ def _outside(core: Mapping[str, Any], source: Source, overrides: Mapping[str, An
         geometry = body.get("geometry") if isinstance(body, Mapping) else None
         path = geometry.get("path") if isinstance(geometry, Mapping) else None
         at = ("bodies", str(name), "geometry", "path")
-        given = any(at[: len(target)] == target for target in origin_of(source, overrides).overrides.values())
+        given = any(at[: len(target)] == target for _, target in origin_of(source, overrides).overrides)
         if (
             isinstance(path, str)
             and not given
@@ -171,11 +196,11 @@ def _with_options(scene: Scene, chosen: Chosen) -> Scene:
 
 def origin_of(source: Source, overrides: Mapping[str, Any]) -> Origin:
     """Where the keys of a scene were written."""
-    targets = {}
-    for key in overrides:
+    targets: list[tuple[str, KeyPath]] = []
+    for key, value in overrides.items():
         try:
-            targets[key] = parse_path(key)
-        except ValueError:
+            targets += [(key, path) for path in keys_of(key, value) or [parse_path(key)]]
+        except (ValueError, SceneError):
             continue  # it is a problem of its own
     locator = Locator(source.text) if source.text is not None else None
     return Origin(source.name, locator, targets)

@@ -8,7 +8,8 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from mpmfw.discovery import Kind, available, distribution_of, load
+from mpmfw.blame import distribution_said
+from mpmfw.discovery import Kind, available, load
 from mpmfw.errors import SceneError
 from mpmfw.scene.complaint import choice_message, problems_of, shown, unknown_key
 from mpmfw.scene.locator import Path
@@ -102,6 +103,11 @@ def _validate(
 ) -> None:
     """Validate one plug-in's options; what is wrong is noted, with the path of the name or of the option."""
     installed = available(kind)
+    alone = name.partition("(")[0]
+    if alone != name and alone in installed:
+        message = f"expected the name alone, '{alone}', and its options in the table [{kind}.{alone}]"
+        chosen.problems.append(Problem(name_path, message))
+        return
     if name not in installed:
         message = f"no such {kind} plug-in: {choice_message(name, list(installed))}"
         chosen.problems.append(Problem(name_path, message))
@@ -111,18 +117,27 @@ def _validate(
     except SceneError as error:
         chosen.problems.append(Problem(name_path, str(error)))
         return
-    model: Any = getattr(plugin, "Options", _NoOptions)
-    said = f"Options of {kind} plug-in '{name}' of distribution {distribution_of(installed[name])}"
-    if not (isinstance(model, type) and issubclass(model, BaseModel)):
-        chosen.problems.append(Problem(name_path, f"{said}: expected a pydantic model, found {shown(model)}"))
-        return
     chosen.plugins[table_path] = plugin
+    made, problems = with_options(plugin, options, table_path, core_keys)
+    chosen.problems += problems
+    if made is not None:
+        chosen.options[table_path] = made
+
+
+def with_options(
+    plugin: type[Any], options: Mapping[str, Any], path: Path, core_keys: tuple[str, ...] = ()
+) -> tuple[BaseModel | None, list[Problem]]:
+    """An instance of the plug-in's own model, or what is wrong with options that stand at ``path`` of the scene."""
+    model: Any = getattr(plugin, "Options", _NoOptions)
+    said = f"Options of plug-in '{plugin.name}' of {distribution_said(plugin)}"
+    if not (isinstance(model, type) and issubclass(model, BaseModel)):
+        return None, [Problem(path, f"{said}: expected a pydantic model, found {shown(model)}")]
     try:
-        chosen.options[table_path] = model.model_validate(dict(options))
+        return model.model_validate(dict(options)), []
     except ValidationError as error:
-        chosen.problems += problems_of(error, model, options, table_path, core_keys)
+        return None, problems_of(error, model, options, path, core_keys)
     except KeyboardInterrupt:
         raise
     except BaseException as error:  # a stranger's validators may raise anything
         message = f"{said} cannot judge them: {type(error).__name__}: {error}"
-        chosen.problems.append(Problem(table_path, message))
+        return None, [Problem(path, message)]

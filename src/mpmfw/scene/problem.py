@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
@@ -51,12 +51,12 @@ class Origin:
     locator
         Lines of the file's keys, or None for a mapping.
     overrides
-        Paths of the overrides by their key.
+        Keys of the overrides with the paths that they set; one that names a method with options sets several.
     """
 
     name: str | None
     locator: Lines
-    overrides: Mapping[str, Path]
+    overrides: Sequence[tuple[str, Path]]
 
     def describe(self, problem: Problem, line_of: Path | None = None) -> str:
         """The problem as one line: ``file.toml:12: key: message``, or ``--set key: message``."""
@@ -89,7 +89,7 @@ class Origin:
         """
         if not path:
             return None
-        overrides = list(self.overrides.items())[::-1]
+        overrides = self.overrides[::-1]
         for key, target in overrides:
             if path[: len(target)] == target:
                 return key

@@ -17,6 +17,7 @@ from mpmfw.errors import SceneError
 from mpmfw.fields import FloatArray
 from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene import Scene, load_scene, located
+from mpmfw.scene.specification import specification_of
 from mpmfw.simulation import Simulation, chosen_methods
 from mpmfw.stability.kept import Kept, key_of
 from mpmfw.stability.outcome import Outcome, probe
@@ -203,16 +204,16 @@ def _dataset(
             "cfl": ("cfl", list(cfl), _said("Courant number of the fixed step")),
         },
     )
-    dataset.attrs = _attributes(scene, steps)
+    dataset.attrs = _attributes(scene, steps, axis)
     return dataset
 
 
-def _attributes(scene: Scene, steps: int) -> dict[str, Any]:
+def _attributes(scene: Scene, steps: int, axis: str) -> dict[str, Any]:
     return {
         "kind": "stability",
         "title": scene.title or scene.name,
-        "contact": scene.contact.method if scene.contact is not None else "",
-        "shape": scene.shape.method,
+        "contact": "" if scene.contact is None else _named(scene.contact, axis),
+        "shape": _named(scene.shape, axis),
         "classes": ", ".join(CLASSES),
         "courant": float(load("shape", scene.shape.method).courant),
         "bounds": f"stable up to {STABLE}, bounded up to {BOUNDED} of the energy at the start",
@@ -220,6 +221,13 @@ def _attributes(scene: Scene, steps: int) -> dict[str, Any]:
         "scene": scene.text,
         "version": __version__,
     }
+
+
+def _named(table: Any, axis: str) -> str:
+    """A method with the options that the scene sets, but for what the map varies."""
+    options = table.options
+    given = set() if options is None else options.model_fields_set - {axis}
+    return specification_of(table.method, {key: getattr(options, key) for key in given})
 
 
 def largest_stable(dataset: xr.Dataset) -> FloatArray:

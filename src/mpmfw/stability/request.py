@@ -10,6 +10,7 @@ from mpmfw.errors import SceneError
 from mpmfw.scene import Scene
 from mpmfw.scene.locator import Path
 from mpmfw.scene.override import parse_path
+from mpmfw.scene.specification import keys_of
 
 Axis: TypeAlias = Literal["kappa", "ratio"]
 
@@ -67,8 +68,12 @@ def check_overrides(scene: Scene, axis: Axis) -> None:
     own = dict(_OWN)
     if axis == "kappa":
         own["contact", "penalty", "kappa"] = "it varies kappa: give the values as kappa"
-    for key, value in scene.source.overrides.items():
-        path = parse_path(key)
+    set_keys = [
+        (key, path, value)
+        for key, value in scene.source.overrides.items()
+        for path, value in (keys_of(key, value) or {parse_path(key): value}).items()
+    ]
+    for key, path, value in set_keys:
         for taken, why in own.items():
             within = path[: len(taken)] == taken
             around = taken[: len(path)] == path and _holds(value, taken[len(path) :])

@@ -12,7 +12,7 @@ from mpmfw.errors import SceneError
 from mpmfw.scene import Scene, load_scene
 from mpmfw.scene.loading import plain
 from mpmfw.scene.toml_text import value_text
-from mpmfw.studies.keys import dimension_names, is_numerical, overrides_of
+from mpmfw.studies.keys import dimension_names, is_numerical, overrides_of, written_alike
 from mpmfw.studies.loading import Study
 from mpmfw.studies.measures import MEASURES
 
@@ -90,7 +90,7 @@ def make_grid(study: Study) -> Grid:
     scenes = {label: _base(study, label, scene) for label, scene in study.scenes.items()}
     names = dimension_names(tables.vary)
     coords: dict[str, list[Any]] = {"scene": list(scenes)} if tables.scenes else {}
-    coords |= {names[key]: _labels(values) for key, values in tables.vary.items()}
+    coords |= {names[key]: _labels(written_alike(key, values)) for key, values in tables.vary.items()}
     combinations = {}
     for index in itertools.product(*(range(len(labels)) for labels in coords.values())):
         labels = {dim: coords[dim][k] for dim, k in zip(coords, index, strict=True)}

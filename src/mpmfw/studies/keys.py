@@ -10,6 +10,7 @@ from mpmfw.errors import SceneError
 from mpmfw.scene import Scene
 from mpmfw.scene.locator import dotted
 from mpmfw.scene.override import parse_path
+from mpmfw.scene.specification import parse_specification
 from mpmfw.units import to_si
 
 #: Short names and the keys of the scene that they stand for; ``*`` stands for every body.
@@ -39,6 +40,20 @@ _TAKEN = ("scene", "stage", "time")
 def full_key(key: str) -> str:
     """The key of the scene that a short name stands for; other keys are as they are."""
     return SHORT.get(key, key)
+
+
+def written_alike(key: str, values: list[Any]) -> list[Any]:
+    """Values of a key; methods with options in the one way of writing that labels have."""
+    if full_key(key) not in ("contact.method", "shape.method"):
+        return values
+    return [_written(value) if isinstance(value, str) else value for value in values]
+
+
+def _written(text: str) -> str:
+    try:
+        return str(parse_specification(text))
+    except SceneError:
+        return text  # the scene refuses it
 
 
 def is_numerical(key: str) -> bool:

@@ -21,7 +21,7 @@ from mpmfw.scene.loading import origin_of, plain
 from mpmfw.scene.locator import Path as KeyPath
 from mpmfw.scene.override import parse_path
 from mpmfw.scene.problem import Problem, distinct
-from mpmfw.studies.keys import SHORT, full_key
+from mpmfw.studies.keys import SHORT, full_key, written_alike
 from mpmfw.studies.measures import MEASURES
 from mpmfw.studies.tables import StudyTables
 
@@ -124,7 +124,8 @@ def _checks(tables: StudyTables) -> Iterator[Problem]:
         if full_key(key) in taken:
             message = f"vary {taken[full_key(key)]} takes its place; leave one of them out"
             yield Problem(("set", key), message)
-    for key, values in tables.vary.items():
+    for key, given in tables.vary.items():
+        values = written_alike(key, given)
         for k, value in enumerate(values):
             if value in values[:k]:
                 yield Problem(("vary", key, k), f"{value} is given twice")

@@ -12,6 +12,7 @@ from pydantic import BaseModel, ValidationError
 from mpmfw.discovery import Kind, did_you_mean, full_name, load, refuse_class, refuse_nameless
 from mpmfw.errors import SceneError
 from mpmfw.marks import refuse_dead_hooks
+from mpmfw.scene.specification import parse_specification, specification_of
 from mpmfw.testing.check import Inapplicable
 
 
@@ -59,7 +60,7 @@ def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None
     ----------
     plugin
         A plug-in class; an object, of whose options fresh ones are made; a function that makes objects; the name of
-        an installed plug-in; or ``module:Class``.
+        an installed plug-in; or ``module:Class``; names may be followed by options, as in ``penalty(kappa=2)``.
     kind
         ``contact`` or ``shape``.
     options
@@ -73,7 +74,14 @@ def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None
     """
     given = dict(options or {})
     if isinstance(plugin, str):
-        plugin = _from_module(plugin) if ":" in plugin else load(kind, plugin)
+        said = parse_specification(plugin)
+        twice = sorted(set(said.options) & set(given))
+        if twice:
+            raise SceneError(
+                f"{plugin}: the option '{twice[0]}' is given beside it as well; leave one of them out"
+            )
+        given = {**said.options, **given}
+        plugin = _from_module(said.name) if ":" in said.name else load(kind, said.name)
     if isinstance(plugin, type):
         _check_kind(plugin, kind)
         refuse_class(plugin)
@@ -143,9 +151,7 @@ def _complaint(plugin: Any, problem: Any) -> str:
 
 
 def _label(plugin: type[Any], options: Mapping[str, Any]) -> str:
-    name = str(getattr(plugin, "name", plugin.__name__))
-    said = ", ".join(f"{key}={value}" for key, value in sorted(options.items()))
-    return f"{name}({said})" if said else name
+    return specification_of(str(getattr(plugin, "name", plugin.__name__)), options)
 
 
 def _options_set(plugin: Any) -> dict[str, Any]:

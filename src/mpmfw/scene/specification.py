@@ -1,0 +1,168 @@
+"""A method and its options in one text: ``penalty(kappa=2, passes=one)``.
+
+The text is what a strategy's ``label`` prints, and what is taken wherever a method is named: by the command line, a
+comparison, a study, ``contact.method`` and ``shape.method``. It stands for the method's name and its options, set over
+those of the scene's table of that method; a bare name is one without options.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from mpmfw.discovery import Kind, available, did_you_mean, load
+from mpmfw.errors import SceneError
+from mpmfw.scene.locator import Path
+from mpmfw.scene.options import with_options
+from mpmfw.scene.override import parse_path, parse_value
+from mpmfw.scene.toml_text import value_text
+
+#: Kinds of methods that a scene names by ``KIND.method``.
+METHODS: tuple[Literal["contact", "shape"], ...] = ("contact", "shape")
+
+_FORM = re.compile(r"\s*([^\s()\[\]{}=,\"']+)\s*(?:\((.*)\))?\s*", re.DOTALL)
+_OPTION = re.compile(r"\s*([A-Za-z_]\w*)\s*=(.*)", re.DOTALL)
+_OPENING, _CLOSING = "([{", ")]}"
+
+
+@dataclass(frozen=True)
+class Specification:
+    """A method's name and the options that are said beside it.
+
+    Attributes
+    ----------
+    name
+        Of the plug-in.
+    options
+        Values by name, read as ``--set`` reads them: a TOML value, or else text.
+    """
+
+    name: str
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        """The text that is read as this, options in the order of the alphabet."""
+        said = ", ".join(f"{key}={_bare(value)}" for key, value in sorted(self.options.items()))
+        return f"{self.name}({said})" if said else self.name
+
+
+def parse_specification(text: str) -> Specification:
+    """Read ``NAME`` or ``NAME(option=value, …)``; whether there is such a method is not asked.
+
+    Raises
+    ------
+    SceneError
+        The text has another form, or says an option twice.
+    """
+    form = _FORM.fullmatch(text)
+    if form is None:
+        raise SceneError(f"{text}: expected NAME or NAME(option=value, …)")
+    name, inner = form.groups()
+    options: dict[str, Any] = {}
+    for part in _parts(inner or "", text):
+        option = _OPTION.fullmatch(part)
+        if option is None or not option.group(2).strip():
+            raise SceneError(f"{text}: '{part.strip()}' is no option=value; expected NAME(option=value, …)")
+        key = option.group(1)
+        if key in options:
+            raise SceneError(f"{text}: option '{key}' is given twice; leave one of them out")
+        options[key] = parse_value(option.group(2).strip())
+    return Specification(name, options)
+
+
+def split_specifications(text: str) -> list[str]:
+    """Specifications between commas; commas within brackets and quotes belong to an option.
+
+    Raises
+    ------
+    SceneError
+        A bracket or a quote is not closed.
+    """
+    return [part.strip() for part in _parts(text, text)]
+
+
+def known_specification(kind: Kind, text: str) -> Specification:
+    """Read the specification of an installed plug-in, with options that its model knows and takes one by one.
+
+    What must hold between options, its own and the scene's, is for the scene to say.
+
+    Raises
+    ------
+    SceneError
+        As :func:`parse_specification`; no such plug-in is installed, it has no such option, or a value is refused.
+    """
+    said = parse_specification(text)
+    if said.name not in available(kind):
+        raise SceneError(f"{text}: no such {kind} plug-in; {did_you_mean(said.name, available(kind))}")
+    if said.options:
+        path = (kind, said.name)
+        _, found = with_options(load(kind, said.name), said.options, path)
+        of_one = [problem for problem in found if len(problem.path) > len(path)]
+        if of_one:
+            raise SceneError(f"{text}: {of_one[0].path[len(path)]}: {of_one[0].message}")
+    return said
+
+
+def specification_of(name: str, options: Mapping[str, Any]) -> str:
+    """The text that names a method and its options; those that are None are not said."""
+    return str(Specification(name, {key: value for key, value in options.items() if value is not None}))
+
+
+def keys_of(key: str, value: Any) -> dict[Path, Any]:
+    """The keys of a scene that ``KIND.method = specification`` sets, and their values; none of other keys and values.
+
+    Of a method that is not installed it is the name alone, which is what is wrong then.
+
+    Raises
+    ------
+    SceneError
+        As :func:`parse_specification`.
+    """
+    try:
+        path = parse_path(key)
+    except ValueError:
+        return {}
+    if path not in [(kind, "method") for kind in METHODS] or not isinstance(value, str) or "(" not in value:
+        return {}
+    said, kind = parse_specification(value), path[0]
+    options = said.options if said.name in available(kind) else {}
+    return {path: said.name} | {(kind, said.name, option): given for option, given in options.items()}
+
+
+def called(message: str, methods: Mapping[str, str]) -> str:
+    """A scene's complaint of ``contact.method`` and ``shape.method``, with what a request calls them, by kind."""
+    lines = message.split("\n")
+    for kind, name in methods.items():
+        key = f"--set {kind}.method: "
+        lines = [f"{name}: {line.removeprefix(key)}" if line.startswith(key) else line for line in lines]
+    return "\n".join(lines)
+
+
+def _parts(text: str, whole: str) -> list[str]:
+    """The text between commas that stand in no bracket and no quote; none of an empty text."""
+    parts, start, open_, quote = [], 0, "", ""
+    for at, sign in enumerate(text):
+        if quote:
+            quote = "" if sign == quote and text[at - 1] != "\\" else quote
+        elif sign in "\"'":
+            quote = sign
+        elif sign in _OPENING:
+            open_ += sign
+        elif sign in _CLOSING:
+            if not open_ or _OPENING.index(open_[-1]) != _CLOSING.index(sign):
+                raise SceneError(f"{whole}: '{sign}' closes nothing; expected NAME(option=value, …)")
+            open_ = open_[:-1]
+        elif sign == "," and not open_:
+            parts.append(text[start:at])
+            start = at + 1
+    if open_ or quote:
+        raise SceneError(f"{whole}: {quote or open_[-1]} is not closed; expected NAME(option=value, …)")
+    return [*parts, text[start:]] if text.strip() else []
+
+
+def _bare(value: Any) -> str:
+    """A value as it is read again: a text without quotes, where it is not taken for anything else."""
+    plain = isinstance(value, str) and value == value.strip() and not re.search(r"[,()\[\]{}\"'=]", value)
+    return value if plain and value and parse_value(value) == value else value_text(value)

@@ -1,0 +1,115 @@
+"""Oblique impacts off grid lines with classical contact: averaged normals lean, and the run says by how much."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from contact_scenes import CELL, disc, rectangle, scene
+from mpmfw import run
+from mpmfw.errors import ResultsWarning
+from mpmfw.simulation import Simulation
+from mpmfw_contact._leaning import LARGEST, add_lean
+
+TOP = 0.37 * CELL  # m, of the plane: off the grid lines
+GAP = 0.2 * CELL  # m
+SPEED = 1.0  # m/s
+BODIES = {
+    "block": lambda velocity: rectangle(
+        [-0.663, TOP + GAP], [-0.263, TOP + GAP + 0.4], kind="firm", velocity=velocity
+    ),
+    "disc": lambda velocity: disc([-0.463, TOP + GAP + 0.2], 0.2, kind="firm", velocity=velocity),
+}
+
+
+def impact_at(angle, body="block", **options):
+    """A frictionless body that comes down on a fixed plane at an angle [°] from the plane's normal."""
+    velocity = [SPEED * math.sin(math.radians(angle)), -SPEED * math.cos(math.radians(angle))]
+    fixed = [{"side": "bottom", "fixed": True}]
+    plane = rectangle([-1.0, TOP - 0.3], [1.5, TOP], kind="ground", sides=fixed)
+    mapping = scene({"faller": BODIES[body](velocity), "plane": plane}, friction=0.0, extent=1.7)
+    end = GAP / -velocity[1] + 0.1
+    mapping["time"] = {"end": end, "output_interval": end}
+    mapping["contact"] = {"method": "bardenhagen", "friction": 0.0, "bardenhagen": options}
+    mapping["output"] = {"gap": False}
+    return mapping, velocity
+
+
+def outcome(angle, body="block", **options):
+    """Speed away from the plane over that of approach, sliding kept, lean, concerns."""
+    mapping, velocity = impact_at(angle, body, **options)
+    sim = Simulation(mapping)
+    sim.run()
+    p, points = sim.state.particles, sim.state.bodies[0].particles
+    x, y = p.mass[points] @ p.velocity[points] / p.mass[points].sum()
+    lean = 0.0 if sim.contact.leaning is None else float(sim.contact.leaning.sideways()[0])
+    return y / -velocity[1], x / velocity[0] if angle else 1.0, lean, sim.concerns()
+
+
+@pytest.mark.parametrize("body", BODIES)
+def test_averaged_normals_throw_up_what_slides_in_and_say_so(body):
+    """Frictionless, 76° from the normal: rebound at 2.8 of the approach, and a third of the sliding is lost."""
+    rebound, kept, lean, concerns = outcome(76.0, body)
+    assert rebound > 2.0
+    assert kept < 0.7
+    assert lean > 0.2
+    assert len(concerns) == 1
+    assert concerns[0].startswith(f"faller-plane: averaged normals lean to one side by {lean:.2g} ")
+
+
+@pytest.mark.parametrize("body", BODIES)
+def test_without_sliding_they_lean_to_both_sides_alike(body):
+    rebound, _, lean, concerns = outcome(0.0, body)
+    assert rebound < 1.0
+    assert lean < 0.2 * LARGEST
+    assert not concerns
+
+
+@pytest.mark.parametrize("options", [{"normal": "master"}, {"normal": "specified", "direction": [0.0, -1.0]}])
+@pytest.mark.parametrize("body", BODIES)
+def test_one_body_s_normal_makes_incidence_no_matter(body, options):
+    """The rebound at 76° is that of the vertical impact, and sliding is kept: neither correction nor light nodes are to blame."""
+    straight, oblique = outcome(0.0, body, **options), outcome(76.0, body, **options)
+    assert oblique[0] == pytest.approx(straight[0], abs=0.02)
+    assert oblique[1] == pytest.approx(1.0, abs=0.005)
+    assert not oblique[3]
+
+
+def test_positions_make_a_disc_lean_less():
+    assert outcome(76.0, "disc", criterion="position")[0] < 1.2
+
+
+def test_the_warning_is_in_the_results_and_is_not_of_the_settling():
+    mapping, _ = impact_at(76.0)
+    with pytest.warns(ResultsWarning, match=r"by 0\.\d+ of the normal impulse.*normal = \"master\""):
+        tree = run(mapping)
+    assert "averaged normals lean" in json.loads(tree.attrs["warnings"])[0]
+    sim = Simulation(mapping)
+    sim.run()
+    sim.contact.restart()
+    assert not sim.concerns()
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_lean_agrees_with_numpy(dim):
+    rng = np.random.default_rng(dim)
+    count, pair = 30, rng.integers(0, 2, 40)
+    a, b = rng.integers(0, 20, (2, 40))
+    normal, impulse, gradient = (rng.normal(size=(n, dim)) for n in (40, 40, 20))
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    gradient[3] = 0.0
+    total, mean, lean = np.zeros(2), np.zeros((2, dim)), np.zeros((2, dim))
+    add_lean(count, pair, a, b, normal, impulse, gradient, total, mean, lean, (0.5,) * dim)
+    expected = np.zeros(2), np.zeros((2, dim)), np.zeros((2, dim))
+    for c in range(count):
+        size, g_a, g_b = -impulse[c] @ normal[c], gradient[a[c]], gradient[b[c]]
+        if size > 0.0 and g_a.any() and g_b.any():
+            expected[0][pair[c]] += size
+            expected[1][pair[c]] += size * normal[c]
+            own = g_a / np.linalg.norm(g_a) + g_b / np.linalg.norm(g_b)
+            expected[2][pair[c]] += 0.5 * size * own
+    for found, wanted in zip((total, mean, lean), expected, strict=True):
+        np.testing.assert_allclose(found, wanted, rtol=1e-12, atol=1e-13)
