@@ -228,48 +228,56 @@ def _pressure(made: Build, pressed: list[tuple[Body, Side]]) -> Any:
 
 
 def _rotation(made: Build) -> None:
-    """Exact for a free, connected body with a velocity field of its own, unless the scene says otherwise."""
-    exact, local = [], []
+    """Local spin for a free body with a velocity field of its own, unless the scene says otherwise."""
+    treated: dict[str, list[Body]] = {"spin": [], "exact": [], "local": [], "lumped": []}
     for body in made.state.bodies:
         how, reason = _rotation_of(made, body)
         made.note(f"rotation of {body.name}: {how}", how != "lumped", reason)
-        if how == "exact":
-            exact.append(body)
-        elif how == "local":
-            local.append(body)
-    if exact:
+        treated[how].append(body)
+    if treated["spin"]:
+        from mpmfw.effects.local_spin import LocalSpin
+
+        made.plugins.append(LocalSpin(tuple(treated["spin"]), _constraint_on(made, treated["spin"])))
+    if treated["exact"]:
         from mpmfw.effects.rotation import ExactRotation
 
-        made.plugins.append(ExactRotation(tuple(exact)))
-    if local:
+        made.plugins.append(ExactRotation(tuple(treated["exact"])))
+    if treated["local"]:
         from mpmfw.effects.local_inertia import LocalInertia
 
-        made.plugins.append(LocalInertia(tuple(local)))
+        made.plugins.append(LocalInertia(tuple(treated["local"]), _constraint_on(made, treated["local"])))
+
+
+def _is_held(made: Build, body: Body) -> bool:
+    """Whether the body has prescribed sides."""
+    return any(side.pressure is None for side in made.scene.bodies[body.name].sides)
+
+
+def _constraint_on(made: Build, bodies: list[Body]) -> Any:
+    """The boundary conditions, if one of the bodies has any."""
+    if not any(_is_held(made, body) for body in bodies):
+        return None
+    return next(plugin for plugin in made.plugins if plugin.name == "constraint")
 
 
 def _rotation_of(made: Build, body: Body) -> tuple[str, str]:
     model = made.scene.bodies[body.name]
-    prescribed = any(side.pressure is None for side in model.sides)
-    shared = made.state.grid.n_fields < len(made.state.bodies)
     if model.rotation == "lumped":
         return "lumped", "given"
-    if shared:
+    if made.state.grid.n_fields < len(made.state.bodies):
         return "lumped", "shares its velocity field with other bodies"
     if made.contact is not None and made.contact.adds_mass:
         return "lumped", f"contact '{made.contact.name}' adds inertia of its own to the nodes"
-    if model.rotation == "local":
-        return "local", "given"
-    if prescribed:
-        if model.rotation == "exact":
-            raise SceneError(
-                f"bodies.{body.name}.rotation: 'exact' is for a free body, and this one has prescribed sides; "
-                "expected 'local' or 'lumped'"
-            )
-        return "lumped", "prescribed sides hold it"
-    if not model.geometry.is_connected:
-        if model.rotation == "exact":
-            raise SceneError(
-                f"bodies.{body.name}.rotation: 'exact' is for a connected body, and this one has parts"
-            )
-        return "lumped", "it is not connected"
-    return "exact", "free, connected body" if model.rotation is None else "given"
+    if model.rotation is None:
+        return ("lumped", "prescribed sides hold it") if _is_held(made, body) else ("spin", "free body")
+    if model.rotation == "exact" and _is_held(made, body):
+        raise SceneError(
+            f"bodies.{body.name}.rotation: 'exact' is for a free body, and this one has prescribed sides; "
+            "expected 'spin', 'local' or 'lumped'"
+        )
+    if model.rotation == "exact" and not model.geometry.is_connected:
+        raise SceneError(
+            f"bodies.{body.name}.rotation: 'exact' is for a connected body, and this one has parts; "
+            "expected 'spin', 'local' or 'lumped'"
+        )
+    return model.rotation, "given"

@@ -62,7 +62,11 @@ def _terms(made: Build, named: dict[str, Any]) -> tuple[str, ...]:
     sources = {
         "gravity": {"gravity": "gravity"},
         "external": {"pressure": "pressures", "constraint": "prescribed sides"},
-        "inertia": {"rotation": "exact rotation", "local_inertia": "local inertia"},
+        "inertia": {
+            "local_spin": "local spin",
+            "rotation": "exact rotation",
+            "local_inertia": "local inertia",
+        },
     }
     contact = made.contact
     acts = contact is not None and any(hasattr(contact, hook) for hook in CONTACT_HOOKS)

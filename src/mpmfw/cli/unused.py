@@ -50,7 +50,7 @@ def _rotation(simulation: Simulation) -> Iterator[str]:
     bodies = simulation.scene.bodies
     for effect in simulation.effects:
         name = effect.name.removeprefix("rotation of ").removesuffix(": lumped")
-        if name in bodies and bodies[name].rotation in ("exact", "local"):
+        if name in bodies and bodies[name].rotation not in (None, "lumped"):
             yield f"bodies.{name}.rotation: lumped all the same: {effect.reason}"
 
 

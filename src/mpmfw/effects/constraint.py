@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -90,6 +91,12 @@ class Constraint:
     def setup(self, setup: Setup) -> None:
         """Where each side's nodes may lie."""
         self.boxes = [side.box(setup.cell_size) for side in self.sides]
+
+    def held_momentum(self, grid: Grid, time: float) -> FloatArray:
+        """Nodal momenta as :meth:`constrain_momentum` would leave them, (n_nodes, dim) [kg/s]; those of ``grid`` stay."""
+        held = dataclasses.replace(grid, momentum=grid.momentum.copy())
+        self.constrain_momentum(held, time)
+        return held.momentum
 
     @hookimpl
     def constrain_momentum(self, grid: Grid, time: float) -> None:

@@ -6,6 +6,8 @@ conditions, but its stability limit is lower: a Courant number of 0.4.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mpmfw.fields import Field, FloatArray
@@ -14,6 +16,9 @@ from mpmfw.kernels import kernel, scratch
 from mpmfw.kernels.types import Floats, Indices, Ints
 from mpmfw.setup import Setup
 from mpmfw.state import Body, Grid, Particles, State, Stencil
+
+if TYPE_CHECKING:
+    from mpmfw.effects.constraint import Constraint
 
 #: Largest Courant number c Δt / h at which the correction was found stable.
 COURANT_LIMIT = 0.4
@@ -36,12 +41,16 @@ def correct_locally(
     mass: Floats,
     node_mass: Floats,
     node_start_velocity: Floats,
+    held_momentum: Floats,
     node_momentum: Floats,
     acceleration: Floats,
     correction: Floats,
     spacing: tuple[float, ...],
 ) -> None:
-    """(m v)_i += Σ_p m_p φ_ip (Δv_i − Σ_j φ_jp Δv_j), Δv_i the node's velocity change in this step."""
+    """(m v)_i += Σ_p m_p φ_ip (Δv_i − Σ_j φ_jp Δv_j), Δv_i the node's velocity change in this step.
+
+    Δv_i is that of ``held_momentum``, in which boundary conditions are met: a node that is held pulls at no other.
+    """
     dim = len(spacing)
     mean = scratch.vector(spacing)
     for i in range(first_node, last_node):
@@ -49,7 +58,7 @@ def correct_locally(
             correction[i, d] = 0.0
             acceleration[i, d] = 0.0
             if node_mass[i] > 0.0:
-                acceleration[i, d] = node_momentum[i, d] / node_mass[i] - node_start_velocity[i, d]
+                acceleration[i, d] = held_momentum[i, d] / node_mass[i] - node_start_velocity[i, d]
     for p in range(first_particle, last_particle):
         for d in range(dim):
             mean[d] = 0.0
@@ -65,12 +74,20 @@ def correct_locally(
 
 
 class LocalInertia:
-    """The correction for every body with ``rotation = "local"``."""
+    """The correction for every body with ``rotation = "local"``.
+
+    Parameters
+    ----------
+    bodies
+        Those that are corrected.
+    constraint
+        Boundary conditions, where one of the bodies has prescribed sides.
+    """
 
     name = "local_inertia"
 
-    def __init__(self, bodies: tuple[Body, ...]) -> None:
-        self.bodies = bodies
+    def __init__(self, bodies: tuple[Body, ...], constraint: Constraint | None = None) -> None:
+        self.bodies, self.constraint = bodies, constraint
         self.frame = -1
 
     @hookimpl
@@ -93,9 +110,12 @@ class LocalInertia:
             self.state.arrays[f"{self.name}/correction"] = self.correction
 
     @hookimpl
-    def correct_inertia(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
+    def correct_inertia(self, grid: Grid, phi: Stencil, particles: Particles, dt: float) -> None:
         """Correct each body's own velocity field."""
         self._fit(grid)
+        held = grid.momentum
+        if self.constraint is not None:
+            held = self.constraint.held_momentum(grid, self.state.time + dt)
         for body in self.bodies:
             nodes = grid.field_nodes(body.field)
             correct_locally(
@@ -109,6 +129,7 @@ class LocalInertia:
                 particles.mass,
                 grid.mass,
                 grid.start_velocity,
+                held,
                 grid.momentum,
                 self.acceleration,
                 self.correction,

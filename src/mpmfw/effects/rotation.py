@@ -9,24 +9,13 @@ the lumped mass matrix; it holds linear momentum exactly since Σ m_i (x_i − c
 
 from __future__ import annotations
 
+from mpmfw.effects.second_moments import inertia_of, moments_of_domains, moments_of_nodes
 from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.small_matrix import invert
 from mpmfw.kernels.types import Floats
 from mpmfw.setup import Setup
 from mpmfw.state import Body, Grid, Particles
-
-
-@device
-def inertia_of(second_moment: Floats, out: Floats, spacing: tuple[float, ...]) -> None:
-    """I = tr(S) 1 − S of S = Σ m x xᵀ in 3D; in 2D the single number tr(S) in ``out[0, 0]``."""
-    dim = len(spacing)
-    trace = 0.0
-    for d in range(dim):
-        trace += second_moment[d, d]
-    for d in range(dim):
-        for e in range(dim):
-            out[d, e] = (trace if d == e else 0.0) - (second_moment[d, e] if dim == 3 else 0.0)
 
 
 @device
@@ -80,46 +69,30 @@ def correct_rotation(
     """
     dim = len(spacing)
     centre = scratch.vector(spacing)
-    r = scratch.vector(spacing)
-    change = scratch.vector(spacing)
     true = scratch.matrix(spacing, spacing)
     lumped = scratch.matrix(spacing, spacing)
     torque = scratch.matrix(spacing, spacing)
     spin = scratch.matrix(spacing, spacing)
-    total = 0.0
+    moments_of_nodes(first_node, last_node, node_position, node_mass, centre, lumped, spacing)
+    moments_of_domains(
+        first_particle,
+        last_particle,
+        mass,
+        position,
+        deformation_gradient,
+        half_edges,
+        centre,
+        true,
+        spacing,
+    )
     for d in range(dim):
-        centre[d] = 0.0
         for e in range(dim):
-            true[d, e], lumped[d, e], torque[d, e] = 0.0, 0.0, 0.0
+            torque[d, e] = 0.0
     for i in range(first_node, last_node):
-        total += node_mass[i]
         for d in range(dim):
-            centre[d] += node_mass[i] * node_position[i, d]
-    for d in range(dim):
-        centre[d] /= total
-    for i in range(first_node, last_node):
-        m = node_mass[i]
-        for d in range(dim):
-            r[d] = node_position[i, d] - centre[d]
-            change[d] = node_momentum[i, d] - m * node_start_velocity[i, d]
-        for d in range(dim):
+            arm = node_position[i, d] - centre[d]
             for e in range(dim):
-                lumped[d, e] += m * r[d] * r[e]
-                torque[d, e] += r[d] * change[e]
-    for p in range(first_particle, last_particle):
-        for d in range(dim):
-            r[d] = position[p, d] - centre[d]
-        for d in range(dim):
-            for e in range(dim):
-                true[d, e] += mass[p] * r[d] * r[e]
-        for a in range(dim):
-            for d in range(dim):
-                r[d] = 0.0
-                for e in range(dim):
-                    r[d] += deformation_gradient[p, d, e] * half_edges[p, e, a]
-            for d in range(dim):
-                for e in range(dim):
-                    true[d, e] += mass[p] / 3.0 * r[d] * r[e]
+                torque[d, e] += arm * (node_momentum[i, e] - node_mass[i] * node_start_velocity[i, e])
     spin_change(true, lumped, torque, spin, spacing)
     for i in range(first_node, last_node):
         for d in range(dim):

@@ -134,7 +134,7 @@ class Body(Table):
     segment: PositiveLength | None = None
     velocity: VelocityVector | None = None
     angular_velocity: Spin | None = None
-    rotation: Literal["exact", "lumped", "local"] | None = None
+    rotation: Literal["spin", "exact", "lumped", "local"] | None = None
     sides: Annotated[tuple[Side, ...], Strict(False)] = ()
 
     def segment_length(self, cell_size: float) -> float:

@@ -1,0 +1,276 @@
+"""Local spin correction: every cell of the grid answers a couple with the inertia of the material in it.
+
+The lumped nodes have more rotational inertia than the material, X in all of a body. The correction gives every cell a
+share of X in proportion to the mass that its nodes hold in common, and adds to the momenta of the nodes what the cell's
+own spin lacks. Nothing but the nodes of a cell is asked, so that no signal outruns the wave that carries it; the sum over
+all cells gives a body that turns as a whole the inertia of its material. docs/guide/rotation.md derives it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mpmfw.effects.second_moments import inertia_of, moments_of_domains, moments_of_nodes
+from mpmfw.fields import Field, FloatArray
+from mpmfw.hookspecs import hookimpl
+from mpmfw.kernels import device, kernel, scratch
+from mpmfw.kernels.small_matrix import determinant, invert
+from mpmfw.kernels.types import Float, Floats, Ints
+from mpmfw.setup import Setup
+from mpmfw.state import Body, Grid, Particles
+
+if TYPE_CHECKING:
+    from mpmfw.effects.constraint import Constraint
+
+#: Cells that hold less than this share of a body's mass are given the excess inertia of no more than so much mass each:
+#: a film that barely reaches its outer nodes would have all of X on nodes that weigh nothing.
+LEAST_SHARE = 0.1
+
+NODAL_FIELDS = [
+    Field("change", ("node", "axis"), "m s-1", "velocity change over the step", "grid"),
+    Field("common", ("node",), "kg m-1", "H_c of the cell whose lowest node this is", "grid"),
+]
+
+
+@device
+def excess_inertia(true: Floats, lumped: Floats, out: Floats, spacing: tuple[float, ...]) -> bool:
+    """X = I_grid I⁻¹ I_grid − I_grid of two second moments to ``out`` (3, 3), in 2D to its last element alone; whether it
+    is positive definite."""
+    dim = len(spacing)
+    material = scratch.matrix(spacing, spacing)
+    grid = scratch.matrix(spacing, spacing)
+    inertia_of(true, material, spacing)
+    inertia_of(lumped, grid, spacing)
+    if dim == 2:
+        out[2, 2] = grid[0, 0] * (grid[0, 0] / material[0, 0] - 1.0)
+        return bool(out[2, 2] > 0.0)
+    inverse = scratch.matrix(spacing, spacing)
+    invert(material, inverse, spacing)
+    for a in range(3):
+        for b in range(3):
+            out[a, b] = -grid[a, b]
+            for c in range(3):
+                for d in range(3):
+                    out[a, b] += grid[a, c] * inverse[c, d] * grid[d, b]
+    minor = out[0, 0] * out[1, 1] - out[0, 1] * out[1, 0]
+    return bool(out[0, 0] > 0.0 and minor > 0.0 and determinant(out, spacing) > 0.0)
+
+
+@device
+def corner_node(first: int, c: int, stride: Ints, spacing: tuple[float, ...]) -> int:
+    """Node at corner ``c`` of the cell whose lowest node is ``first``; bit d of c is the side along axis d."""
+    node = first
+    for d in range(len(spacing)):
+        node += stride[d] * (c >> d & 1)
+    return node
+
+
+@device
+def common_masses(
+    start: int,
+    stop: int,
+    shape: Ints,
+    stride: Ints,
+    node_mass: Floats,
+    common: Floats,
+    spacing: tuple[float, ...],
+) -> Float:
+    """H_c of every cell of a window to ``common``, at its lowest node, and their sum: the harmonic mean of the masses of the
+    cell's nodes, 0 if one of them has none. The last nodes along an axis are no cell's lowest."""
+    dim = len(spacing)
+    index = scratch.integers(spacing)
+    for d in range(dim):
+        index[d] = 0
+    total = 0.0
+    for i in range(start, stop):
+        inside = node_mass[i] > 0.0
+        for d in range(dim):
+            inside = inside and index[d] < shape[d] - 1
+        common[i] = 0.0
+        if inside:
+            inverse = 0.0
+            for c in range(2**dim):
+                inverse += 1.0 / node_mass[corner_node(i, c, stride, spacing)]  # 1 / 0 is inf
+            common[i] = 2**dim / inverse
+            total += common[i]
+        d = dim - 1
+        index[d] += 1
+        while d > 0 and index[d] == shape[d]:
+            index[d] = 0
+            d -= 1
+            index[d] += 1
+    return total
+
+
+@device
+def side(c: int, d: int) -> Float:
+    """1 if corner ``c`` of a cell is on its upper side along axis ``d``, else −1."""
+    return 2.0 * (c >> d & 1) - 1.0
+
+
+@device
+def turn_cell(
+    i: int,
+    share: float,
+    excess: Floats,
+    stride: Ints,
+    change: Floats,
+    node_momentum: Floats,
+    spacing: tuple[float, ...],
+) -> None:
+    """(m v)_j += share (X w) × s_j on the nodes j of the cell whose lowest node is ``i``, w = Σ_j s_j × Δv_j, and s_j = (±1, …)
+    the side of the cell that node j is on.
+
+    About axis a turn the axes d and e that follow it in the cycle x, y, z; in 2D there is z alone, a = 2.
+    """
+    dim = len(spacing)
+    n, first = 2**dim, 2 if dim == 2 else 0
+    spin = scratch.vector((0.0, 0.0, 0.0))
+    for a in range(first, 3):
+        spin[a] = 0.0
+    for c in range(n):
+        j = corner_node(i, c, stride, spacing)
+        for a in range(first, 3):
+            d, e = (a + 1) % 3, (a + 2) % 3
+            spin[a] += side(c, d) * change[j, e] - side(c, e) * change[j, d]
+    for a in range(first, 3):
+        d, e = (a + 1) % 3, (a + 2) % 3
+        couple = 0.0
+        for b in range(first, 3):
+            couple += share * excess[a, b] * spin[b]
+        for c in range(n):
+            j = corner_node(i, c, stride, spacing)
+            node_momentum[j, d] -= couple * side(c, e)
+            node_momentum[j, e] += couple * side(c, d)
+
+
+@kernel
+def correct_spin(
+    first_particle: int,
+    last_particle: int,
+    first_node: int,
+    last_node: int,
+    shape: Ints,
+    mass: Floats,
+    position: Floats,
+    deformation_gradient: Floats,
+    half_edges: Floats,
+    node_position: Floats,
+    node_mass: Floats,
+    node_start_velocity: Floats,
+    held_momentum: Floats,
+    node_momentum: Floats,
+    change: Floats,
+    common: Floats,
+    spacing: tuple[float, ...],
+) -> None:
+    """(m v)_i += Σ_c (H_c / H) (X w_c) × q_i / (n A), over the cells c of node i.
+
+    q_i is the place of a node about the middle of the cell, n = 2^dim, A = h²/2, and w_c = Σ_i q_i × Δv_i / (n A) the spin
+    that the step has given to the cell. H_c is the harmonic mean of the masses of its nodes and H the sum of all H_c, at
+    least :data:`LEAST_SHARE` of the body's mass. Δv_i is that of ``held_momentum``, in which boundary conditions are met.
+    """
+    dim = len(spacing)
+    centre = scratch.vector(spacing)
+    lumped = scratch.matrix(spacing, spacing)
+    true = scratch.matrix(spacing, spacing)
+    excess = scratch.matrix((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    total = moments_of_nodes(first_node, last_node, node_position, node_mass, centre, lumped, spacing)
+    moments_of_domains(
+        first_particle,
+        last_particle,
+        mass,
+        position,
+        deformation_gradient,
+        half_edges,
+        centre,
+        true,
+        spacing,
+    )
+    if not excess_inertia(true, lumped, excess, spacing):
+        return
+    extent = scratch.integers(spacing)
+    stride = scratch.integers(spacing)
+    step = 1
+    for back in range(dim):
+        d = dim - 1 - back
+        extent[d], stride[d] = shape[d], step
+        step *= shape[d]
+    held = common_masses(first_node, last_node, extent, stride, node_mass, common, spacing)
+    for i in range(first_node, last_node):
+        inverse = 1.0 / node_mass[i] if node_mass[i] > 0.0 else 0.0
+        for d in range(dim):
+            change[i, d] = inverse * held_momentum[i, d] - node_start_velocity[i, d]
+    # q_i = h/2 times the sides that ``turn_cell`` takes, which both factors of q_i / (n A) have.
+    scale = 1.0 / (2**dim * spacing[0]) ** 2 / max(held, LEAST_SHARE * total)
+    for i in range(first_node, last_node):
+        if common[i] > 0.0:
+            turn_cell(i, scale * common[i], excess, stride, change, node_momentum, spacing)
+
+
+class LocalSpin:
+    """The correction for every body with ``rotation = "spin"``.
+
+    Parameters
+    ----------
+    bodies
+        Those that are corrected, each with a velocity field of its own.
+    constraint
+        Boundary conditions, where one of the bodies has prescribed sides: what is held there gains no spin.
+    """
+
+    name = "local_spin"
+
+    def __init__(self, bodies: tuple[Body, ...], constraint: Constraint | None) -> None:
+        self.bodies, self.constraint = bodies, constraint
+        self.frame = -1
+
+    @hookimpl
+    def declare_fields(self) -> list[Field]:
+        """Nodal scratch."""
+        return NODAL_FIELDS
+
+    @hookimpl
+    def setup(self, setup: Setup) -> None:
+        """Take the domains from the layout; know where arrays are listed."""
+        self.state, self.half_edges = setup.state, setup.half_edges
+
+    def _fit(self, grid: Grid) -> None:
+        """Fit the nodal array to the windows whenever these were laid anew."""
+        if self.frame != grid.frame:
+            self.frame = grid.frame
+            self.change: FloatArray = np.zeros_like(grid.momentum)
+            self.common: FloatArray = np.zeros_like(grid.mass)
+            self.state.arrays[f"{self.name}/change"] = self.change
+            self.state.arrays[f"{self.name}/common"] = self.common
+
+    @hookimpl
+    def correct_inertia(self, grid: Grid, particles: Particles, dt: float) -> None:
+        """Correct each body's own velocity field."""
+        self._fit(grid)
+        held = grid.momentum
+        if self.constraint is not None:
+            held = self.constraint.held_momentum(grid, self.state.time + dt)
+        for body in self.bodies:
+            nodes = grid.field_nodes(body.field)
+            correct_spin(
+                body.particles.start,
+                body.particles.stop,
+                nodes.start,
+                nodes.stop,
+                grid.window_shape[body.field],
+                particles.mass,
+                particles.position,
+                particles.deformation_gradient,
+                self.half_edges,
+                grid.position,
+                grid.mass,
+                grid.start_velocity,
+                held,
+                grid.momentum,
+                self.change,
+                self.common,
+                grid.spacing,
+            )

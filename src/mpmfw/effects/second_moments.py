@@ -1,0 +1,94 @@
+"""Second moments of mass of a body: of its material's deformed domains, and of the nodal masses that stand for it."""
+
+from __future__ import annotations
+
+from mpmfw.kernels import device, scratch
+from mpmfw.kernels.types import Floats
+
+
+@device
+def inertia_of(second_moment: Floats, out: Floats, spacing: tuple[float, ...]) -> None:
+    """I = tr(S) 1 − S of S = Σ m x xᵀ in 3D; in 2D the single number tr(S) in ``out[0, 0]``."""
+    dim = len(spacing)
+    trace = 0.0
+    for d in range(dim):
+        trace += second_moment[d, d]
+    for d in range(dim):
+        for e in range(dim):
+            out[d, e] = (trace if d == e else 0.0) - (second_moment[d, e] if dim == 3 else 0.0)
+
+
+@device
+def moments_of_nodes(
+    first_node: int,
+    last_node: int,
+    node_position: Floats,
+    node_mass: Floats,
+    centre: Floats,
+    second: Floats,
+    spacing: tuple[float, ...],
+) -> float:
+    """c = Σ m_i x_i / m to ``centre``, Σ m_i (x_i − c)(x_i − c)ᵀ to ``second``; return m = Σ m_i."""
+    dim = len(spacing)
+    r = scratch.vector(spacing)
+    total = 0.0
+    for d in range(dim):
+        centre[d] = 0.0
+        for e in range(dim):
+            second[d, e] = 0.0
+    for i in range(first_node, last_node):
+        total += node_mass[i]
+        for d in range(dim):
+            centre[d] += node_mass[i] * node_position[i, d]
+    for d in range(dim):
+        centre[d] /= total
+    for i in range(first_node, last_node):
+        for d in range(dim):
+            r[d] = node_position[i, d] - centre[d]
+        for d in range(dim):
+            for e in range(dim):
+                second[d, e] += node_mass[i] * r[d] * r[e]
+    return total
+
+
+@device
+def moments_of_domains(
+    first_particle: int,
+    last_particle: int,
+    mass: Floats,
+    position: Floats,
+    deformation_gradient: Floats,
+    half_edges: Floats,
+    centre: Floats,
+    second: Floats,
+    spacing: tuple[float, ...],
+) -> None:
+    """Σ_p m_p ((x_p − c)(x_p − c)ᵀ + Σ_a r_a r_aᵀ / 3) to ``second``, r_a the half-edge vectors of the deformed
+    domain F R_0."""
+    dim = len(spacing)
+    r = scratch.vector(spacing)
+    own = scratch.matrix(spacing, spacing)
+    total = scratch.matrix(spacing, spacing)
+    for d in range(dim):
+        for e in range(dim):
+            total[d, e] = 0.0
+    for p in range(first_particle, last_particle):
+        for d in range(dim):
+            for e in range(d, dim):  # symmetric: the upper half is enough
+                own[d, e] = 0.0
+        for a in range(dim):
+            for d in range(dim):
+                r[d] = 0.0
+                for e in range(dim):
+                    r[d] += deformation_gradient[p, d, e] * half_edges[p, e, a]
+            for d in range(dim):
+                for e in range(d, dim):
+                    own[d, e] += r[d] * r[e]
+        for d in range(dim):
+            r[d] = position[p, d] - centre[d]
+        for d in range(dim):
+            for e in range(d, dim):
+                total[d, e] += mass[p] * (r[d] * r[e] + own[d, e] / 3.0)
+    for d in range(dim):
+        for e in range(d, dim):
+            second[d, e] = second[e, d] = total[d, e]
