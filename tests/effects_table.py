@@ -141,11 +141,17 @@ EFFECTS = {
         surface="position next",
     ),
     "least gap": brings("gap", hooks="declare_fields diagnostics", series="min_gap"),
-    "rotation": brings(
+    "local spin": brings(
+        "local_spin",
+        hooks="declare_fields setup correct_inertia",
+        arrays="change common layout/half_edges",
+        modules="mpmfw.effects.local_spin mpmfw.effects.second_moments",
+    ),
+    "exact rotation": brings(
         "rotation",
         hooks="setup correct_inertia",
         arrays="layout/half_edges",
-        modules="mpmfw.effects.rotation",
+        modules="mpmfw.effects.rotation mpmfw.effects.second_moments",
     ),
     "local inertia": brings(
         "local_inertia",
@@ -262,17 +268,17 @@ ONE = block(shape__method="linear", bodies__solid__rotation="lumped")
 ELASTIC = {"model": "linear_elastic", "density": 1e3, "bulk_modulus": 1e6, "shear_modulus": 5e5}
 GRAVITY = {"vector": [0, -10]}
 HELD = [{"side": "bottom", "fixed": True}]
-FRICTIONLESS = ("penalty", "surfaces", "rotation", "touching")
+FRICTIONLESS = ("penalty", "surfaces", "local spin", "touching")
 TOUCHED = (*FRICTIONLESS, "friction")
 LEDGER = ("ledger", "impulses before", "impulses after")
 CASES = {
     "one body": Case(ONE, ()),
-    "two bodies apart": Case(_apart(_two("penalty")), ("penalty", "surfaces", "rotation", "friction")),
+    "two bodies apart": Case(_apart(_two("penalty")), ("penalty", "surfaces", "local spin", "friction")),
     "frictionless": Case(_two("penalty", contact__friction=0), FRICTIONLESS),
     "frictional": Case(_two("penalty"), TOUCHED),
     "contact with a layer": Case(
         _two("penalty", contact__penalty={"interface_thickness": 0.01}),
-        (*(name for name in TOUCHED if name != "rotation"), "interface layer"),
+        (*(name for name in TOUCHED if name != "local spin"), "interface layer"),
     ),
     "damped contact": Case(_two("penalty", contact__penalty={"damping": 0.1}), (*TOUCHED, "contact damping")),
     "gravity": Case(with_changes(ONE, gravity=GRAVITY), ("gravity",)),
@@ -296,8 +302,9 @@ CASES = {
         with_changes(ONE, bodies__solid__sides=[{"side": "top", "pressure": 1e3}]), ("pressure", "surfaces")
     ),
     "local inertia": Case(with_changes(ONE, bodies__solid__rotation="local"), ("local inertia",)),
-    "exact rotation": Case(with_changes(ONE, bodies__solid__rotation="exact"), ("rotation",)),
-    "least gap": Case(_two("separate", output={}), ("separate", "least gap", "surfaces", "rotation")),
+    "exact rotation": Case(with_changes(ONE, bodies__solid__rotation="exact"), ("exact rotation",)),
+    "local spin": Case(with_changes(ONE, bodies__solid__rotation="spin"), ("local spin",)),
+    "least gap": Case(_two("separate", output={}), ("separate", "least gap", "surfaces", "local spin")),
     "moving domains": Case(with_changes(ONE, shape__method="cpdi2"), ("affine field",), "domain tracking"),
     "gimp": Case(with_changes(ONE, shape__method="gimp"), ("affine field",), "gimp"),
     "cpdi": Case(with_changes(ONE, shape__method="cpdi"), ("affine field",), "cpdi"),
@@ -305,13 +312,13 @@ CASES = {
     "linear elastic": Case(with_changes(ONE, materials__soft=ELASTIC), (), material="linear_elastic"),
     "three dimensions": Case(box(shape__method="linear", bodies__solid__rotation="lumped"), ()),
     "no contact": Case(_two("none"), ("none",)),
-    "contact by velocity": Case(_two("bardenhagen"), ("bardenhagen", "averaged normals", "rotation")),
+    "contact by velocity": Case(_two("bardenhagen"), ("bardenhagen", "averaged normals", "local spin")),
     "contact by position": Case(
         _two("bardenhagen", contact__bardenhagen={"criterion": "position"}),
-        ("bardenhagen", "averaged normals", "distance of bodies", "rotation"),
+        ("bardenhagen", "averaged normals", "distance of bodies", "local spin"),
     ),
     "one body's normal": Case(
-        _two("bardenhagen", contact__bardenhagen={"normal": "master"}), ("bardenhagen", "rotation")
+        _two("bardenhagen", contact__bardenhagen={"normal": "master"}), ("bardenhagen", "local spin")
     ),
     "flip": Case(with_changes(ONE, stepping={"transfer": "flip"}), ()),
     "pic": Case(with_changes(ONE, stepping={"transfer": "pic"}), ()),

@@ -35,6 +35,7 @@ ARRAYS = {
     *(f"grid/{name}" for name in ("position", "mass", "momentum", "start_velocity", "force", "velocity")),
 }
 AFFINE = {"particles/affine", "layout/half_edges"}
+SPIN = {"local_spin/change", "local_spin/common"}
 SURFACE = {
     f"surface/{n}"
     for n in (
@@ -51,12 +52,12 @@ CLASSICAL |= {f"bardenhagen_leaning/{name}" for name in ("normal_impulse", "mean
     ("scene", "extra"),
     [
         (FLIP_LINEAR, set()),
-        (CPDI, AFFINE),
+        (CPDI, AFFINE | SPIN),
         (HELD, AFFINE),
         (PRESSED, AFFINE | SURFACE | {"local_inertia/acceleration", "local_inertia/correction"}),
         (NONE, AFFINE),
-        (VELOCITY, AFFINE | CLASSICAL | {"gimp/half_length"}),
-        (POSITION, AFFINE | CLASSICAL | {"bardenhagen/mean_position"}),
+        (VELOCITY, AFFINE | SPIN | CLASSICAL | {"gimp/half_length"}),
+        (POSITION, AFFINE | SPIN | CLASSICAL | {"bardenhagen/mean_position"}),
     ],
     ids=["flip-linear", "cpdi", "held", "pressed", "none", "bardenhagen-velocity", "bardenhagen-position"],
 )
@@ -71,7 +72,7 @@ def test_exactly_the_arrays_that_penalty_contact_needs() -> None:
     sim.advance(12)
     arrays = arrays_of(sim)
     own = {name for name in arrays if name.startswith("penalty/")}
-    assert arrays - own == ARRAYS | AFFINE | SURFACE
+    assert arrays - own == ARRAYS | AFFINE | SPIN | SURFACE
     assert own >= {f"penalty/{name}" for name in RECORDS | {"force"}}
     assert "penalty_layer/interface_mass" not in own  # no interface thickness
 
@@ -115,27 +116,34 @@ HOOKS: dict[str, tuple[dict[str, Any], dict[str, list[str]]]] = {
     "penalty": (
         PENALTY,
         {
-            "declare_fields": ["penalty", "gap", "body_series", "von_mises"],
-            "setup": ["soft", "shape", "penalty", "surface", "rotation", "body_series"],
-            "add_pairs": ["penalty"],
+            "declare_fields": ["penalty", "gap", "local_spin", "body_series", "von_mises"],
+            "setup": ["soft", "shape", "penalty", "penalty_travel", "surface", "local_spin", "body_series"],
+            "add_pairs": ["penalty", "penalty_travel"],
             "after_momentum_projection": ["surface"],
             "add_nodal_force": ["penalty"],
-            "correct_inertia": ["rotation"],
+            "correct_inertia": ["local_spin"],
             "advect": ["surface"],
-            "stable_timestep": ["penalty"],
+            "stable_timestep": ["penalty", "penalty_travel"],
             "diagnostics": ["penalty", "gap", "body_series", "von_mises"],
         },
     ),
     "bardenhagen": (
         VELOCITY,
         {
-            "declare_fields": ["shape", "bardenhagen", "bardenhagen_leaning", "body_series", "von_mises"],
-            "setup": ["soft", "shape", "bardenhagen", "bardenhagen_leaning", "rotation", "body_series"],
+            "declare_fields": [
+                "shape",
+                "bardenhagen",
+                "bardenhagen_leaning",
+                "local_spin",
+                "body_series",
+                "von_mises",
+            ],
+            "setup": ["soft", "shape", "bardenhagen", "bardenhagen_leaning", "local_spin", "body_series"],
             "add_pairs": ["bardenhagen"],
             "after_momentum_projection": ["bardenhagen", "bardenhagen_leaning"],
             "after_momentum_update": ["bardenhagen", "bardenhagen_leaning"],
             "after_second_projection": ["bardenhagen"],
-            "correct_inertia": ["rotation"],
+            "correct_inertia": ["local_spin"],
             "diagnostics": ["bardenhagen", "body_series", "von_mises"],
             "concerns": ["bardenhagen_leaning"],
         },
@@ -197,7 +205,8 @@ def imported(scene: dict[str, Any]) -> set[str]:
                 "mpmfw_material._plane_strain",
                 "mpmfw_contact.separate",
                 "mpmfw.effects.gravity",
-                "mpmfw.effects.rotation",
+                "mpmfw.effects.local_spin",
+                "mpmfw.effects.second_moments",
             },
         ),
     ],

@@ -51,7 +51,7 @@ def _spy(calls: Counter[Any], key: Any, function: Callable[..., Any]) -> Callabl
 
 
 #: The other schemes differ in the boundary conditions alone.
-ALL_SCHEMES = ("frictional", "settled", "ledger", "exact rotation")
+ALL_SCHEMES = ("frictional", "settled", "ledger", "exact rotation", "local spin")
 RUNS = [("usl", name) for name in CASES] + [(s, name) for s in ("musl", "usf") for name in ALL_SCHEMES]
 
 

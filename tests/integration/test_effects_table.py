@@ -82,7 +82,7 @@ def test_exactly_the_variables_and_the_plan(case: Case) -> None:
 #: Effects of the plan that are on in every scene of the table.
 ALWAYS = {"energies", "von Mises stress"}
 _TOUCHED = {"contact", "velocity field per body", "surfaces", "surface map mass_weighted", "surface frames"}
-_TURNING = {"rotation of left: exact", "rotation of right: exact"}
+_TURNING = {"rotation of left: spin", "rotation of right: spin"}
 PLANNED = {
     "one body": set(),
     "two bodies apart": {"friction", *_TOUCHED, *_TURNING},

@@ -179,9 +179,11 @@ def test_the_local_correction_is_the_series_second_term():
     node_m = matrix.T @ m + 0.01
     start, momentum = RNG.normal(size=(NODES, 2)), RNG.normal(size=(NODES, 2))
     a = momentum / node_m[:, None] - start
+    held = momentum.copy()
+    momentum[:5] += 1.0  # what boundary conditions take away
     expected = momentum + np.einsum("pi,p,pid->id", matrix, m, a[None] - (matrix @ a)[:, None])
     scratch = (np.empty((NODES, 2)), np.empty((NODES, 2)))
-    correct_locally(0, POINTS, 0, NODES, *t, m, node_m, start, momentum, *scratch, (1.0, 1.0))
+    correct_locally(0, POINTS, 0, NODES, *t, m, node_m, start, held, momentum, *scratch, (1.0, 1.0))
     np.testing.assert_allclose(momentum, expected, rtol=1e-12, atol=1e-13)
 
 

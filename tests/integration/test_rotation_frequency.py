@@ -1,0 +1,98 @@
+"""The highest frequency of a body, which sets the time step, with the local spin correction and without."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mpmfw.effects.local_spin import correct_spin
+from mpmfw.fields import FloatArray
+from mpmfw.simulation import Simulation
+from mpmfw.steppers.operations import project_mass_momentum
+from scenes_for_tests import BULK, SHEAR, one_body, with_changes
+
+LAME = BULK - 2.0 * SHEAR / 3.0
+H = 0.25
+
+
+@dataclass
+class Linear:
+    """Small motions about rest: ω² M a = S a on the grid, M diagonal."""
+
+    mass: FloatArray
+    stiffness: FloatArray
+    operator: FloatArray  #: K of (m v) += K Δv
+
+    @property
+    def ratio(self) -> float:
+        """Highest frequency with the correction, over that without: of M⁻¹ + M⁻¹ K M⁻¹ in place of M⁻¹."""
+        root = 1.0 / np.sqrt(self.mass)
+        lumped = root[:, None] * self.stiffness * root
+        factor = np.linalg.cholesky(np.eye(len(root)) + root[:, None] * self.operator * root)
+        squares = [np.linalg.eigvalsh(a)[-1] for a in (factor.T @ lumped @ factor, lumped)]
+        return float(np.sqrt(squares[0] / squares[1]))
+
+
+def linearised(scene: dict[str, Any]) -> Linear:
+    """The scene's body at rest."""
+    sim = Simulation(with_changes(scene, bodies__solid__rotation="spin"))
+    sim.start()
+    p, g = sim.state.particles, sim.state.grid
+    phi = sim.hook.interpolate(particles=p, grid=g)
+    g.reset()
+    project_mass_momentum(p, phi, g)
+    n, dim = len(g.mass), g.dim
+    gradient = np.zeros((p.count, n, dim))
+    np.add.at(gradient, (np.repeat(np.arange(p.count), np.diff(phi.row)), phi.nodes), phi.gradient)
+    dots = np.einsum("p,pid,pje->idje", p.volume, gradient, gradient)
+    trace = np.einsum("idjd->ij", dots)
+    stiffness = (
+        LAME * dots
+        + SHEAR * dots.transpose(0, 3, 2, 1)
+        + SHEAR * np.einsum("ij,de->idje", trace, np.eye(dim))
+    )
+    carried = np.repeat(g.mass > 1e-12 * g.mass.max(), dim)
+    rows = []
+    for k in range(n * dim):
+        momentum = (np.eye(1, n * dim, k).reshape(n, dim)) * g.mass[:, None]
+        corrected = momentum.copy()
+        edges = sim.manager.get_plugin("local_spin").half_edges
+        correct_spin(
+            *(0, p.count, 0, n, g.window_shape[0]),
+            *(p.mass, p.position, p.deformation_gradient, edges, g.position, g.mass),
+            *(np.zeros((n, dim)), momentum, corrected, np.zeros((n, dim)), np.zeros(n), g.spacing),
+        )
+        rows.append((corrected - momentum).ravel())
+    keep = np.ix_(carried, carried)
+    return Linear(
+        np.repeat(g.mass, dim)[carried],
+        stiffness.reshape(n * dim, -1)[keep],
+        np.array(rows)[keep],
+    )
+
+
+def rectangle(lower: list[float], upper: list[float], shape: str) -> dict[str, Any]:
+    grid = {"cell_size": H, "lower": [-0.75, -0.75], "upper": [1.25, 1.25]}
+    geometry = {"type": "rectangle", "lower": lower, "upper": upper}
+    return one_body(geometry, size=H / 2, shape__method=shape, grid=grid)
+
+
+@pytest.mark.parametrize("shape", ["gimp", "cpdi", "bspline"])
+@pytest.mark.parametrize("cells", [2, 4])
+def test_the_highest_frequency_stays(cells: int, shape: str) -> None:
+    rng = np.random.default_rng(cells)
+    for _ in range(2):
+        lower = rng.uniform(-0.4, -0.15, 2)
+        upper = lower + H * cells * rng.uniform(0.8, 1.2, 2)
+        assert linearised(rectangle(lower.tolist(), upper.tolist(), shape)).ratio < 1.02
+
+
+@pytest.mark.parametrize("beyond", [1e-1, 1e-3, 1e-6])
+def test_a_film_that_barely_reaches_its_outer_nodes_keeps_its_frequency(beyond: float) -> None:
+    """With linear functions these nodes weigh next to nothing, and so do the cells; all of X on them would be too much."""
+    middle = beyond * H
+    film = rectangle([-0.43, middle - H / 4], [0.57, middle + H / 4], "linear")
+    assert linearised(film).ratio < 1.02

@@ -1,0 +1,189 @@
+"""The local spin correction against plain NumPy, and what its operator keeps whatever the nodal masses are."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mpmfw.effects.local_spin import LEAST_SHARE, correct_spin
+from mpmfw.fields import FloatArray
+
+H, FIRST = 0.3, 5  #: cell size, and nodes of another window before this one
+EXTENT = {2: (6, 5), 3: (4, 3, 5)}
+DIMENSIONS = pytest.mark.parametrize("dim", [2, 3])
+
+
+@dataclass
+class Window:
+    """A window of nodes with masses, and points whose second moment is smaller than theirs."""
+
+    shape: tuple[int, ...]
+    node: FloatArray
+    node_mass: FloatArray
+    mass: FloatArray
+    position: FloatArray
+    deformation: FloatArray
+    edges: FloatArray
+
+    @property
+    def dim(self) -> int:
+        return len(self.shape)
+
+    def corrected(
+        self, momentum: FloatArray, start: FloatArray, held: FloatArray | None = None
+    ) -> FloatArray:
+        """Momenta after the kernel."""
+        out = momentum.copy()
+        change, common = np.zeros_like(out), np.zeros(len(out))
+        own = (self.mass, self.position, self.deformation, self.edges)
+        correct_spin(
+            *(0, len(self.mass), FIRST, len(out), np.array(self.shape)),
+            *(*own, self.node, self.node_mass, start, momentum if held is None else held, out),
+            *(change, common, (H,) * self.dim),
+        )
+        return out
+
+    def operator(self) -> FloatArray:
+        """K of (m v) += K Δv as a matrix over the nodes with mass."""
+        n = len(self.node) * self.dim
+        rows = [
+            self.corrected((unit := np.eye(n)[k].reshape(-1, self.dim)) * self.node_mass[:, None], 0.0 * unit)
+            - unit * self.node_mass[:, None]
+            for k in range(n)
+        ]
+        matrix = np.array(rows).reshape(n, n)
+        carried = np.repeat(self.node_mass > 0.0, self.dim)
+        return matrix[np.ix_(carried, carried)]
+
+
+def window(dim: int, seed: int, empty: float = 0.2, points: int = 12) -> Window:
+    """Random nodal masses, a share of them zero, and points near the middle."""
+    rng, shape = np.random.default_rng(seed), EXTENT[dim]
+    index = np.array(list(itertools.product(*(range(n) for n in shape))), dtype=float)
+    node = np.concatenate([np.full((FIRST, dim), 77.0), H * index])
+    node_mass = rng.uniform(0.01, 1.0, len(node)) * (rng.random(len(node)) >= empty)
+    node_mass[:FIRST] = 3.0
+    middle = 0.5 * H * (np.array(shape) - 1)
+    position = middle + rng.uniform(-0.25, 0.25, (points, dim)) * H * np.array(shape)
+    return Window(
+        shape,
+        node,
+        node_mass,
+        np.full(points, node_mass[FIRST:].sum() / points),
+        position,
+        np.eye(dim) + 0.1 * rng.normal(size=(points, dim, dim)),
+        0.05 * rng.normal(size=(points, dim, dim)),
+    )
+
+
+def full(vectors: FloatArray) -> FloatArray:
+    """Vectors of three components."""
+    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
+
+
+def inertia(mass: FloatArray, x: FloatArray) -> FloatArray:
+    """Σ m (|x|² 1 − x xᵀ); that about the other axes is not asked for in 2D."""
+    r = full(x)
+    result = np.einsum("n,n,ij->ij", mass, (r**2).sum(1), np.eye(3)) - np.einsum("n,ni,nj->ij", mass, r, r)
+    return result if x.shape[1] == 3 else np.diag([1.0, 1.0, result[2, 2]])
+
+
+def twin(w: Window, momentum: FloatArray, start: FloatArray) -> FloatArray:
+    """The formula, cell by cell."""
+    dim = w.dim
+    nodes, m = w.node[FIRST:], w.node_mass[FIRST:]
+    centre = m @ nodes / m.sum()
+    grid = inertia(m, nodes - centre)
+    edges = (w.deformation @ w.edges).transpose(0, 2, 1).reshape(-1, dim)
+    true = inertia(w.mass, w.position - centre) + inertia(np.repeat(w.mass, dim) / 3.0, edges)
+    if dim == 2:
+        true[:2, :2] = np.eye(2)
+    excess = grid @ np.linalg.inv(true) @ grid - grid
+    with np.errstate(divide="ignore", invalid="ignore"):
+        change = np.where(m[:, None] > 0.0, momentum[FIRST:] / m[:, None], 0.0) - start[FIRST:]
+    number = np.arange(len(m)).reshape(w.shape)
+    cells = []
+    for lowest in itertools.product(*(range(n - 1) for n in w.shape)):
+        corners = number[tuple(slice(k, k + 2) for k in lowest)].ravel()
+        common = 0.0 if (m[corners] == 0.0).any() else len(corners) / (1.0 / m[corners]).sum()
+        cells.append((corners, common))
+    total = max(sum(common for _, common in cells), LEAST_SHARE * m.sum())
+    out = momentum.copy()
+    for corners, common in cells:
+        q = full(nodes[corners] - nodes[corners].mean(axis=0))
+        area = len(corners) * H**2 / 2.0
+        spin = np.cross(q, full(change[corners])).sum(axis=0) / area
+        out[FIRST + corners] += (common / total * np.cross(excess @ spin, q) / area)[:, :dim]
+    return out
+
+
+@DIMENSIONS
+@pytest.mark.parametrize("empty", [0.0, 0.3])
+def test_the_kernel_is_the_formula(dim: int, empty: float) -> None:
+    w, rng = window(dim, 3, empty), np.random.default_rng(4)
+    momentum, start = rng.normal(size=w.node.shape), rng.normal(size=w.node.shape)
+    momentum[w.node_mass == 0.0] = start[w.node_mass == 0.0] = 0.0
+    corrected = w.corrected(momentum, start)
+    np.testing.assert_allclose(corrected, twin(w, momentum, start), rtol=1e-11, atol=1e-12)
+    np.testing.assert_array_equal(corrected[:FIRST], momentum[:FIRST])
+    assert np.abs(corrected - momentum).max() > 1e-3
+
+
+@DIMENSIONS
+def test_a_held_node_turns_no_cell(dim: int) -> None:
+    """The change is that of the momenta in which boundary conditions are met, here all of them."""
+    w, rng = window(dim, 5, 0.0), np.random.default_rng(6)
+    momentum, start = rng.normal(size=w.node.shape), rng.normal(size=w.node.shape)
+    held = start * w.node_mass[:, None]
+    np.testing.assert_allclose(w.corrected(momentum, start, held), momentum, atol=1e-13)
+
+
+@settings(max_examples=15, deadline=None)
+@given(dim=st.sampled_from([2, 3]), seed=st.integers(0, 10**6), empty=st.floats(0.0, 0.5))
+def test_the_operator_is_symmetric_and_adds_inertia_to_spin_alone(dim: int, seed: int, empty: float) -> None:
+    w = window(dim, seed, empty)
+    k = w.operator()
+    scale = max(np.abs(k).max(), 1e-300)
+    np.testing.assert_allclose(k, k.T, atol=1e-12 * scale)
+    assert np.linalg.eigvalsh(k).min() >= -1e-12 * scale
+    x = full(w.node)[w.node_mass > 0.0]
+    for a, b in itertools.product(range(dim), range(dim)):
+        drift = np.zeros_like(x)
+        drift[:, a] = 1.0
+        np.testing.assert_allclose(k @ drift[:, :dim].ravel(), 0.0, atol=1e-11 * scale)  # momentum is exact
+        strain = np.zeros_like(x)
+        strain[:, a] += x[:, b]
+        strain[:, b] += x[:, a]
+        np.testing.assert_allclose(k @ strain[:, :dim].ravel(), 0.0, atol=1e-10 * scale)  # no curl
+
+
+@DIMENSIONS
+def test_a_body_that_turns_as_a_whole_has_the_inertia_of_its_material(dim: int) -> None:
+    """(1 + M⁻¹ K) takes the spin that a torque gives to the lumped body, I_grid⁻¹ τ, to the torque I_grid I⁻¹ τ."""
+    w = window(dim, 8, 0.0)
+    m, nodes = w.node_mass[FIRST:], w.node[FIRST:]
+    r = full(nodes - m @ nodes / m.sum())
+    grid = inertia(m, r[:, :dim])
+    edges = (w.deformation @ w.edges).transpose(0, 2, 1).reshape(-1, dim)
+    centre = m @ nodes / m.sum()
+    true = inertia(w.mass, w.position - centre) + inertia(np.repeat(w.mass, dim) / 3.0, edges)
+    if dim == 2:
+        true[:2, :2] = np.eye(2)
+    spin = np.array([0.0, 0.0, 0.7]) if dim == 2 else np.array([0.3, -0.5, 0.7])
+    momentum = np.zeros_like(w.node)
+    momentum[FIRST:] = m[:, None] * np.cross(spin, r)[:, :dim]
+    answer = np.cross(r, full(w.corrected(momentum, np.zeros_like(momentum))[FIRST:])).sum(axis=0)
+    np.testing.assert_allclose(answer, grid @ np.linalg.inv(true) @ grid @ spin, rtol=1e-10)
+
+
+@DIMENSIONS
+def test_nodes_with_less_inertia_than_the_material_are_left_alone(dim: int) -> None:
+    w, rng = window(dim, 9, 0.0), np.random.default_rng(10)
+    w.edges *= 100.0
+    momentum = rng.normal(size=w.node.shape)
+    np.testing.assert_array_equal(w.corrected(momentum, np.zeros_like(momentum)), momentum)
