@@ -91,12 +91,6 @@ class Constraint:
         self.constrain_momentum(held)
         return held.momentum
 
-    def held_momentum(self, grid: Grid, time: float) -> FloatArray:
-        """Nodal momenta as :meth:`constrain_momentum` would leave them, (n_nodes, dim) [kg/s]; those of ``grid`` stay."""
-        held = dataclasses.replace(grid, momentum=grid.momentum.copy())
-        self.constrain_momentum(held, time)
-        return held.momentum
-
     @hookimpl
     def constrain_momentum(self, grid: Grid) -> None:
         """Bring the velocity at every side to the prescribed one."""
