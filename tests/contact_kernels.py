@@ -162,6 +162,7 @@ def forces(loops, found, law, old_master=None, old_tangential=None):
         law.tangential_ratio,
         law.keep_q,
         law.literal_friction,
+        np.inf,
         law.dt,
         np.zeros((3, 3, 2)),
         result.force,

@@ -73,7 +73,9 @@ LEAST = Brings(
 )
 
 _SHAPE = "setup particle_reach interpolate interpolate_surface"
-_PENALTY = (*("strategy", "search", "candidates", "laws", "options", "pair_force", "stability", "facing"),)
+_PENALTY = (*("strategy", "search", "candidates", "laws", "options", "pair_force", "stability", "facing"),
+    *("spring", "tracking", "travel", "losses"),
+)
 EFFECTS = {
     "linear": brings("linear", hooks=_SHAPE, modules="mpmfw_shape.linear mpmfw_shape._bilinear_surface"),
     "gimp": brings(
@@ -121,7 +123,7 @@ EFFECTS = {
         modules="mpmfw.effects.surface",
         surface="position next",
     ),
-    "least gap": brings("gap", hooks="declare_fields diagnostics", series="min_gap"),
+    "least gap": brings("gap", hooks="declare_fields diagnostics concerns", series="min_gap"),
     "rotation": brings(
         "rotation",
         hooks="setup correct_inertia",
@@ -148,7 +150,8 @@ EFFECTS = {
         "penalty",
         hooks="declare_fields setup add_nodal_force stable_timestep diagnostics",
         arrays="impulse frictional_work damping_work spring_work energy count force master segment coordinate gap normal "
-        "stiffness share rest old_master old_share old_rest owner shared head head_stamp link link_segment "
+        "stiffness share rest old_master old_segment old_coordinate old_gap old_normal old_stiffness old_share old_rest "
+        "owner shared head head_stamp link link_segment "
         "box_lower box_upper",
         modules=" ".join(
             ["mpmfw_contact.penalty", "mpmfw_contact.records"]
@@ -157,6 +160,7 @@ EFFECTS = {
         series="contact_force contact_count frictional_work contact_energy damping_work spring_work",
         surface="force",
     ),
+    "travel": brings("penalty_travel", hooks="setup stable_timestep"),
     "touching": brings("penalty", arrays="node_stiffness"),
     "friction": brings("penalty", arrays="tangential old_tangential"),
     "contact damping": brings("penalty", arrays="damping"),
@@ -182,7 +186,7 @@ EFFECTS = {
         hooks="after_momentum_projection add_nodal_force after_momentum_update correct_inertia constrain_momentum",
     ),
     "ledger of gravity": brings("energy_ledger", series="gravity_work"),
-    "ledger of contact": brings("energy_ledger", series="contact_work inertia_work"),
+    "ledger of contact": brings("energy_ledger", series="contact_work contact_residual inertia_work"),
     "stability": brings(
         "time_step_series",
         hooks="declare_fields diagnostics",
@@ -236,12 +240,12 @@ ONE = block(shape__method="linear", bodies__solid__rotation="lumped")
 ELASTIC = {"model": "linear_elastic", "density": 1e3, "bulk_modulus": 1e6, "shear_modulus": 5e5}
 GRAVITY = {"vector": [0, -10]}
 HELD = [{"side": "bottom", "fixed": True}]
-FRICTIONLESS = ("penalty", "surfaces", "rotation", "touching")
+FRICTIONLESS = ("penalty", "travel", "surfaces", "rotation", "touching")
 TOUCHED = (*FRICTIONLESS, "friction")
 LEDGER = ("ledger", "impulses before", "impulses after")
 CASES = {
     "one body": Case(ONE, ()),
-    "two bodies apart": Case(_apart(_two("penalty")), ("penalty", "surfaces", "rotation", "friction")),
+    "two bodies apart": Case(_apart(_two("penalty")), ("penalty", "travel", "surfaces", "rotation", "friction")),
     "frictionless": Case(_two("penalty", contact__friction=0), FRICTIONLESS),
     "frictional": Case(_two("penalty"), TOUCHED),
     "contact with a layer": Case(

@@ -113,13 +113,14 @@ HOOKS: dict[str, tuple[dict[str, Any], dict[str, list[str]]]] = {
         PENALTY,
         {
             "declare_fields": ["penalty", "gap", "body_series", "von_mises"],
-            "setup": ["soft", "shape", "penalty", "surface", "rotation", "body_series"],
+            "setup": ["soft", "shape", "penalty", "penalty_travel", "surface", "rotation", "body_series"],
             "after_momentum_projection": ["surface"],
             "add_nodal_force": ["penalty"],
             "correct_inertia": ["rotation"],
             "advect": ["surface"],
-            "stable_timestep": ["penalty"],
+            "stable_timestep": ["penalty", "penalty_travel"],
             "diagnostics": ["penalty", "gap", "body_series", "von_mises"],
+            "concerns": ["gap"],
         },
     ),
     "bardenhagen": (

@@ -16,9 +16,6 @@ if TYPE_CHECKING:
 #: Steps per contact below which a free impact gains 18 % of its energy (in the worst phase).
 FEWEST_STEPS = 3
 
-#: Penetration over cell size above which surfaces no longer stand for the bodies.
-DEEPEST = 0.15
-
 STEPS_PER_CONTACT = Field(
     "steps_per_contact",
     ("pair",),
@@ -92,7 +89,7 @@ class ContactEvents:
         self.partner: IntArray = setup.allocate(self.name, PARTNER)
         self.fewest: FloatArray = np.full(len(setup.pairs), np.inf)
         self.deepest: FloatArray = np.zeros(len(setup.pairs))
-        self.fewest_ever, self.deepest_ever = self.fewest.copy(), self.deepest.copy()
+        self.fewest_ever = self.fewest.copy()
 
     @hookimpl
     def end_step(self, state: State) -> None:
@@ -121,28 +118,19 @@ class ContactEvents:
             series["steps_per_contact"] = np.full_like(fewest, np.nan)
         else:
             self.fewest_ever = np.fmin(self.fewest_ever, self.fewest)
-            self.deepest_ever = np.fmax(self.deepest_ever, self.deepest)
         self.fewest.fill(np.inf)
         self.deepest.fill(0.0)
         return series
 
     @hookimpl
     def concerns(self) -> list[str]:
-        """Contacts that the steps do not resolve, and surfaces that overlap too far."""
-        said = []
-        for pair, label in enumerate(self.labels):
-            steps, depth = self.fewest_ever[pair], self.deepest_ever[pair] / self.cell_size
-            if steps < FEWEST_STEPS:
-                said.append(
-                    f"{label}: a contact lasted {steps:.0f} steps, fewer than {FEWEST_STEPS}, and gains energy; "
-                    "try a smaller time.safety or contact.penalty.kappa"
-                )
-            if depth > DEEPEST:
-                said.append(
-                    f"{label}: the bodies penetrate by {depth:.2g} cells, more than {DEEPEST:g}; try a larger "
-                    "contact.penalty.kappa"
-                )
-        return said
+        """Contacts that the steps do not resolve."""
+        return [
+            f"{label}: a contact lasted {steps:.0f} steps, fewer than {FEWEST_STEPS}, and gains energy; try a smaller "
+            "time.safety or contact.penalty.kappa"
+            for label, steps in zip(self.labels, self.fewest_ever, strict=True)
+            if steps < FEWEST_STEPS
+        ]
 
 
 def monitors(contact: Penalty) -> list[Any]:

@@ -15,7 +15,6 @@ from mpmfw.api import (
     Grid,
     SceneError,
     Setup,
-    SimulationError,
     State,
     Stencil,
     hookimpl,
@@ -33,7 +32,7 @@ from mpmfw_contact.penalty.stability import (
     map_to_grid,
     spring_stiffness,
 )
-from mpmfw_contact.penalty.tracking import find_crossings, keep_inside
+from mpmfw_contact.penalty.tracking import CROSSED, crossed, find_crossings, keep_inside
 from mpmfw_contact.penalty.travel import TravelLimit
 from mpmfw_contact.records import PairRecords
 
@@ -146,7 +145,7 @@ class Penalty(ContactStrategy):
         self.omega_squared = 0.0
         self.count = 0
         self.searched = self.begins = False
-        self.rows, self.through = np.zeros((3, 3, 2)), np.zeros(2)
+        self.rows, self.through = np.zeros((3, 3, 2)), np.zeros(3)
 
     def _table(self) -> Stencil:
         """N_i(x_s) of this step."""
@@ -227,31 +226,13 @@ class Penalty(ContactStrategy):
         found = (c.master, c.segment, c.coordinate, c.gap, c.normal)
         outline = (s.next, s.previous, s.body, s.body_first)
         added = keep_inside(s.position, *outline, c.old_master, c.old_segment, *found, self.through)
-        if self.through[0] > self.radius:
-            raise self._crossed(int(self.through[1]))
-        travel = float(np.abs(s.displacement).max())
-        if travel > THIN * self.radius:
-            boxes = (g.box_lower, g.box_upper)
-            added += find_crossings(
-                2.0 * travel, s.position, s.displacement, *outline, self.laws.is_slave, *boxes, *found
-            )
-        return added
-
-    def _crossed(self, node: int) -> SimulationError:
-        """What stops a run in which a node has gone through another body."""
-        surface, bodies, c = self.surface, self.state.bodies, self.candidates
-        mine = int(surface.body[node])
-        others = [int(b) for b in c.old_master[node] if b >= 0]
-        pair = self.state.pairs[int(self.laws.pair_of[mine, others[0]])]
-        return SimulationError(
-            f"{pair.label}: the bodies have crossed: a surface node came out by the far side of "
-            f"'{bodies[others[0]].name}' by {self.through[0] / self.cell_size:.2g} cells",
-            body=bodies[mine].name,
-            index=node - int(surface.body_first[mine]),
-            position=surface.position[node].tolist(),
-            time=self.state.time,
-            advice="a slower impact, a stiffer contact (contact.penalty.kappa), or smaller cells",
+        if self.through[0] > CROSSED * self.cell_size:
+            raise crossed(self.state, self.laws.pair_of, self.through)
+        boxes = (g.box_lower, g.box_upper)
+        added += find_crossings(
+            THIN * self.radius, s.position, s.displacement, *outline, self.laws.is_slave, *boxes, *found
         )
+        return added
 
     def _stiffness(self, grid: Grid, phi: Stencil) -> None:
         """Spring stiffness of every candidate, and the highest frequency that they give the grid."""

@@ -165,11 +165,25 @@ class SurfaceTracker:
             )
 
 
+#: Penetration over cell size above which surfaces no longer stand for the bodies.
+DEEPEST = 0.15
+
+
 class GapDiagnostic:
-    """``min_gap``: measured between the outlines in the same way for every method."""
+    """``min_gap``: measured between the outlines in the same way for every method, and the warning where it is deep.
+
+    Parameters
+    ----------
+    watched
+        Whether deep penetration is a concern: not with a contact that lets bodies pass through each other.
+    """
 
     name = "gap"
     stage = "gap"
+
+    def __init__(self, *, watched: bool) -> None:
+        self.watched = watched
+        self.deepest: dict[str, tuple[float, float]] = {}  #: by pair: depth over cell size, and time [s]
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
@@ -183,7 +197,21 @@ class GapDiagnostic:
         if surface is None:
             raise RuntimeError("no surface to measure")
         gaps = np.array([self._gap(surface, pair.first, pair.second) for pair in state.pairs])
+        for pair, gap in zip(state.pairs, gaps, strict=True):
+            depth = -float(gap) / state.grid.cell_size
+            if depth > self.deepest.get(pair.label, (DEEPEST, 0.0))[0]:
+                self.deepest[pair.label] = depth, state.time
         return {"min_gap": gaps}
+
+    @hookimpl
+    def concerns(self) -> list[str]:
+        """Surfaces that overlapped too far at an output."""
+        return [
+            f"{label}: the bodies penetrate by {depth:.2g} cells at time {time:.4g} s, more than {DEEPEST:g}; try a "
+            "stiffer contact (contact.penalty.kappa), or smaller cells"
+            for label, (depth, time) in self.deepest.items()
+            if self.watched
+        ]
 
     @staticmethod
     def _gap(surface: Surface, a: int, b: int) -> float:
