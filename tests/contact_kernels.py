@@ -157,6 +157,7 @@ def forces(loops, found, law, old_master=None, old_tangential=None):
         np.full(len(first), law.friction),
         law.tangential_ratio,
         law.keep_q,
+        np.inf,
         law.dt,
         np.zeros((2, 4, 3, 2)),
         result.force,

@@ -140,7 +140,7 @@ EFFECTS = {
         modules="mpmfw.effects.surface",
         surface="position next",
     ),
-    "least gap": brings("gap", hooks="declare_fields diagnostics", series="min_gap"),
+    "least gap": brings("gap", hooks="declare_fields diagnostics concerns", series="min_gap"),
     "local spin": brings(
         "local_spin",
         hooks="declare_fields setup correct_inertia",
@@ -180,7 +180,8 @@ EFFECTS = {
         "penalty",
         hooks="declare_fields setup add_pairs add_nodal_force stable_timestep diagnostics",
         arrays="impulse frictional_work damping_work spring_work energy count force master segment coordinate gap normal "
-        "stiffness share rest old_master old_share old_rest owner shared head head_stamp link link_segment "
+        "stiffness share rest old_master old_segment old_coordinate old_gap old_normal old_stiffness old_share old_rest "
+        "owner shared head head_stamp link link_segment "
         "box_lower box_upper",
         modules=" ".join(
             ["mpmfw_contact.penalty", "mpmfw_contact.records"]
@@ -189,6 +190,7 @@ EFFECTS = {
         series="contact_force contact_count frictional_work contact_energy damping_work spring_work",
         surface="force",
     ),
+    "travel": brings("penalty_travel", hooks="setup add_pairs stable_timestep"),
     "touching": brings("penalty", arrays="node_stiffness"),
     "friction": brings("penalty", arrays="tangential old_tangential"),
     "contact damping": brings("penalty", arrays="damping"),
@@ -214,7 +216,7 @@ EFFECTS = {
         hooks="after_momentum_projection add_nodal_force after_momentum_update correct_inertia constrain_momentum",
     ),
     "ledger of gravity": brings("energy_ledger", series="gravity_work"),
-    "ledger of contact": brings("energy_ledger", series="contact_work inertia_work"),
+    "ledger of contact": brings("energy_ledger", series="contact_work contact_residual inertia_work"),
     "stability": brings(
         "time_step_series",
         hooks="declare_fields diagnostics",
@@ -268,12 +270,14 @@ ONE = block(shape__method="linear", bodies__solid__rotation="lumped")
 ELASTIC = {"model": "linear_elastic", "density": 1e3, "bulk_modulus": 1e6, "shear_modulus": 5e5}
 GRAVITY = {"vector": [0, -10]}
 HELD = [{"side": "bottom", "fixed": True}]
-FRICTIONLESS = ("penalty", "surfaces", "local spin", "touching")
+FRICTIONLESS = ("penalty", "travel", "surfaces", "local spin", "touching")
 TOUCHED = (*FRICTIONLESS, "friction")
 LEDGER = ("ledger", "impulses before", "impulses after")
 CASES = {
     "one body": Case(ONE, ()),
-    "two bodies apart": Case(_apart(_two("penalty")), ("penalty", "surfaces", "local spin", "friction")),
+    "two bodies apart": Case(
+        _apart(_two("penalty")), ("penalty", "travel", "surfaces", "local spin", "friction")
+    ),
     "frictionless": Case(_two("penalty", contact__friction=0), FRICTIONLESS),
     "frictional": Case(_two("penalty"), TOUCHED),
     "contact with a layer": Case(

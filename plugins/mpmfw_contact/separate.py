@@ -10,3 +10,4 @@ class Separate(ContactStrategy):
 
     name = "separate"
     velocity_fields = "per_body"
+    keeps_apart = False

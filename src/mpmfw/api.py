@@ -134,6 +134,8 @@ class ContactStrategy(PlugIn):
     surface_map: Literal["auto", "plain", "mass_weighted"] = "auto"
     #: Whether the strategy adds inertia of its own to the nodes, which a body's rotational inertia would have to know.
     adds_mass: bool = False
+    #: Whether the strategy is to keep bodies apart, so that results warn of deep penetration.
+    keeps_apart: ClassVar[bool] = True
     #: Whether the strategy uses the pairs' friction.
     uses_friction: ClassVar[bool] = False
     #: Dimensions that the strategy works in.

@@ -149,7 +149,7 @@ def _surface(made: Build) -> None:
     made.note(f"surface map {chosen}", True, f"shape {made.shape.name}")
     made.plugins.append(SurfaceTracker(chosen, stage))
     if measured:
-        made.plugins.append(GapDiagnostic())
+        made.plugins.append(GapDiagnostic(watched=contact is not None and contact.keeps_apart))
 
 
 def _gap(made: Build) -> bool:

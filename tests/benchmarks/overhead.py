@@ -67,6 +67,11 @@ SCENES: dict[str, tuple[type[OneBody], float | None, float]] = {
 }
 
 
+#: Arrays of the candidates that swap places with those of the step before.
+SWAPPED = ("master", "segment", "coordinate", "gap", "normal", "stiffness", "tangential", "share", "rest")
+ROLES = (*SWAPPED, *(f"old_{name}" for name in SWAPPED))
+
+
 class Snapshot:
     """Copies of all arrays that a step changes, and of the contact's count."""
 
@@ -106,6 +111,11 @@ class Snapshot:
                 k.rest,
                 k.old_share,
                 k.old_rest,
+                k.old_segment,
+                k.old_coordinate,
+                k.old_gap,
+                k.old_normal,
+                k.old_stiffness,
                 r.impulse,
                 r.frictional_work,
                 r.damping_work,
@@ -114,8 +124,7 @@ class Snapshot:
                 r.count,
             ]
             found += [self.contact.force]
-            self.turn = (k.master, k.tangential, k.share, k.rest, k.old_master, k.old_tangential)
-            self.turn += (k.old_share, k.old_rest)
+            self.turn = {name: getattr(k, name) for name in ROLES}
         return found
 
     def restore(self) -> None:
@@ -125,8 +134,8 @@ class Snapshot:
         self.state.time = self.time
         if self.contact is not None:
             k = self.contact.candidates
-            k.master, k.tangential, k.share, k.rest, k.old_master, k.old_tangential = self.turn[:6]
-            k.old_share, k.old_rest = self.turn[6:]
+            for name, array in self.turn.items():
+                setattr(k, name, array)
             self.contact.count, self.contact.omega_squared = self.spring
 
     def now(self) -> list[Any]:

@@ -15,8 +15,12 @@ from mpmfw.kernels.polyline import bounding_boxes
 from mpmfw.kernels.stencil import fill_linear
 from mpmfw.simulation import Simulation
 from mpmfw_contact.penalty import search
+from mpmfw_contact.penalty.losses import add_losses
 from mpmfw_contact.penalty.pair_force import contact_forces
 from mpmfw_contact.penalty.stability import contact_frequency, map_to_grid, spring_stiffness
+from mpmfw_contact.penalty.strategy import THIN
+from mpmfw_contact.penalty.tracking import find_crossings, keep_inside
+from mpmfw_contact.penalty.travel import fewest_steps
 from mpmfw_material.neo_hookean import neo_hookean_split
 from mpmfw_shape.cpdi import fill_cpdi
 
@@ -99,6 +103,7 @@ class TwoApart(OneBody):
         self.n = len(simulation.state.bodies)
         surface: Any = simulation.shape._surface
         self.n_s, self.cell_mass = surface, simulation.state.arrays["surface/cell_mass"]
+        self.state, self.travel = simulation.state, simulation.manager.get_plugin("penalty_travel")
 
     def interpolate(self) -> None:
         """φ_ip, ∇φ_ip and N_i(x_s)."""
@@ -117,7 +122,7 @@ class TwoApart(OneBody):
 
     def step(self) -> None:
         """One step of the stable length."""
-        dt = self.safety * self.limit
+        dt = self.safety * min(self.limit, self.time_to_travel())
         self.interpolate()
         self.project()
         projection.add_internal_force(
@@ -131,6 +136,15 @@ class TwoApart(OneBody):
         )
         assert not self.near()
         self.move(dt)
+
+    def time_to_travel(self) -> float:
+        """Time in which bodies come nearer by their distance and half of the search radius."""
+        t, s = self.travel, self.s
+        lower, upper, slowest, fastest = t.boxes
+        bounding_boxes(s.body_first, s.position, lower, upper)
+        bounding_boxes(s.body_first, s.displacement, slowest, fastest)
+        steps: float = fewest_steps(t.first, t.second, lower, upper, slowest, fastest, t.band)
+        return steps * self.state.dt
 
     def near(self) -> bool:
         """Whether the boxes are within the reach of the search."""
@@ -153,7 +167,8 @@ class Touching(TwoApart):
     def step(self) -> None:
         """One step of the stable length, which the springs of the last step limit."""
         c = self.contact
-        dt = self.safety * min(self.limit, 2.0 / math.sqrt(c.bulk_frequency**2 + c.omega_squared))
+        springs = 2.0 / math.sqrt(c.bulk_frequency**2 + c.omega_squared)
+        dt = self.safety * min(self.limit, springs, self.time_to_travel())
         self.interpolate()
         self.project()
         projection.add_internal_force(
@@ -188,24 +203,39 @@ class Touching(TwoApart):
             g.stamp, c.radius, False, s.position, s.next, s.previous, s.body, c.laws.rank, lower, spacing, nodes,
             g.shared, g.head, g.head_stamp, g.link, g.link_segment, k.master, k.segment, k.coordinate, k.gap, k.normal,
         )  # fmt: skip
+        found, outline = (
+            (k.master, k.segment, k.coordinate, k.gap, k.normal),
+            (s.next, s.previous, s.body, s.body_first),
+        )
+        keep_inside(s.position, *outline, k.old_master, k.old_segment, *found, c.through)
+        find_crossings(
+            THIN * c.radius, s.position, s.displacement, *outline, c.laws.is_slave, g.box_lower, g.box_upper, *found
+        )  # fmt: skip
 
     def press(self, dt: float) -> None:
         """Springs, their frequency, and the forces on the surface nodes."""
         s, c, k, r, t = self.s, self.contact, self.contact.candidates, self.contact.records, self.n_s
         spring_stiffness(
             k.slots, k.segment, k.master, s.body, c.node_factor, c.laws.modulus, s.position, s.next, s.previous,
-            s.displacement, k.coordinate, k.normal, k.gap, c.cell_size, c.laws.pair_of, k.old_master,
-            k.old_share, k.old_rest, False, k.share, k.rest, k.stiffness, c.spring_work,
+            s.displacement, k.coordinate, k.normal, k.gap, c.cell_size, k.old_master,
+            k.old_share, k.old_rest, False, k.share, k.rest, k.stiffness,
         )  # fmt: skip
         c.omega_squared = c.stiffest * contact_frequency(
-            k.slots, k.segment, k.coordinate, k.stiffness, s.next, t.row, t.nodes, t.weight, self.g.mass,
-            c.node_stiffness,
+            k.slots, k.segment, k.coordinate, k.gap, k.rest, k.stiffness, c.linear_to, s.next, t.row, t.nodes, t.weight,
+            self.g.mass, c.node_stiffness,
         )  # fmt: skip
         c.force.fill(0.0)
+        rubbed = r.frictional_work.copy()
         contact_forces(
             k.slots, k.master, k.segment, k.coordinate, k.gap, k.rest, k.normal, k.old_master, k.tangential,
             k.old_tangential,
             s.body, c.laws.pair_of, c.laws.first, s.position, s.displacement, s.next, s.previous, k.stiffness,
-            k.damping, c.laws.friction, 1.0, False, False, dt, c.rows, c.force, r.impulse, r.frictional_work,
+            k.damping, c.laws.friction, 1.0, False, False, c.linear_to, dt, c.rows, c.force, r.impulse, r.frictional_work,
             r.damping_work, r.energy, r.count,
         )  # fmt: skip
+        add_losses(
+            s.body, c.laws.pair_of, s.position, s.displacement, s.next, s.previous, k.master, k.gap, k.rest, k.stiffness,
+            k.tangential, k.old_master, k.old_segment, k.old_coordinate, k.old_gap, k.old_normal, k.old_rest,
+            k.old_stiffness, k.old_tangential, 1.0, c.linear_to, c.rows[0], c.spring_work,
+        )  # fmt: skip
+        c.spring_work -= r.frictional_work - rubbed

@@ -38,8 +38,8 @@ SLIDING = "fitted acceleration, error"
 FAULTS = {
     "reversed normal": Fault(
         PAIR,
-        "f_n = k * depth",
-        "f_n = k * g",
+        "f_n = normal_force(k, depth, linear_to)",
+        "f_n = normal_force(k, g, linear_to)",
         "sliding-block",
         ((CPDI, SLIDING), (CPDI2, SLIDING)),
     ),

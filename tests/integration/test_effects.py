@@ -125,6 +125,7 @@ HOOKS: dict[str, tuple[dict[str, Any], dict[str, list[str]]]] = {
             "advect": ["surface"],
             "stable_timestep": ["penalty", "penalty_travel"],
             "diagnostics": ["penalty", "gap", "body_series", "von_mises"],
+            "concerns": ["gap"],
         },
     ),
     "bardenhagen": (

@@ -234,7 +234,8 @@ def test_frequency_bounds_the_largest_eigenvalue_closely(name):
     node_mass = np.random.default_rng(0).uniform(0.5, 1.0, n_nodes)
     stiffness = np.full(found.segment.shape, 1e4)
     scratch = np.zeros(n_nodes)
-    near = (found.segment, found.coordinate, stiffness, loops.following)
+    linear = (found.gap, np.zeros((0, found.segment.shape[1])), stiffness, np.inf)
+    near = (found.segment, found.coordinate, *linear, loops.following)
     bound = contact_frequency(found.segment.shape[1], *near, *t, node_mass, scratch)
     assert not scratch.any()
     rows = []

@@ -25,23 +25,22 @@ def energy(share: float, rest: float, gap: float) -> float:
 
 @untimed
 @given(part=shares, kept=shares, rest=rests, slid=slides, gap=gaps)
-def test_what_a_spring_loses_is_what_it_had_less_what_it_has(part, kept, rest, slid, gap):
-    share, left, lost = carried_over(part, kept, rest, slid, gap, CELL)
-    assert lost == pytest.approx(energy(kept, rest, gap) - energy(share, left, gap), rel=1e-9, abs=1e-18)
-    assert left >= gap  # never pulls
+def test_a_spring_that_changes_never_pulls(part, kept, rest, slid, gap):
+    _, left = carried_over(part, kept, rest, slid, gap, CELL)
+    assert left >= gap
 
 
 @untimed
 @given(part=shares, kept=shares, rest=rests, gap=gaps)
 def test_a_spring_that_grows_keeps_its_force_and_one_that_shrinks_its_rest(part, kept, rest, gap):
     rest = max(rest, gap)  # no more than unloaded
-    share, left, lost = carried_over(part, kept, rest, 0.0, gap, CELL)
+    share, left = carried_over(part, kept, rest, 0.0, gap, CELL)
     if part > kept * (1.0 + NOISE):
         assert share * (left - gap) == pytest.approx(kept * (rest - gap), rel=1e-9, abs=1e-18)
     else:
         assert left == rest
     assert share == (kept if abs(part - kept) <= NOISE * kept else part)
-    assert lost >= -1e-18
+    assert energy(kept, rest, gap) - energy(share, left, gap) >= -1e-18  # nothing is gained
 
 
 @untimed

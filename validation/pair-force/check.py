@@ -157,7 +157,7 @@ def kernel_force(points: FloatArray, moved: FloatArray) -> FloatArray:
     contact_forces(
         1, master.copy(), segment, value["xi"], value["gap"], np.zeros((0, 1)), normal, master, value["f_t"], value["old"],
         body, pair_of, first, points, moved, follow, follow, np.full((3, 1), STIFFNESS), value["c"], friction,
-        1.0, False, PASSED, np.zeros((2, 4, 3, 2)), force, np.zeros((1, 2)), *np.zeros((4, 1)),
+        1.0, False, np.inf, PASSED, np.zeros((2, 4, 3, 2)), force, np.zeros((1, 2)), *np.zeros((4, 1)),
     )  # fmt: skip
     return force
 

@@ -17,9 +17,6 @@ if TYPE_CHECKING:
 #: Steps per contact below which a free impact gains 18 % of its energy (in the worst phase).
 FEWEST_STEPS = 3
 
-#: Penetration over cell size above which surfaces no longer stand for the bodies.
-DEEPEST = 0.15
-
 STEPS_PER_CONTACT = Field(
     "steps_per_contact",
     ("pair",),
@@ -93,7 +90,7 @@ class ContactEvents:
         self.partner: IntArray = setup.allocate(self.name, PARTNER)
         self.fewest: FloatArray = np.full(len(setup.pairs), np.inf)
         self.deepest: FloatArray = np.zeros(len(setup.pairs))
-        self.fewest_ever, self.deepest_ever = self.fewest.copy(), self.deepest.copy()
+        self.fewest_ever = self.fewest.copy()
 
     @hookimpl
     def add_pairs(self, state: State) -> None:
@@ -102,9 +99,7 @@ class ContactEvents:
         self.fewest, self.fewest_ever = (
             np.append(a, np.full(more, np.inf)) for a in (self.fewest, self.fewest_ever)
         )
-        self.deepest, self.deepest_ever = (
-            np.append(a, np.zeros(more)) for a in (self.deepest, self.deepest_ever)
-        )
+        self.deepest = np.append(self.deepest, np.zeros(more))
 
     @hookimpl
     def end_step(self, state: State) -> None:
@@ -133,28 +128,19 @@ class ContactEvents:
             series["steps_per_contact"] = np.full_like(fewest, np.nan)
         else:
             self.fewest_ever = np.fmin(self.fewest_ever, self.fewest)
-            self.deepest_ever = np.fmax(self.deepest_ever, self.deepest)
         self.fewest.fill(np.inf)
         self.deepest.fill(0.0)
         return series
 
     @hookimpl
     def concerns(self) -> list[str]:
-        """Contacts that the steps do not resolve, and surfaces that overlap too far."""
-        said = []
-        for pair, label in enumerate(each.label for each in self.state.pairs):
-            steps, depth = self.fewest_ever[pair], self.deepest_ever[pair] / self.cell_size
-            if steps < FEWEST_STEPS:
-                said.append(
-                    f"{label}: a contact lasted {steps:.0f} steps, fewer than {FEWEST_STEPS}, and gains energy; "
-                    f"try a smaller time.safety or contact.{self.contact.name}.kappa"
-                )
-            if depth > DEEPEST:
-                said.append(
-                    f"{label}: the bodies penetrate by {depth:.2g} cells, more than {DEEPEST:g}; try a larger "
-                    f"contact.{self.contact.name}.kappa"
-                )
-        return said
+        """Contacts that the steps do not resolve."""
+        return [
+            f"{pair.label}: a contact lasted {steps:.0f} steps, fewer than {FEWEST_STEPS}, and gains energy; try a smaller "
+            f"time.safety or contact.{self.contact.name}.kappa"
+            for pair, steps in zip(self.state.pairs, self.fewest_ever, strict=True)
+            if steps < FEWEST_STEPS
+        ]
 
 
 def monitors(contact: SurfaceSprings) -> list[Any]:

@@ -15,7 +15,6 @@ from mpmfw.api import (
     Grid,
     SceneError,
     Setup,
-    SimulationError,
     State,
     Stencil,
     hookimpl,
@@ -32,7 +31,7 @@ from mpmfw_contact.penalty.stability import (
     map_to_grid,
     spring_stiffness,
 )
-from mpmfw_contact.penalty.tracking import find_crossings, keep_inside
+from mpmfw_contact.penalty.tracking import CROSSED, crossed, find_crossings, keep_inside
 from mpmfw_contact.penalty.travel import TravelLimit
 from mpmfw_contact.records import PairRecords
 
@@ -144,7 +143,7 @@ class SurfaceSprings(ContactStrategy):
         self.omega_squared = 0.0
         self.count = 0
         self.searched = self.begins = False
-        self.rows, self.through = np.zeros((3, 2)), np.zeros(2)
+        self.rows, self.through = np.zeros((3, 2)), np.zeros(3)
 
     @hookimpl
     def add_pairs(self, state: State) -> None:
@@ -247,46 +246,27 @@ class SurfaceSprings(ContactStrategy):
             c.normal,
             self.through,
         )
-        if self.through[0] > self.radius:
-            raise self._crossed(int(self.through[1]))
-        travel = float(np.abs(s.displacement).max())
-        if travel > THIN * self.radius:
-            laws = self.laws
-            added += find_crossings(
-                2.0 * travel,
-                s.position,
-                s.displacement,
-                s.next,
-                s.previous,
-                s.body_first,
-                laws.first,
-                laws.second,
-                laws.rank,
-                g.box_lower,
-                g.box_upper,
-                c.master,
-                c.segment,
-                c.coordinate,
-                c.gap,
-                c.normal,
-            )
-        return added
-
-    def _crossed(self, node: int) -> SimulationError:
-        """What stops a run in which a node has gone through another body."""
-        surface, bodies, c = self.surface, self.state.bodies, self.candidates
-        mine = int(surface.body[node])
-        other = next(int(b) for b in c.old_master[node] if b >= 0)
-        pair = next(p for p in self.state.pairs if {p.first, p.second} == {mine, other})
-        return SimulationError(
-            f"{pair.label}: the bodies have crossed: a surface node came out by the far side of "
-            f"'{bodies[other].name}' by {self.through[0] / self.cell_size:.2g} cells",
-            body=bodies[mine].name,
-            index=node - int(surface.body_first[mine]),
-            position=surface.position[node].tolist(),
-            time=self.state.time,
-            advice="a slower impact, a stiffer contact (contact.penalty.kappa), or smaller cells",
+        if self.through[0] > CROSSED * self.cell_size:
+            raise crossed(self.state, self.through)
+        added += find_crossings(
+            THIN * self.radius,
+            s.position,
+            s.displacement,
+            s.next,
+            s.previous,
+            s.body_first,
+            self.laws.first,
+            self.laws.second,
+            self.laws.rank,
+            g.box_lower,
+            g.box_upper,
+            c.master,
+            c.segment,
+            c.coordinate,
+            c.gap,
+            c.normal,
         )
+        return added
 
     def _stiffness(self, grid: Grid, phi: Stencil) -> None:
         """Spring stiffness of every candidate, and the highest frequency that they give the grid."""

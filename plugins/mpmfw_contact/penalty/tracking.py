@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from mpmfw.api import FloatArray, SimulationError, State
 from mpmfw.kernels import device, kernel
 from mpmfw.kernels.polyline import segment_coordinate, signed_distance, squared_distance
 from mpmfw.kernels.types import Float, Floats, Ints
@@ -14,6 +15,9 @@ from mpmfw_contact.penalty.search import boxes_apart
 #: Least cosine between a slave node's normal and the direction out of a body by which the node has gone through it: one
 #: that leaves the way it came, or round a corner, has an angle of 90° or more, or little less.
 THROUGH = 0.7
+
+#: How far beyond the far side of a body, in cells, a node may be before the bodies count as crossed.
+CROSSED = 1.0
 
 
 @device
@@ -106,14 +110,14 @@ def keep_inside(
 
     The search knows what is within its radius, and facing segments near the closest one. A node that it has lost has come
     out, round a corner, or it is deeper than that, or it has gone through to the far side; only the first is let go. Of
-    those that went through, ``through`` (2,) says how far the farthest is beyond the far side [m], and its index.
+    those that went through, ``through`` (3,) says how far the farthest is beyond the far side [m], its index, and the body's.
 
     Returns
     -------
     Number of candidates added.
     """
     added = 0
-    through[0], through[1] = 0.0, -1.0
+    through[0] = 0.0
     for s in range(len(body)):
         for i in range(old_master.shape[1]):
             other = old_master[s, i]
@@ -130,7 +134,7 @@ def keep_inside(
                 if n_x * e_x + n_y * e_y < THROUGH * math.hypot(n_x, n_y):
                     continue
                 if out > through[0]:
-                    through[0], through[1] = out, float(s)
+                    through[0], through[1], through[2] = out, float(s), float(other)
             m = walk(s, old_segment[s, i], position, following, previous)
             g, xi, e_x, e_y = behind(s, m, position, following, previous)
             if g < 0.0:
@@ -168,7 +172,7 @@ def crosses(s: int, m: int, position: Floats, displacement: Floats, following: I
 
 @kernel
 def find_crossings(
-    travel: float,
+    least_travel: float,
     position: Floats,
     displacement: Floats,
     following: Ints,
@@ -185,15 +189,21 @@ def find_crossings(
     gap: Floats,
     normal: Floats,
 ) -> int:
-    """Add nodes that came in by a facing segment in the last step, and are nearer to the far side of a thin body already.
+    """Add nodes that came in through a segment in the last step, and that the search has not seen: they are nearer to the far
+    side of a thin body already, or came by a flank that does not face them.
 
-    ``travel`` is how far nodes may have come [m]: farther from a body's box none is looked at.
+    Nothing is looked for where no node has moved by ``least_travel`` [m].
 
     Returns
     -------
     Number of candidates added.
     """
-    added = 0
+    added, travel = 0, 0.0
+    for s in range(body_first[-1]):
+        for d in range(2):
+            travel = max(travel, 2.0 * abs(displacement[s, d]))
+    if travel < 2.0 * least_travel:
+        return 0
     for c in range(2 * len(first)):
         mine, other = (first[c // 2], second[c // 2]) if c % 2 == 0 else (second[c // 2], first[c // 2])
         if rank[mine] > rank[other] or boxes_apart(mine, other, box_lower, box_upper, travel):
@@ -216,3 +226,25 @@ def find_crossings(
                     added += 1
                     break
     return added
+
+
+def crossed(state: State, through: FloatArray) -> SimulationError:
+    """What stops a run in which a node has gone through another body: pair, place and time.
+
+    ``through`` is what :func:`keep_inside` found.
+    """
+    surface = state.surface
+    if surface is None:
+        raise RuntimeError("no surface is tracked")
+    beyond, node, other = float(through[0]), int(through[1]), int(through[2])
+    mine = int(surface.body[node])
+    pair = next(pair for pair in state.pairs if {pair.first, pair.second} == {mine, other})
+    return SimulationError(
+        f"{pair.label}: the bodies have crossed: a surface node came out by the far side of "
+        f"'{state.bodies[other].name}', and is {beyond / state.grid.cell_size:.2g} cells beyond it",
+        body=state.bodies[mine].name,
+        index=node - int(surface.body_first[mine]),
+        position=surface.position[node].tolist(),
+        time=state.time,
+        advice="a slower impact, a stiffer contact (contact.penalty.kappa), or smaller cells",
+    )

@@ -74,10 +74,10 @@ class TravelLimit:
         self._list(state.pairs)
 
     @hookimpl
-    def stable_timestep(self, state: State) -> tuple[float, str] | None:
+    def stable_timestep(self, state: State) -> tuple[float, str]:
         """Time in which some pair of bodies comes nearer by its distance and half of the search radius, as it moved last.
 
-        Before the first step the material points tell how bodies move.
+        Before the first step the material points tell how bodies move; infinite if none does.
         """
         surface, (lower, upper, slowest, fastest) = self.surface, self.boxes
         bounding_boxes(surface.body_first, surface.position, lower, upper)
@@ -90,4 +90,4 @@ class TravelLimit:
         else:
             bounding_boxes(surface.body_first, surface.displacement, slowest, fastest)
         steps = fewest_steps(self.first, self.second, lower, upper, slowest, fastest, self.band)
-        return (steps * unit, self.owner) if math.isfinite(steps) else None
+        return steps * unit, self.owner

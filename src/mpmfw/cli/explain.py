@@ -90,6 +90,9 @@ def named_arrays(state: Any) -> Iterable[tuple[str, Any]]:
 
 
 def _print_step(simulation: Simulation) -> None:
+    """Limits at the start; a scene that settles is not brought to rest for that."""
+    if simulation.scene.settle is None:
+        simulation.start()  # how fast bodies travel is a limit too
     limits = sorted(simulation.limits())
     rows = [{"limit [s]": f"{seconds:.6g}", "set by": owner} for seconds, owner in limits]
     print_rows(rows, "Limits of the time step: the least rules")

@@ -110,7 +110,7 @@ class LocalInertia:
             self.state.arrays[f"{self.name}/correction"] = self.correction
 
     @hookimpl
-    def correct_inertia(self, grid: Grid, phi: Stencil, particles: Particles, dt: float) -> None:
+    def correct_inertia(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
         """Correct each body's own velocity field."""
         self._fit(grid)
         held = grid.momentum

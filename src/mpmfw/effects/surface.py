@@ -165,11 +165,25 @@ class SurfaceTracker:
             )
 
 
+#: Penetration over cell size above which surfaces no longer stand for the bodies.
+DEEPEST = 0.15
+
+
 class GapDiagnostic:
-    """``min_gap``: measured between the outlines in the same way for every method."""
+    """``min_gap``: measured between the outlines in the same way for every method, and the warning where it is deep.
+
+    Parameters
+    ----------
+    watched
+        Whether deep penetration is a concern: not with a contact that lets bodies pass through each other.
+    """
 
     name = "gap"
     stage = "gap"
+
+    def __init__(self, *, watched: bool) -> None:
+        self.watched = watched
+        self.deepest: dict[str, tuple[float, float]] = {}  #: by pair: depth over cell size, and time [s]
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
@@ -190,4 +204,18 @@ class GapDiagnostic:
         minimum_gaps(
             first, second, surface.body_first, surface.position, surface.next, surface.previous, gaps
         )
+        for pair in np.flatnonzero(-gaps > DEEPEST * state.grid.cell_size):
+            label, depth = state.pairs[pair].label, -float(gaps[pair]) / state.grid.cell_size
+            if depth > self.deepest.get(label, (DEEPEST, 0.0))[0]:
+                self.deepest[label] = depth, state.time
         return {"min_gap": gaps}
+
+    @hookimpl
+    def concerns(self) -> list[str]:
+        """Surfaces that overlapped too far at an output."""
+        return [
+            f"{label}: the bodies penetrate by {depth:.2g} cells at time {time:.4g} s, more than {DEEPEST:g}; try a stiffer "
+            "contact, or smaller cells"
+            for label, (depth, time) in self.deepest.items()
+            if self.watched
+        ]

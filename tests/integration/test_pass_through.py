@@ -1,0 +1,240 @@
+"""Bodies keep their sides at any speed and load, or the run ends and says so: judged by shapely, which knows no search."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+
+from contact_scenes import CELL, material
+from mpmfw import run
+from mpmfw.api import SimulationError
+from mpmfw.errors import ResultsWarning
+from mpmfw.simulation import Simulation
+
+SOLID = material(1e6, 1000.0)  # K 1 MPa, G 0.5 MPa
+C = math.sqrt((1e6 + 4.0 * 5e5 / 3.0) / 1000.0)  # m/s
+
+
+def body(geometry: dict[str, Any], velocity: tuple[float, float] = (0.0, 0.0), **keys: Any) -> dict[str, Any]:
+    """A body with a velocity [c]; discs have particles that follow their outline."""
+    layout = "fitted" if geometry["type"] == "disc" else "lattice"
+    particles = {"layout": layout, "size": 0.5 * keys.pop("cell", CELL)}
+    moving = {"velocity": [C * v for v in velocity]}
+    return {"material": "solid", "geometry": geometry, "particles": particles, **moving, **keys}
+
+
+def box(left: float, bottom: float, right: float, top: float, **keys: Any) -> dict[str, Any]:
+    """A rectangle [cells]."""
+    corners = {"lower": [CELL * left, CELL * bottom], "upper": [CELL * right, CELL * top]}
+    return {"type": "rectangle", **corners, **keys}
+
+
+def ball(x: float, y: float, radius: float) -> dict[str, Any]:
+    """A disc [cells]."""
+    return {"type": "disc", "centre": [CELL * x, CELL * y], "radius": CELL * radius}
+
+
+def scene(
+    bodies: dict[str, Any], end: float, *, cell: float = CELL, friction: float = 0.0, **keys: Any
+) -> dict[str, Any]:
+    """A scene of these bodies that ends at a time [h / c]."""
+    end *= CELL / C
+    return {
+        "grid": {"cell_size": cell, "lower": [-25 * CELL, -25 * CELL], "upper": [25 * CELL, 25 * CELL]},
+        "time": {"end": end, "output_interval": 0.05 * end},
+        "shape": {"method": "cpdi"},
+        "contact": {"method": "penalty", "friction": friction},
+        "materials": {"solid": SOLID, **keys.pop("materials", {})},
+        "bodies": bodies,
+        "output": {"particles": False},
+        **keys,
+    }
+
+
+def two(left: dict[str, Any], right: dict[str, Any], speed: float) -> dict[str, Any]:
+    """Two bodies that approach along x at ``speed`` [c] each, and the time for 3 cells at 0.5 c at most."""
+    return scene(
+        {"left": body(left, (speed, 0.0)), "right": body(right, (-speed, 0.0))}, 4.0 / min(speed, 0.5)
+    )
+
+
+TIP = 1.5 * math.sqrt(2.0)  # half a diagonal of a square of three cells
+SCENES = {
+    "head-on": lambda v: two(ball(-2.5, 0.0, 2.0), ball(2.5, 0.0, 2.0), v),
+    "flat": lambda v: two(box(-4.1, -2.0, -0.1, 2.0), box(0.1, -2.0, 4.1, 2.0), v),
+    "oblique": lambda v: two(box(-4.1, -2.0, -0.1, 2.0), box(0.1, -1.3, 4.1, 2.7, angle=0.1), v),
+    "tip on tip": lambda v: two(
+        box(-1.55 - TIP, -1.5, 1.45 - TIP, 1.5, angle=0.25 * math.pi),
+        box(-1.45 + TIP, -1.4, 1.55 + TIP, 1.6, angle=0.25 * math.pi),
+        v,
+    ),
+    "sheet": lambda v: scene(
+        {"left": body(ball(-2.7, 0.0, 2.0), (2.0 * v, 0.0)), "right": body(box(-0.5, -6.0, 0.5, 6.0))},
+        3.0 / v,
+    ),
+    "thin sheet": lambda v: scene(
+        {"left": body(ball(-2.4, 0.0, 2.0), (2.0 * v, 0.0)), "right": body(box(-0.25, -6.0, 0.25, 6.0))},
+        3.0 / v,
+    ),
+}
+
+
+def outlines(simulation: Simulation) -> list[shapely.Polygon]:
+    """The bodies' outlines."""
+    surface = simulation.state.surface
+    assert surface is not None
+    return [shapely.Polygon(surface.position[surface.of(b.index)]) for b in simulation.state.bodies]
+
+
+def depth(simulation: Simulation) -> float:
+    """Deepest node of one body within the other [cells of the scene]."""
+    surface, areas = simulation.state.surface, outlines(simulation)
+    assert surface is not None
+    deepest = 0.0
+    for own, other in ((0, 1), (1, 0)):
+        points = shapely.points(surface.position[surface.of(own)])
+        inside = points[shapely.contains(areas[other], points)]
+        if len(inside):
+            deepest = max(deepest, float(shapely.distance(inside, areas[other].exterior).max()))
+    return deepest / simulation.state.grid.cell_size
+
+
+def behind(simulation: Simulation) -> float:
+    """How far the left body's mean lies to the right of the right one's, where they meet [cells]: negative is as it began.
+
+    Of the right body only the material counts that is level with the left one: a sheet bends round what hits it.
+    """
+    p = simulation.state.particles
+    left, right = (p.position[b.particles] for b in simulation.state.bodies)
+    low, high = np.quantile(left[:, 1], [0.25, 0.75])
+    level = right[(right[:, 1] > low) & (right[:, 1] < high)]
+    return float(left[:, 0].mean() - level[:, 0].mean()) / CELL if len(level) else -np.inf
+
+
+@dataclass
+class Fate:
+    """What became of a run."""
+
+    message: str = ""  #: of the error that ended it
+    overlap: float = 0.0  #: common area at the end, over that of the smaller body
+    behind: float = -np.inf  #: largest of all outputs, in cells
+    depth: float = 0.0  #: largest of all outputs, in cells
+
+
+def fate(mapping: dict[str, Any]) -> Fate:
+    """Run a scene and look at it at 20 outputs."""
+    simulation, found = Simulation(mapping), Fate()
+    try:
+        simulation.start()
+        for output in range(1, 21):
+            simulation._advance_to(output * mapping["time"]["output_interval"], None)
+            found.behind = max(found.behind, behind(simulation))
+            found.depth = max(found.depth, depth(simulation))
+    except SimulationError as error:
+        found.message = str(error)
+    areas = outlines(simulation)
+    if all(area.is_valid for area in areas):
+        found.overlap = areas[0].intersection(areas[1]).area / min(area.area for area in areas)
+    return found
+
+
+@pytest.mark.parametrize("speed", [0.05, 0.2, 0.5])
+@pytest.mark.parametrize("name", SCENES)
+def test_bodies_keep_their_sides_up_to_the_speed_of_waves(name: str, speed: float) -> None:
+    found = fate(SCENES[name](speed))
+    assert not found.message
+    assert found.behind < 0.0
+    assert found.depth < 1.0
+    assert found.overlap < 0.15
+
+
+@pytest.mark.parametrize("speed", [1.0, 2.0])
+@pytest.mark.parametrize("name", SCENES)
+def test_past_the_speed_of_waves_they_do_so_or_the_run_ends(name: str, speed: float) -> None:
+    """Material that is struck at twice its wave speed may invert; what must not be is a good end with crossed bodies."""
+    found = fate(SCENES[name](speed))
+    assert found.message or (found.behind < 0.5 and found.overlap < 0.15), found
+
+
+def test_bodies_that_cross_end_the_run_with_pair_place_and_time() -> None:
+    """Springs of a hundredth of the usual stiffness cannot hold two discs at 0.5 c each."""
+    mapping = SCENES["head-on"](0.5)
+    mapping["contact"]["penalty"] = {"kappa": 0.01}
+    with pytest.raises(
+        SimulationError, match=r"left-right: the bodies have crossed: .* far side of '(left|right)'"
+    ) as caught:
+        Simulation(mapping).run()
+    assert caught.value.body in ("left", "right")
+    assert caught.value.position is not None
+    assert 0.0 < caught.value.time < mapping["time"]["end"]
+
+
+def pressed(angle: float, cell: float = CELL) -> dict[str, Any]:
+    """A stiff wedge of an angle [°] that is pressed by 7 cells of 0.1 m into a block on its tip."""
+    wide = 8.0 * CELL * math.tan(0.5 * math.radians(angle))
+    points = [[0.0, 0.02 * CELL], [wide, 8.0 * CELL], [-wide, 8.0 * CELL]]
+    wedge = body(
+        {"type": "polygon", "points": points},
+        cell=cell,
+        sides=[{"side": "top", "velocity": [0.0, -0.02 * C]}],
+    )
+    block = body(box(-8.0, -8.0, 8.0, 0.0), cell=cell, sides=[{"side": "bottom", "fixed": True}])
+    bodies = {"wedge": {**wedge, "material": "stiff"}, "block": block}
+    for each in bodies.values():
+        del each["velocity"]
+    output = {"particles": False, "ledger": True}
+    return scene(bodies, 350.0, cell=cell, materials={"stiff": material(1e7, 1000.0)}, output=output)
+
+
+@pytest.mark.parametrize("angle", [30.0, 60.0])
+def test_a_wedge_under_load_is_held_and_deep_penetration_is_reported(angle: float) -> None:
+    """It went 3 to 4 cells deep, and its force fell to a fiftieth, as nodes deeper than the search radius were dropped."""
+    with pytest.warns(
+        ResultsWarning,
+        match=r"wedge-block: the bodies penetrate by 0\.7\d? cells at time .*, more than 0\.15",
+    ):
+        tree = run(pressed(angle))
+    series = tree["series"].to_dataset()
+    force = series["contact_force"].sel(axis="y").isel(pair=0).values
+    assert (np.diff(force[2:]) > 0.0).all()  # it grows throughout
+    assert float(-series["min_gap"].min()) < 0.8 * CELL
+    work = np.abs(series["contact_work"].values).max()
+    assert np.abs(series["contact_residual"].values).max() < 0.06 * work
+
+
+def test_a_smaller_cell_changes_the_force_of_the_wedge_little() -> None:
+    forces = []
+    for cell in (CELL, 0.5 * CELL):
+        mapping = pressed(60.0, cell)
+        mapping["time"]["end"] *= 0.6
+        mapping["output"] = {"particles": False, "gap": False}
+        forces.append(float(run(mapping)["series"]["contact_force"].sel(axis="y").isel(pair=0, time=-1)))
+    assert forces[1] == pytest.approx(forces[0], rel=0.15)
+
+
+def test_travel_is_a_limit_of_the_step_and_has_a_name() -> None:
+    mapping = SCENES["head-on"](2.0)
+    simulation = Simulation(mapping)
+    simulation.start()
+    limits = {owner: seconds for seconds, owner in simulation.limits()}
+    found = limits["travel of 0.5 cells towards each other"]
+    assert found == pytest.approx((1.0 + 0.5) * CELL / (4.0 * C), rel=0.01)  # a cell apart at first
+    surface = simulation.state.surface
+    assert surface is not None
+    for _ in range(20):
+        simulation.step(simulation.stable_step())
+        moved = surface.displacement[surface.of(0), 0].max() - surface.displacement[surface.of(1), 0].min()
+        apart = outlines(simulation)[0].distance(outlines(simulation)[1])
+        assert moved <= 0.5 * (0.5 * CELL + apart + moved) * 1.2  # speeds grow by little within a step
+
+
+def test_separate_bodies_may_overlap_without_a_word() -> None:
+    mapping = SCENES["head-on"](0.5)
+    mapping["contact"] = {"method": "separate"}
+    tree = run(mapping)
+    assert float(tree["series"]["min_gap"].min()) < -0.5 * CELL
