@@ -28,7 +28,6 @@ STRATEGIES: dict[str, tuple[str, dict[str, Any]]] = {
     "penalty": ("penalty", {}),
     "penalty-one-pass": ("penalty", {"passes": "one"}),
     "hamad2017": ("hamad2017", {}),
-    "hamad2017-literal": ("hamad2017", {"friction_law": "literal"}),
 }
 #: Those that report an impulse.
 ACTING = [name for name in STRATEGIES if name not in ("none", "separate")]
