@@ -148,7 +148,8 @@ def contact_frequency(
 
     Row c of B maps nodal displacement to the gap of pair c; its entries are N_i(x_s) on the slave's field and
     (1−ξ) N_i(x_1) + ξ N_i(x_2) on the master's. Σ_d |(B M⁻¹ Bᵀ K)_cd| ≤ Σ_i |b_ci| (Σ_d k_d |b_di|) / m_i, so
-    that two passes over the pairs suffice. Springs deeper than ``linear_to`` [m] count with their tangent. ``node_stiffness`` is scratch, zero on entry and on return.
+    that two passes over the pairs suffice. Springs deeper than ``linear_to`` [m] count with their tangent.
+    ``node_stiffness`` is scratch, zero on entry and on return.
     """
     largest = 0.0
     for phase in range(3):
