@@ -122,10 +122,13 @@ def distribution_said(kind: type[Any]) -> str:
     )
 
 
-@functools.lru_cache(maxsize=256)
 def bundled(kind: type[Any]) -> bool:
     """Whether the class is one of mpmfw's own distribution."""
-    package = kind.__module__.partition(".")[0]
+    return _is_bundled(kind.__module__.partition(".")[0])
+
+
+@functools.lru_cache(maxsize=256)
+def _is_bundled(package: str) -> bool:
     if package == "mpmfw":
         return True
     own = {

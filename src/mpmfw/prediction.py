@@ -113,7 +113,8 @@ def _limits(simulation: Simulation) -> list[tuple[float, str]]:
     """
     before = simulation.limits()
     try:
-        simulation.step(simulation.next_step())
+        with simulation.blaming():
+            simulation.step(simulation.next_step())
     except SimulationError:
         return before
     after = simulation.limits()

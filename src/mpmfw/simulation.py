@@ -130,7 +130,7 @@ class Simulation:
         """Plug-ins that implement a hook, in the order of the calls."""
         return [impl.plugin for impl in reversed(getattr(self.manager.hook, hook).get_hookimpls())]
 
-    def _blaming(self) -> AbstractContextManager[None]:
+    def blaming(self) -> AbstractContextManager[None]:
         """Context in which an exception of a plug-in becomes an error that names it."""
         return blaming([plugin for _, plugin in self.manager.list_name_plugin()], self.state)
 
@@ -146,7 +146,7 @@ class Simulation:
 
     def limits(self) -> list[tuple[float, str]]:
         """Every stable time step [s] with its owner, before the safety factor."""
-        with self._blaming():
+        with self.blaming():
             return self._time_step.limits(self.hook)
 
     def stable_step(self) -> float:
@@ -205,7 +205,7 @@ class Simulation:
 
     def advance(self, steps: int, write: Callable[[Frame], None] | None = None) -> None:
         """Run a number of stable steps; hand a frame to ``write``, if there is one, at first and after every step."""
-        with self._blaming():
+        with self.blaming():
             with CompileTimer(self.clock):
                 self.start()
             if write is not None:
@@ -229,7 +229,7 @@ class Simulation:
             The run failed; frames handed out so far are complete.
         """
         interval, end = self.scene.time.output_interval, self.scene.time.end
-        with self._blaming(), CompileTimer(self.clock) as compiling:
+        with self.blaming(), CompileTimer(self.clock) as compiling:
             try:
                 self.start()
                 self._output(write, 0.0)
@@ -293,7 +293,7 @@ class Simulation:
 
     def concerns(self) -> list[str]:
         """What a reader of the results must know, a sentence each; complete after the last step."""
-        with self._blaming():
+        with self.blaming():
             answers = self.hook.concerns() or []
         for plugin, answer in zip(self._callers("concerns"), answers, strict=False):
             if not isinstance(answer, list | tuple) or not all(isinstance(said, str) for said in answer):

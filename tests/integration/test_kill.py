@@ -8,7 +8,7 @@ import time
 import numpy as np
 import pytest
 
-from mpmfw.results import open as open_results
+from mpmfw.results.reading import read as open_results
 
 WRITE_FOR_EVER = """
 import sys

@@ -1,4 +1,8 @@
-"""One writer for each file: a second one would overwrite the first's frames with its own."""
+"""One writer for each file: a second one would overwrite the first's frames with its own.
+
+The lock is one of POSIX, of the open file where the system has such (Linux): the HDF5 library, which may take ``flock`` on
+the same file, does not see it. It ends with the process that holds it, however that ends.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +10,7 @@ import contextlib
 import errno
 import importlib
 import os
+import struct
 from typing import Any
 
 from mpmfw.errors import MpmfwError
@@ -14,11 +19,12 @@ fcntl: Any = None
 with contextlib.suppress(ImportError):  # a platform without such locks
     fcntl = importlib.import_module("fcntl")
 
+#: Files that this process writes: a lock of a process, where there is no other, does not keep out the process itself.
+_OWN: set[str] = set()
+
 
 def claim(path: str) -> int | None:
     """Take the lock of a file that is to be written, before it is emptied.
-
-    The lock ends with the process that holds it, however that ends.
 
     Returns
     -------
@@ -34,37 +40,47 @@ def claim(path: str) -> int | None:
     if fcntl is None:
         return None
     descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as error:
+    if os.path.realpath(path) in _OWN or not _locked(descriptor, fcntl.F_WRLCK):
         os.close(descriptor)
-        if error.errno in (errno.EWOULDBLOCK, errno.EACCES):
-            raise MpmfwError(
-                f"'{path}' is being written by another run; give another name, or wait for its end"
-            ) from error
-        return None  # a file system without locks
+        raise MpmfwError(f"'{path}' is being written by another run; give another name, or wait for its end")
+    _OWN.add(os.path.realpath(path))
     return descriptor
 
 
-def release(descriptor: int | None) -> None:
-    """Give the lock back."""
-    if descriptor is not None:
+def release(path: str | None, descriptor: int | None) -> None:
+    """Give the lock of a file back."""
+    if path is not None and descriptor is not None:
+        _OWN.discard(os.path.realpath(path))
         with contextlib.suppress(OSError):
             os.close(descriptor)
 
 
-def is_written(path: Any) -> bool:
+def is_written(path: str | os.PathLike[str]) -> bool:
     """Whether a run is writing the file now."""
     if fcntl is None:
         return False
+    if os.path.realpath(path) in _OWN:
+        return True
     try:
         descriptor = os.open(path, os.O_RDONLY)
     except OSError:
         return False
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except OSError as error:
-        return error.errno in (errno.EWOULDBLOCK, errno.EACCES)
+        return not _locked(descriptor, fcntl.F_RDLCK)
     finally:
         os.close(descriptor)
-    return False
+
+
+def _locked(descriptor: int, kind: int) -> bool:
+    """Whether the lock is taken; a file system without locks lets everyone."""
+    command = getattr(fcntl, "F_OFD_SETLK", fcntl.F_SETLK)
+    whole_file = struct.pack("hhqqi4x", kind, os.SEEK_SET, 0, 0, 0)
+    try:
+        if command == fcntl.F_SETLK:
+            write = kind == fcntl.F_WRLCK
+            fcntl.lockf(descriptor, (fcntl.LOCK_EX if write else fcntl.LOCK_SH) | fcntl.LOCK_NB)
+        else:
+            fcntl.fcntl(descriptor, command, whole_file)
+    except OSError as error:
+        return error.errno not in (errno.EAGAIN, errno.EACCES)
+    return True

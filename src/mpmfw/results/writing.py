@@ -119,7 +119,7 @@ class RunWriter:
                 self._tree = tree_of(self._dataset)
         finally:
             self._dataset.close()
-            release(self._lock)
+            release(self.path, self._lock)
 
     def results(self) -> xr.DataTree:
         """Close and return what was written, the same whether it is in memory or in a file."""
