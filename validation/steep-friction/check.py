@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -71,12 +71,43 @@ def check_growth(case: Case) -> list[tuple[str, float, float]]:
         _judge_growth(case, named(contact, size), run.time, run.y, size, friction, contact)
     for size, friction in ((0.1, 0.3),) if case.quick else ((0.1, 0.3), (0.05, 0.2), (0.05, 0.3)):
         method = _penalty(case, size)
-        for _, tree in case.runs([method], set={**_scene(friction, STEEP), **ONCE}):
-            series = tree["series"].to_dataset()
-            y = series["centre_of_mass"].sel(body="block", axis="y").values
-            found = _judge_growth(case, method, series["time"].values, y, size, friction, "springs")
+        for series in _bounces(case, method, friction):
+            found = _judge_growth(case, method, *series, size, friction, "springs")
             grown.append((f"{size:g}", friction, found))
+    if not case.quick:
+        _show_other_growth(case)
     return grown
+
+
+def _show_other_growth(case: Case) -> None:
+    """The growth with other contacts and with PIC, beside the eigenvalue of the gaps that they keep."""
+    for contact, label, values, kind in (
+        ("bardenhagen", "normal master", MASTER, "impulses"),
+        ("penalty", PIC_LABEL, PIC, "springs"),
+    ):
+        for size in (0.1, 0.05):
+            method = _sized(case, contact, label, size, values)
+            rate, near = lowest(modes_of(incline(size, elastic=True), 0.3, kind))
+            for time, y in _bounces(case, method, 0.3):
+                sigma, frequency = growth_of(time, y, near)
+                for said, value, reference, unit in (
+                    ("growth", sigma, rate, "1/s"),
+                    ("frequency", frequency, near, "Hz"),
+                ):
+                    case.show(
+                        f"{said} of the bounce at mu = 0.3, 40 deg",
+                        value,
+                        reference=reference,
+                        unit=unit,
+                        method=method,
+                    )
+
+
+def _bounces(case: Case, method: Method, friction: float) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Time [s] and height of the block's centre [m] over the first 0.2 s."""
+    for _, tree in case.runs([method], set={**_scene(friction, STEEP), **ONCE}):
+        series = tree["series"].to_dataset()
+        yield series["time"].values, series["centre_of_mass"].sel(body="block", axis="y").values
 
 
 def _judge_growth(
