@@ -132,9 +132,16 @@ def add_column(
 ) -> int:
     """Add the rows of one column, none if the body does not reach the side there; return the number of rows then.
 
-    An empty node outside is read by linear extrapolation, which keeps Σ c_k = 1 and Σ c_k d_k = 0.
+    An empty node outside is read by linear extrapolation, which keeps Σ c_k = 1 and Σ c_k d_k = 0. So is, outwards, a node
+    without mass inside of an oblique side, at whose ends columns leave the body.
     """
     begin = rows
+    for step in range(2, count):
+        k = step - 2 if inward < 0 else count + 1 - step
+        if oblique and distance[k] <= 0.0 and c[k] != 0.0 and node_mass[first + k * stride] == 0.0:
+            c[k - inward] += 2.0 * c[k]
+            c[k - 2 * inward] -= c[k]
+            c[k] = 0.0
     for step in range(count - 2):
         k = count - 1 - step if inward < 0 else step
         one, two = k + inward, k + 2 * inward
