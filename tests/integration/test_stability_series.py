@@ -46,7 +46,9 @@ def test_contacts_are_counted_in_steps():
 
 
 def test_soft_springs_are_reported():
-    with pytest.warns(ResultsWarning, match=r"left-right: the bodies penetrate by .* cells at time .*, more than 0\.15"):
+    with pytest.warns(
+        ResultsWarning, match=r"left-right: the bodies penetrate by .* cells at time .*, more than 0\.15"
+    ):
         tree = run(colliding(kappa=0.01))
     assert "penetrate" in json.loads(tree.attrs["warnings"])[0]
 
