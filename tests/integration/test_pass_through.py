@@ -193,7 +193,7 @@ def pressed(angle: float, cell: float = CELL) -> dict[str, Any]:
 
 @pytest.mark.parametrize("angle", [30.0, 60.0])
 def test_a_wedge_under_load_is_held_and_deep_penetration_is_reported(angle: float) -> None:
-    """It went 3 to 4 cells deep, and its force fell to a fiftieth, as nodes deeper than the search radius were dropped."""
+    """It went 3 to 4 cells deep, and its force fell to a hundredth, as nodes deeper than the search radius were dropped."""
     with pytest.warns(
         ResultsWarning,
         match=r"wedge-block: the bodies penetrate by 0\.7\d? cells at time .*, more than 0\.15",
