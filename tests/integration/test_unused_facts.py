@@ -108,7 +108,9 @@ def test_explain_names_a_ledger_that_is_not_kept(thickness: float, kept: bool) -
 
 @pytest.mark.parametrize("law", ["coulomb", "literal"])
 def test_explain_and_results_name_a_friction_whose_value_is_ignored(law: str) -> None:
-    scene = two_blocks("hamad2017", contact__hamad2017={"friction_law": law}, time={"end": 2e-3, "output_interval": 1e-3})
+    scene = two_blocks(
+        "hamad2017", contact__hamad2017={"friction_law": law}, time={"end": 2e-3, "output_interval": 1e-3}
+    )
     line = "value of friction of left-right: contact 'hamad2017' with friction_law = 'literal' ignores it"
     assert facts(scene) == ([line] if law == "literal" else [])
     with warnings.catch_warnings():
