@@ -30,7 +30,8 @@ HEAD = """\
 Every contact with every shape function at two or three cell sizes, error against a closed form or the finite elements, and
 CPU time of the steps (without compilation and output; `contact-stress` ends at rest, where settling is the work), taken one
 run at a time: the median of three runs and half their range. How a study is written and read: [studies](guide/studies.md);
-what follows from these: [choosing a method](guide/choosing.md).
+what follows from these: [choosing a method](guide/choosing.md). `auto` leaves scheme and transfer to the shape
+function: tables show both. Classical contact has two rows, in its plainest form and in its strongest.
 
 On the **front** (●) is a run that no other one of the same problem beats in both. A run may be on it with an error of 100 %: the
 front says what is not beaten, not what is good. In the figures what is on the front is filled; markers that would cover
@@ -65,10 +66,11 @@ Error of {dataset.attrs["quantity"]}, against {dataset.attrs["error_against"]}.
 def table(dataset: xr.Dataset) -> str:
     """Every run: labels, error, cost, steps, front or why it failed."""
     dims = [dim for dim in DIMS if dim in dataset["status"].dims]
-    head = [*dims, "error [%]", "CPU [s]", "±", "steps", "front"]
+    words = [*dims, "scheme", "transfer"]
+    head = [*words, "error [%]", "CPU [s]", "±", "steps", "front"]
     lines = [f"| {' | '.join(head)} |", "|" + " --- |" * len(head)]
     for row in rows(dataset):
-        labels = [f"{row[dim]:g}" if isinstance(row[dim], float) else str(row[dim]) for dim in dims]
+        labels = [f"{row[dim]:g}" if isinstance(row[dim], float) else str(row[dim]) for dim in words]
         if row["status"] != "ok":
             lines.append(f"| {' | '.join(labels)} | {row['status']} | | | | |")
             continue

@@ -84,8 +84,7 @@ def build(scene: Scene, contact: ContactStrategy | None = None, shape: ShapeFunc
     _check_inside(scene, layouts, bodies)
     if not scene.allow_overlap:
         _check_overlap(bodies)
-    scheme = chosen_shape.auto_scheme if scene.stepping.scheme == "auto" else scene.stepping.scheme
-    name = chosen_shape.auto_transfer if scene.stepping.transfer == "auto" else scene.stepping.transfer
+    scheme, name = scene.stepping.chosen(chosen_shape)
     transfer = make_transfer(
         name,
         singular_spread=chosen_shape.singular_spread,

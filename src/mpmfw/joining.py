@@ -30,6 +30,12 @@ COSTS: tuple[tuple[str, str, str], ...] = (
     ("compile_time", "s", "time of compilation or of loading compiled code"),
 )
 
+#: Root attributes of a run that say how it was computed, where ``auto`` leaves that to the shape function.
+STEPPING: tuple[tuple[str, str], ...] = (
+    ("scheme", "order of the step"),
+    ("transfer", "between points and grid"),
+)
+
 #: Attributes that differ between the runs of a comparison and say nothing of the whole.
 _OF_ONE_RUN = {"contact", "shape", "effects", "plugins", "status", "kind", "surface_nodes"}
 
@@ -71,6 +77,7 @@ def join(
         status[index] = outcome.status
     dataset = xr.Dataset(coords={name: list(values) for name, values in coords.items()})
     dataset["status"] = (lead, status, {"long_name": "ok, or why there is no complete result"})
+    dataset = dataset.assign(_stepping(coords, trees))
     dataset = dataset.assign(_series(lead, shape, trees))
     dataset = dataset.assign(_costs(lead, shape, trees)).assign(_outlines(lead, shape, trees))
     dataset.attrs = _attributes(coords, trees)
@@ -80,6 +87,20 @@ def join(
     if any(notes.values()):
         dataset.attrs["notes"] = json.dumps({label: said for label, said in notes.items() if said})
     return dataset
+
+
+def _stepping(
+    coords: Mapping[str, Sequence[Any]], trees: Mapping[tuple[int, ...], xr.DataTree]
+) -> dict[str, Any]:
+    """Scheme and transfer of every run, as far as they are known. Where one is varied its dimension says it."""
+    found = {}
+    for name, meaning in STEPPING:
+        words = np.full(tuple(len(values) for values in coords.values()), "", dtype=object)
+        for index, tree in trees.items():
+            words[index] = str(tree.attrs.get(name, ""))
+        if name not in coords and words.any():
+            found[name] = (tuple(coords), words, {"long_name": meaning})
+    return found
 
 
 def _attributes(

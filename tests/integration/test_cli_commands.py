@@ -62,6 +62,8 @@ sides = [{ side = "bottom", fixed = true }]
 LEAD = ("contact", "shape")
 DIMS = {
     "status": LEAD,
+    "scheme": LEAD,
+    "transfer": LEAD,
     "centre_of_mass": (*LEAD, "time", "body", "axis"),
     "mean_velocity": (*LEAD, "time", "body", "axis"),
     "linear_momentum": (*LEAD, "time", "body", "axis"),

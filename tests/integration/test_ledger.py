@@ -189,7 +189,7 @@ def test_work_of_penalty_contact_is_in_springs_and_friction(safety, share):
 
 def test_classical_contact_loses_what_its_record_says_it_rubbed_away():
     mapping = impact(speed=0.0, slide=0.5, gap=0.0)
-    mapping["contact"]["method"] = "bardenhagen"
+    mapping["contact"] |= {"method": "bardenhagen", "bardenhagen": {"normal": "master"}}
     mapping["time"] = {"end": 0.05, "output_interval": 0.01}
     work, rubbed = at_end(ledger(mapping), "contact_work", "frictional_work")
     assert work < 0.0

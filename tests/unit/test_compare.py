@@ -37,7 +37,7 @@ class Cylinder:
         self.fail, self.refuse, self.calls = fail, refuse, []
 
     def __call__(self, _scene, *, contact, shape, set, **_):
-        name = contact if isinstance(contact, str) else contact.name
+        name = contact.partition("(")[0] if isinstance(contact, str) else contact.name
         self.calls.append((name, shape, dict(set)))
         if (name, shape) in self.refuse:
             raise SceneError(f"{name} does not go with {shape}")
@@ -60,6 +60,8 @@ class Cylinder:
                 "scene": shipped_scenes()["rolling-cylinder-slip"],
                 "title": "Rolling <cylinder>",
                 "contact": name,
+                "scheme": "musl" if shape == "linear" else "usl",
+                "transfer": "flip" if shape == "linear" else "aflip",
             },
         )
         rate = acceleration(set.get("contact.pairs[0].friction", 0.286))
@@ -348,8 +350,42 @@ def test_the_terminal_gets_every_measure_at_every_width(capsys, monkeypatch, rol
     assert max(map(len, printed.splitlines())) <= columns
     lines = [line.split() for line in printed.splitlines() if line.startswith("penalty")]
     cells = [cell for line in lines if line[1] == "cpdi" for cell in line[2:]]
-    assert cells == ["+1.00", "+1.00", "-10.0", "+0.500", "0", "0.600", "6000"]
+    assert cells == ["usl", "aflip", "+1.00", "+1.00", "-10.0", "+0.500", "0", "0.600", "6000"]
     assert "bardenhagen, cpdi: failed: a point left the grid" in " ".join(printed.split())
+
+
+def test_scheme_and_transfer_stand_beside_every_shape_function(tmp_path, capsys, monkeypatch, rolling):
+    """``auto`` lets them change with it."""
+    assert rolling["scheme"].sel(contact="penalty").values.tolist() == ["musl", "usl"]
+    assert [(row["scheme"], row["transfer"]) for row in table(rolling)] == [
+        ("musl", "flip"),
+        ("usl", "aflip"),
+    ] * 2
+    monkeypatch.setenv("COLUMNS", "120")
+    print_comparison(rolling)
+    printed = capsys.readouterr().out
+    assert [line.split()[:4] for line in printed.splitlines() if line.startswith("penalty")] == [
+        ["penalty", "linear", "musl", "flip"],
+        ["penalty", "cpdi", "usl", "aflip"],
+    ]
+    write_report(rolling, tmp_path / "r.html")
+    page = (tmp_path / "r.html").read_text()
+    assert '<th class="text">scheme</th><th class="text">transfer</th>' in page
+    assert '<td class="text">linear</td><td class="text">musl</td><td class="text">flip</td>' in page
+    varied = compare("any", ["penalty"], ["cpdi"], {"stepping.scheme": ["usl", "musl"]}, runner=Cylinder())
+    assert varied["scheme"].dims == ("scheme",)  # the dimension says it
+    assert [row["scheme"] for row in table(varied)] == ["usl", "musl"]
+
+
+@pytest.mark.parametrize("columns", [60, 80, 200])
+def test_a_method_with_options_fits_on_a_terminal(capsys, monkeypatch, columns):
+    monkeypatch.setenv("COLUMNS", str(columns))
+    strong = "bardenhagen(criterion=position, normal=master)"
+    print_comparison(compare("any", ["none", strong], ["cpdi"], runner=Cylinder()))
+    printed = capsys.readouterr().out
+    assert max(map(len, printed.splitlines())) <= columns
+    assert (f"{strong}  cpdi" in printed) == (columns == 200)
+    assert ("bardenhagen(criterion=position,  cpdi" in printed) == (columns < 200)
 
 
 def test_two_comparisons_make_one_figure_of_the_motion(tmp_path, rolling):

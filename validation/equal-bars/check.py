@@ -1,6 +1,6 @@
 """Equal bars: pressure, duration and velocities of a one-dimensional impact, for every method."""
 
-# cost: 50
+# cost: 60
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """[H17] figure 1: displacement and velocity of the rolling cylinder, with slip and without, and its spin."""
 
-# cost: 175
+# cost: 195
 
 from __future__ import annotations
 

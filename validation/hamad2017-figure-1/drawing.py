@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from rolling import EXACT, Motion, Roll, line
 
 from mpmfw.plots.style import Look, dress, legend_below, new_figure
-from mpmfw.validation import SHAPES, Method
+from mpmfw.validation import CLASSICAL, SHAPES, Method
 
 Motions = Mapping[Roll, Mapping[Method, Motion]]
 
@@ -21,12 +21,13 @@ _LOOKS: dict[tuple[str, str], tuple[str, Any]] = {
     ("bardenhagen", ""): ("#D55E00", "-"),
     ("bardenhagen", "criterion = position"): ("#E69F00", "--"),
     ("bardenhagen", "normal = master"): ("#7F3C8D", "-."),
+    (CLASSICAL[1], ""): ("#117733", "-"),
     ("penalty", ""): ("#0072B2", "-"),
     ("penalty", "rotation = lumped"): ("#56B4E9", "--"),
     ("hamad2017", ""): ("0.2", (0, (1, 1))),
     ("hamad2017", "literal"): ("0.45", (0, (3, 1, 1, 1))),
 }
-_PUBLISHED = [("none", ""), ("bardenhagen", ""), ("penalty", "")]
+_PUBLISHED = [("none", ""), *((contact, "") for contact in CLASSICAL), ("penalty", "")]
 #: Slip, then no slip: by how much displacements may depart in the figure [m]; what sticks lies outside.
 _DEPARTURES = ((-1.0, 0.3), (-2.2, 2.2))
 
@@ -76,11 +77,11 @@ def spin_and_departure(motions: Motions) -> Figure:
 
 
 def all_shapes(motions: Motions) -> Figure:
-    """Displacement less the closed form with every shape function: penalty left, classical right."""
-    contacts = ["penalty", "bardenhagen"]
+    """Displacement less the closed form with every shape function: penalty left, then classical, plain and strongest."""
+    contacts = ["penalty", *CLASSICAL]
     look = Look(xr.Dataset(coords={"contact": contacts, "shape": list(SHAPES)}))
-    figure = new_figure(2, 2)
-    panels = figure.subplots(2, 2, sharex="row")
+    figure = new_figure(3, 2)
+    panels = figure.subplots(2, 3, sharex="row")
     for row, (roll, runs) in zip(panels, motions.items(), strict=True):
         for axes, contact in zip(row, contacts, strict=True):
             axes.axhline(0.0, **EXACT)

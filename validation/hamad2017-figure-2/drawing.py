@@ -15,9 +15,9 @@ from rolling import BODY, motion_of
 
 from mpmfw.fields import FloatArray
 from mpmfw.plots.style import dress, legend_below, new_figure
-from mpmfw.validation import Method
+from mpmfw.validation import CLASSICAL, Method
 
-_COLOURS = {"penalty": "#0072B2", "bardenhagen": "#D55E00"}
+_COLOURS = {"penalty": "#0072B2", **dict(zip(CLASSICAL, ("#D55E00", "#117733"), strict=True))}
 _GREY = {"plane": "0.85", BODY: "0.93"}
 _SHADE = 0.35  #: of the marked quarter
 _HEIGHTS = (32.0, 46.0, 46.0)  #: of the panels [mm]

@@ -4,7 +4,7 @@ Reference: fine finite elements of ``mpmfw/reference`` (nine-node quadrilaterals
 are shipped; the pictures beside the material points are of ``finite-elements/rings_fem``.
 """
 
-# cost: 130
+# cost: 160
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@ Reference: fine finite elements of ``mpmfw/reference`` (nine-node quadrilaterals
 tolerances come from. Exact: first contact after 4 mm / 60 m/s; linear momentum; mirror symmetry at x = 0.
 """
 
-# cost: 240
+# cost: 290
 
 from __future__ import annotations
 

@@ -111,7 +111,7 @@ def methods_compared(curves: Mapping[Method, Curves]) -> Figure:
     figure = new_figure(2, 2, 55.0)
     panels = figure.subplots(2, 2, sharex=True, sharey="row")
     look = Look(xr.Dataset(coords={"contact": list(CONTACTS), "shape": list(SHAPES)}))
-    position = Line2D([], [], color="#E69F00", linewidth=2.5, label="bardenhagen, criterion position")
+    position = Line2D([], [], color="#7F3C8D", linewidth=2.5, label="bardenhagen, criterion position")
     groups = (
         [m for m in curves if m.shape == "cpdi" and m.label in ("", "criterion position")],
         [m for m in curves if m.contact == "penalty" and not m.label],
@@ -121,7 +121,7 @@ def methods_compared(curves: Mapping[Method, Curves]) -> Figure:
         for turn, method in enumerate(group):
             run = curves[method]
             kind = look.line(method.contact, method.shape, len(run.time), turn)
-            kind["color"] = "#E69F00" if method.label else kind["color"]
+            kind["color"] = "#7F3C8D" if method.label else kind["color"]
             above.plot(1e3 * run.time, 1e-3 * averaged(run.time, run.impulse, 100e-6), **kind)
             below.plot(1e3 * run.time, run.impulse, **kind)
         time = curves[group[0]].time

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from mpmfw.validation import Method
 
 Errors = Mapping[float, Mapping[str, float]]
 
-_BLUE, _LIGHT, _RED = "#0072B2", "#56B4E9", "#D55E00"
+_BLUE, _LIGHT, _RED, _GREEN = "#0072B2", "#56B4E9", "#D55E00", "#117733"
 _SLIP_LOOKS = {
     "displacement": ("o", "-", "displacement"),
     "acceleration": ("s", "--", "acceleration"),
@@ -27,7 +27,7 @@ def convergence(
     elastic: Mapping[Roll, Mapping[str, float]],
     exact: Method,
     lumped: Method,
-    classical: Method,
+    classical: Sequence[Method],
 ) -> Figure:
     """No slip: sizes of errors on logarithmic axes; slip: errors with the values that they must tend to."""
     columns = 2 if (SLIP, exact) in found else 1
@@ -36,7 +36,10 @@ def convergence(
     methods = {
         "penalty": (found[NO_SLIP, exact], _BLUE, "o"),
         "penalty, lumped": (found[NO_SLIP, lumped], _LIGHT, "D"),
-        "bardenhagen": (found[NO_SLIP, classical], _RED, "s"),
+        **{
+            method.contact: (found[NO_SLIP, method], colour, marker)
+            for method, colour, marker in zip(classical, (_RED, _GREEN), ("s", "^"), strict=True)
+        },
     }
     handles = _no_slip(panels[0], methods)
     if columns == 2:

@@ -4,7 +4,7 @@ Closed form, of a rigid block under Coulomb friction (any textbook of mechanics)
 m a = m g sin θ − μ N with N = m g cos θ, so a = g (sin θ − μ cos θ) = 2.402 m/s², and T = μ N.
 """
 
-# cost: 60
+# cost: 70
 
 from __future__ import annotations
 

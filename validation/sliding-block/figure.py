@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from matplotlib.lines import Line2D
 
 from mpmfw.plots.style import FONT, dress, legend_below, new_figure
-from mpmfw.validation import Method
+from mpmfw.validation import CLASSICAL, Method
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,10 +22,11 @@ GROUPS = {
     ("bardenhagen", ""): ("bardenhagen", "#D55E00"),
     ("bardenhagen", "criterion position"): ("bardenhagen, position", "#E69F00"),
     ("bardenhagen", "normal master"): ("bardenhagen, master", "#7F3C8D"),
+    (CLASSICAL[1], ""): ("bardenhagen, position, master", "#117733"),
     ("bardenhagen", "normal specified"): ("bardenhagen, specified", "#6B6B6B"),
     ("none", ""): ("none", "#009E73"),
 }
-STYLES = ("-", "-", (0, (1, 1)), "-", "--", "-.", (0, (5, 2)), ":")
+STYLES = ("-", "-", (0, (1, 1)), "-", "--", "-.", (0, (3, 1, 1, 1)), (0, (5, 2)), ":")
 MARKERS = {"linear": "s", "gimp": "^", "cpdi": "o", "cpdi2": "D", "bspline": "v"}
 
 

@@ -4,7 +4,7 @@ Closed form (Coulomb): a block at rest on an incline stays at rest if tan θ ≤
 T / N = tan θ, below μ.
 """
 
-# cost: 55
+# cost: 65
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ HAMAD = {"": {}, "literal": {"contact.hamad2017.friction_law": "literal"}}
 #: Linear functions take MUSL by themselves, see the README.
 UPDATE_LAST = {"USL": {"stepping.scheme": "usl"}}
 
-COLOURS = {"none": "#009E73", "bardenhagen": "#D55E00", "penalty": "#0072B2", "hamad2017": "#56B4E9"}
+COLOURS = dict(zip(CONTACTS, ("#009E73", "#D55E00", "#117733", "#0072B2"), strict=True)) | {"hamad2017": "#56B4E9"}
 LITERAL = "#B2B200"
 STYLES = {"linear": ":", "gimp": "--", "cpdi": "-", "cpdi2": "-.", "bspline": (0, (5, 1, 1, 1, 1, 1))}
 

@@ -4,7 +4,7 @@ Closed form (Coulomb, rigid block): T = m r t sticks until T = μ N = μ m g, at
 acceleration is r (t − t_s), so it has slid r (t − t_s)³ / 6, and passes the distance s at t_s + (6 s / r)^(1/3).
 """
 
-# cost: 55
+# cost: 65
 
 from __future__ import annotations
 

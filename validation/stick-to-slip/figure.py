@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from mpmfw.plots.style import dress, legend_below, new_figure
-from mpmfw.validation import Method
+from mpmfw.validation import CLASSICAL, Method
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,6 +21,7 @@ GROUPS = {
     ("bardenhagen", ""): ("bardenhagen", "#D55E00", "-", 1.2),
     ("bardenhagen", "criterion position"): ("bardenhagen, position", "#E69F00", "--", 1.2),
     ("bardenhagen", "normal master"): ("bardenhagen, master", "#7F3C8D", "-.", 1.2),
+    (CLASSICAL[1], ""): ("bardenhagen, position, master", "#117733", "-", 1.2),
     ("hamad2017", ""): ("hamad2017", "#56B4E9", "--", 1.6),
     ("hamad2017", "literal, step x 1"): ("hamad2017, literal", "#56B4E9", "-", 1.2),
     ("hamad2017", "literal, step x 0.25"): ("the same, step / 4", "#56B4E9", ":", 1.6),

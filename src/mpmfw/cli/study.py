@@ -153,14 +153,15 @@ def _print(dataset: xr.Dataset) -> None:
         pad_edge=False,
         show_edge=False,
     )
-    for dim in dims:
+    chosen = [name for name in ("scheme", "transfer") if name not in dims and name in dataset]
+    for dim in (*dims, *chosen):
         table.add_column(dim.replace("_", " "), overflow="fold")
     for head in ("error\n[%]", "CPU\n[s]", "±\n[s]", "steps", "front"):
         table.add_column(Text(head), justify="right", no_wrap=True)
     for before, row in zip([None, *found], found, strict=False):
         if before is not None and before[dims[0]] != row[dims[0]]:
             table.add_section()
-        table.add_row(*(Text(str(row[dim])) for dim in dims), *_cells(row))
+        table.add_row(*(Text(str(row[dim])) for dim in (*dims, *chosen)), *_cells(row))
     Console().print(table)
     for row in found:
         if row["status"] != "ok":

@@ -20,22 +20,25 @@ _LEFT_OUT = {"largest_penetration", "material_points", "peak_memory", "steps"}
 def print_comparison(dataset: xr.Dataset) -> None:
     """Print the table of a comparison, as wide as the terminal allows, and why runs failed."""
     from mpmfw.references import described
-    from mpmfw.report import COLUMNS, method_dims, shown, table
+    from mpmfw.report import CHOICES, COLUMNS, method_dims, shown, table
 
     console, rows = Console(), table(dataset)
     labels = [str(dim) for dim in method_dims(dataset)]
+    chosen = [name for name in CHOICES if name not in labels and any(row.get(name) for row in rows)]
     measured = [name for name in COLUMNS if name not in _LEFT_OUT and any(name in row for row in rows)]
     heads = {name: (COLUMNS[name].short, _unit(COLUMNS[name].unit)) for name in measured}
-    heads = {**{label: (label.replace("_", " "), "") for label in labels}, **heads}
+    heads = {**{label: (label.replace("_", " "), "") for label in (*labels, *chosen)}, **heads}
+    wide = sum(max(len(str(row[label])) for row in rows) + 2 for label in labels) > console.width // 3
     cells = [
         {
-            **{label: str(row[label]) for label in labels},
+            **{label: _broken(str(row[label])) if wide else str(row[label]) for label in labels},
+            **{name: row.get(name, "") for name in chosen},
             **{name: shown(row.get(name, float("nan")), COLUMNS[name]) for name in measured},
         }
         for row in rows
     ]
     for columns in _portions(heads, labels, cells, console.width):
-        console.print(_table(heads, labels, columns, cells))
+        console.print(_table(heads, labels, columns, cells, chosen))
         console.print()
     for row in rows:
         if row["status"] != "ok":
@@ -44,6 +47,11 @@ def print_comparison(dataset: xr.Dataset) -> None:
     if reference:
         own = reference.startswith("each row")
         console.print(Text(f"Errors: {reference}" if own else f"Errors against {reference}", style="dim"))
+
+
+def _broken(label: str) -> str:
+    """A method with options, an option a line."""
+    return label.replace(", ", ",\n ") if label.endswith(")") else label
 
 
 def _unit(unit: str) -> str:
@@ -57,7 +65,11 @@ def _portions(
     width: int,
 ) -> list[list[str]]:
     """Share the measures out to tables that fit: two spaces after every column."""
-    wide = {name: max(map(len, (*head, *(row[name] for row in cells)))) + 2 for name, head in heads.items()}
+    wide = {
+        name: max(len(line) for text in (*head, *(row[name] for row in cells)) for line in text.split("\n"))
+        + 2
+        for name, head in heads.items()
+    }
     room = width - sum(wide[label] for label in labels)
     portions: list[list[str]] = [[]]
     for name in (name for name in heads if name not in labels):
@@ -72,11 +84,13 @@ def _table(
     labels: Sequence[str],
     columns: Sequence[str],
     cells: Sequence[Mapping[str, str]],
+    words: Sequence[str],
 ) -> Table:
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
     for name in (*labels, *columns):
         text = Text("\n".join(part for part in heads[name] if part))
-        table.add_column(text, justify="left" if name in labels else "right", no_wrap=True, overflow="fold")
+        left = name in labels or name in words
+        table.add_column(text, justify="left" if left else "right", no_wrap=True, overflow="fold")
     group: Any = cells[0][labels[0]] if cells else None
     for row in cells:
         if row[labels[0]] != group:

@@ -1,7 +1,7 @@
 """Tables and pages made from a comparison alone."""
 
-from mpmfw.report.columns import COLUMNS, Column
+from mpmfw.report.columns import CHOICES, COLUMNS, Column
 from mpmfw.report.page import write_report
 from mpmfw.report.table import method_dims, shown, table
 
-__all__ = ["COLUMNS", "Column", "method_dims", "shown", "table", "write_report"]
+__all__ = ["CHOICES", "COLUMNS", "Column", "method_dims", "shown", "table", "write_report"]

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from mpmfw.errors import MpmfwError
 from mpmfw.plots import figures_of
 from mpmfw.references import described
-from mpmfw.report.columns import COLUMNS, COSTS
+from mpmfw.report.columns import CHOICES, COLUMNS, COSTS
 from mpmfw.report.table import method_dims, shown, table
 
 _STYLE = """body{font:15px/1.5 system-ui,sans-serif;max-width:75em;margin:2em auto;padding:0 1em;color:#222}
@@ -90,6 +90,7 @@ def _columns(rows: Sequence[Mapping[str, Any]]) -> list[str]:
 
 def _table(dataset: xr.Dataset, rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> str:
     labels = [str(dim) for dim in method_dims(dataset)]
+    labels += [name for name in CHOICES if any(name in row for row in rows) and name not in labels]
     heads = [f'<th class="text">{escape(label.replace("_", " "))}</th>' for label in [*labels, "status"]]
     heads += [f"<th>{escape(COLUMNS[name].heading)}{_unit(COLUMNS[name].unit)}</th>" for name in columns]
     body, group = [], None
@@ -139,18 +140,7 @@ def _conditions(dataset: xr.Dataset) -> str:
         )
     if "commit" in attributes:
         sentences.append(f"Commit {attributes['commit']}.")
-    sentences += [f"{name.capitalize()}: {_choices(attributes, name)}." for name in ("scheme", "transfer")]
     return f"<p>{escape(' '.join(sentences))}</p>"
-
-
-def _choices(attributes: Mapping[str, Any], name: str) -> str:
-    """A choice that all runs share, or which run made which."""
-    if name in attributes:
-        return str(attributes[name])
-    made: dict[str, list[str]] = {}
-    for label, own in json.loads(attributes.get("methods", "{}")).items():
-        made.setdefault(str(own.get(name, "not stored")), []).append(label.replace("/", ", "))
-    return "; ".join(f"{choice} ({' | '.join(labels)})" for choice, labels in made.items()) or "not stored"
 
 
 def _svg(figure: Figure) -> str:

@@ -19,7 +19,7 @@ from mpmfw.references import (
     reference_of,
     rings_table,
 )
-from mpmfw.report.columns import Column
+from mpmfw.report.columns import CHOICES, Column
 
 
 def method_dims(dataset: xr.Dataset) -> list[Hashable]:
@@ -38,8 +38,8 @@ def table(dataset: xr.Dataset) -> list[dict[str, Any]]:
     Returns
     -------
     list of dict
-        The method's labels, ``status`` and the measures of :data:`COLUMNS` that apply; errors in per cent;
-        NaN where a run did not reach the time of the measure.
+        The method's labels, what ``auto`` chose (:data:`CHOICES`), ``status`` and the measures of :data:`COLUMNS` that
+        apply; errors in per cent; NaN where a run did not reach the time of the measure.
     """
     dims = method_dims(dataset)
     rows = []
@@ -47,6 +47,7 @@ def table(dataset: xr.Dataset) -> list[dict[str, Any]]:
         choice = dict(zip(dims, labels, strict=True))
         one = dataset.sel(choice)
         row: dict[str, Any] = {str(dim): label for dim, label in choice.items()}
+        row |= {name: str(one[name].item()) for name in CHOICES if name in dataset.data_vars}
         row["status"] = str(one["status"].item())
         reference = reference_of(own_attributes(one))
         if isinstance(reference, RollingReference):

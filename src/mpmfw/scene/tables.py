@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field, Strict
 from pydantic.json_schema import SkipJsonSchema
@@ -68,6 +68,11 @@ class Stepping(Table):
     transfer: Literal["auto", "flip", "pic", "apic", "tpic", "aflip"] = "auto"
     transported: bool | None = None
     pic_fraction: Annotated[Number, Field(ge=0, le=1)] | None = None
+
+    def chosen(self, shape: Any) -> tuple[str, str]:
+        """Scheme and transfer, with what ``auto`` means for a shape function (its class or an object)."""
+        scheme = str(shape.auto_scheme) if self.scheme == "auto" else self.scheme
+        return scheme, str(shape.auto_transfer) if self.transfer == "auto" else self.transfer
 
 
 class Shape(Table):

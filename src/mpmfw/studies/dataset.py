@@ -10,7 +10,9 @@ import numpy as np
 import xarray as xr
 
 from mpmfw.clock import STEP_STAGES
+from mpmfw.discovery import load
 from mpmfw.fields import FloatArray
+from mpmfw.joining import STEPPING
 from mpmfw.results.provenance import provenance
 from mpmfw.scene import Scene
 from mpmfw.studies.grid import Grid, Index
@@ -46,13 +48,15 @@ def assemble(
     -------
     xarray.Dataset
         ``error``, ``cpu_time``, ``cpu_time_spread``, ``stage_time`` and ``settle_stage_time`` (…, stage), ``pareto``,
-        ``status``, ``timing``, ``repeats`` and the other costs of a run, over the dimensions of the grid.
+        ``scheme``, ``transfer``, ``status``, ``timing``, ``repeats`` and the other costs of a run, over the dimensions of
+        the grid.
     """
     dataset = xr.Dataset(coords={dim: list(labels) for dim, labels in grid.coords.items()})
     dataset = dataset.assign_coords(_methods(grid))
     costs = {index: counted(record, exclusive) for index, record in records.items()}
     dataset = dataset.assign(_errors(grid, judge, judgements))
     dataset = dataset.assign(_costs(grid, costs, study.tables.cost.settling))
+    dataset = dataset.assign(_stepping(grid))
     dataset["status"] = _words(grid, {i: _status(grid, i, r) for i, r in records.items()}, "ok, or why not")
     marks = {i: _timing(costs[i]) for i in grid.combinations}
     dataset["timing"] = _words(grid, marks, "whether other runs of the study shared the cores meanwhile")
@@ -89,6 +93,20 @@ def _methods(grid: Grid) -> dict[str, Any]:
         name: next(iter(chosen))
         for name, chosen in methods.items()
         if name not in grid.coords and len(chosen) == 1
+    }
+
+
+def _stepping(grid: Grid) -> dict[str, xr.DataArray]:
+    """Scheme and transfer of every combination that can run; where one is varied its dimension says it."""
+    chosen = {
+        index: one.scene.stepping.chosen(load("shape", one.scene.shape.method))
+        for index, one in grid.combinations.items()
+        if one.scene is not None
+    }
+    return {
+        name: _words(grid, {index: both[k] for index, both in chosen.items()}, meaning)
+        for k, (name, meaning) in enumerate(STEPPING)
+        if name not in grid.coords
     }
 
 

@@ -4,8 +4,19 @@ A case is a folder with ``README.md`` (source, set-up, tolerances), ``check.py``
 defines ``check(case)``, which runs scenes and records rows and figures with the :class:`Case` that it is given.
 """
 
-from mpmfw.validation.case import CONTACTS, SHAPES, Case, Method
+from mpmfw.validation.case import CLASSICAL, CONTACTS, SHAPES, Case, Method
 from mpmfw.validation.rows import Row, Verdict
 from mpmfw.validation.suite import Outcome, find_cases, run_cases
 
-__all__ = ["CONTACTS", "SHAPES", "Case", "Method", "Outcome", "Row", "Verdict", "find_cases", "run_cases"]
+__all__ = [
+    "CLASSICAL",
+    "CONTACTS",
+    "SHAPES",
+    "Case",
+    "Method",
+    "Outcome",
+    "Row",
+    "Verdict",
+    "find_cases",
+    "run_cases",
+]

@@ -21,7 +21,9 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-CONTACTS = ("none", "bardenhagen", "penalty")
+#: Classical contact in its plainest form and in its strongest, by the studies: the one alone would be a straw man.
+CLASSICAL = ("bardenhagen", "bardenhagen(criterion=position, normal=master)")
+CONTACTS = ("none", *CLASSICAL, "penalty")
 SHAPES = ("linear", "gimp", "cpdi", "cpdi2", "bspline")
 
 
@@ -32,7 +34,7 @@ class Method:
     Attributes
     ----------
     contact, shape
-        Names; an empty contact is a scene without.
+        Names, with options as in ``penalty(kappa=2)``; an empty contact is a scene without.
     set
         Values by dotted key, set over the scene's own.
     label
