@@ -1,4 +1,4 @@
-"""Figure of the case: errors of the three treatments at the paper's cell size, and over the cell size."""
+"""Figure of the case: errors of the four treatments at the paper's cell size, and over the cell size."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from rolling import lumping_loss
 from mpmfw.plots.style import FONT, dress, legend_below, new_figure
 
 LOOKS: dict[str, dict[str, Any]] = {
+    "spin": {"color": "black", "marker": "D"},
     "exact": {"color": BLUE, "marker": "o"},
     "lumped": {"color": ORANGE, "marker": "^"},
     "local": {"color": GREEN, "marker": "s"},
@@ -52,7 +53,7 @@ def draw(found: Mapping[tuple[str, str, float], Mapping[str, list[float]]]) -> F
 def _measures(axes: Any, found: Mapping[str, Mapping[str, list[float]]]) -> None:
     for number, (rotation, errors) in enumerate(found.items()):
         for place, name in enumerate(SHORT):
-            at = place + 0.2 * (number - 1) + 0.05 * np.arange(len(errors[name]))
+            at = place + 0.2 * (number - 1.5) + 0.05 * np.arange(len(errors[name]))
             axes.plot(at, errors[name], linestyle="", markersize=4, fillstyle="none", **LOOKS[rotation])
     axes.axhline(0.0, **REFERENCE)
     axes.set_xticks(range(len(SHORT)), list(SHORT.values()))

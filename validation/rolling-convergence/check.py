@@ -36,23 +36,23 @@ Errors = dict[float, dict[str, float]]  #: by cell size
 def check(case: Case) -> None:
     """Refine both cases; the classical contact, in its plainest form and in its strongest, to h = 0.2 only."""
     sizes = SIZES[:2] if case.quick else SIZES
-    exact, lumped = Method("penalty", "cpdi"), Method("penalty", "cpdi", LUMPED, WITHOUT)
+    mended, lumped = Method("penalty", "cpdi"), Method("penalty", "cpdi", LUMPED, WITHOUT)
     classical = [Method(contact, "cpdi") for contact in CLASSICAL]
     found: dict[tuple[Roll, Method], Errors] = {}
-    for method in (exact, lumped, *classical):
+    for method in (mended, lumped, *classical):
         coarse = sizes[: 1 if case.quick else 3] if method in classical else sizes
         found[NO_SLIP, method] = _refined(case, NO_SLIP, method, coarse)
     if not case.quick:
-        found[SLIP, exact] = _refined(case, SLIP, exact, sizes)
+        found[SLIP, mended] = _refined(case, SLIP, mended, sizes)
         for method in classical:
             found[SLIP, method] = _refined(case, SLIP, method, sizes[:3])
         for method in (Method("penalty", "cpdi2"), Method("penalty", "cpdi2", LUMPED, WITHOUT)):
             _refined(case, NO_SLIP, method, (HALF,))
-    _lumping(case, found[NO_SLIP, exact], found[NO_SLIP, lumped])
+    _lumping(case, found[NO_SLIP, mended], found[NO_SLIP, lumped])
     for (roll, method), errors in found.items():
         if method in classical:
             _classical(case, roll, method, errors)
-    case.figure("", convergence(found, ELASTIC, exact, lumped, classical))
+    case.figure("", convergence(found, ELASTIC, mended, lumped, classical))
 
 
 def _refined(case: Case, roll: Roll, method: Method, sizes: tuple[float, ...]) -> Errors:
@@ -95,10 +95,10 @@ def _limit(roll: Roll, method: Method, size: float, name: str) -> float:
     return {"displacement": 1.0, "acceleration": 0.2, "spin": 5.0}.get(name, math.inf)
 
 
-def _lumping(case: Case, exact: Errors, lumped: Errors) -> None:
+def _lumping(case: Case, mended: Errors, lumped: Errors) -> None:
     """What lumping costs beside its closed form, the order of it, and how the lumped error approaches zero."""
-    sizes = [size for size in exact if size in lumped]
-    loss = {h: exact[h]["acceleration"] - lumped[h]["acceleration"] for h in sizes}
+    sizes = [size for size in mended if size in lumped]
+    loss = {h: mended[h]["acceleration"] - lumped[h]["acceleration"] for h in sizes}
     for h in sizes:
         closed = 100.0 * lumping_loss(h, PARTICLE * h) / 3.0
         what = f"no slip, h = {h:g} m: acceleration lost to lumping"

@@ -56,6 +56,7 @@ def methods(case: Case) -> list[Method]:
             "stepping.scheme": "usl",
             "stepping.pic_fraction": 0.05,
         },
+        "rotation exact": {"bodies.disc.rotation": "exact"},
         "rotation lumped": {"bodies.disc.rotation": "lumped"},
         "rotation local": {"bodies.disc.rotation": "local"},
     }
@@ -131,7 +132,9 @@ def judge_inertia(case: Case) -> None:
     """Inertia under a torque on the whole disc, and on its rim alone."""
     shapes = ("cpdi", "cpdi2") if case.quick else SHAPES
     for method in case.methods(
-        ("",), shapes, {"": {}} | {f"rotation {r}": {"bodies.disc.rotation": r} for r in ("lumped", "local")}
+        ("",),
+        shapes,
+        {"": {}} | {f"rotation {r}": {"bodies.disc.rotation": r} for r in ("exact", "lumped", "local")},
     ):
         if method.label and (case.quick or method.shape not in EXACT):
             continue

@@ -16,6 +16,7 @@ from mpmfw.effects.second_moments import inertia_of, moments_of_domains, moments
 from mpmfw.fields import Field, FloatArray
 from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels import device, kernel, scratch
+from mpmfw.kernels.rows import add_scaled_row, set_scaled_row
 from mpmfw.kernels.small_matrix import determinant, invert
 from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw.setup import Setup
@@ -69,32 +70,29 @@ def corner_node(first: int, c: int, stride: Ints, spacing: tuple[float, ...]) ->
 
 @device
 def common_masses(
-    start: int,
-    stop: int,
-    shape: Ints,
-    stride: Ints,
-    node_mass: Floats,
-    common: Floats,
-    spacing: tuple[float, ...],
+    start: int, stop: int, shape: Ints, stride: Ints, common: Floats, spacing: tuple[float, ...]
 ) -> Float:
-    """H_c of every cell of a window to ``common``, at its lowest node, and their sum: the harmonic mean of the masses of the
-    cell's nodes, 0 if one of them has none. The last nodes along an axis are no cell's lowest."""
+    """Replace 1/m_i in ``common`` by H_c of the cell whose lowest node is i, and return Σ H_c.
+
+    H_c is the harmonic mean of the masses of the cell's nodes, 0 if one has none, whose 1/m_i is infinite. The last nodes along
+    an axis are no cell's lowest, and have 0. A cell's other nodes come later, so that their 1/m_i is still there.
+    """
     dim = len(spacing)
     index = scratch.integers(spacing)
     for d in range(dim):
         index[d] = 0
     total = 0.0
     for i in range(start, stop):
-        inside = node_mass[i] > 0.0
+        inside = common[i] < np.inf
         for d in range(dim):
             inside = inside and index[d] < shape[d] - 1
-        common[i] = 0.0
+        inverse = np.inf
         if inside:
             inverse = 0.0
             for c in range(2**dim):
-                inverse += 1.0 / node_mass[corner_node(i, c, stride, spacing)]  # 1 / 0 is inf
-            common[i] = 2**dim / inverse
-            total += common[i]
+                inverse += common[corner_node(i, c, stride, spacing)]
+        common[i] = 2**dim / inverse
+        total += common[i]
         d = dim - 1
         index[d] += 1
         while d > 0 and index[d] == shape[d]:
@@ -128,22 +126,26 @@ def turn_cell(
     dim = len(spacing)
     n, first = 2**dim, 2 if dim == 2 else 0
     spin = scratch.vector((0.0, 0.0, 0.0))
+    couple = scratch.vector((0.0, 0.0, 0.0))
+    v = scratch.matrix((0.0,), spacing)
     for a in range(first, 3):
-        spin[a] = 0.0
+        spin[a] = couple[a] = 0.0
     for c in range(n):
-        j = corner_node(i, c, stride, spacing)
+        set_scaled_row(v, 0, 1.0, change, corner_node(i, c, stride, spacing), spacing)
         for a in range(first, 3):
             d, e = (a + 1) % 3, (a + 2) % 3
-            spin[a] += side(c, d) * change[j, e] - side(c, e) * change[j, d]
+            spin[a] += side(c, d) * v[0, e] - side(c, e) * v[0, d]
     for a in range(first, 3):
-        d, e = (a + 1) % 3, (a + 2) % 3
-        couple = 0.0
         for b in range(first, 3):
-            couple += share * excess[a, b] * spin[b]
-        for c in range(n):
-            j = corner_node(i, c, stride, spacing)
-            node_momentum[j, d] -= couple * side(c, e)
-            node_momentum[j, e] += couple * side(c, d)
+            couple[a] += share * excess[a, b] * spin[b]
+    for c in range(n):
+        for d in range(dim):
+            v[0, d] = 0.0
+        for a in range(first, 3):
+            d, e = (a + 1) % 3, (a + 2) % 3
+            v[0, d] -= couple[a] * side(c, e)
+            v[0, e] += couple[a] * side(c, d)
+        add_scaled_row(node_momentum, corner_node(i, c, stride, spacing), 1.0, v, 0, spacing)
 
 
 @kernel
@@ -198,11 +200,12 @@ def correct_spin(
         d = dim - 1 - back
         extent[d], stride[d] = shape[d], step
         step *= shape[d]
-    held = common_masses(first_node, last_node, extent, stride, node_mass, common, spacing)
     for i in range(first_node, last_node):
-        inverse = 1.0 / node_mass[i] if node_mass[i] > 0.0 else 0.0
-        for d in range(dim):
-            change[i, d] = inverse * held_momentum[i, d] - node_start_velocity[i, d]
+        common[i] = 1.0 / node_mass[i] if node_mass[i] > 0.0 else np.inf
+        if node_mass[i] > 0.0:
+            for d in range(dim):
+                change[i, d] = common[i] * held_momentum[i, d] - node_start_velocity[i, d]
+    held = common_masses(first_node, last_node, extent, stride, common, spacing)
     # q_i = h/2 times the sides that ``turn_cell`` takes, which both factors of q_i / (n A) have.
     scale = 1.0 / (2**dim * spacing[0]) ** 2 / max(held, LEAST_SHARE * total)
     for i in range(first_node, last_node):

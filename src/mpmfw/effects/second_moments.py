@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 from mpmfw.kernels import device, scratch
-from mpmfw.kernels.types import Floats
+from mpmfw.kernels.types import Float, Floats
 
 
 @device
 def inertia_of(second_moment: Floats, out: Floats, spacing: tuple[float, ...]) -> None:
-    """I = tr(S) 1 − S of S = Σ m x xᵀ in 3D; in 2D the single number tr(S) in ``out[0, 0]``."""
+    """I = tr(S) 1 − S of S = Σ m x xᵀ in 3D; in 2D the single number tr(S) in ``out[0, 0]``.
+
+    Read are the upper half of S, in 2D its diagonal.
+    """
     dim = len(spacing)
     trace = 0.0
     for d in range(dim):
         trace += second_moment[d, d]
     for d in range(dim):
         for e in range(dim):
-            out[d, e] = (trace if d == e else 0.0) - (second_moment[d, e] if dim == 3 else 0.0)
+            out[d, e] = (trace if d == e else 0.0) - (
+                second_moment[min(d, e), max(d, e)] if dim == 3 else 0.0
+            )
 
 
 @device
@@ -27,8 +32,11 @@ def moments_of_nodes(
     centre: Floats,
     second: Floats,
     spacing: tuple[float, ...],
-) -> float:
-    """c = Σ m_i x_i / m to ``centre``, Σ m_i (x_i − c)(x_i − c)ᵀ to ``second``; return m = Σ m_i."""
+) -> Float:
+    """c = Σ m_i x_i / m to ``centre``, Σ m_i (x_i − c)(x_i − c)ᵀ to ``second``; return m = Σ m_i.
+
+    Of the symmetric matrix the upper half is written, in 2D the diagonal: what :func:`inertia_of` reads.
+    """
     dim = len(spacing)
     r = scratch.vector(spacing)
     total = 0.0
@@ -46,7 +54,7 @@ def moments_of_nodes(
         for d in range(dim):
             r[d] = node_position[i, d] - centre[d]
         for d in range(dim):
-            for e in range(dim):
+            for e in range(d, dim if dim == 3 else d + 1):
                 second[d, e] += node_mass[i] * r[d] * r[e]
     return total
 
@@ -64,31 +72,30 @@ def moments_of_domains(
     spacing: tuple[float, ...],
 ) -> None:
     """Σ_p m_p ((x_p − c)(x_p − c)ᵀ + Σ_a r_a r_aᵀ / 3) to ``second``, r_a the half-edge vectors of the deformed
-    domain F R_0."""
+    domain F R_0; the same elements as :func:`moments_of_nodes`."""
     dim = len(spacing)
     r = scratch.vector(spacing)
     own = scratch.matrix(spacing, spacing)
-    total = scratch.matrix(spacing, spacing)
     for d in range(dim):
         for e in range(dim):
-            total[d, e] = 0.0
+            second[d, e] = 0.0
     for p in range(first_particle, last_particle):
         for d in range(dim):
-            for e in range(d, dim):  # symmetric: the upper half is enough
-                own[d, e] = 0.0
+            r[d] = position[p, d] - centre[d]
+        for d in range(dim):
+            for e in range(d, dim if dim == 3 else d + 1):
+                own[d, e] = 3.0 * r[d] * r[e]
         for a in range(dim):
             for d in range(dim):
                 r[d] = 0.0
                 for e in range(dim):
                     r[d] += deformation_gradient[p, d, e] * half_edges[p, e, a]
             for d in range(dim):
-                for e in range(d, dim):
+                for e in range(d, dim if dim == 3 else d + 1):
                     own[d, e] += r[d] * r[e]
         for d in range(dim):
-            r[d] = position[p, d] - centre[d]
-        for d in range(dim):
-            for e in range(d, dim):
-                total[d, e] += mass[p] * (r[d] * r[e] + own[d, e] / 3.0)
+            for e in range(d, dim if dim == 3 else d + 1):
+                second[d, e] += mass[p] * own[d, e]
     for d in range(dim):
         for e in range(d, dim):
-            second[d, e] = second[e, d] = total[d, e]
+            second[d, e] /= 3.0
