@@ -20,6 +20,7 @@ from typing import Any
 import xarray as xr
 
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, SimulationError
+from mpmfw.interruption import interruptible
 from mpmfw.results.reading import read
 
 #: Seconds without a sign of life after which a run is taken to hang: the first steps, which compile kernels, included.
@@ -64,7 +65,8 @@ def run_apart(
     with tempfile.TemporaryDirectory(prefix="mpmfw-") as folder:
         path = os.path.join(folder, "run.nc") if output is None else os.path.abspath(output)
         request = {"path": sys.path, "arguments": {"scene": scene, "output": path, **request}}
-        end = _follow(request, progress, PATIENCE if patience is None else patience)
+        with interruptible():
+            end = _follow(request, progress, PATIENCE if patience is None else patience)
         for said in end.get("notes", ()):
             warnings.warn(said, ResultsWarning, stacklevel=3)
         if "error" not in end:

@@ -18,6 +18,7 @@ import xarray as xr
 
 from mpmfw.discovery import Kind, available, distribution_of
 from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, SimulationError
+from mpmfw.interruption import interruptible
 from mpmfw.joining import Outcome, join
 from mpmfw.scene.loading import plain
 from mpmfw.scene.requested import check_methods_run, check_requested
@@ -103,20 +104,23 @@ def compare(
     shared = {"output.particles": False, **(set or {})}
     outcomes: dict[tuple[int, ...], Outcome] = {}
     refusals: list[SceneError] = []
-    for index in itertools.product(*(range(len(values)) for values in coords.values())):
-        chosen_values = {key: values[i] for (key, values), i in zip(varied.items(), index[2:], strict=True)}
-        choice = (methods["contact"][index[0]].value, methods["shape"][index[1]].value)
-        label = "/".join(str(values[i]) for values, i in zip(coords.values(), index, strict=True))
-        try:
-            with _collected(label) as notes:
-                outcome = _outcome(
-                    run, scene, choice, {**shared, **chosen_values}, progress, refusals, varied
-                )
-        except KeyboardInterrupt as error:
-            raise Interrupted(getattr(error, "number", signal.SIGINT), _kept(outcomes, path)) from None
-        outcomes[index] = outcome = replace(outcome, notes=tuple(notes))
-        if path is not None and outcome.tree is not None:
-            _save(join(coords, outcomes, keys), path)
+    with interruptible():
+        for index in itertools.product(*(range(len(values)) for values in coords.values())):
+            chosen_values = {
+                key: values[i] for (key, values), i in zip(varied.items(), index[2:], strict=True)
+            }
+            choice = (methods["contact"][index[0]].value, methods["shape"][index[1]].value)
+            label = "/".join(str(values[i]) for values, i in zip(coords.values(), index, strict=True))
+            try:
+                with _collected(label) as notes:
+                    outcome = _outcome(
+                        run, scene, choice, {**shared, **chosen_values}, progress, refusals, varied
+                    )
+            except KeyboardInterrupt as error:
+                raise Interrupted(getattr(error, "number", signal.SIGINT), _kept(outcomes, path)) from None
+            outcomes[index] = outcome = replace(outcome, notes=tuple(notes))
+            if path is not None and outcome.tree is not None:
+                _save(join(coords, outcomes, keys), path)
     if len(refusals) == len(outcomes):
         raise refusals[0]
     dataset = join(coords, outcomes, keys)

@@ -82,7 +82,7 @@ def load(kind: Kind, name: str) -> type[Any]:
             f"two distributions announce a {kind} plug-in '{name}': {announced}; uninstall one of them"
         )
     said = f"{kind} plug-in '{name}' of distribution {distribution_of(entry)}"
-    folder = os.getcwd()
+    folder = _working_folder()
     try:
         plugin = entry.load()
     except KeyboardInterrupt:
@@ -94,7 +94,7 @@ def load(kind: Kind, name: str) -> type[Any]:
             f"{said} cannot be imported from {entry.value}: {type(error).__name__}: {error}"
         ) from error
     finally:
-        if os.getcwd() != folder:  # relative names of files would mean others
+        if folder is not None and _working_folder() != folder:  # relative names of files would mean others
             os.chdir(folder)
     if not isinstance(plugin, type):
         raise SceneError(f"{said}: {entry.value} is not a class")
@@ -108,6 +108,14 @@ def load(kind: Kind, name: str) -> type[Any]:
             f"{said}: {entry.value} has the name '{own}'; expected the same as the entry point's"
         )
     return plugin
+
+
+def _working_folder() -> str | None:
+    """The working folder; None where it is no longer there."""
+    try:
+        return os.getcwd()
+    except OSError:
+        return None
 
 
 def refuse_class(plugin: type[Any]) -> None:

@@ -9,7 +9,7 @@ import random
 import re
 from dataclasses import dataclass
 
-from tests.fuzz.seeds import seeds
+from seeds import seeds
 
 #: Numbers at which arithmetic, counting or memory end.
 _NUMBERS = (

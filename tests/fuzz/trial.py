@@ -13,7 +13,7 @@ from typing import Any
 from unittest import mock
 
 import numpy as np
-from tests.fuzz.mutants import Mutant
+from mutants import Mutant
 
 from mpmfw import sizing
 from mpmfw.errors import MpmfwError, SceneError, SimulationError

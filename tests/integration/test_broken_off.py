@@ -5,11 +5,11 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import netCDF4
 import numpy as np
 import pytest
-from tests.scenes_for_tests import two_blocks
 from typer.testing import CliRunner
 
 import mpmfw
@@ -18,6 +18,7 @@ from mpmfw.errors import MpmfwError, ResultsWarning
 from mpmfw.fields import PARTICLE_FIELDS, SERIES_FIELDS
 from mpmfw.results import Frame, RunHeader, RunWriter
 from mpmfw.results.reading import read
+from scenes_for_tests import two_blocks
 
 POSITION, ENERGY = PARTICLE_FIELDS[0], SERIES_FIELDS[5]
 HEADER = RunHeader(2, ("a",), (), {"a": 2000}, (POSITION, ENERGY))
@@ -31,7 +32,8 @@ def frame(k):
 LIMITED = """
 import resource, sys
 from mpmfw.results import RunWriter
-from tests.integration.test_broken_off import HEADER, frame
+sys.path[:0] = sys.argv[3:]
+from test_broken_off import HEADER, frame
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]), resource.RLIM_INFINITY))
 with RunWriter(sys.argv[1], HEADER) as writer:
     for k in range(1000):
@@ -45,8 +47,12 @@ with RunWriter(sys.argv[1], HEADER) as writer:
 @pytest.mark.parametrize("limit", [1_300_000, 1_400_001, 1_555_555])
 def test_no_room_is_named_and_what_was_written_is_readable(tmp_path, limit):
     path = tmp_path / "run.nc"
+    here = Path(__file__).parent
     done = subprocess.run(
-        [sys.executable, "-c", LIMITED, str(path), str(limit)], capture_output=True, text=True, check=False
+        [sys.executable, "-c", LIMITED, str(path), str(limit), str(here), str(here.parent)],
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert f"to '{path}': File too large; what was written before is readable" in done.stderr
     with pytest.warns(

@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 import mpmfw
 from mpmfw.cli import app
+from mpmfw.errors import ResultsWarning
 from mpmfw_contact.penalty import Penalty
 
 # Without contact the disc falls through the floor and out of the grid.
@@ -135,14 +136,18 @@ def test_run_writes_what_mpmfw_opens(scene):
     assert all(tree.attrs[name] > 0 for name in costs)
 
 
+@pytest.mark.filterwarnings("default::mpmfw.errors.ResultsWarning")
 def test_a_run_that_fails_is_status_1_and_keeps_what_it_wrote(scene):
     result = invoke("run", scene, "--contact", "separate", "-o", "f.nc")
     assert (result.exit_code, result.stdout) == (1, "")
     assert "'disc'" in result.stderr
-    tree = mpmfw.open("f.nc")
+    with pytest.warns(ResultsWarning, match=r"f\.nc is not complete: failed: "):
+        tree = mpmfw.open("f.nc")
     assert tree.attrs["status"].startswith("failed: ")
     assert tree.sizes["time"] >= 2
-    assert invoke("plot", "f.nc").stdout == "f.png\n"
+    plotted = invoke("plot", "f.nc")
+    assert plotted.stdout == "f.png\n"
+    assert "note: f.nc is not complete: failed: " in plotted.stderr
 
 
 def test_names_and_dims_of_a_comparison(compared):

@@ -8,13 +8,13 @@ import textwrap
 
 import numpy as np
 import pytest
-from tests.scenes_for_tests import two_blocks
 
 import mpmfw
 from mpmfw.api import ContactStrategy
 from mpmfw.errors import MpmfwError, PluginError, ResultsWarning, SceneError
 from mpmfw.report import write_report
 from mpmfw.results.reading import read
+from scenes_for_tests import two_blocks
 
 HEAD = """
 import os, sys

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.fuzz.mutants import mutant
-from tests.fuzz.seeds import seeds
-from tests.fuzz.trial import attempt
+from mutants import mutant
+from seeds import seeds
+from trial import attempt
 
 import mpmfw
 from mpmfw.errors import SceneError

@@ -1,4 +1,4 @@
-"""The long form of the fuzzing: ``python -m tests.fuzz.scenes --count 100000``.
+"""The long form of the fuzzing: ``python tests/fuzz/long_form.py --count 100000``.
 
 Prints each mutant that ends otherwise than it may, and how many ended how; ``--number N`` shows one mutant and its end.
 """
@@ -11,8 +11,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from tests.fuzz.mutants import mutant
-from tests.fuzz.trial import attempt
+from mutants import mutant
+from trial import attempt
 
 
 def main() -> int:
