@@ -37,7 +37,9 @@ HAMAD = {"": {}, "literal": {"contact.hamad2017.friction_law": "literal"}}
 #: Linear functions take MUSL by themselves, see the README.
 UPDATE_LAST = {"USL": {"stepping.scheme": "usl"}}
 
-COLOURS = dict(zip(CONTACTS, ("#009E73", "#D55E00", "#117733", "#0072B2"), strict=True)) | {"hamad2017": "#56B4E9"}
+COLOURS = dict(zip(CONTACTS, ("#009E73", "#D55E00", "#117733", "#0072B2"), strict=True)) | {
+    "hamad2017": "#56B4E9"
+}
 LITERAL = "#B2B200"
 STYLES = {"linear": ":", "gimp": "--", "cpdi": "-", "cpdi2": "-.", "bspline": (0, (5, 1, 1, 1, 1, 1))}
 

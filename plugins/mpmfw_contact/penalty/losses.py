@@ -49,7 +49,7 @@ def add_losses(
     rows: Floats,
     work: Floats,
 ) -> None:
-    """Add to every pair's ``work`` [J/m] the energy of the last step's springs, where they are now, less that of the present ones.
+    """Add to every pair's ``work`` [J/m] the energy of the last step's springs, where they are now, less that of today's.
 
     Where the bodies moved by Δu, a spring's gap became g + Nᵀ Δu; what it is now beyond that is a change of the spring: of its
     share, its rest, its segment, or its end. A tangential spring did the work f_t C_tᵀ Δu meanwhile; ``work`` has to be
