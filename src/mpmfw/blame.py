@@ -15,11 +15,13 @@ from contextlib import contextmanager
 from importlib.metadata import packages_distributions
 from pathlib import Path
 from types import FrameType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mpmfw.discovery import KINDS, available, distribution_of
 from mpmfw.errors import MpmfwError, PluginError, SceneError
-from mpmfw.state import State
+
+if TYPE_CHECKING:
+    from mpmfw.state import State
 
 _CALL = re.compile(r"\bcall_[0-9]+\b")
 
