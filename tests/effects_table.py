@@ -171,7 +171,7 @@ EFFECTS = {
     ),
     "averaged normals": brings(
         "bardenhagen_leaning",
-        hooks="declare_fields setup after_momentum_projection after_momentum_update concerns",
+        hooks="declare_fields setup add_pairs after_momentum_projection after_momentum_update concerns",
         arrays="normal_impulse mean_normal lean",
         modules="mpmfw_contact._leaning",
     ),

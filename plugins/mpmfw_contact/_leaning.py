@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mpmfw.api import Field, FloatArray, Grid, Setup, hookimpl
+from mpmfw.api import Field, FloatArray, Grid, Setup, State, hookimpl
 from mpmfw.kernels import kernel
 from mpmfw.kernels.types import Floats, Ints
 
@@ -81,10 +81,17 @@ class LeaningNormals:
     @hookimpl
     def setup(self, setup: Setup) -> None:
         """Allocate the sums."""
-        self.labels = [pair.label for pair in setup.pairs]
+        self.state = setup.state
         self.total: FloatArray = setup.allocate(self.name, TOTAL)
         self.normal: FloatArray = setup.allocate(self.name, NORMAL)
         self.lean: FloatArray = setup.allocate(self.name, LEAN)
+
+    @hookimpl
+    def add_pairs(self, state: State) -> None:
+        """Nothing has leaned yet between bodies that have come near."""
+        self.total, self.normal, self.lean = (
+            state.lengthen(f"{self.name}/{field.name}", len(state.pairs)) for field in (TOTAL, NORMAL, LEAN)
+        )
 
     def restart(self) -> None:
         """Forget the settling."""
@@ -132,9 +139,9 @@ class LeaningNormals:
         if self.contact.options.criterion == "velocity":
             tries.append('criterion = "position" for round bodies')
         return [
-            f"{label}: averaged normals lean to one side by {lean:.2g} of the normal impulse, at corners and ahead of round "
+            f"{pair.label}: averaged normals lean to one side by {lean:.2g} of the normal impulse, at corners and ahead of round "
             f"bodies: this holds sliding back as friction of {lean:.2g} does, and throws up a body that slides in; "
             f"try {', '.join(tries)}"
-            for label, lean in zip(self.labels, self.sideways(), strict=True)
+            for pair, lean in zip(self.state.pairs, self.sideways(), strict=True)
             if lean > LARGEST
         ]

@@ -85,7 +85,6 @@ pic_fraction = 0.01
 material = "soft"
 geometry = { type = "ring", centre = [0.5, 0.5], inner_radius = 0.4, outer_radius = 0.8 }
 particles = { size = 0.25 }
-sides = [{ side = "top", pressure = "1 kPa" }]
 
 [gravity]
 table = [[0.0, 0.0, -9.81], [1.0, 1.0, 0.0]]

@@ -37,7 +37,7 @@ FAULTS = {
     frame.MiddleIsLighter: "relabelling",
     frame.FeelsOrigin: "shift",
     frame.AlongAxes: "rotation",
-    frame.SixteenEntries: "shapes",
+    frame.NineEntries: "shapes",
     frame.Flat: "three-dimensions",
     keeping.IgnoredOption: "options",
     keeping.IgnoredWithinBounds: "options",
@@ -137,7 +137,7 @@ def outcome(plugin, name, pictures=None, **options):
 def test_every_fault_is_caught_by_the_check_meant_for_it(fault, name, tmp_path):
     found = outcome(fault, name, tmp_path)
     assert found.status == "failed", found.report
-    assert "Error" not in found.message or fault in (keeping.TooLongStep, frame.SixteenEntries), found.report
+    assert "Error" not in found.message or fault in (keeping.TooLongStep, frame.NineEntries), found.report
     assert found.counterexample
     assert (found.picture is None) == (name in WITHOUT_PICTURE), found.report
     assert found.picture is None or found.picture.stat().st_size > 1000

@@ -140,7 +140,7 @@ HOOKS: dict[str, tuple[dict[str, Any], dict[str, list[str]]]] = {
                 "von_mises",
             ],
             "setup": ["soft", "shape", "bardenhagen", "bardenhagen_leaning", "local_spin", "body_series"],
-            "add_pairs": ["bardenhagen"],
+            "add_pairs": ["bardenhagen", "bardenhagen_leaning"],
             "after_momentum_projection": ["bardenhagen", "bardenhagen_leaning"],
             "after_momentum_update": ["bardenhagen", "bardenhagen_leaning"],
             "after_second_projection": ["bardenhagen"],

@@ -18,6 +18,10 @@ from mpmfw.simulation import Simulation
 METHODS = ("none", "separate", "bardenhagen", "penalty")
 
 
+#: The rows meet so fast that discs go deep into each other and normals lean, of which runs warn.
+FAST = pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")
+
+
 def small(count: int, contact: str, **changes: Any) -> dict[str, Any]:
     """Discs of three cells across, as few points as carry contact, and no frames but where they are asked for."""
     least = {"shape__method": "linear", "output": {"particles": False, "surface": False}}
@@ -48,6 +52,7 @@ def all_sizes(count: int, method: str) -> tuple[int, dict[str, int]]:
     sim.advance(1)
     held = [sim.state, *sim.manager.get_plugins(), sim._recorder.frame(1.0).series]
     named = {getattr(each, "name", type(each).__name__): each for each in held}
+    named = dict(sorted(named.items()))  # plug-ins hold one another: an array is reached by the same way in every run
     return len(sim.state.pairs), dict(sizes_of(named, "", set()))
 
 
@@ -75,6 +80,7 @@ def row_meets_row(method: str, count: int = FEW + 4, **changes: Any) -> dict[str
     return scene
 
 
+@FAST
 @pytest.mark.parametrize("method", METHODS)
 def test_pairs_that_meet_during_the_run_are_in_the_results_of_memory_and_file(
     method: str, tmp_path: Any
@@ -93,6 +99,7 @@ def test_pairs_that_meet_during_the_run_are_in_the_results_of_memory_and_file(
     xr.testing.assert_identical(kept["series"].to_dataset(), written["series"].to_dataset())
 
 
+@FAST
 @pytest.mark.parametrize("method", ["bardenhagen", "penalty"])
 def test_a_body_moves_and_is_pushed_as_it_is_where_all_pairs_are_listed(
     method: str, monkeypatch: pytest.MonkeyPatch
@@ -163,6 +170,7 @@ def test_a_strategy_that_does_not_take_pairs_as_they_come_is_given_all() -> None
     assert len(sim.contact.pairs) == n * (n - 1) // 2
 
 
+@FAST
 def test_runs_that_list_other_pairs_are_compared_on_the_pairs_of_all() -> None:
     scene = row_meets_row("penalty", time={"end": 0.1, "output_interval": 0.05})
     data = mpmfw.compare(scene, contact=["none", "penalty"], shape=["linear"])

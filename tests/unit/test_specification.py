@@ -101,7 +101,7 @@ def test_one_message_says_what_was_expected(text, message):
 
 OBJECTS = [
     *((name, given) for name, given in STRATEGIES.values()),
-    ("penalty", {"variant": "hamad2017", "kappa": 2.0}),
+    ("hamad2017", {"friction_law": "literal", "kappa": 2.0}),
     ("penalty", {"interface_thickness": 1e-3, "map": "plain"}),
     ("gimp", {}),
 ]
