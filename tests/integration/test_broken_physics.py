@@ -41,7 +41,7 @@ FAULTS = {
         "f_n = normal_force(k, depth, linear_to)",
         "f_n = normal_force(k, g, linear_to)",
         "sliding-block",
-        ((CPDI, SLIDING), (CPDI2, SLIDING)),
+        ((CPDI, "run"), (CPDI2, "run")),  # the block is pulled into the plane, and the run ends
     ),
     "friction halved": Fault(
         PAIR,

@@ -192,6 +192,7 @@ def imported(scene: dict[str, Any]) -> set[str]:
             {
                 "mpmfw_shape.cpdi",
                 "mpmfw_shape._bilinear_surface",
+                "mpmfw_shape._packed_rows",
                 "mpmfw_material.neo_hookean",
                 "mpmfw_material._plane_strain",
             },

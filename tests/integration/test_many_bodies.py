@@ -52,7 +52,9 @@ def all_sizes(count: int, method: str) -> tuple[int, dict[str, int]]:
     sim.advance(1)
     held = [sim.state, *sim.manager.get_plugins(), sim._recorder.frame(1.0).series]
     named = {getattr(each, "name", type(each).__name__): each for each in held}
-    named = dict(sorted(named.items()))  # plug-ins hold one another: an array is reached by the same way in every run
+    named = dict(
+        sorted(named.items())
+    )  # plug-ins hold one another: an array is reached by the same way in every run
     return len(sim.state.pairs), dict(sizes_of(named, "", set()))
 
 

@@ -20,6 +20,9 @@ def tutorial():
     return module
 
 
+@pytest.mark.filterwarnings(
+    "ignore::mpmfw.errors.ResultsWarning"
+)  # averaged normals lean, and the run says so
 def test_every_command_runs_and_prints_what_is_quoted(tutorial, tmp_path, monkeypatch):
     monkeypatch.setenv("COLUMNS", "120")
     missing = tutorial.run_page(tmp_path)

@@ -12,7 +12,7 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from contact_scenes import ACTING, MU, STRATEGIES, expect, impact, run, simulation, slider
-from mpmfw.api import hookimpl
+from mpmfw.api import SimulationError, hookimpl
 from mpmfw_contact.penalty import law as penalty_law
 
 TILTED = "averaged normals tilt at the block's corners, where half of the impulse then has a tangential part"
@@ -54,14 +54,21 @@ def exchanged(strategy, motion):
     return motion.impulse[:, 0] if strategy in ACTING else np.diff(motion.momentum["left"], axis=0)
 
 
+#: Magnitudes that a scene takes: 0, or at least 1e-60.
+SLIDE, GAP, FRICTION = (
+    st.floats(least, most).map(lambda x: x if abs(x) >= 1e-60 else 0.0)
+    for least, most in ((-1.0, 1.0), (0.0, 0.02), (0.0, 1.0))
+)
+
+
 @every_strategy
 @settings(max_examples=3, deadline=None, derandomize=True, phases=[Phase.generate])  # shrinking takes minutes
 @given(
     speed=st.floats(0.5, 1.5),
-    slide=st.floats(-1.0, 1.0),
-    gap=st.floats(0.0, 0.02),
+    slide=SLIDE,
+    gap=GAP,
     right=st.sampled_from(["soft", "stiff", "stiffer"]),
-    friction=st.floats(0.0, 1.0),
+    friction=FRICTION,
 )
 def test_linear_momentum_is_kept_in_every_step(strategy, speed, slide, gap, right, friction):
     scene = impact(speed=speed, slide=slide, gap=gap, right=right, friction=friction)
@@ -140,7 +147,9 @@ def test_no_tension_notices_a_reversed_force(strategy, monkeypatch):
         impulse[:] = 2.0 * before - impulse
 
     monkeypatch.setattr(penalty_law, "contact_forces", reversed_forces)
-    with pytest.raises(AssertionError):
+    with pytest.raises(
+        (AssertionError, SimulationError)
+    ):  # bodies that pull each other in may not get through at all
         check_no_tension(strategy)
 
 

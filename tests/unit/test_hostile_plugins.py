@@ -73,11 +73,11 @@ BEFORE = {
             @classmethod
             def check(cls, value): return {}[value]
         """,
-        "contact.law: Options of contact plug-in 'law' of distribution strange cannot judge them: KeyError: 2.0",
+        "contact.law: Options of plug-in 'law' of distribution strange cannot judge them: KeyError: 2.0",
     ),
     "options that are no model": (
         "Options = dict",
-        "contact.method: Options of contact plug-in 'law' of distribution strange: expected a pydantic model, found <class",
+        "contact.law: Options of plug-in 'law' of distribution strange: expected a pydantic model, found <class",
     ),
     "exit in setup": (
         "@hookimpl\ndef setup(self, setup): sys.exit(0)",
