@@ -1,5 +1,6 @@
 """The sliding block of validation/finite-elements: what the case of steep friction rests on."""
 
+import importlib
 import math
 import sys
 from pathlib import Path
@@ -125,29 +126,33 @@ def test_contact_only_pushes_friction_stays_in_its_cone_and_both_are_all_that_ac
     np.testing.assert_allclose(run.momentum, acted, atol=1e-9 * MASS)
 
 
-def test_the_bounce_grows_in_motion_as_its_eigenvalue_says():
-    sys.path.insert(0, str(Path(__file__).parents[2] / "validation" / "steep-friction"))
-    from measures import growth_of
+@pytest.fixture
+def measures(monkeypatch):
+    """The case's own module; other cases have one of that name, so it is forgotten afterwards."""
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[2] / "validation" / "steep-friction"))
+    monkeypatch.delitem(sys.modules, "measures", raising=False)
+    module = importlib.import_module("measures")
+    yield module
+    del sys.modules["measures"]
 
+
+def test_the_bounce_grows_in_motion_as_its_eigenvalue_says(measures):
     sigma, frequency = growth(incline(0.1, elastic=True), 0.3)[0]
     run = slide(0.1, 0.3, math.radians(40.0), elastic=True, end=0.2)
-    found = growth_of(run.time, run.y, frequency)
+    found = measures.growth_of(run.time, run.y, frequency)
     assert found[0] == pytest.approx(sigma, rel=0.1)
     assert found[1] == pytest.approx(frequency, rel=0.02)
 
 
-def test_the_onset_is_the_least_friction_from_which_on_all_are_wrong():
-    sys.path.insert(0, str(Path(__file__).parents[2] / "validation" / "steep-friction"))
-    from measures import Measured, onset
-
+def test_the_onset_is_the_least_friction_from_which_on_all_are_wrong(measures):
     def row(errors):
         tilt = math.radians(40.0)
         found = []
         for friction, error in errors.items():
             exact = 10.0 * (math.sin(tilt) - friction * math.cos(tilt))
-            found.append(Measured(friction, tilt, exact * (1.0 + 0.01 * error), 0.1, 1.0, 0.0))
+            found.append(measures.Measured(friction, tilt, exact * (1.0 + 0.01 * error), 0.1, 1.0, 0.0))
         return found
 
-    assert onset(row({0.3: 0.1, 0.5: -2.0, 0.6: 0.5, 0.65: 1.5, 0.7: -30.0})) == 0.65
-    assert onset(row({0.3: 3.0, 0.5: 2.0})) == 0.3
-    assert onset(row({0.3: 3.0, 0.5: 0.2})) == math.inf
+    assert measures.onset(row({0.3: 0.1, 0.5: -2.0, 0.6: 0.5, 0.65: 1.5, 0.7: -30.0})) == 0.65
+    assert measures.onset(row({0.3: 3.0, 0.5: 2.0})) == 0.3
+    assert measures.onset(row({0.3: 3.0, 0.5: 0.2})) == math.inf
