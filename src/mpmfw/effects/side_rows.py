@@ -242,13 +242,19 @@ def add_rows(
                 inside = inside and box_lower[d] <= node_position[first, d] <= box_upper[d]
         if not inside:
             continue
+        crossing /= normal[axis]
+        # Nodes that the side reaches, one more outwards and three inwards, from which the others are read
+        middle = (crossing - node_position[first, axis]) / h
+        low = max(0, int(np.floor(middle - reach - (3.0 if inward < 0 else 1.0))))
+        high = min(count, int(np.ceil(middle + reach + (1.0 if inward < 0 else 3.0))) + 1)
+        first += low * stride
         heaviest = weigh_column(
             first,
             stride,
-            count,
+            high - low,
             axis,
             inward,
-            crossing / normal[axis],
+            crossing,
             reach,
             degree,
             shift,
@@ -265,7 +271,7 @@ def add_rows(
                 rows,
                 first,
                 stride,
-                count,
+                high - low,
                 inward,
                 reach,
                 oblique,
