@@ -39,8 +39,9 @@ HEAD = """\
 a + b n seconds a step: a for the calls, b for each of its n entities, material points, or surface nodes for a contact that
 works on outlines. The table of a and b that ships with mpmfw comes from two blocks that touch, at two sizes, for every
 bundled shape function and contact strategy; `mpmfw explain SCENE --measure` takes one of your own machine and keeps
-it. Steps are counted with the stable time step as it is after one step, when contact has seen where bodies touch; where
-they do not yet, as it is before. A limit that changes during the run changes them, as where rings touch for a part of it.
+it. Steps are counted with the stable time step of the contacts that are detected at the start; where bodies do not touch
+yet, with the one that contact takes for granted. A limit that changes during the run changes them, as where rings
+touch for a part of it.
 Settling and output come on top; `contact-stress` is settling alone and is not in the table. What gravity, sides and rotation
 take is in no table: scenes of few points, in which calls are all the cost, take more than is predicted.
 
@@ -56,7 +57,7 @@ def allocated(scene: str, contact: str, shape: str) -> tuple[prediction.Predicti
     """The prediction, and what the arrays of the simulation that made it take [MB]."""
     tracemalloc.start()
     simulation = Simulation(scene, contact=contact, shape=shape)
-    simulation.step(simulation.next_step())
+    simulation.step()
     ours = tracemalloc.take_snapshot().filter_traces(
         [tracemalloc.DomainFilter(True, np.lib.tracemalloc_domain)]
     )

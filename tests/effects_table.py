@@ -135,7 +135,7 @@ EFFECTS = {
     "pressure": brings("pressure", hooks="add_nodal_force", modules="mpmfw.effects.pressure"),
     "surfaces": brings(
         "surface",
-        hooks="setup after_momentum_projection advect",
+        hooks="setup detect advect",
         arrays="position displacement tributary next previous body first body_first cell_mass",
         modules="mpmfw.effects.surface",
         surface="position next",
@@ -178,7 +178,7 @@ EFFECTS = {
     "distance of bodies": brings("bardenhagen", arrays="mean_position"),
     "penalty": brings(
         "penalty",
-        hooks="declare_fields setup add_pairs add_nodal_force stable_timestep diagnostics",
+        hooks="declare_fields setup add_pairs detect add_nodal_force end_step stable_timestep diagnostics",
         arrays="impulse frictional_work damping_work spring_work energy count force master segment coordinate gap normal "
         "stiffness share rest old_master old_segment old_coordinate old_gap old_normal old_stiffness old_share old_rest "
         "owner shared head head_stamp link link_segment "

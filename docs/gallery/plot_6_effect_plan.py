@@ -26,7 +26,7 @@ for hook, plugins in simulation.hook_callers().items():
 
 for limit, owner in sorted(simulation.limits()):
     print(f"{1e6 * limit:8.1f} µs  {owner}")
-print(f"the first step will be {1e6 * simulation.next_step():.1f} µs long")
+print(f"the first step will be {1e6 * simulation.stable_step():.1f} µs long")
 
 # %%
 # Arrays of the plug-ins, the largest first:

@@ -92,6 +92,15 @@ class HookSpecs:
         raise NotImplementedError
 
     @hookspec
+    def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
+        """After step 2, before the length of the step is chosen: detect contacts.
+
+        The points' m_i and (m v)_i are on the grid; what is found here is that of this step, so that
+        :meth:`stable_timestep` speaks of it. May change the plug-in's own arrays alone; called again before the step goes
+        on it finds the same.
+        """
+
+    @hookspec
     def after_momentum_projection(self, grid: Grid, phi: Stencil, particles: Particles, dt: float) -> None:
         """After step 2: m_i and (m v)_i of every velocity field are complete.
 
@@ -164,10 +173,10 @@ class HookSpecs:
 
     @hookspec
     def stable_timestep(self, state: State) -> tuple[float, str] | None:
-        """Before a step: the largest stable step [s] and its owner, or None if nothing limits it now.
+        """After :meth:`detect`: the largest stable step [s] and its owner, or None if nothing limits it now.
 
-        The least of all answers rules. Asked before every step. May change nothing. A contact strategy that
-        implements it has a first step of 0.8 the length: until it has seen where bodies meet its answer is a guess.
+        The least of all answers rules. Asked in every step, after :meth:`detect`, and once before the first: what has not
+        been detected yet is then taken for granted. May change nothing.
         """
 
     @hookspec

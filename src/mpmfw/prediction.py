@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, Any
 import platformdirs
 
 from mpmfw.clock import STEP_STAGES
-from mpmfw.errors import SimulationError
 
 if TYPE_CHECKING:
     from mpmfw.simulation import Simulation
@@ -64,7 +63,7 @@ class Prediction:
 
 
 def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
-    """Predict the cost of a simulation that has not begun; it is used up: a step of it is taken.
+    """Predict the cost of a simulation that has not begun.
 
     Parameters
     ----------
@@ -107,16 +106,10 @@ def _steps(simulation: Simulation) -> int:
 
 
 def _limits(simulation: Simulation) -> list[tuple[float, str]]:
-    """Stable time steps [s] after one step, when contact has seen where bodies meet.
-
-    Where they do not meet yet, and where that step fails, those that contact takes for granted before it.
-    """
+    """Stable time steps [s] with the contacts of the start; where bodies do not meet yet, those taken for granted."""
     before = simulation.limits()
-    try:
-        with simulation.blaming():
-            simulation.step(simulation.next_step())
-    except SimulationError:
-        return before
+    with simulation.blaming():
+        simulation.detect()
     after = simulation.limits()
     return after if len(after) >= len(before) else before
 

@@ -140,13 +140,13 @@ def _come_to_rest(simulation: Simulation, tolerance: float, max_time: float | No
     transfer = simulation.transfer
     simulation.transfer = replace(transfer, flip=min(transfer.flip, FLIP_SHARE))
     with simulation.extra_plugin(damping := LocalDamping()):
-        simulation.step(simulation.stable_step())
+        simulation.step()
         applied = damping.impulse / state.dt
         residual, below = 1.0, 0
         elapsed = state.time
         while below < STEPS_BELOW and elapsed < limit:
             state.time = 0.0  # loads that change in time stand still at their start
-            simulation.step(simulation.stable_step())
+            simulation.step()
             elapsed += state.dt
             residual = damping.impulse / state.dt / applied if applied > 0.0 else 0.0
             below = below + 1 if residual <= tolerance else 0

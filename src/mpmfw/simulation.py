@@ -25,7 +25,7 @@ from mpmfw.results import Frame, RunHeader
 from mpmfw.settling import settle
 from mpmfw.sizing import remarks_on
 from mpmfw.steppers import SCHEMES
-from mpmfw.steppers.operations import interpolate
+from mpmfw.steppers.operations import apply_moment, interpolate, project_mass_momentum
 from mpmfw.timestep import TimeStep
 from mpmfw.windows import lay_windows
 
@@ -34,11 +34,6 @@ if TYPE_CHECKING:
 
 #: Steps between two reports of progress.
 REPORT_EVERY = 50
-
-
-#: Length of the first step beside a contact with a limit of its own, which takes equal bodies for granted until it has
-#: searched: B-splines turn out to allow 0.86 of that, and springs loaded in too long a step return energy.
-FIRST_STEP = 0.8
 
 
 class Simulation:
@@ -150,13 +145,9 @@ class Simulation:
             return self._time_step.limits(self.hook)
 
     def stable_step(self) -> float:
-        """Length of a step as the limits are now [s]; see :meth:`mpmfw.timestep.TimeStep.next`."""
+        """Length of a step as the limits are [s], with the contacts that were detected last; before the first step, with
+        those that contact takes for granted. See :meth:`mpmfw.timestep.TimeStep.next`."""
         return self._time_step.next(self.hook)
-
-    def next_step(self) -> float:
-        """The same; the first is shorter if contact has a limit, which is a guess until it has seen where bodies meet."""
-        guessed = self.state.steps == 0 and hasattr(self.contact, "stable_timestep")
-        return (FIRST_STEP if guessed and self.scene.time.step is None else 1.0) * self.stable_step()
 
     def _check_supports(self) -> None:
         """Refuse a body whose shape functions reach beyond the grid before it has moved."""
@@ -171,16 +162,28 @@ class Simulation:
     # -- how it runs
     # --------------------------------------------------------------------------------------------------
 
-    def step(self, dt: float) -> None:
-        """One time step of length ``dt`` [s]."""
+    def step(self, dt: float | None = None) -> None:
+        """One time step of length ``dt`` [s]; without it the stable one, chosen when the step's contacts are detected."""
+        self._take_step(self.stable_step if dt is None else lambda: dt)
+
+    def _take_step(self, length: Callable[[], float]) -> None:
+        """One time step; ``length`` is asked for it when the limits are known."""
         state = self.state
         time, steps = state.time, state.steps
         hook = self.hook
         if self._watch:
             hook, self._watch = self._watched_hook, False
-        self._step(state, hook, self.transfer, self.clock, dt)
-        state.dt = dt
-        state.time, state.steps = time + dt, steps + 1
+        state.dt = self._step(state, hook, self.transfer, self.clock, length)
+        state.time, state.steps = time + state.dt, steps + 1
+
+    def detect(self) -> None:
+        """Detect the contacts where the bodies are now, without a step: :meth:`limits` speaks of them then."""
+        phi = interpolate(self.state, self.hook, self.clock)
+        particles, grid = self.state.particles, self.state.grid
+        grid.reset()
+        apply_moment(particles, phi, grid)
+        project_mass_momentum(particles, phi, grid)
+        self.hook.detect(grid=grid, phi=phi, particles=particles)
 
     @contextlib.contextmanager
     def extra_plugin(self, plugin: Any) -> Iterator[None]:
@@ -211,7 +214,7 @@ class Simulation:
             if write is not None:
                 self._output(write, 0.0)
             for _ in range(steps):
-                self.step(self.next_step())
+                self.step()
                 if write is not None:
                     self._output(write, self.state.dt)
         self.clock("output")
@@ -244,10 +247,17 @@ class Simulation:
         """Step to ``target`` [s] exactly, with steps of about equal length."""
         state = self.state
         while state.time < target:
-            remaining = target - state.time
-            steps = max(1, math.ceil(remaining / self.next_step() - 1e-9))
-            self.step(remaining / steps)
-            if steps == 1:
+            last = False
+
+            def length() -> float:
+                nonlocal last
+                remaining = target - state.time
+                steps = max(1, math.ceil(remaining / self.stable_step() - 1e-9))
+                last = steps == 1
+                return remaining / steps
+
+            self._take_step(length)
+            if last:
                 state.time = target
             if progress is not None and state.steps % REPORT_EVERY == 0:
                 progress(state.time, state.steps)

@@ -20,7 +20,7 @@ STEPS = 5
 #: Hooks that one step of each scheme calls, and how often.
 USL = Counter(
     {
-        **dict.fromkeys(("interpolate", "after_momentum_projection", "add_nodal_force"), 1),
+        **dict.fromkeys(("interpolate", "detect", "after_momentum_projection", "add_nodal_force"), 1),
         **dict.fromkeys(("after_momentum_update", "correct_inertia", "constrain_momentum"), 1),
         **dict.fromkeys(("advect", "update_particle_domains", "update_stress", "end_step"), 1),
     }

@@ -142,7 +142,7 @@ class SurfaceSprings(ContactStrategy):
         self.node_stiffness = np.zeros(0)
         self.omega_squared = 0.0
         self.count = 0
-        self.searched = self.begins = False
+        self.searched = False
         self.rows, self.through = np.zeros((3, 2)), np.zeros(3)
 
     @hookimpl
@@ -160,15 +160,20 @@ class SurfaceSprings(ContactStrategy):
         return self.surface.stencil
 
     @hookimpl
-    def add_nodal_force(self, grid: Grid, dt: float) -> None:
-        """Search at x_s(tⁿ), form the pair forces, map them (eq. 9, 11)."""
-        phi = self._table()
+    def detect(self, grid: Grid) -> None:
+        """Search at x_s(tⁿ), and the stiffness and frequency of what is found."""
         before, self.count = self.count, self._search(grid)
+        if self.count:
+            self._stiffness(grid, self._table())
+        elif before > 0:
+            self._part()
+
+    @hookimpl
+    def add_nodal_force(self, grid: Grid, dt: float) -> None:
+        """Form the pair forces, and map them (eq. 9, 11)."""
         if self.count == 0:
-            if before > 0:
-                self._part()
             return
-        self._stiffness(grid, phi)
+        phi = self._table()
         rubbed = self.records.frictional_work.copy()
         self._forces(dt)
         self._losses(self.records.frictional_work - rubbed)
@@ -176,7 +181,7 @@ class SurfaceSprings(ContactStrategy):
 
     def _search(self, grid: Grid) -> int:
         surface, found = self.surface, self.candidates
-        self.begins, self.searched = not self.searched, True
+        self.searched = True
         boxes = self.grid
         bounding_boxes(surface.body_first, surface.position, boxes.box_lower, boxes.box_upper)
         near = search.boxes_touch(
@@ -185,7 +190,6 @@ class SurfaceSprings(ContactStrategy):
         tagged = near and boxes.list_segments(surface, grid, len(self.state.bodies))
         if not tagged and self.count == 0:
             return 0
-        found.swap()
         count = 0
         if tagged:
             count = self._search_tagged(grid)
@@ -289,7 +293,7 @@ class SurfaceSprings(ContactStrategy):
             c.old_master,
             c.old_share,
             c.old_rest,
-            self.begins,
+            self.state.steps == 0,
             c.share,
             c.rest,
             c.stiffness,
@@ -368,6 +372,12 @@ class SurfaceSprings(ContactStrategy):
         # A dashpot that lags by a step takes away from the limit of its spring: 2 (√(1 + ζ²) − ζ) / ω.
         omega_squared /= (math.sqrt(1.0 + zeta * zeta) - zeta) ** 2
         return 2.0 / math.sqrt(self.bulk_frequency**2 + omega_squared), "penalty springs and bulk"
+
+    @hookimpl
+    def end_step(self) -> None:
+        """What was found in this step is the history of the next."""
+        if self.count:
+            self.candidates.swap()
 
     def restart(self) -> None:
         """Forget impulse and work of the settling; springs stay loaded."""

@@ -144,8 +144,8 @@ class SurfaceTracker:
         self.cell_mass[:] = density[surface.body] * setup.cell_size**setup.dim
 
     @hookimpl(tryfirst=True)
-    def after_momentum_projection(self, grid: Grid) -> None:
-        """Fit N_i(x_s) to the nodal masses before anyone maps a force."""
+    def detect(self, grid: Grid) -> None:
+        """Fit N_i(x_s) to the nodal masses before anyone takes a contact from it, or maps a force."""
         phi = self.surface.stencil
         if phi is None:
             raise RuntimeError("the surface's table was not filled")

@@ -5,4 +5,4 @@ from collections.abc import Callable
 from mpmfw.steppers import musl, usf, usl
 
 #: Scheme by name: update stress last, modified update stress last, update stress first.
-SCHEMES: dict[str, Callable[..., None]] = {"usl": usl.step, "musl": musl.step, "usf": usf.step}
+SCHEMES: dict[str, Callable[..., float]] = {"usl": usl.step, "musl": musl.step, "usf": usf.step}

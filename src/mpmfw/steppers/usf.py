@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from mpmfw.clock import Clock
@@ -21,12 +22,12 @@ from mpmfw.steppers.operations import (
 from mpmfw.transfer import Transfer
 
 
-def step(state: State, hook: Any, transfer: Transfer, clock: Clock, dt: float) -> None:
+def step(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Callable[[], float]) -> float:
     """One time step; stress is updated from the projected velocity before the forces are formed.
 
     1. φ_ip, ∇φ_ip
-    2. m_i = Σ φ m,  (m v)_i = Σ φ m (v + C (x_i − x_p)), per velocity field; contact and boundary conditions
-    on it
+    2. m_i = Σ φ m,  (m v)_i = Σ φ m (v + C (x_i − x_p)), per velocity field; contacts are detected, Δt is
+    chosen, contact and boundary conditions act on it
     3. L from it; F ← (1 + Δt L) F, σ(F)
     4. f_i = −Σ V σ·∇φ + f_ext + f_cont                     (eq. 12 of [H17])
     5. (m v)_i += Δt f_i, then velocity-correcting contact, inertia correction, boundary conditions
@@ -41,6 +42,8 @@ def step(state: State, hook: Any, transfer: Transfer, clock: Clock, dt: float) -
     g.reset()
     apply_moment(p, phi, g)
     project_mass_momentum(p, phi, g)  # 2
+    hook.detect(grid=g, phi=phi, particles=p)
+    dt = length()
     hook.after_momentum_projection(grid=g, phi=phi, particles=p, dt=dt)
     hook.constrain_momentum(grid=g, time=state.time)
     finish_velocity(g)
@@ -65,3 +68,4 @@ def step(state: State, hook: Any, transfer: Transfer, clock: Clock, dt: float) -
     hook.advect(grid=g, dt=dt)
     hook.update_particle_domains(particles=p, grid=g, dt=dt)
     hook.end_step(state=state)
+    return dt

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from mpmfw.clock import Clock
@@ -20,11 +21,11 @@ from mpmfw.steppers.operations import (
 from mpmfw.transfer import Transfer
 
 
-def step(state: State, hook: Any, transfer: Transfer, clock: Clock, dt: float) -> None:
+def step(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Callable[[], float]) -> float:
     """One time step; strain and positions follow from one and the same grid velocity, which keeps rotation.
 
     1. φ_ip, ∇φ_ip
-    2. m_i = Σ φ m,  (m v)_i = Σ φ m (v + C (x_i − x_p)), per velocity field
+    2. m_i = Σ φ m,  (m v)_i = Σ φ m (v + C (x_i − x_p)), per velocity field; contacts are detected, Δt is chosen
     3. f_i = −Σ V σ·∇φ + f_ext + f_cont                     (eq. 12 of [H17])
     4. (m v)_i += Δt f_i, then velocity-correcting contact, inertia correction, boundary conditions
     5. v_p, x_p, C_p from the grid; surface nodes move with the same velocity
@@ -39,6 +40,8 @@ def step(state: State, hook: Any, transfer: Transfer, clock: Clock, dt: float) -
     g.reset()
     apply_moment(p, phi, g)
     project_mass_momentum(p, phi, g)  # 2
+    hook.detect(grid=g, phi=phi, particles=p)
+    dt = length()
     hook.after_momentum_projection(grid=g, phi=phi, particles=p, dt=dt)
 
     clock("force")
@@ -60,3 +63,4 @@ def step(state: State, hook: Any, transfer: Transfer, clock: Clock, dt: float) -
     hook.update_particle_domains(particles=p, grid=g, dt=dt)
     hook.update_stress(particles=p, dt=dt)
     hook.end_step(state=state)
+    return dt

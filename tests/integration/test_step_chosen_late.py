@@ -1,0 +1,62 @@
+"""The length of a step is chosen from the contacts of that step, and to look at them changes nothing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from contact_scenes import disc, impact, scene
+from mpmfw.prediction import predict
+from mpmfw.simulation import Simulation
+
+
+def discs(**keys):
+    """Two discs that meet within a few steps, and fast."""
+    return scene(
+        {
+            "left": disc([-0.32, 0.05], 0.3, velocity=[3.0, 0.0]),
+            "right": disc([0.31, -0.05], 0.3, velocity=[-3.0, 0.0], kind="stiff"),
+        },
+        **keys,
+    )
+
+
+@pytest.mark.parametrize("scheme", ["usl", "musl", "usf"])
+def test_every_step_is_within_the_limit_of_its_own_contacts(scheme):
+    simulation = Simulation(discs(stepping={"scheme": scheme}), contact="penalty(kappa=4)")
+    simulation.start()
+    shorter = 0
+    for _ in range(60):
+        before = simulation.stable_step()
+        simulation.step()
+        own = simulation.stable_step()  # the contacts that were detected last are those of the step
+        assert simulation.state.dt == own
+        shorter += own < 0.99 * before and simulation.state.steps > 1
+    assert shorter > 0  # springs met that the step before did not know
+
+
+def test_the_first_step_has_the_length_of_the_others():
+    simulation = Simulation(impact(gap=0.0, speed=0.0, slide=0.0), contact="penalty")
+    simulation.start()
+    simulation.step()
+    first = simulation.state.dt
+    simulation.step()
+    assert first == pytest.approx(simulation.state.dt, rel=1e-6)
+
+
+@pytest.mark.parametrize("contact", ["penalty", "hamad2017", "bardenhagen"])
+def test_to_detect_again_changes_nothing(contact):
+    def run(again):
+        simulation = Simulation(discs(), contact=contact)
+        if again:
+            predict(simulation, [])
+        simulation.start()
+        for _ in range(40):
+            for _ in range(again):
+                simulation.detect()
+            simulation.step()
+        p = simulation.state.particles
+        return p.position, p.velocity, p.stress
+
+    for once, twice in zip(run(0), run(1), strict=True):
+        np.testing.assert_array_equal(once, twice)
