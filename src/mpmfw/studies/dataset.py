@@ -9,6 +9,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from mpmfw.campaigns.judging import Judge, Judgement
+from mpmfw.campaigns.outcome import COSTS, Cost, Outcome
+from mpmfw.campaigns.running import counted
 from mpmfw.clock import STEP_STAGES
 from mpmfw.discovery import load
 from mpmfw.fields import FloatArray
@@ -16,18 +19,15 @@ from mpmfw.joining import STEPPING
 from mpmfw.results.provenance import provenance
 from mpmfw.scene import Scene
 from mpmfw.studies.grid import Grid, Index
-from mpmfw.studies.judging import Judge, Judgement
 from mpmfw.studies.loading import Study
 from mpmfw.studies.pareto import front
-from mpmfw.studies.schedule import counted
-from mpmfw.studies.store import COSTS, Cost, Record
 
 
 def assemble(
     study: Study,
     grid: Grid,
     judge: Judge,
-    records: Mapping[Index, Record | None],
+    records: Mapping[Index, Outcome | None],
     judgements: Mapping[Index, Judgement],
     exclusive: bool,
 ) -> xr.Dataset:
@@ -188,7 +188,7 @@ def _stages(
     return xr.DataArray(times, dims=(*grid.coords, "stage"), coords=coords, attrs=attributes)
 
 
-def _status(grid: Grid, index: Index, record: Record | None) -> str:
+def _status(grid: Grid, index: Index, record: Outcome | None) -> str:
     if record is not None:
         return record.status
     one = grid.combinations[index]
@@ -216,7 +216,7 @@ def _front(grid: Grid, dataset: xr.Dataset) -> xr.DataArray:
 
 
 def _attributes(
-    study: Study, grid: Grid, judge: Judge, records: Mapping[Index, Record | None], marks: set[str]
+    study: Study, grid: Grid, judge: Judge, records: Mapping[Index, Outcome | None], marks: set[str]
 ) -> dict[str, Any]:
     tables = study.tables
     notes = {
