@@ -11,11 +11,13 @@ import xarray as xr
 
 from mpmfw.campaigns.campaign import campaign, store_of
 from mpmfw.campaigns.grid import label_of
+from mpmfw.campaigns.measures import MEASURES, About, measure_of
 from mpmfw.campaigns.running import Progress, Repeats
 from mpmfw.discovery import Kind
 from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.references import reference_of
 from mpmfw.results.replacing import check_replaceable, replace_dataset
-from mpmfw.scene.loading import plain
+from mpmfw.scene.loading import load_scene, plain
 from mpmfw.scene.requested import check_methods_run, check_requested
 from mpmfw.scene.specification import called, known_specification, parse_specification
 from mpmfw.scene.toml_text import value_text
@@ -36,7 +38,7 @@ def compare(
     executor: Any = None,
     store: str | os.PathLike[str] | None = None,
     repeats: Repeats = "auto",
-    measures: Iterable[str] = (),
+    measures: Iterable[str] | None = None,
 ) -> xr.Dataset:
     """Run a scene with every combination of contact and shape (and varied keys) and join what they give.
 
@@ -63,7 +65,7 @@ def compare(
     force
         Begin runs past the limits of steps and frames, as ``mpmfw.run`` does.
     jobs, executor, store, repeats, measures
-        As :func:`mpmfw.campaign` takes them.
+        As :func:`mpmfw.campaign` takes them; without measures those of which the scene has a closed form or a reference.
 
     Returns
     -------
@@ -88,6 +90,9 @@ def compare(
     _check(methods, set or {}, varied)
     path = None if output is None else os.path.abspath(_writable(os.fspath(output)))
 
+    known = _known_measures(scene, methods, set or {}) if measures is None else list(measures)
+    particles = any(measure_of(name).particles for name in known)
+
     def grown(dataset: xr.Dataset) -> None:
         if path is not None and dataset["steps"].notnull().any():
             _write(dataset, path)
@@ -96,12 +101,12 @@ def compare(
         dataset = campaign(
             scene,
             {**methods, **varied},
-            set={"output.particles": False, **(set or {})},
+            set={"output.particles": particles, **(set or {})},
             store=store if store is not None else store_of(path),
             executor=executor,
             jobs=jobs,
             repeats=repeats,
-            measures=measures,
+            measures=known,
             progress=progress,
             report=report,
             force=force,
@@ -116,6 +121,19 @@ def compare(
     if path is not None:
         _write(dataset, path)
     return dataset
+
+
+def _known_measures(scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str, Any]) -> list[str]:
+    """Measures that the scene can be judged by, but for those that a report reads off the series itself."""
+    named = {f"{kind}.method": chosen[0] for kind, chosen in methods.items() if isinstance(chosen[0], str)}
+    try:
+        loaded = load_scene(scene, set={**shared, **named})
+    except SceneError:
+        return []  # the campaign says so, if no combination can run
+    if reference_of({"scene": loaded.text}) is not None:
+        return []
+    exact = {name: one.exact(loaded, About()) for name, one in MEASURES.items() if one.kind != "curve"}
+    return [name for name, known in exact.items() if known is not None]
 
 
 def _write(dataset: xr.Dataset, path: str) -> None:

@@ -148,7 +148,7 @@ def dataset_of(grid: Grid, store: Store, executor: Executor) -> xr.Dataset:
     keys = {dim: key for dim, key in grid.keys.items() if key not in ("contact", "shape")}
     dataset = join(grid.coords, statuses, trees, {i: outcome.notes for i, outcome in known.items()}, keys)
     costs = {index: outcome.costs for index, outcome in known.items() if outcome.costs}
-    return _with_costs(dataset, tuple(grid.coords), costs).assign_attrs(_conditions(costs, executor))
+    return _with_costs(dataset, tuple(grid.coords), costs).assign_attrs(conditions(costs, executor.cores))
 
 
 def _with_costs(
@@ -177,12 +177,12 @@ def _with_costs(
     )
 
 
-def _conditions(costs: Mapping[Index, Sequence[Cost]], executor: Executor) -> dict[str, str]:
+def conditions(costs: Mapping[Index, Sequence[Cost]], cores: str) -> dict[str, str]:
     """Under which conditions costs were measured."""
     every = [cost for many in costs.values() for cost in many]
     return {
         "processor": ", ".join(sorted({cost.machine for cost in every if cost.machine})),
-        "cores": executor.cores,
+        "cores": cores,
         "timing": timing_of(every),
     }
 

@@ -15,7 +15,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 import xarray as xr
 
-from mpmfw.analysis import fitted_acceleration, impulse, value_at
+from mpmfw.analysis import fitted_acceleration, force_noise, impulse, value_at
 from mpmfw.campaigns.exact import Exact, column, incline, rings
 from mpmfw.discovery import did_you_mean
 from mpmfw.errors import SceneError
@@ -233,6 +233,16 @@ def spin(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     series = run["series"].to_dataset()
     omega = series["angular_velocity"].sel(body=body_of(scene, about)).isel(rotation=-1).values
     return _number(value_at(series["time"].values, omega, _until(scene)))
+
+
+@measure("force-noise", "1", "number", ("pair",))
+def noise_of_force(run: xr.DataTree, scene: Scene, about: About) -> Measured:
+    """Noise of the contact force of a pair: what its mean over 20 output intervals leaves out, of that mean, by rms."""
+    series = run["series"].to_dataset()
+    if "contact_force" not in series:
+        return _number(np.nan)
+    force = series["contact_force"].sel(pair=pair_of(scene, about)).transpose("time", "axis").values
+    return _number(force_noise(series["time"].values, force))
 
 
 # -- curves

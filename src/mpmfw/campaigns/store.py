@@ -105,20 +105,17 @@ class Store:
             young = days is None or now - path.stat().st_mtime <= 86400.0 * days
             if young and takes(found.code):
                 keep.add(found.key)
-        forgotten, freed = set(), 0
-        for path in sorted(self.folder.glob("*")) + sorted(self.folder.glob(".*.part")):
-            growing = path.name.startswith(".") or path.suffix not in (".json", ".nc")
-            old = now - path.stat().st_mtime > _ABANDONED
-            if path.stem in keep or (growing and not (path.suffix == ".part" and old)):
-                continue
-            if path.suffix == ".nc" and not path.with_suffix(".json").exists() and not old:
-                continue  # its other half is on the way
-            freed += path.stat().st_size
-            if path.suffix == ".json":
-                forgotten.add(path.stem)
-            path.unlink(missing_ok=True)
+        known = {path.stem for path in self.folder.glob("*.json")}
+        freed = 0
+        for path in sorted(self.folder.iterdir()):
+            abandoned = now - path.stat().st_mtime > _ABANDONED
+            half = path.suffix == ".part" or (path.suffix == ".nc" and path.stem not in known)
+            whole = path.suffix in (".json", ".nc") and path.stem in known - keep
+            if whole or (half and abandoned):
+                freed += path.stat().st_size
+                path.unlink(missing_ok=True)
         self._known.clear()
-        return len(forgotten), freed
+        return len(known - keep), freed
 
     def _path(self, key: str, ending: str) -> Path:
         return self.folder / f"{key}.{ending}"

@@ -123,7 +123,7 @@ def _print(dataset: xr.Dataset) -> None:
     chosen = [name for name in ("scheme", "transfer") if name not in dims and name in dataset]
     for dim in (*dims, *chosen):
         table.add_column(dim.replace("_", " "), overflow="fold")
-    for head in ("error\n[%]", "CPU\n[s]", "±\n[s]", "steps", "front"):
+    for head in ("error\n[%]", "noise\n[%]", "CPU\n[s]", "±\n[s]", "steps", "front"):
         table.add_column(Text(head), justify="right", no_wrap=True)
     for before, row in zip([None, *found], found, strict=False):
         if before is not None and before[dims[0]] != row[dims[0]]:
@@ -139,7 +139,7 @@ def _print(dataset: xr.Dataset) -> None:
 
 def _cells(row: Mapping[str, Any]) -> list[str]:
     """Error in per cent, costs, steps, and a mark on the front; a dash for what is not known."""
-    numbers = (100.0 * row["error"], row["cpu_time"], row["cpu_time_spread"])
-    texts = [f"{number:.{digits}g}" for number, digits in zip(numbers, (3, 3, 2), strict=True)]
+    numbers = (100.0 * row["error"], 100.0 * row["noise"], row["cpu_time"], row["cpu_time_spread"])
+    texts = [f"{number:.{digits}g}" for number, digits in zip(numbers, (3, 2, 3, 2), strict=True)]
     texts.append(f"{row['steps']:.0f}")
     return ["–" if text == "nan" else text for text in texts] + ["●" if row["pareto"] else ""]

@@ -13,6 +13,7 @@ import xarray as xr
 
 from mpmfw.campaigns.executors import executor_of
 from mpmfw.campaigns.judging import Judge
+from mpmfw.campaigns.measures import About, measure_of
 from mpmfw.campaigns.outcome import Outcome
 from mpmfw.campaigns.running import Progress, complete, resumable
 from mpmfw.campaigns.store import Store
@@ -131,8 +132,17 @@ def _dataset(study: Study, grid: Grid, judge: Judge, store: Store, exclusive: bo
     for index, one in outcomes.items():
         for note in one.notes if one is not None else ():
             warnings.warn(f"{grid.combinations[index].name}: {note}", ResultsWarning, stacklevel=3)
-    dataset = assemble(study, grid, judge, outcomes, judgements, exclusive)
-    return dataset.assign_attrs(cores=cores)
+    noise = {index: _noise(store, grid, index) for index, ok in succeeded.items() if ok}
+    return assemble(study, grid, judge, outcomes, judgements, noise, exclusive, cores)
+
+
+def _noise(store: Store, grid: Grid, index: Index) -> float:
+    """Noise of the contact force of a run; NaN of a scene without."""
+    one = grid.combinations[index]
+    tree = store.results(one.key)
+    if tree is None or one.scene is None or not one.scene.pairs:
+        return float("nan")
+    return float(measure_of("force-noise").of(tree, one.scene, About()).values[0])
 
 
 def relative_error(given: float | str) -> float:
