@@ -5,8 +5,8 @@ from __future__ import annotations
 import copy
 from typing import Any
 
+from mpmfw.campaigns.judging import Judge
 from mpmfw.studies.grid import Grid, make_grid
-from mpmfw.studies.judging import Judge
 from mpmfw.studies.loading import load_study
 from scenes_for_tests import SOFT
 
@@ -50,4 +50,4 @@ def judge_of(study: Any) -> tuple[Judge, Grid]:
     """All that is checked before the first run."""
     loaded = load_study(study)
     grid = make_grid(loaded)
-    return Judge(loaded, grid), grid
+    return Judge(loaded.tables.error, grid, loaded.at, loaded.beside), grid

@@ -13,6 +13,7 @@ from mpmfw._version import __version__
 
 if TYPE_CHECKING:
     from mpmfw import plots
+    from mpmfw.campaigns.campaign import campaign
     from mpmfw.comparison import compare
     from mpmfw.notebook import field, gap, history, pareto, table
     from mpmfw.paraview import export
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "animate": "mpmfw.plots",
+    "campaign": "mpmfw.campaigns.campaign",
     "compare": "mpmfw.comparison",
     "export": "mpmfw.paraview",
     "field": "mpmfw.notebook",
@@ -40,6 +42,7 @@ _MODULES = {
 __all__ = [
     "__version__",
     "animate",
+    "campaign",
     "compare",
     "export",
     "field",

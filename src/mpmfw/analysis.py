@@ -155,6 +155,37 @@ def running_average(time: FloatArray, force: FloatArray, window: float) -> Float
     return averaged(time, impulse(time, force), window)
 
 
+#: Output intervals of the mean against which the noise of a force is told.
+NOISE_WINDOW = 20
+
+
+def force_noise(time: FloatArray, force: FloatArray, window: float | None = None) -> float:
+    """Share of a contact force that is noise: rms of the force less its running mean, over the rms of that mean.
+
+    Parameters
+    ----------
+    time
+        (time,) [s].
+    force
+        (time,) or (time, axis) [N/m]: means over the output intervals.
+    window
+        Of the mean [s]; :data:`NOISE_WINDOW` output intervals by default.
+
+    Returns
+    -------
+    float
+        NaN where there is no force, or not twice the window of it.
+    """
+    known = np.isfinite(np.atleast_2d(force.T).T).all(axis=1)
+    if known.sum() < 2 * NOISE_WINDOW:
+        return float("nan")
+    time, force = time[known], force[known].reshape(int(known.sum()), -1)
+    span = NOISE_WINDOW * float(np.median(np.diff(time))) if window is None else window
+    mean = np.stack([running_average(time, one, span) for one in force.T], axis=1)
+    size = float(np.mean(mean**2))
+    return float(np.sqrt(np.mean((force - mean) ** 2) / size)) if size > 0.0 else float("nan")
+
+
 def relative_l2(time: FloatArray, values: FloatArray, reference: FloatArray) -> float:
     """‖values - reference‖ / ‖reference‖ in L2 over the time; NaN if a value is."""
     return float(np.sqrt(np.trapezoid((values - reference) ** 2, time) / np.trapezoid(reference**2, time)))

@@ -2,36 +2,25 @@
 
 from __future__ import annotations
 
-import functools
-import itertools
-import logging
 import os
 import re
-import signal
-import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import xarray as xr
 
-from mpmfw.discovery import Kind, available, distribution_of
-from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, SimulationError
-from mpmfw.interruption import interruptible
-from mpmfw.joining import Outcome, join
-from mpmfw.scene.loading import plain
+from mpmfw.campaigns.campaign import campaign, store_of
+from mpmfw.campaigns.grid import label_of
+from mpmfw.campaigns.measures import MEASURES, About, measure_of
+from mpmfw.campaigns.running import Progress, Repeats
+from mpmfw.discovery import Kind
+from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.references import reference_of
+from mpmfw.results.replacing import check_replaceable, replace_dataset
+from mpmfw.scene.loading import load_scene, plain
 from mpmfw.scene.requested import check_methods_run, check_requested
 from mpmfw.scene.specification import called, known_specification, parse_specification
 from mpmfw.scene.toml_text import value_text
-
-_log = logging.getLogger("mpmfw")
-
-
-@dataclass(frozen=True)
-class _Method:
-    label: str
-    value: Any  # a name or a configured strategy object
 
 
 def compare(
@@ -41,10 +30,15 @@ def compare(
     vary: Mapping[str, Sequence[Any]] | None = None,
     *,
     output: str | os.PathLike[str] | None = None,
-    progress: Any = None,
+    progress: Progress | None = None,
+    report: Callable[[float, int], None] | None = None,
     set: Mapping[str, Any] | None = None,
-    runner: Callable[..., xr.DataTree] | None = None,
     force: bool = False,
+    jobs: int | None = 1,
+    executor: Any = None,
+    store: str | os.PathLike[str] | None = None,
+    repeats: Repeats = "auto",
+    measures: Iterable[str] | None = None,
 ) -> xr.Dataset:
     """Run a scene with every combination of contact and shape (and varied keys) and join what they give.
 
@@ -60,17 +54,18 @@ def compare(
         Scene keys and their values, such as ``{"grid.cell_size": [0.4, 0.2]}``; the key's last part names the
         dimension. Values that are not all numbers or all texts, such as vectors, are labelled by their text.
     output
-        NetCDF file to write. It is brought up to date after every run, so that a comparison that is broken
-        off keeps what it has.
-    progress
-        Handed to every run.
+        NetCDF file to write, brought up to date after every run; it replaces nothing but another comparison. Finished runs
+        are kept in the folder ``<output>.runs`` beside it: one that was broken off, or is changed, takes what still applies.
+    progress, report
+        Called with an :class:`mpmfw.campaigns.running.Event` after every run, and as ``mpmfw.run`` calls its ``progress``
+        within runs that take place in this process.
     set
         Scene keys that all runs share. Particle frames are off unless ``output.particles`` is set here: a
         comparison keeps the series and the first and last outlines.
-    runner
-        Stands in for ``mpmfw.run``, with its signature.
     force
         Begin runs past the limits of steps and frames, as ``mpmfw.run`` does.
+    jobs, executor, store, repeats, measures
+        As :func:`mpmfw.campaign` takes them; without measures those of which the scene has a closed form or a reference.
 
     Returns
     -------
@@ -84,7 +79,7 @@ def compare(
     SceneError
         The request as a whole is wrong: a misspelt plug-in, a method or value given twice, a key that chooses
         a method, is both set and varied or belongs to a method that does not run, a scene that no combination
-        can run.
+        can run; or the output is a file of another kind.
     MpmfwError
         The output cannot be written.
     Interrupted
@@ -93,129 +88,82 @@ def compare(
     methods = {"contact": _methods("contact", contact), "shape": _methods("shape", shape)}
     varied = dict(vary or {})
     _check(methods, set or {}, varied)
-    names = _dimension_names(varied)
-    coords = {kind: [method.label for method in chosen] for kind, chosen in methods.items()}
-    coords |= {names[key]: _value_labels(key, values) for key, values in varied.items()}
-    keys = {names[key]: key for key in varied}
     path = None if output is None else os.path.abspath(_writable(os.fspath(output)))
-    run = runner or _run()
-    if force:
-        run = functools.partial(run, force=True)
-    shared = {"output.particles": False, **(set or {})}
-    outcomes: dict[tuple[int, ...], Outcome] = {}
-    refusals: list[SceneError] = []
-    with interruptible():
-        for index in itertools.product(*(range(len(values)) for values in coords.values())):
-            chosen_values = {
-                key: values[i] for (key, values), i in zip(varied.items(), index[2:], strict=True)
-            }
-            choice = (methods["contact"][index[0]].value, methods["shape"][index[1]].value)
-            label = "/".join(str(values[i]) for values, i in zip(coords.values(), index, strict=True))
-            try:
-                with _collected(label) as notes:
-                    outcome = _outcome(
-                        run, scene, choice, {**shared, **chosen_values}, progress, refusals, varied
-                    )
-            except KeyboardInterrupt as error:
-                raise Interrupted(getattr(error, "number", signal.SIGINT), _kept(outcomes, path)) from None
-            outcomes[index] = outcome = replace(outcome, notes=tuple(notes))
-            if path is not None and outcome.tree is not None:
-                _save(join(coords, outcomes, keys), path)
-    if len(refusals) == len(outcomes):
-        raise refusals[0]
-    dataset = join(coords, outcomes, keys)
+
+    known = _known_measures(scene, methods, set or {}) if measures is None else list(measures)
+    particles = any(measure_of(name).particles for name in known)
+
+    def grown(dataset: xr.Dataset) -> None:
+        if path is not None and dataset["steps"].notnull().any():
+            _write(dataset, path)
+
+    try:
+        dataset = campaign(
+            scene,
+            {**methods, **varied},
+            set={"output.particles": particles, **(set or {})},
+            store=store if store is not None else store_of(path),
+            executor=executor,
+            jobs=jobs,
+            repeats=repeats,
+            measures=known,
+            progress=progress,
+            report=report,
+            force=force,
+            grown=grown,
+        )
+    except SceneError as error:
+        names = {kind: f"{kind} {label_of(chosen[0])}" for kind, chosen in methods.items()}
+        raise SceneError(_named(str(error), varied, names)) from error
+    for index in zip(*(dataset["status"].values != "ok").nonzero(), strict=True):
+        names = {kind: f"{kind} {dataset[kind].values[index[k]]}" for k, kind in enumerate(methods)}
+        dataset["status"].values[index] = _named(dataset["status"].values[index], varied, names)
     if path is not None:
-        _save(dataset, path)
+        _write(dataset, path)
     return dataset
 
 
-def _kept(outcomes: Mapping[tuple[int, ...], Outcome], path: str | None) -> str:
-    """What an interrupted comparison leaves."""
-    done = sum(outcome.tree is not None for outcome in outcomes.values())
-    kept = f"{path} keeps the {done} runs that were done" if path is not None and done else "nothing is kept"
-    return f"interrupted: {kept}; the comparison begins anew if it is started again"
-
-
-def _outcome(
-    run: Callable[..., xr.DataTree],
-    scene: Any,
-    choice: tuple[Any, Any],
-    overrides: Mapping[str, Any],
-    progress: Any,
-    refusals: list[SceneError],
-    varied: Iterable[str],
-) -> Outcome:
-    """Run one combination and say how it went; only what the user broke off is raised."""
-    contact, shape = choice
+def _known_measures(scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str, Any]) -> list[str]:
+    """Measures that the scene can be judged by, but for those that a report reads off the series itself."""
+    named = {f"{kind}.method": chosen[0] for kind, chosen in methods.items() if isinstance(chosen[0], str)}
     try:
-        apart = {"apart": True} if _is_strange(contact, shape) else {}
-        tree = run(
-            scene, contact=contact, shape=shape, output=None, progress=progress, set=overrides, **apart
-        )
-    except SceneError as error:
-        refusals.append(_named(error, varied, {"contact": contact, "shape": shape}))
-        return Outcome(f"refused: {refusals[-1]}")
-    except SimulationError as error:
-        return Outcome(f"failed: {error}", getattr(error, "results", None))
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:  # a stranger's method may raise anything, hours into a comparison
-        _log.exception("contact %r with shape %r failed", contact, shape)
-        return Outcome(f"failed: {type(error).__name__}: {error}")
-    return Outcome(str(tree.attrs.get("status", "ok")), tree)
+        loaded = load_scene(scene, set={**shared, **named})
+    except SceneError:
+        return []  # the campaign says so, if no combination can run
+    if reference_of({"scene": loaded.text}) is not None:
+        return []
+    exact = {name: one.exact(loaded, About()) for name, one in MEASURES.items() if one.kind != "curve"}
+    return [name for name, known in exact.items() if known is not None]
 
 
-def _is_strange(contact: Any, shape: Any) -> bool:
-    """Whether a plug-in that is not mpmfw's own runs, which may bring down its process; objects cannot leave this one."""
-    chosen: tuple[tuple[Kind, Any], ...] = (("contact", contact), ("shape", shape))
-    if not all(isinstance(method, str) for _, method in chosen):
-        return False
-    names = [(kind, parse_specification(method).name) for kind, method in chosen]
-    entries = [available(kind)[name] for kind, name in names if name in available(kind)]
-    return any(distribution_of(entry) != "mpmfw" for entry in entries)
+def _write(dataset: xr.Dataset, path: str) -> None:
+    packed = dataset.copy()
+    for array in packed.data_vars.values():
+        array.encoding = {"zlib": True, "complevel": 1} if array.dtype.kind == "f" else {}
+    replace_dataset(packed, path)
 
 
-def _named(error: SceneError, varied: Iterable[str], methods: Mapping[str, Any]) -> SceneError:
-    """The error with methods and the keys that are varied called so: to a run they are set as others are."""
-    text = called(str(error), {kind: f"{kind} {method}" for kind, method in methods.items()})
+def _named(message: str, varied: Iterable[str], methods: Mapping[str, str]) -> str:
+    """The message with methods and the keys that are varied called so: to a run they are set as others are."""
+    begin, text = (
+        ("refused: ", message.removeprefix("refused: ")) if message.startswith("refused: ") else ("", message)
+    )
+    text = called(text, methods)
     for key in varied:
         text = re.sub(rf"^--set (?={re.escape(key)}(?::|$))", "--vary ", text, flags=re.MULTILINE)
-    return error if text == str(error) else SceneError(text)
+    return begin + text
 
 
-@contextmanager
-def _collected(label: str) -> Iterator[list[str]]:
-    """Collect what a run wants its reader to know, and say whose it is; other warnings are shown as ever."""
-    notes: list[str] = []
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.filterwarnings("always", category=ResultsWarning)
-        yield notes
-    for warning in caught:
-        if issubclass(warning.category, ResultsWarning):
-            notes.append(str(warning.message))
-            warnings.warn(f"{label}: {warning.message}", ResultsWarning, stacklevel=4)
-        else:
-            warnings.showwarning(warning.message, warning.category, warning.filename, warning.lineno)
-
-
-def _methods(kind: Kind, chosen: Sequence[Any]) -> list[_Method]:
-    """Label methods uniquely; a name that is not installed is an error at once."""
+def _methods(kind: Kind, chosen: Sequence[Any]) -> list[Any]:
+    """Methods, names in the one way of writing that labels have; a name that is not installed is an error at once."""
     if isinstance(chosen, str) or len(chosen) == 0:
         raise SceneError(f"{kind}: expected a list of at least one method, got {chosen!r}")
-    methods: list[_Method] = []
-    for k, method in enumerate(chosen):
-        base = _known(kind, method) if isinstance(method, str) else _label(method)
-        if any(
-            method is other
-            or (isinstance(method, str) and isinstance(other, str) and base == _known(kind, other))
-            for other in chosen[:k]
-        ):
-            raise SceneError(f"{kind}: {base} is given twice")
-        label, count = base, 1
-        while any(other.label == label for other in methods):
-            count += 1
-            label = f"{base}#{count}"
-        methods.append(_Method(label, base if isinstance(method, str) else method))
+    methods = [_known(kind, one) if isinstance(one, str) else one for one in chosen]
+    for k, method in enumerate(methods):
+        if any(method is other or (isinstance(method, str) and method == other) for other in methods[:k]):
+            raise SceneError(
+                f"{kind}: {method if isinstance(method, str) else label_of(method)} is given twice"
+            )
     return methods
 
 
@@ -227,20 +175,16 @@ def _known(kind: Kind, text: str) -> str:
         raise SceneError(f"{kind} {error}") from error
 
 
-def _label(method: Any) -> str:
-    """What tables and figures call a method; a formula between two $ would be set, and one that is none fails the figure."""
-    given = str(getattr(method, "label", None) or getattr(method, "name", None) or type(method).__name__)
-    return "".join(c for c in given.replace("$", "") if c.isprintable())
-
-
 def _check(
-    methods: Mapping[str, Sequence[_Method]], shared: Mapping[str, Any], varied: Mapping[str, Any]
+    methods: Mapping[str, Sequence[Any]], shared: Mapping[str, Any], varied: Mapping[str, Any]
 ) -> None:
     """Refuse keys that choose methods, have no effect on those that run, or take each other's place."""
-    names = {kind: [_plugin(one.value) for one in chosen] for kind, chosen in methods.items()}
+    names = {kind: [_plugin(one) for one in chosen] for kind, chosen in methods.items()}
     check_requested(shared, varied)
     check_methods_run(shared, names, "set")
     check_methods_run(varied, names, "vary")
+    for key, values in varied.items():
+        _check_values(key, values)
 
 
 def _plugin(method: Any) -> str:
@@ -249,8 +193,8 @@ def _plugin(method: Any) -> str:
     return str(getattr(method, "name", type(method).__name__))
 
 
-def _value_labels(key: str, values: Sequence[Any]) -> list[Any]:
-    """The values of a varied key as coordinates; text where they are not of one scalar type.
+def _check_values(key: str, values: Sequence[Any]) -> None:
+    """Ask for a list of values, each once.
 
     Raises
     ------
@@ -261,36 +205,14 @@ def _value_labels(key: str, values: Sequence[Any]) -> list[Any]:
         raise SceneError(f"vary {key}: expected a list of values, got {values!r}")
     if len(values) == 0:
         raise SceneError(f"vary: {key} has no values")
-    labels = [plain(value) for value in values]
-    of_one_type = any(
-        all(
-            isinstance(label, kinds) and not (kinds != (bool,) and isinstance(label, bool))
-            for label in labels
-        )
-        for kinds in ((bool,), (int, float), (str,))
-    )
-    if not of_one_type:
-        labels = [label if isinstance(label, str) else value_text(label) for label in labels]
-    for k, label in enumerate(labels):
-        if label in labels[:k]:
-            raise SceneError(f"vary {key}: {label} is given twice")
-    return labels
-
-
-def _dimension_names(varied: Mapping[str, Sequence[Any]]) -> dict[str, str]:
-    """Name each varied key's dimension by its last part, or by the whole where that is taken."""
-    last = [key.rpartition(".")[2] for key in varied]
-    taken = {"contact", "shape", "time", "body", "pair", "axis", "rotation", "stage", "frame"}
-    return {
-        key: name if last.count(name) == 1 and name not in taken else key.replace(".", "_")
-        for key, name in zip(varied, last, strict=True)
-    }
-
-
-def _run() -> Callable[..., xr.DataTree]:
-    from mpmfw.runs import run  # here, so that the import of one does not need the other
-
-    return run
+    plainly = [plain(value) for value in values]
+    for k, value in enumerate(plainly):
+        if any(
+            value == other and isinstance(value, bool) == isinstance(other, bool) for other in plainly[:k]
+        ):
+            raise SceneError(
+                f"vary {key}: {value if isinstance(value, str) else value_text(value)} is given twice"
+            )
 
 
 def _writable(path: str) -> str:
@@ -300,19 +222,5 @@ def _writable(path: str) -> str:
         raise MpmfwError(f"cannot create '{path}': there is no folder '{folder}'")
     if not os.access(folder, os.W_OK) or os.path.isdir(path):
         raise MpmfwError(f"cannot create '{path}': not writable")
+    check_replaceable(path, "compare", "comparison")
     return path
-
-
-def _save(dataset: xr.Dataset, path: str) -> None:
-    """Replace the file in one step: readers see the old one or the new one, whole."""
-    growing = f"{path}.part"
-    packed = {
-        str(name): {"zlib": True, "complevel": 1}
-        for name, array in dataset.data_vars.items()
-        if array.dtype.kind == "f"
-    }
-    try:
-        dataset.to_netcdf(growing, engine="netcdf4", encoding=packed)
-        os.replace(growing, path)
-    except OSError as error:
-        raise MpmfwError(f"cannot write '{path}': {error}") from error

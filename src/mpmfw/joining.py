@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -22,7 +21,7 @@ COSTS: tuple[tuple[str, str, str], ...] = (
     (
         "peak_memory",
         "B",
-        "largest resident memory of the process during the run (Linux; elsewhere since its start)",
+        "largest resident memory of a process that did this run alone; NaN where it had done others before",
     ),
     ("settle_time", "s", "CPU time of settling"),
     ("output_time", "s", "CPU time of output"),
@@ -40,28 +39,23 @@ STEPPING: tuple[tuple[str, str], ...] = (
 _OF_ONE_RUN = {"contact", "shape", "effects", "plugins", "status", "kind", "surface_nodes"}
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """How one combination went, what it wrote, if anything, and what its reader must know."""
-
-    status: str
-    tree: xr.DataTree | None = None
-    notes: tuple[str, ...] = ()
-
-
 def join(
     coords: Mapping[str, Sequence[Any]],
-    outcomes: Mapping[tuple[int, ...], Outcome],
-    varied: Mapping[str, str] | None = None,
+    statuses: Mapping[tuple[int, ...], str],
+    trees: Mapping[tuple[int, ...], xr.DataTree],
+    notes: Mapping[tuple[int, ...], Sequence[str]],
+    varied: Mapping[str, str],
 ) -> xr.Dataset:
-    """Join the outcomes of a grid of runs.
+    """Join the runs of a grid.
 
     Parameters
     ----------
     coords
         Values of the new dimensions, in their order.
-    outcomes
+    statuses
         For each index into them how it went; combinations that are not there have the status "not run".
+    trees, notes
+        What runs wrote, and what their reader must know.
     varied
         Full keys of the dimensions that are varied keys of the scene, kept as the attribute ``varied``.
 
@@ -70,11 +64,10 @@ def join(
     xarray.Dataset
         Series, costs, costs by stage, status and first and last outlines over the new dimensions.
     """
-    trees = {index: outcome.tree for index, outcome in outcomes.items() if outcome.tree is not None}
     lead, shape = tuple(coords), tuple(len(values) for values in coords.values())
     status = np.full(shape, "not run", dtype=object)
-    for index, outcome in outcomes.items():
-        status[index] = outcome.status
+    for index, said in statuses.items():
+        status[index] = said
     dataset = xr.Dataset(coords={name: list(values) for name, values in coords.items()})
     dataset["status"] = (lead, status, {"long_name": "ok, or why there is no complete result"})
     dataset = dataset.assign(_stepping(coords, trees))
@@ -83,9 +76,11 @@ def join(
     dataset.attrs = _attributes(coords, trees)
     if varied:
         dataset.attrs["varied"] = json.dumps(dict(varied))
-    notes = {"/".join(map(str, _choice(coords, index))): outcome.notes for index, outcome in outcomes.items()}
-    if any(notes.values()):
-        dataset.attrs["notes"] = json.dumps({label: said for label, said in notes.items() if said})
+    told = {
+        "/".join(map(str, _choice(coords, index))): list(words) for index, words in notes.items() if words
+    }
+    if told:
+        dataset.attrs["notes"] = json.dumps(told)
     return dataset
 
 

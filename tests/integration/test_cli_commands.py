@@ -63,6 +63,10 @@ sides = [{ side = "bottom", fixed = true }]
 LEAD = ("contact", "shape")
 DIMS = {
     "status": LEAD,
+    "cpu_time_repeat": (*LEAD, "repeat"),
+    "cpu_time_spread": LEAD,
+    "repeats": LEAD,
+    "load": LEAD,
     "scheme": LEAD,
     "transfer": LEAD,
     "centre_of_mass": (*LEAD, "time", "body", "axis"),

@@ -72,7 +72,9 @@ def run_command(words: list[str]) -> None:
     assert app(words[1:], prog_name="mpmfw", standalone_mode=False) in (None, 0), words
 
 
-@pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")  # averaged normals lean, and the run says so
+@pytest.mark.filterwarnings(
+    "ignore::mpmfw.errors.ResultsWarning"
+)  # averaged normals lean, and the run says so
 @pytest.mark.usefixtures("package")
 def test_its_commands_run_and_print_what_is_quoted(blocks, tmp_path):
     printed, quoted = "", 0

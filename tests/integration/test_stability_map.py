@@ -11,12 +11,11 @@ from contact_scenes import impact
 from mpmfw import open as open_results
 from mpmfw.api import SceneError
 from mpmfw.cli.app import app
+from mpmfw.discovery import load
 from mpmfw.plots import figures_of, plot_file
-from mpmfw.scene import load_scene
 from mpmfw.scene.toml_text import toml_text
-from mpmfw.stability import CLASSES, Outcome, probe, stability_map
+from mpmfw.stability import CLASSES, probe, stability_map
 from mpmfw.stability.chart import CFL, KAPPA, largest_stable
-from mpmfw.stability.kept import Kept, kept_file, key_of
 
 #: Steps at a Courant number of 0.2 after which the blocks have parted.
 REBOUND = 200
@@ -166,39 +165,39 @@ def test_the_default_goes_past_every_limit():
     assert min(CFL) < 1.0 / np.sqrt(1.0 + max(KAPPA))
 
 
-def test_a_map_that_is_broken_off_goes_on_where_it_stopped(tmp_path, chart, monkeypatch):
+def test_a_map_that_is_broken_off_goes_on_where_it_stopped(tmp_path, chart):
     request = {"kappa": [0.5, 4.0], "cfl": [0.2, 0.6], "steps": 60, "output": tmp_path / "map.nc"}
 
-    def stop(done, total):
-        assert total == 4
-        if done == 3:
+    def stop(event):
+        if event.done == 3:
             raise KeyboardInterrupt
 
-    with pytest.raises(KeyboardInterrupt):
+    with pytest.raises(
+        KeyboardInterrupt, match=r"map\.nc\.runs keeps the 3 runs that were done; the same map"
+    ):
         stability_map(blocks(), progress=stop, **request)
-    assert [path.name for path in tmp_path.iterdir()] == ["map.nc.points"]
-    ran = []
-    monkeypatch.setattr("mpmfw.stability.chart.probe", lambda *a, **k: ran.append(a) or probe(*a, **k))
-    made = stability_map(blocks(), **request)
-    assert len(ran) == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["map.nc.runs"]
+    events = []
+    made = stability_map(blocks(), progress=events.append, **request)
+    assert events[-1].total == 1
     xr.testing.assert_identical(made, chart)
-    assert [path.name for path in tmp_path.iterdir()] == ["map.nc"]
     xr.testing.assert_equal(open_results(tmp_path / "map.nc").to_dataset(), chart)
+    other = stability_map(blocks(), progress=events.append, **{**request, "steps": 5, "kappa": [0.5]})
+    assert events[-1].total == 2  # points of other steps are not taken
+    assert other.attrs["steps_asked"] == 5
 
 
-def test_points_of_another_scene_or_a_damaged_file_are_not_taken(tmp_path, monkeypatch):
-    request = {"kappa": [1.0], "cfl": [0.3], "steps": 5}
-    kept = Kept(tmp_path / "map.nc")
-    scene = load_scene(blocks())
-    kept.put(key_of(scene, 5), Outcome("ok", energy=1.0))
-    again = Kept(tmp_path / "map.nc")
-    assert (again.get(key_of(scene, 5)).energy, again.get(key_of(scene, 6))) == (1.0, None)
-    ran = []
-    monkeypatch.setattr("mpmfw.stability.chart.probe", lambda *a, **k: ran.append(a) or probe(*a, **k))
-    stability_map(blocks(), output=tmp_path / "map.nc", **request)
-    (tmp_path / "map.nc.points").write_text("{", encoding="utf-8")
-    stability_map(blocks(), output=tmp_path / "map.nc", **request)
-    assert len(ran) == 2
+def test_processes_give_the_same_map(chart):
+    made = stability_map(blocks(), kappa=[0.5, 4.0], cfl=[0.2, 0.6], steps=60, jobs=2)
+    xr.testing.assert_identical(made, chart)
+
+
+def test_an_object_and_a_subclass_have_their_kappa(chart):
+    """A law that is derived from penalty contact, by another name, is mapped as any."""
+    law = type("MyPenalty", (load("contact", "penalty"),), {"name": "mypenalty", "__module__": __name__})
+    made = stability_map(blocks(), law(), kappa=[0.5, 4.0], cfl=[0.2, 0.6], steps=60)
+    xr.testing.assert_equal(made.drop_attrs(), chart.drop_attrs())
+    assert made.attrs["contact"] == "mypenalty"
 
 
 def test_a_file_that_is_no_map_is_not_replaced(tmp_path):
@@ -224,17 +223,3 @@ def test_the_command_refuses_what_a_map_sets_itself(tmp_path):
     done = CliRunner().invoke(app, ["stability", str(scene), "--set", "contact.penalty.kappa=9"])
     assert (done.exit_code, done.stdout) == (2, "")
     assert done.stderr.startswith("--set contact.penalty.kappa: has no effect on a map of stability")
-
-
-def test_the_command_says_where_points_are_kept(tmp_path, monkeypatch):
-    scene = tmp_path / "blocks.toml"
-    scene.write_text(toml_text(blocks()), encoding="utf-8")
-
-    def interrupted(*_, output, **__):
-        kept_file(output).write_text("{}", encoding="utf-8")
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("mpmfw.stability.stability_map", interrupted)
-    done = CliRunner().invoke(app, ["stability", str(scene), "-o", str(tmp_path / "map.nc")])
-    assert done.exit_code != 0
-    assert f"{tmp_path / 'map.nc.points'}: points so far; the same command goes on from there" in done.stderr

@@ -53,7 +53,7 @@ def cluster(tmp_path):
 def test_a_worker_that_is_killed_loses_nothing(cluster, tmp_path):
     address, workers = cluster
     scene = {**SLIDING, "time": {"end": 0.2, "output_interval": 0.02}}
-    study = tiny_study(scene=scene, vary={"contact": ["separate", "penalty"], "cfl": [0.5, 0.4, 0.3, 0.2]})
+    study = tiny_study(scene=scene, vary={"contact": ["separate", "penalty"], "safety": [0.5, 0.4, 0.3, 0.2]})
     events = []
 
     def kill_one(event):
@@ -77,7 +77,7 @@ def test_a_worker_that_is_killed_loses_nothing(cluster, tmp_path):
 
 
 def test_a_scheduler_that_does_not_answer_is_said(monkeypatch):
-    monkeypatch.setattr("mpmfw.studies.cluster._PATIENCE", 0.2)
+    monkeypatch.setattr("mpmfw.campaigns.cluster._PATIENCE", 0.2)
     with pytest.raises(SceneError, match="no scheduler answers there"):
         mpmfw.study(tiny_study(), scheduler="tcp://127.0.0.1:1")
 

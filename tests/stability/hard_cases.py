@@ -31,7 +31,7 @@ from placing import placed
 from mpmfw.api import SimulationError
 from mpmfw.discovery import load
 from mpmfw.simulation import Simulation
-from mpmfw.stability import Outcome, probe
+from mpmfw.stability import Invariants, probe
 
 
 def near_limit(fraction: float) -> Callable[[dict[str, Any], str], dict[str, Any]]:
@@ -68,14 +68,14 @@ def stiff_springs(fraction: float, courant: float = 0.3) -> Callable[[dict[str, 
     return set_kappa
 
 
-def parts_freely(outcome: Outcome) -> list[str]:
+def parts_freely(outcome: Invariants) -> list[str]:
     """No adhesion: both bodies keep their speeds."""
     travel = np.linalg.norm(outcome.travel, axis=1)
     off = float(np.abs(travel - 0.01 * outcome.time / TICK).max())
     return [f"a body that parts goes {off:.2g} cells astray"] if off > 1e-6 else []
 
 
-def stays(outcome: Outcome) -> list[str]:
+def stays(outcome: Invariants) -> list[str]:
     """Bodies at rest stay where they are to 1 % of a cell."""
     moved = float(np.linalg.norm(outcome.travel, axis=1).max())
     return [f"a body at rest moves by {moved:.2g} cells"] if not moved <= 0.01 else []
@@ -116,7 +116,7 @@ class Case:
     depth: float = 0.1
     refusal: str | None = None
     finish: Callable[[dict[str, Any], str], dict[str, Any]] | None = None
-    check: Callable[[Outcome], list[str]] | None = None
+    check: Callable[[Invariants], list[str]] | None = None
     springs: bool = False
     growth: tuple[float, float] = (1.005, 1.005)
 
@@ -182,7 +182,7 @@ def applies(case: str, contact: str) -> bool:
     return not CASES[case].springs or CONTACTS[contact][0] in ("penalty", "hamad2017")
 
 
-def outcome(case: str, contact: str, shape: str, shift: tuple[float, float], turn: float) -> Outcome:
+def outcome(case: str, contact: str, shape: str, shift: tuple[float, float], turn: float) -> Invariants:
     """Run a case by a method, shifted by cells and turned by degrees."""
     asked = CASES[case]
     method, options = CONTACTS[contact]
@@ -194,7 +194,7 @@ def outcome(case: str, contact: str, shape: str, shift: tuple[float, float], tur
     return probe(mapping, shape=shape, steps=asked.steps)
 
 
-def complaints(case: str, contact: str, shape: str, found: Outcome) -> list[str]:
+def complaints(case: str, contact: str, shape: str, found: Invariants) -> list[str]:
     """What does not hold of an outcome that must; empty if all does."""
     asked = CASES[case]
     if asked.refusal is not None:

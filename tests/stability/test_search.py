@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from placing import placed
 
-from mpmfw.stability import Outcome, probe
+from mpmfw.stability import Invariants, probe
 
 pytestmark = pytest.mark.stability
 
@@ -67,7 +67,7 @@ def scenes(draw: Any) -> dict[str, Any]:
     return placed(made, shift, draw(st.floats(0.0, 90.0)))
 
 
-def wrong(found: Outcome, *, strict: bool) -> list[str]:
+def wrong(found: Invariants, *, strict: bool) -> list[str]:
     """What of a run breaks an invariant."""
     said = [] if found.status == "ok" else [f"{found.status}: {found.message}"]
     if not found.momentum < 1e-10:

@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 
 from contact_scenes import STRATEGIES, impact
 from mpmfw.api import PlugIn
+from mpmfw.campaigns.identity import key_of
 from mpmfw.cli import app
 from mpmfw.comparison import compare
 from mpmfw.discovery import load
@@ -25,7 +26,6 @@ from mpmfw.scene.specification import (
 from mpmfw.simulation import Simulation
 from mpmfw.stability.request import check_overrides
 from mpmfw.studies.grid import make_grid
-from mpmfw.studies.identity import key_of
 from mpmfw.studies.loading import load_study
 from mpmfw.testing import subject_of
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from mpmfw.campaigns.measures import MEASURES, About
 from mpmfw.errors import SceneError
 from mpmfw.scene import load_scene
-from mpmfw.studies.measures import MEASURES, About
 from studies_for_tests import judge_of, tiny_study
 
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 import mpmfw
+from mpmfw.campaigns.exact import column, incline
+from mpmfw.campaigns.identity import key_of
+from mpmfw.campaigns.keys import as_number, dimension_names, finer, is_numerical, overrides_of
 from mpmfw.discovery import available
 from mpmfw.errors import SceneError
 from mpmfw.scene import load_scene
 from mpmfw.scene.loading import shipped_scenes
-from mpmfw.studies.exact import column, incline
-from mpmfw.studies.identity import key_of
-from mpmfw.studies.keys import as_number, dimension_names, finer, is_numerical, overrides_of
 from mpmfw.studies.loading import load_study, shipped_studies
 from studies_for_tests import SLIDING, judge_of
 
@@ -21,18 +21,18 @@ from studies_for_tests import SLIDING, judge_of
 
 def test_short_names_stand_for_keys_of_every_body():
     scene = load_scene(SLIDING)
-    assert overrides_of(scene, "cfl", 0.3) == {"time.safety": 0.3}
-    assert overrides_of(scene, "segment", "1 cell") == {
+    assert overrides_of(scene.bodies, scene.dim, "safety", 0.3) == {"time.safety": 0.3}
+    assert overrides_of(scene.bodies, scene.dim, "segment", "1 cell") == {
         "bodies.block.segment": "1 cell",
         "bodies.plane.segment": "1 cell",
     }
-    assert set(overrides_of(scene, "particles_per_cell", 4).values()) == {"0.5 cells"}
+    assert set(overrides_of(scene.bodies, scene.dim, "particles_per_cell", 4).values()) == {"0.5 cells"}
     with pytest.raises(SceneError, match="expected a positive number"):
-        overrides_of(scene, "particles_per_cell", 0)
+        overrides_of(scene.bodies, scene.dim, "particles_per_cell", 0)
 
 
 def test_keys_that_change_the_method_and_keys_that_change_the_problem():
-    methods = ("contact", "shape", "cell_size", "kappa", "cfl", "particle_size", "bodies.block.segment")
+    methods = ("contact", "shape", "cell_size", "kappa", "safety", "particle_size", "bodies.block.segment")
     assert all(is_numerical(key) for key in (*methods, "stepping.transported", "contact.penalty.damping"))
     problems = ("contact.friction", "contact.pairs[0].friction", "gravity.tilt", "materials.soft.density")
     assert not any(is_numerical(key) for key in (*problems, "time.end", "settle.gravity.tilt"))

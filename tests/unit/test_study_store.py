@@ -6,45 +6,46 @@ from dataclasses import replace
 
 import pytest
 
+from mpmfw.campaigns.outcome import Cost, Outcome
+from mpmfw.campaigns.store import Store
 from mpmfw.errors import MpmfwError
-from mpmfw.studies.store import Cost, Record, Store
 
 COST = Cost("exclusive", {"cpu_time": 1.5}, {"shape": 0.5}, {"shape": 0.1})
 
 
 def record(key, status="ok"):
-    return Record(key, status, "a run", "title = 'x'", "", ("a note",), (COST,))
+    return Outcome(key, status, "a run", "title = 'x'", "", ("a note",), (COST,))
 
 
 def test_a_record_comes_back_as_it_was(tmp_path):
     Store(tmp_path / "runs").put(record("a"))
-    assert Store(tmp_path / "runs").record("a") == record("a")
-    assert Store(tmp_path / "runs").record("b") is None
+    assert Store(tmp_path / "runs").outcome("a") == record("a")
+    assert Store(tmp_path / "runs").outcome("b") is None
 
 
 def test_what_would_not_last_is_not_stored(tmp_path):
     store = Store(tmp_path)
     store.put(replace(record("a", "failed: no disk"), lasting=False))
-    assert store.record("a").status == "failed: no disk"
-    assert Store(tmp_path).record("a") is None
+    assert store.outcome("a").status == "failed: no disk"
+    assert Store(tmp_path).outcome("a") is None
 
 
 @pytest.mark.parametrize("damage", ["", "{", '{"key": "a"}', "[]"])
 def test_a_damaged_record_is_run_again(tmp_path, damage):
     Store(tmp_path).put(record("a"))
     (tmp_path / "a.json").write_text(damage, encoding="utf-8")
-    assert Store(tmp_path).record("a") is None
+    assert Store(tmp_path).outcome("a") is None
 
 
 def test_a_record_without_its_results_is_run_again(tmp_path):
     Store(tmp_path).put(replace(record("a"), digest="0123"))
-    assert Store(tmp_path).record("a") is None
+    assert Store(tmp_path).outcome("a") is None
 
 
 def write_for_ever(folder, mark):
     store = Store(folder)
     for k in range(100_000):
-        store.put(Record("a", "ok", mark * 20_000, str(k)))
+        store.put(Outcome("a", "ok", mark * 20_000, str(k)))
 
 
 def test_files_are_whole_at_every_moment(tmp_path):
@@ -63,7 +64,7 @@ def test_files_are_whole_at_every_moment(tmp_path):
         for writer in writers:
             writer.kill()
             writer.join()
-    assert Store(tmp_path).record("a") is not None
+    assert Store(tmp_path).outcome("a") is not None
 
 
 def test_a_folder_that_cannot_be_written_is_said(tmp_path):

@@ -28,7 +28,7 @@ def test_importing_the_kit_needs_neither_pytest_nor_hypothesis_nor_numba():
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     lines = done.stdout.splitlines()
     assert lines[0] == "[]"
-    assert all(line.startswith("MpmfwError") and "mpmfw[testing]" in line for line in lines[1:])
+    assert all(line.startswith("SceneError") and "mpmfw[testing]" in line for line in lines[1:])
     assert len(lines) == 3
 
 

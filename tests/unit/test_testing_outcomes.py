@@ -14,6 +14,7 @@ from mpmfw.testing import (
     examine,
     ladder,
     search,
+    shape_checks,
     subject_of,
 )
 from mpmfw.testing import parametrised as parametrised_module
@@ -120,3 +121,50 @@ def test_a_bound_check_passes_skips_or_fails(check, why, result, tmp_path):
         return
     with pytest.raises(result):
         bound()
+
+
+def broken_law(line):
+    """A subject whose every step fails at one line of a stranger's file."""
+    source = "def add_nodal_force():\n    x = 1\n    return x.force\n"
+    scope = {}
+    exec(compile(source, str(line), "exec"), scope)
+    return scope["add_nodal_force"]
+
+
+def test_an_error_says_file_and_line_of_the_strangers_code_and_one_cause_is_told_once(tmp_path):
+    file = tmp_path / "my_law.py"
+    file.write_text("def add_nodal_force():\n    x = 1\n    return x.force\n")
+    fails = broken_law(file)
+    checks = [Check(name, "It works.", lambda _subject: fails()) for name in ("runs", "second", "third")]
+    searched = Check(
+        "searched", "Also.", lambda _subject: search({"_": ladder(0.0, 1.0, 3)}, lambda _: fails())
+    )
+    first, *others = examine(SUBJECT, [*checks, searched, BAD])
+    assert f'File "{file}", line 3, in add_nodal_force' in first.report
+    assert "return x.force" in first.report
+    assert [one.same_as for one in others] == ["runs", "runs", "runs", ""]
+    assert (
+        others[0].report == "second: failed, as runs: AttributeError: 'int' object has no attribute 'force'"
+    )
+    assert all(len(one.report.splitlines()) == 1 for one in others[:3])
+
+
+def test_in_pytest_too(tmp_path):
+    file = tmp_path / "my_law.py"
+    file.write_text("def add_nodal_force():\n    x = 1\n    return x.force\n")
+    fails = broken_law(file)
+    checks = [Check(name, "It works.", lambda _subject: fails()) for name in ("runs", "second")]
+    bound = parametrised_module._parametrised("separate", "contact", checks, None, None, None).args[1]
+    with pytest.raises(pytest.fail.Exception, match=f'File "{file}", line 3'):
+        bound[0]()
+    with pytest.raises(pytest.fail.Exception, match=r"second: failed, as runs: AttributeError"):
+        bound[1]()
+
+
+def test_a_check_that_the_law_runs_at_all_comes_first():
+    assert contact_checks()[0].name == shape_checks()[0].name == "runs"
+
+
+def test_expected_failures_leave_no_pictures_behind(tmp_path):
+    examine(SUBJECT, [BAD], {"bad": WHY}, tmp_path / "pictures")
+    assert not (tmp_path / "pictures").exists()

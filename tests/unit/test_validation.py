@@ -2,6 +2,7 @@
 
 import csv
 import math
+import signal
 
 import pytest
 from typer.testing import CliRunner
@@ -10,7 +11,7 @@ from mpmfw.cli import app
 from mpmfw.errors import SceneError
 from mpmfw.validation import Case, Method, Row, Verdict, find_cases, run_cases
 from mpmfw.validation.known import KnownRed, departures, read_known_red
-from mpmfw.validation.store import kept
+from mpmfw.validation.suite import kept
 
 GREEN = """
 from measures import SIX
@@ -20,6 +21,7 @@ def check(case):
 """
 RED = "def check(case): case.gate('six', 8.0, within=(5.0, 7.0), method='by hand')"
 BROKEN = "def check(case):\n    case.show('before', 1.0)\n    raise ZeroDivisionError('no reference')"
+DEADLY = "import os, signal\ndef check(case): os.kill(os.getpid(), signal.SIGKILL)"
 FIGURE = """
 from mpmfw.plots.style import new_figure
 def check(case):
@@ -205,3 +207,52 @@ def test_cases_run_one_by_one_make_one_table(suite, tmp_path):
     assert (row.value, row.least, row.most, row.verdict) == (8.0, 5.0, 7.0, Verdict.RED)
     assert math.isnan(row.cpu_time)
     assert kept([folder / "b"], tmp_path / "out", quick=True) == []
+
+
+def test_a_case_that_was_red_is_not_shown_green_when_its_code_has_changed(suite, tmp_path):
+    folder, page = suite(a=GREEN, b=GREEN), tmp_path / "page.md"
+    assert command(folder, tmp_path).exit_code == 0
+    (folder / "b" / "check.py").write_text(RED)
+    assert command(folder, tmp_path, "a", "--document", str(page)).exit_code == 0
+    assert "## Case b" not in page.read_text()  # what it said was of another check
+    (folder / "measures.py").write_text("SIX = 6.5\n")
+    assert kept(find_cases(folder), tmp_path / "out", quick=False) == []
+
+
+def test_results_are_of_the_code_that_ran(suite, tmp_path, monkeypatch):
+    folder = suite(a=GREEN)
+    outcomes(folder, tmp_path)
+    assert len(kept(find_cases(folder), tmp_path / "out", quick=False)) == 1
+    monkeypatch.setattr("mpmfw.validation.suite.package", lambda _: "changed")
+    assert kept(find_cases(folder), tmp_path / "out", quick=False) == []
+
+
+def test_a_case_that_is_done_is_not_run_again_unless_forced(suite, tmp_path):
+    folder = suite(a=FIGURE)
+    events = []
+    for arguments, runs in (({}, 1), ({}, 0), ({"force": True}, 1)):
+        outcomes(folder, tmp_path, progress=events.append, **arguments)
+        assert events[-1].total == runs
+    (tmp_path / "out" / "a-line.png").unlink()
+    outcomes(folder, tmp_path, progress=events.append)
+    assert events[-1].total == 1
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this platform")
+def test_a_case_that_dies_takes_no_other_with_it(suite, tmp_path):
+    folder = suite(a=GREEN, b=DEADLY, c=GREEN)
+    a, b, c = run_cases(find_cases(folder), tmp_path / "out", jobs=2)
+    assert a.holds
+    assert c.holds
+    assert "its process ended abruptly" in b.error
+
+
+def test_the_page_says_what_was_run_and_on_how_many_cores(suite, tmp_path):
+    page = tmp_path / "page.md"
+    command(suite(a=GREEN, b=GREEN), tmp_path, "a")
+    command(tmp_path / "suite", tmp_path, "b", "--quick")
+    command(tmp_path / "suite", tmp_path, "b", "--document", str(page))
+    text = page.read_text()
+    assert (
+        "Written by `mpmfw validate a --jobs 1` on one core, `mpmfw validate b --jobs 1` on one core;" in text
+    )

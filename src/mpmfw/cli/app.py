@@ -19,6 +19,7 @@ from mpmfw.cli.plugins import plugins
 from mpmfw.cli.run import run
 from mpmfw.cli.schema import schema
 from mpmfw.cli.stability import stability
+from mpmfw.cli.store import store
 from mpmfw.cli.study import study
 from mpmfw.cli.validate import validate
 
@@ -27,6 +28,7 @@ app = typer.Typer(
     help="Contact algorithms of the Material Point Method, side by side: error, noise and cost.",
     no_args_is_help=True,
     add_completion=False,
+    rich_markup_mode="markdown",
     pretty_exceptions_enable=False,
 )
 
@@ -46,6 +48,9 @@ for command in (
     check,
 ):
     app.command()(exit_status(command))
+
+
+app.add_typer(store)
 
 
 def _print_version(wanted: bool) -> None:

@@ -39,8 +39,41 @@ OutputOption: TypeAlias = Annotated[
 ]
 
 ForceOption: TypeAlias = Annotated[
-    bool, typer.Option("--force", help="Begin a run past the limits of steps and frames.")
+    bool,
+    typer.Option(
+        "--force",
+        help="Replace a result of the same kind, and begin a run past the limits of steps and frames.",
+    ),
 ]
+
+
+JobsOption: TypeAlias = Annotated[
+    int | None,
+    typer.Option(
+        "-j",
+        "--jobs",
+        min=1,
+        help="Processes at a time, one thread each; 1 is this process itself.",
+        show_default=False,
+    ),
+]
+SchedulerOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option("--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers run it instead."),
+]
+
+
+def jobs_of(jobs: int | None, scheduler: str | None, default: int | None = 1) -> int | None:
+    """Processes at a time; none beside a scheduler.
+
+    Raises
+    ------
+    SceneError
+        Both are given.
+    """
+    if scheduler is not None and jobs is not None:
+        raise SceneError("--jobs: has no effect with --scheduler, whose workers are as many as they are")
+    return None if scheduler is not None else jobs or default
 
 
 def assignments(texts: list[str] | None, option: str = "--set") -> dict[str, str]:

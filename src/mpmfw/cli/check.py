@@ -66,11 +66,14 @@ def check(
     Each failure says which property is broken, the smallest counterexample, and where its picture is.
     """
     from mpmfw.scene.specification import parse_specification
+
+    asked = _kind_of(parse_specification(plugin).name, kind)
     from mpmfw.testing import contact_checks, examine, subject_of
     from mpmfw.testing.examination import justified
     from mpmfw.testing.parametrised import chosen
+    from mpmfw.testing.searching import hypothesis
 
-    asked = _kind_of(parse_specification(plugin).name, kind)
+    hypothesis()  # a missing extra is said before anything is checked
     if ":" in plugin and (here := str(Path.cwd())) not in sys.path:
         sys.path.insert(
             0, here
@@ -86,7 +89,11 @@ def check(
     wrong = [outcome for outcome in outcomes if outcome.wrong]
     if wrong:
         names = ", ".join(outcome.check for outcome in wrong)
-        raise MpmfwError(f"{subject.label}: {len(wrong)} of {len(outcomes)} checks went wrong: {names}")
+        twins = sum(bool(outcome.same_as) for outcome in wrong)
+        causes = f" for {len(wrong) - twins} different reasons" if twins else ""
+        raise MpmfwError(
+            f"{subject.label}: {len(wrong)} of {len(outcomes)} checks went wrong{causes}: {names}"
+        )
 
 
 def _shape_checks() -> Sequence[Check]:
@@ -179,4 +186,4 @@ def _print(title: str, outcomes: Sequence[Outcome]) -> None:
     print_rows(rows, title)
     for outcome in outcomes:
         if outcome.status != "passed" or outcome.message:
-            typer.echo(outcome.report + "\n")
+            typer.echo(outcome.report + ("" if outcome.same_as else "\n"))

@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from mpmfw.cli.arguments import ForceOption, SceneArgument, SetOption, assignments, names, variations
-from mpmfw.cli.errors import check_apart, check_writable
-from mpmfw.cli.progress import compare_progress
+from mpmfw.cli.arguments import (
+    ForceOption,
+    JobsOption,
+    OutputOption,
+    SceneArgument,
+    SchedulerOption,
+    SetOption,
+    assignments,
+    jobs_of,
+    names,
+    variations,
+)
+from mpmfw.cli.errors import check_apart, check_result, check_writable
+from mpmfw.cli.progress import campaign_progress
 from mpmfw.cli.summary import print_comparison
 
 
@@ -33,17 +43,24 @@ def compare(
         ),
     ] = None,
     set_: SetOption = None,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="File to write.")] = Path(
-        "compare.nc"
-    ),
+    output: OutputOption = None,
     report: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Page of tables and figures (HTML) to write as well.")
     ] = None,
     force: ForceOption = False,
+    jobs: JobsOption = None,
+    scheduler: SchedulerOption = None,
+    repeats: Annotated[
+        int | None,
+        typer.Option(
+            min=1, help="Runs of each combination; short ones are repeated if left out.", show_default=False
+        ),
+    ] = None,
 ) -> None:
-    """Run SCENE with every combination of methods and join the results.
+    """Run SCENE with every combination of methods and join the results, by default in a file named as the scene.
 
-    A method that fails does not stop the others: its status says why.
+    A method that fails does not stop the others: its status says why. Finished runs are kept in the folder FILE.runs: a
+    comparison that was broken off goes on from there.
     """
     from mpmfw.scene import load_scene
     from mpmfw.scene.requested import check_methods_run, check_requested
@@ -54,10 +71,12 @@ def compare(
     shared = assignments(set_)
     check_requested(shared, varied, ("--set", "--vary"))
     loaded = load_scene(scene, set=shared)
-    check_apart(loaded, output=output, report=report)
-    for path in (output, report):
-        if path is not None:
-            check_writable(path)
+    path = check_result(
+        Path(f"{loaded.name}-compare.nc") if output is None else output, "compare", "comparison", force
+    )
+    check_apart(loaded, output=path, report=report)
+    if report is not None:
+        check_writable(report)
     # A single body needs no contact; the dimension is there all the same
     contacts = contacts or [loaded.contact.method if loaded.contact else "none"]
     shapes = shapes or [loaded.shape.method]
@@ -67,20 +86,28 @@ def compare(
     }
     for option, keys in (("--set", shared), ("--vary", varied)):
         check_methods_run(keys, run, option)
-    combinations = len(contacts) * len(shapes) * math.prod(len(values) for values in varied.values())
-
     from mpmfw.comparison import compare as run_all
     from mpmfw.report import write_report
 
-    with compare_progress(combinations, loaded.time.end) as runner:
+    with campaign_progress() as (progress, within):
         dataset = run_all(
-            loaded, contact=contacts, shape=shapes, vary=varied, output=output, runner=runner, force=force
+            loaded,
+            contact=contacts,
+            shape=shapes,
+            vary=varied,
+            output=path,
+            progress=progress,
+            report=within,
+            force=force,
+            jobs=jobs_of(jobs, scheduler),
+            executor=scheduler,
+            repeats="auto" if repeats is None else repeats,
         )
     if report is not None:
         write_report(dataset, report)
     print_comparison(dataset)
-    typer.echo(f"{output}: all series and costs")
+    typer.echo(f"{path}: all series and costs")
     if report is not None:
         typer.echo(f"{report}: tables and figures")
     else:
-        typer.echo(f"For figures: mpmfw plot {output}, or --report FILE.html the next time")
+        typer.echo(f"For figures: mpmfw plot {path}, or --report FILE.html the next time")

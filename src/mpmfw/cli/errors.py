@@ -83,6 +83,33 @@ def check_apart(scene: Scene, **files: Path | None) -> None:
         taken[path.resolve()] = f"--{option}"
 
 
+def check_result(path: Path, kind: str, what: str, force: bool = False) -> Path:
+    """The path, if results can be written there without a file being lost.
+
+    Parameters
+    ----------
+    path
+        Of the file to write.
+    kind, what
+        Its attribute ``kind``, and what it is called.
+    force
+        Whether another result of the kind is replaced. One whose finished runs lie beside it is taken up again, which
+        replaces nothing.
+
+    Raises
+    ------
+    SceneError
+        There is another file, or a result that would be lost, or no file can be written.
+    """
+    from mpmfw.results.replacing import check_replaceable
+
+    check_writable(path)
+    check_replaceable(path, kind, what)
+    if path.is_file() and path.stat().st_size and not force and not Path(f"{path}.runs").is_dir():
+        raise SceneError(f"{path}: is there already; give another name, or --force to replace it")
+    return path
+
+
 def check_writable(path: Path) -> Path:
     """The path, if a file can be written there; asked before long work.
 

@@ -4,21 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from rich.console import Console
 from rich.progress import (
     BarColumn,
+    MofNCompleteColumn,
     Progress,
     TextColumn,
     TimeElapsedColumn,
     TimeRemainingColumn,
 )
 
+if TYPE_CHECKING:
+    from mpmfw.campaigns.running import Event
+
 #: Called with the simulated time [s] and the number of steps done.
 RunReport: TypeAlias = Callable[[float, int], None]
-#: Called as ``mpmfw.run``.
-Runner: TypeAlias = Callable[..., Any]
 
 #: What a run does before its first step.
 PREPARING = "compiling, settling"
@@ -45,39 +47,21 @@ def run_progress(end: float) -> Iterator[RunReport | None]:
 
 
 @contextmanager
-def compare_progress(total: int, end: float) -> Iterator[Runner | None]:
-    """Stand-in for ``mpmfw.run`` that shows how far ``total`` runs to ``end`` [s] are; None in a pipe."""
+def campaign_progress(
+    what: str = "runs",
+) -> Iterator[tuple[Callable[[Event], None] | None, RunReport | None]]:
+    """How many runs of a campaign are done, and how far the one is that runs in this process; None in a pipe."""
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield None
+        yield None, None
         return
-    columns = (
-        TextColumn("{task.fields[started]}/{task.fields[runs]} {task.description}, {task.fields[done]}"),
-        BarColumn(),
-        TextColumn("{task.fields[time]:.4g} s simulated"),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task("", total=total * end, started=0, runs=total, done=PREPARING, time=0.0)
-        started = 0
+    columns = (TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("left"))
+    last = (TimeRemainingColumn(), TextColumn("{task.description}"), TextColumn("{task.fields[inner]}"))
+    with Progress(*columns, *last, console=console, transient=True) as bar:
+        task = bar.add_task(PREPARING, total=None, inner="")
 
-        def runner(scene: Any, **arguments: Any) -> Any:
-            nonlocal started
-            from mpmfw.runs import run
+        def tell(event: Event) -> None:
+            said = f"{event.name}: {event.status.partition(':')[0]}" if event.name else PREPARING
+            bar.update(task, completed=event.done, total=event.total, description=said, inner="")
 
-            done, started = started * end, started + 1
-            label = ", ".join(_label(arguments.get(kind)) for kind in ("contact", "shape"))
-            bar.update(task, completed=done, description=label, started=started, done=PREPARING, time=0.0)
-
-            def report(time: float, steps: int) -> None:
-                bar.update(task, completed=done + min(time, end), done=f"{steps} steps", time=time)
-
-            return run(scene, **{**arguments, "progress": report})
-
-        yield runner
-
-
-def _label(method: Any) -> str:
-    return str(getattr(method, "label", method))
+        yield tell, lambda time, steps: bar.update(task, inner=f"{steps} steps, {time:.4g} s simulated")

@@ -15,7 +15,7 @@ from mpmfw.cli.arguments import (
     ShapeOption,
     chosen_scene,
 )
-from mpmfw.cli.errors import check_apart, check_writable
+from mpmfw.cli.errors import check_apart, check_result
 from mpmfw.cli.progress import run_progress
 
 
@@ -29,8 +29,9 @@ def run(
 ) -> None:
     """Run SCENE and write its results, by default to a file named as the scene."""
     loaded = chosen_scene(scene, contact, shape, set_)
-    path = check_writable(Path(f"{loaded.name}.nc") if output is None else output)
+    path = Path(f"{loaded.name}.nc") if output is None else output
     check_apart(loaded, output=path)
+    check_result(path, "run", "run's results", force)
 
     from mpmfw.runs import run as run_scene
 

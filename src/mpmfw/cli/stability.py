@@ -2,27 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich import box
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 from rich.text import Text
 
 from mpmfw.cli.arguments import (
     ContactOption,
+    ForceOption,
+    JobsOption,
     OutputOption,
     SceneArgument,
+    SchedulerOption,
     SetOption,
     ShapeOption,
     chosen_scene,
+    jobs_of,
 )
-from mpmfw.cli.errors import check_apart, check_writable
+from mpmfw.cli.errors import check_apart, check_result
+from mpmfw.cli.progress import campaign_progress
 from mpmfw.errors import SceneError
 
 if TYPE_CHECKING:
@@ -36,7 +38,7 @@ def stability(
     shape: ShapeOption = None,
     kappa: Annotated[
         str | None,
-        typer.Option(metavar="A,B,…", help="Stiffness factors of the penalty contact.", show_default=False),
+        typer.Option(metavar="A,B,…", help="Stiffness factors of the contact.", show_default=False),
     ] = None,
     ratio: Annotated[
         str | None,
@@ -54,6 +56,9 @@ def stability(
     ] = None,
     steps: Annotated[int, typer.Option(min=2, help="Steps of every run.")] = 300,
     set_: SetOption = None,
+    jobs: JobsOption = None,
+    scheduler: SchedulerOption = None,
+    force: ForceOption = False,
 ) -> None:
     """Run SCENE at many stiffnesses and time steps, past the limit too, and map where it stays stable.
 
@@ -61,27 +66,27 @@ def stability(
     where it stopped.
     """
     loaded = chosen_scene(scene, contact, shape, set_)
-    from mpmfw.results.replacing import check_replaceable
-
-    path = check_writable(Path(f"{loaded.name}-stability.nc") if output is None else output)
+    path = Path(f"{loaded.name}-stability.nc") if output is None else output
     check_apart(loaded, output=path)
-    check_replaceable(path, "stability", "map of stability")
+    check_result(path, "stability", "map of stability", force)
     numbers = {
         name: _numbers(name, text) for name, text in (("kappa", kappa), ("ratio", ratio), ("cfl", cfl))
     }
 
     from mpmfw.plots import plot_file
     from mpmfw.stability import stability_map
-    from mpmfw.stability.kept import kept_file
 
     given = {name: values for name, values in numbers.items() if values is not None}
-    try:
-        with _progress() as progress:
-            dataset = stability_map(loaded, steps=steps, output=path, progress=progress, **given)  # type: ignore[arg-type]
-    except KeyboardInterrupt:
-        if kept_file(path).is_file():
-            typer.echo(f"{kept_file(path)}: points so far; the same command goes on from there", err=True)
-        raise
+    with campaign_progress() as (progress, _):
+        dataset = stability_map(
+            loaded,
+            steps=steps,
+            output=path,
+            progress=progress,
+            jobs=jobs_of(jobs, scheduler),
+            executor=scheduler,
+            **given,  # type: ignore[arg-type]
+        )
     _print(dataset)
     typer.echo(str(path))
     for written in plot_file(path):
@@ -95,19 +100,6 @@ def _numbers(option: str, text: str | None) -> list[float] | None:
         return [float(part) for part in text.split(",")]
     except ValueError as error:
         raise SceneError(f"--{option} {text}: expected numbers with a comma between them") from error
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[int, int], None] | None]:
-    """How many runs are done, on a terminal; None in a pipe."""
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield None
-        return
-    columns = (TextColumn("runs"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task("", total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
 def _print(dataset: xr.Dataset) -> None:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -11,25 +10,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich import box
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
 from rich.table import Table
 from rich.text import Text
 
-from mpmfw.cli.errors import check_writable
+from mpmfw.cli.arguments import ForceOption, JobsOption, SchedulerOption, jobs_of
+from mpmfw.cli.errors import check_result
+from mpmfw.cli.progress import campaign_progress
 from mpmfw.errors import SceneError
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from mpmfw.studies.loading import Study
-    from mpmfw.studies.schedule import Event
 
 
 class Timing(StrEnum):
@@ -60,26 +52,21 @@ def study(
         Timing,
         typer.Option(help="Take costs as runs come, or one run at a time after all results are there."),
     ] = Timing.shared,
-    jobs: Annotated[
-        int | None,
-        typer.Option(
-            min=1,
-            help="Processes at a time, one thread each; one for each core if left out.",
-            show_default=False,
-        ),
-    ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="Dask scheduler whose workers run the study instead."),
-    ] = None,
+    jobs: JobsOption = None,
+    scheduler: SchedulerOption = None,
     repeats: Annotated[
         int | None,
         typer.Option(min=1, help="Runs of each combination, instead of the study's.", show_default=False),
     ] = None,
     under: Annotated[
-        float | None,
-        typer.Option(metavar="PERCENT", help="Error below which the cheapest is named.", show_default=False),
+        str | None,
+        typer.Option(
+            metavar="ERROR",
+            help="Relative error below which the cheapest is named: 1% or 0.01.",
+            show_default=False,
+        ),
     ] = None,
+    force: ForceOption = False,
 ) -> None:
     """Run all combinations of STUDY, and say what accuracy costs in time.
 
@@ -89,22 +76,21 @@ def study(
     from mpmfw.studies.loading import load_study
 
     loaded = load_study(study)
-    path = check_writable(Path(f"{loaded.name}.nc") if output is None else output)
+    path = Path(f"{loaded.name}.nc") if output is None else output
     _check_apart(loaded, path)
-    if under is not None and not under > 0.0:
-        raise SceneError(f"--under {under:g}: must be greater than 0")
+    check_result(path, "study", "study's results", force)
 
     from mpmfw.studies.study import study as run_study
 
-    with _progress() as progress:
+    with campaign_progress() as (progress, _):
         dataset = run_study(
             loaded,
             output=path,
             timing=timing.value,
-            jobs=jobs,
+            jobs=jobs_of(jobs, scheduler, None),
             scheduler=scheduler,
             repeats=repeats,
-            under=None if under is None else under / 100.0,
+            under=under,
             progress=progress,
         )
     _print(dataset)
@@ -118,25 +104,6 @@ def _check_apart(study: Study, path: Path) -> None:
     sources = [study.source.name, *(scene for scene in study.scenes.values() if isinstance(scene, str))]
     if any(source is not None and Path(source).resolve() == path.resolve() for source in sources):
         raise SceneError(f"--output {path}: is a file that the study reads; give another name")
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[Event], None] | None]:
-    """How many runs are done, on a terminal; None in a pipe."""
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield None
-        return
-    columns = (TextColumn("runs"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("left"))
-    last = (TimeRemainingColumn(), TextColumn("{task.description}"))
-    with Progress(*columns, *last, console=console, transient=True) as bar:
-        task = bar.add_task("compiling", total=None)
-
-        def report(event: Event) -> None:
-            said = f"{event.name}: {event.status.partition(':')[0]}" if event.name else "compiling"
-            bar.update(task, completed=event.done, total=event.total, description=said)
-
-        yield report
 
 
 def _print(dataset: xr.Dataset) -> None:
@@ -156,7 +123,7 @@ def _print(dataset: xr.Dataset) -> None:
     chosen = [name for name in ("scheme", "transfer") if name not in dims and name in dataset]
     for dim in (*dims, *chosen):
         table.add_column(dim.replace("_", " "), overflow="fold")
-    for head in ("error\n[%]", "CPU\n[s]", "±\n[s]", "steps", "front"):
+    for head in ("error\n[%]", "noise\n[%]", "CPU\n[s]", "±\n[s]", "steps", "front"):
         table.add_column(Text(head), justify="right", no_wrap=True)
     for before, row in zip([None, *found], found, strict=False):
         if before is not None and before[dims[0]] != row[dims[0]]:
@@ -172,7 +139,7 @@ def _print(dataset: xr.Dataset) -> None:
 
 def _cells(row: Mapping[str, Any]) -> list[str]:
     """Error in per cent, costs, steps, and a mark on the front; a dash for what is not known."""
-    numbers = (100.0 * row["error"], row["cpu_time"], row["cpu_time_spread"])
-    texts = [f"{number:.{digits}g}" for number, digits in zip(numbers, (3, 3, 2), strict=True)]
+    numbers = (100.0 * row["error"], 100.0 * row["noise"], row["cpu_time"], row["cpu_time_spread"])
+    texts = [f"{number:.{digits}g}" for number, digits in zip(numbers, (3, 2, 3, 2), strict=True)]
     texts.append(f"{row['steps']:.0f}")
     return ["–" if text == "nan" else text for text in texts] + ["●" if row["pareto"] else ""]

@@ -14,26 +14,30 @@ if TYPE_CHECKING:
     import xarray as xr
 
 #: Columns of the page that a terminal does without.
-_LEFT_OUT = {"largest_penetration", "material_points", "peak_memory", "steps"}
+_LEFT_OUT = {"largest_penetration", "material_points", "steps"}
 
 
 def print_comparison(dataset: xr.Dataset) -> None:
     """Print the table of a comparison, as wide as the terminal allows, and why runs failed."""
     from mpmfw.references import described
     from mpmfw.report import CHOICES, COLUMNS, method_dims, shown, table
+    from mpmfw.report.columns import column_of
+    from mpmfw.report.table import measured as own_errors
 
     console, rows = Console(), table(dataset)
     labels = [str(dim) for dim in method_dims(dataset)]
     chosen = [name for name in CHOICES if name not in labels and any(row.get(name) for row in rows)]
-    measured = [name for name in COLUMNS if name not in _LEFT_OUT and any(name in row for row in rows)]
-    heads = {name: (COLUMNS[name].short, _unit(COLUMNS[name].unit)) for name in measured}
+    measured = own_errors(dataset) + [
+        name for name in COLUMNS if name not in _LEFT_OUT and any(name in row for row in rows)
+    ]
+    heads = {name: (column_of(name).short, _unit(column_of(name).unit)) for name in measured}
     heads = {**{label: (label.replace("_", " "), "") for label in (*labels, *chosen)}, **heads}
     wide = sum(max(len(str(row[label])) for row in rows) + 2 for label in labels) > console.width // 3
     cells = [
         {
             **{label: _broken(str(row[label])) if wide else str(row[label]) for label in labels},
             **{name: row.get(name, "") for name in chosen},
-            **{name: shown(row.get(name, float("nan")), COLUMNS[name]) for name in measured},
+            **{name: shown(row.get(name, float("nan")), column_of(name)) for name in measured},
         }
         for row in rows
     ]

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-if TYPE_CHECKING:
-    from mpmfw.validation import Outcome
+from mpmfw.cli.arguments import JobsOption, SchedulerOption, jobs_of
+from mpmfw.cli.progress import campaign_progress
 
 #: Terminal width below which the table would be cut.
 WIDTH = 170
@@ -41,31 +38,36 @@ def validate(
             metavar="FILE", help="Gates known not to hold (TOML): end with 0 if these and no others are red."
         ),
     ] = None,
-    jobs: Annotated[
-        int | None,
-        typer.Option("-j", "--jobs", min=1, help="Cases at a time; one for each core if left out."),
-    ] = None,
+    jobs: JobsOption = None,
+    scheduler: SchedulerOption = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Run cases again whose results lie in the output folder.")
+    ] = False,
 ) -> None:
     """Run validation cases: closed forms and references that tell contact algorithms apart.
 
     Ends with 0 if every gate holds, with 1 if one is red. The table and the page of documentation are of all cases
-    whose results lie in the output folder, so that cases may be run one by one.
+    whose results, made by the code of today, lie in the output folder, so that cases may be run one by one. Such a case is
+    not run again.
     """
     from mpmfw.validation import find_cases, run_cases
     from mpmfw.validation.known import departures, read_known_red
     from mpmfw.validation.report import summary, terminal_table, write_csv, write_page
-    from mpmfw.validation.store import kept, save
+    from mpmfw.validation.suite import kept
 
     found = find_cases(suite, cases or ())
     known = read_known_red(known_red) if known_red is not None else []
-    with _progress(len(found)) as done:
-
-        def finished(outcome: Outcome) -> None:
-            save(outcome, output, quick)
-            if done is not None:
-                done(outcome)
-
-        outcomes = run_cases(found, output, quick=quick, jobs=jobs, done=finished)
+    with campaign_progress("cases") as (progress, _):
+        outcomes = run_cases(
+            found,
+            output,
+            quick=quick,
+            jobs=jobs_of(jobs, scheduler, None),
+            progress=progress,
+            executor=scheduler,
+            command=_command(cases, quick, jobs, scheduler),
+            force=force,
+        )
     console = Console()
     Console(width=max(console.width, WIDTH)).print(terminal_table(outcomes))
     for outcome in outcomes:
@@ -74,7 +76,7 @@ def validate(
     everything = kept(find_cases(suite), output, quick)
     write_csv(everything, output / "validation.csv")
     if document is not None:
-        write_page(everything, document, quick, known)
+        write_page(everything, document, known)
     typer.echo(summary(outcomes))
     typer.echo(f"{output}: {sum(len(one.figures) for one in outcomes)} figures, and validation.csv")
     unexpected = departures([row for outcome in outcomes for row in outcome.rows], known, quick=quick)
@@ -84,21 +86,8 @@ def validate(
         raise typer.Exit(1)
 
 
-@contextmanager
-def _progress(total: int) -> Iterator[Callable[[Outcome], None] | None]:
-    """How many cases are done, on a terminal; None in a pipe."""
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield None
-        return
-    columns = (TextColumn("cases"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}"))
-    with Progress(*columns, TimeElapsedColumn(), console=console, transient=True) as bar:
-        task = bar.add_task("", total=total)
-
-        def done(outcome: Outcome) -> None:
-            verdict = "holds" if outcome.holds else "RED"
-            bar.update(
-                task, advance=1, description=f"{outcome.folder.name}: {verdict}, {outcome.seconds:.0f} s"
-            )
-
-        yield done
+def _command(cases: list[str] | None, quick: bool, jobs: int | None, scheduler: str | None) -> str:
+    """What was asked for, but for where the suite is and the results go."""
+    given = {"--jobs": jobs, "--scheduler": scheduler}
+    options = [f"{name} {value}" for name, value in given.items() if value is not None]
+    return " ".join(["mpmfw validate", *(cases or ()), *["--quick"] * quick, *options])

@@ -68,6 +68,10 @@ COLUMNS: dict[str, Column] = {
         "Force, 100 µs", "L2 100", "1", "relative L2 difference of the contact force averaged over 100 µs"
     ),
     "force_error_200us": Column("Force, 200 µs", "L2 200", "1", "the same, averaged over 200 µs"),
+    "force_noise": Column(
+        "Force noise", "noise", "%",
+        "rms of the contact force of the first pair less its mean over 20 output intervals, of the rms of that mean"
+    ),
     "first_contact": Column(
         "First contact", "first", "ms", "start of the first output interval with a contact force"
     ),
@@ -92,9 +96,9 @@ COLUMNS: dict[str, Column] = {
     ),
     "steps": Column("Steps", "steps", "1", "time steps from time zero to the end"),
     "material_points": Column("Material points", "points", "1", "of all bodies"),
-    "peak_memory": Column(
-        "Peak memory", "memory", "MB",
-        "largest resident memory of the process during the run, what it held before included",
+    "settle_time": Column("Settling", "settle", "s", "CPU time of settling, before time zero"),
+    "cpu_time_spread": Column(
+        "Spread of CPU time", "±", "s", "half the range of the repeats of a run; short ones are repeated"
     ),
 }  # fmt: skip
 
@@ -102,4 +106,12 @@ COLUMNS: dict[str, Column] = {
 CHOICES = ("scheme", "transfer")
 
 #: Columns of a table of its own.
-COSTS = ("cpu_time", "cost", "steps", "material_points", "peak_memory")
+COSTS = ("cpu_time", "cpu_time_spread", "settle_time", "cost", "steps", "material_points")
+
+
+def column_of(name: str, long_name: str = "") -> Column:
+    """The column of a measure; one that a campaign read off the runs has its error in per cent."""
+    if name in COLUMNS:
+        return COLUMNS[name]
+    words = name.replace("_", " ")
+    return Column(words.capitalize(), words.removesuffix(" error").replace(" ", "\n"), "%", long_name)

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from mpmfw.errors import MpmfwError
 from mpmfw.plots import figures_of
 from mpmfw.references import described
-from mpmfw.report.columns import CHOICES, COLUMNS, COSTS
+from mpmfw.report.columns import CHOICES, COLUMNS, COSTS, column_of
 from mpmfw.report.table import method_dims, shown, table
 
 _STYLE = """body{font:15px/1.5 system-ui,sans-serif;max-width:75em;margin:2em auto;padding:0 1em;color:#222}
@@ -85,14 +85,18 @@ def _reference(dataset: xr.Dataset) -> str:
 
 
 def _columns(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    return [name for name in COLUMNS if any(name in row for row in rows)]
+    known = [name for name in COLUMNS if any(name in row for row in rows)]
+    own = dict.fromkeys(
+        name for row in rows for name in row if name.endswith("_error") and name not in COLUMNS
+    )
+    return [*own, *known]
 
 
 def _table(dataset: xr.Dataset, rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> str:
     labels = [str(dim) for dim in method_dims(dataset)]
     labels += [name for name in CHOICES if any(name in row for row in rows) and name not in labels]
     heads = [f'<th class="text">{escape(label.replace("_", " "))}</th>' for label in [*labels, "status"]]
-    heads += [f"<th>{escape(COLUMNS[name].heading)}{_unit(COLUMNS[name].unit)}</th>" for name in columns]
+    heads += [f"<th>{escape(column_of(name).heading)}{_unit(column_of(name).unit)}</th>" for name in columns]
     body, group = [], None
     for row in rows:
         body.append(_row(row, labels, columns, new_group=group is not None and row[labels[0]] != group))
@@ -106,7 +110,7 @@ def _unit(unit: str) -> str:
 
 def _row(row: Mapping[str, Any], labels: Sequence[str], columns: Sequence[str], *, new_group: bool) -> str:
     cells = [f'<td class="text">{escape(str(row[name]))}</td>' for name in [*labels, "status"]]
-    cells += [f"<td>{escape(shown(row.get(name, float('nan')), COLUMNS[name]))}</td>" for name in columns]
+    cells += [f"<td>{escape(shown(row.get(name, float('nan')), column_of(name)))}</td>" for name in columns]
     style = " ".join(["bad"] * (row["status"] != "ok") + ["group"] * new_group)
     return f'<tr class="{style}">{"".join(cells)}</tr>'
 
@@ -123,7 +127,7 @@ def _notes(attributes: Mapping[str, Any]) -> str:
 
 def _definitions(rows: Sequence[Mapping[str, Any]]) -> str:
     entries = (
-        f"<dt>{escape(COLUMNS[name].heading)}</dt><dd>{escape(COLUMNS[name].meaning)}</dd>"
+        f"<dt>{escape(column_of(name).heading)}</dt><dd>{escape(column_of(name).meaning)}</dd>"
         for name in _columns(rows)
     )
     return f"<dl>{''.join(entries)}</dl><p>A dash stands for what a run did not reach or does not have.</p>"

@@ -54,10 +54,22 @@ def table(dataset: xr.Dataset) -> list[dict[str, Any]]:
             row |= rolling_measures(one, reference)
         elif isinstance(reference, RingsReference):
             row |= rings_measures(one, reference)
+        row |= {str(name): 100.0 * float(one[name]) for name in measured(dataset)}
+        if "contact_force" in one and one.sizes.get("pair"):
+            force = one["contact_force"].isel(pair=0).transpose("time", ...).values
+            noise = analysis.force_noise(one["time"].values, force)
+            row |= {"force_noise": 100.0 * noise}
         if "min_gap" in one:
             row |= gap_measures(one["min_gap"].isel(pair=0).values / cell_size(one))
         rows.append(row | _costs(one))
     return rows
+
+
+def measured(dataset: xr.Dataset) -> list[str]:
+    """Relative errors that the campaign itself found, by name."""
+    dims = set(method_dims(dataset))
+    names = (str(name) for name in dataset.data_vars if str(name).endswith("_error"))
+    return [name for name in names if set(dataset[name].dims) == dims]
 
 
 def rolling_measures(run: xr.Dataset, reference: RollingReference) -> dict[str, float]:
@@ -165,8 +177,11 @@ def _energy_error(run: xr.Dataset, reference: RingsReference) -> float:
 
 def _costs(run: xr.Dataset) -> dict[str, float]:
     costs = {name: float(run[name]) for name in ("cpu_time", "steps", "material_points")}
+    costs |= {name: float(run[name]) for name in ("settle_time", "cpu_time_spread") if name in run}
+    optional = {"settle_time": costs.get("settle_time", 0.0) > 0.0}
+    optional["cpu_time_spread"] = np.isfinite(costs.get("cpu_time_spread", np.nan))
+    costs = {name: value for name, value in costs.items() if optional.get(name, True)}
     work = costs["steps"] * costs["material_points"]
-    costs["peak_memory"] = 1e-6 * float(run["peak_memory"])
     return {**costs, "cost": 1e9 * costs["cpu_time"] / work if work > 0.0 else float("nan")}
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import itertools
 import math
 import os
@@ -12,6 +13,11 @@ import numpy as np
 import xarray as xr
 
 from mpmfw._version import __version__
+from mpmfw.campaigns.executors import executor_of
+from mpmfw.campaigns.grid import with_option
+from mpmfw.campaigns.identity import code_of, key_of, package
+from mpmfw.campaigns.running import Progress, do, resumable
+from mpmfw.campaigns.store import Store
 from mpmfw.discovery import load
 from mpmfw.errors import SceneError
 from mpmfw.fields import FloatArray
@@ -19,8 +25,7 @@ from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene import Scene, load_scene, located
 from mpmfw.scene.specification import specification_of
 from mpmfw.simulation import Simulation, chosen_methods
-from mpmfw.stability.kept import Kept, key_of
-from mpmfw.stability.outcome import Outcome, probe
+from mpmfw.stability.invariants import Invariants, Probe, probe_once
 from mpmfw.stability.ratio import stiffness_ratio
 from mpmfw.stability.request import Axis, axis_of, check_overrides, check_values
 
@@ -36,8 +41,8 @@ STEPS = 300
 
 def stability_map(
     scene: Any,
-    contact: str | None = None,
-    shape: str | None = None,
+    contact: Any = None,
+    shape: Any = None,
     *,
     kappa: Sequence[float] | None = None,
     ratio: Sequence[float] | None = None,
@@ -45,7 +50,10 @@ def stability_map(
     steps: int = STEPS,
     output: str | os.PathLike[str] | None = None,
     set: Mapping[str, Any] | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
+    jobs: int | None = 1,
+    executor: Any = None,
+    store: str | os.PathLike[str] | None = None,
 ) -> xr.Dataset:
     """Run a scene at many stiffnesses and fixed steps, past the limit too, and class every run.
 
@@ -54,9 +62,9 @@ def stability_map(
     scene
         What ``mpmfw.run`` takes; its bodies must meet within ``steps`` steps.
     contact, shape
-        Names of plug-ins, in place of the scene's.
+        Names of plug-ins or configured strategy objects, in place of the scene's.
     kappa
-        Stiffness factors of the penalty contact; :data:`KAPPA` unless ``ratio`` is given.
+        Stiffness factors of a contact that has this option; :data:`KAPPA` unless ``ratio`` is given.
     ratio
         Stiffnesses M = K + 4 G / 3 of the second body over that of the first, instead.
     cfl
@@ -64,12 +72,14 @@ def stability_map(
     steps
         Steps of every run.
     output
-        NetCDF file to write; it replaces nothing but another map. Points are kept in ``<output>.points`` beside it until
-        it is written: a map that was broken off goes on from there.
+        NetCDF file to write; it replaces nothing but another map. Points are kept in the folder ``<output>.runs`` beside
+        it: a map that was broken off, or is asked for with more points, goes on from there.
     set
         Values by dotted key, set over the scene's own; not those that the map sets itself.
     progress
-        Called with the numbers of runs done and to do.
+        Called with an :class:`mpmfw.campaigns.running.Event` after every run.
+    jobs, executor, store
+        As :func:`mpmfw.campaign` takes them.
 
     Returns
     -------
@@ -86,42 +96,97 @@ def stability_map(
         The scene or a value is wrong.
     MpmfwError
         The file cannot be written.
+    Interrupted
+        Ctrl-C or SIGTERM; the points that are done are kept.
     """
     loaded = load_scene(scene, set={**(set or {}), **chosen_methods(contact, shape)})
-    axis = axis_of(loaded, kappa, ratio)
+    objects = {
+        kind: one
+        for kind, one in (("contact", contact), ("shape", shape))
+        if one is not None and not isinstance(one, str)
+    }
+    axis = axis_of(loaded, objects.get("contact"), kappa, ratio)
     values: Sequence[float] = (KAPPA if kappa is None else kappa) if ratio is None else ratio
     check_values(values, cfl, steps)
     check_overrides(loaded, axis)
     if output is not None:
         check_replaceable(output, "stability", "map of stability")
-    scenes = [_scene_at(loaded, axis, value) for value in values]
-    found: dict[tuple[int, int], Outcome] = {}
-    ticks, closed = np.array([_theory(one) for one in scenes]).T
-    total = len(values) * len(cfl)
-    kept = Kept(output)
-    for (i, one), (j, courant) in itertools.product(enumerate(scenes), enumerate(cfl)):
-        found[i, j] = _point(one, courant * float(ticks[i]), steps, kept)
-        if progress is not None:
-            progress(len(found), total)
+    points = [_at(loaded, objects, axis, value) for value in values]
+    ticks, closed = np.array([_theory(*point) for point in points]).T
+    tasks = {
+        (i, j): _task(*points[i], courant * float(ticks[i]), steps, f"{axis} {value:g}, cfl {courant:g}")
+        for (i, value), (j, courant) in itertools.product(enumerate(values), enumerate(cfl))
+    }
+    runs = Store(store if store is not None else None if output is None else f"{os.fspath(output)}.runs")
+    with resumable(runs, "map of stability"):
+        do(
+            probe_once,
+            tasks.values(),
+            runs,
+            executor_of(executor, None if executor is not None else jobs),
+            progress,
+        )
+    found = {index: _found(runs, task) for index, task in tasks.items()}
     least = int(np.argmin(cfl))
     limits = np.array([found[i, least].limit for i in range(len(values))]) / ticks
     dataset = _dataset(loaded, axis, values, cfl, steps, found, (limits, closed))
+    dataset.attrs |= {kind: _without(one, axis) for kind, one in objects.items()}
     if output is not None:
         replace_dataset(dataset, output)
-        kept.finish()
     return dataset
 
 
-def _scene_at(scene: Scene, axis: Axis, value: float) -> Scene:
-    """The scene at one stiffness, allowed to go past its limit; a safety factor of its own gives way."""
-    changes = stiffness_ratio(scene, value) if axis == "ratio" else {"contact.penalty.kappa": value}
+def _at(
+    scene: Scene, objects: Mapping[str, Any], axis: Axis, value: float
+) -> tuple[Scene, Mapping[str, Any]]:
+    """The scene and the strategy objects at one stiffness."""
+    if axis == "kappa" and "contact" in objects:
+        return _scene_at(scene, {}), {**objects, "contact": with_option(objects["contact"], "kappa", value)}
+    if axis == "ratio":
+        return _scene_at(scene, stiffness_ratio(scene, value)), objects
+    assert scene.contact is not None
+    return _scene_at(scene, {f"contact.{scene.contact.method}.kappa": value}), objects
+
+
+def _task(scene: Scene, objects: Mapping[str, Any], step: float, steps: int, name: str) -> Probe:
+    """The probe of one point; the code that judges it is part of what it is."""
+    fixed = scene.with_overrides({"time.step": step})
+    key = key_of(fixed, **objects, what=f"{steps} steps judged by {package('mpmfw.stability')}")
+    return Probe(key, name, fixed, steps, **objects, code=code_of(fixed, **objects))
+
+
+def _found(runs: Store, task: Probe) -> Invariants:
+    """What came of a point.
+
+    Raises
+    ------
+    SceneError
+        It is refused.
+    """
+    outcome = runs.outcome(task.key)
+    if outcome is None or not outcome.values:  # its process died
+        return Invariants("failed", "" if outcome is None else outcome.status)
+    found = Invariants(**outcome.values)
+    if found.status == "refused":
+        raise SceneError(found.message)
+    return found
+
+
+def _without(plugin: Any, axis: str) -> str:
+    """Name and options of a strategy object, but for what the map varies."""
+    given = plugin.options.model_fields_set - {axis}
+    return specification_of(plugin.name, {key: getattr(plugin.options, key) for key in given})
+
+
+def _scene_at(scene: Scene, changes: Mapping[str, Any]) -> Scene:
+    """The scene with changes, allowed to go past its limit; a safety factor of its own gives way."""
     time = {"end": scene.time.end, "output_interval": scene.time.output_interval}
     return scene.with_overrides({**changes, "allow_unstable": True, "time": time})
 
 
-def _theory(scene: Scene) -> tuple[float, float]:
+def _theory(scene: Scene, objects: Mapping[str, Any]) -> tuple[float, float]:
     """h / c of the fastest body [s], and the Courant number of the closed form."""
-    simulation = _simulation(scene)
+    simulation = _simulation(scene, objects)
     bulk, bodies = simulation.limits()[0][0], simulation.state.bodies
     kappa = getattr(getattr(simulation.contact, "options", None), "kappa", 0.0)
     # ω² = 2 κ M (1/ρ_1 + 1/ρ_2) / h², ω_bulk = 2 c / h
@@ -132,24 +197,11 @@ def _theory(scene: Scene) -> tuple[float, float]:
     return bulk, 1.0 / math.sqrt(1.0 + kappa * softness / fastest**2)
 
 
-def _simulation(scene: Scene) -> Simulation:
+def _simulation(scene: Scene, objects: Mapping[str, Any]) -> Simulation:
     try:
-        return Simulation(scene)
+        return Simulation(scene, **copy.deepcopy(dict(objects)))
     except SceneError as error:
         raise located(error, scene) from error
-
-
-def _point(scene: Scene, step: float, steps: int, kept: Kept) -> Outcome:
-    """One run, or what is kept of it."""
-    fixed = scene.with_overrides({"time.step": step})
-    key = key_of(fixed, steps)
-    found = kept.get(key)
-    if found is None:
-        found = probe(fixed, steps=steps)
-        if found.status == "refused":
-            raise SceneError(found.message)
-        kept.put(key, found)
-    return found
 
 
 _AXES = {
@@ -163,7 +215,7 @@ def _said(meaning: str) -> dict[str, str]:
     return {"units": "1", "long_name": meaning}
 
 
-def classed(found: Outcome) -> int:
+def classed(found: Invariants) -> int:
     """Index into :data:`CLASSES` of a run."""
     if found.status == "failed" or not found.energy <= BOUNDED:
         return 3
@@ -178,13 +230,13 @@ def _dataset(
     values: Sequence[float],
     cfl: Sequence[float],
     steps: int,
-    found: Mapping[tuple[int, int], Outcome],
+    found: Mapping[tuple[int, int], Invariants],
     limits: Sequence[FloatArray],
 ) -> xr.Dataset:
-    def table(pick: Callable[[Outcome], float], kind: type = float) -> Any:
+    def table(pick: Callable[[Invariants], float], kind: type = float) -> Any:
         return np.array([[pick(found[i, j]) for j in range(len(cfl))] for i in range(len(values))], kind)
 
-    picks: dict[str, tuple[Callable[[Outcome], float], type, str]] = {
+    picks: dict[str, tuple[Callable[[Invariants], float], type, str]] = {
         "class": (classed, int, "index into the attribute classes"),
         "energy": (lambda o: o.energy, float, "largest energy plus dissipation over the energy at the start"),
         "steps_per_contact": (lambda o: o.contact_steps, float, "fewest steps that a contact lasted"),

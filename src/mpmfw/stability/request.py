@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, TypeAlias
 
+from mpmfw.campaigns.grid import has_option
 from mpmfw.errors import SceneError
 from mpmfw.scene import Scene
 from mpmfw.scene.locator import Path
@@ -22,8 +23,8 @@ _OWN: dict[Path, str] = {
 }
 
 
-def axis_of(scene: Scene, kappa: Sequence[float] | None, ratio: Sequence[float] | None) -> Axis:
-    """What is varied beside the Courant number.
+def axis_of(scene: Scene, contact: Any, kappa: Sequence[float] | None, ratio: Sequence[float] | None) -> Axis:
+    """What is varied beside the Courant number; ``contact`` is an object in place of the scene's.
 
     Raises
     ------
@@ -35,7 +36,11 @@ def axis_of(scene: Scene, kappa: Sequence[float] | None, ratio: Sequence[float] 
     if ratio is not None:
         return "ratio"
     method = scene.contact.method if scene.contact is not None else "none"
-    if method != "penalty":
+    if contact is not None:
+        method, has = contact.name, "kappa" in type(contact).Options.model_fields
+    else:
+        has = has_option("contact", method, "kappa")
+    if not has:
         raise SceneError(f"contact '{method}' has no kappa; give stiffness ratios instead")
     return "kappa"
 
@@ -66,8 +71,8 @@ def check_overrides(scene: Scene, axis: Axis) -> None:
         There is one.
     """
     own = dict(_OWN)
-    if axis == "kappa":
-        own["contact", "penalty", "kappa"] = "it varies kappa: give the values as kappa"
+    if axis == "kappa" and scene.contact is not None:
+        own["contact", scene.contact.method, "kappa"] = "it varies kappa: give the values as kappa"
     set_keys = [
         (key, path, value)
         for key, value in scene.source.overrides.items()

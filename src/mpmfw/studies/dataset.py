@@ -9,6 +9,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from mpmfw.campaigns.campaign import conditions, timing_of
+from mpmfw.campaigns.judging import Judge, Judgement
+from mpmfw.campaigns.measures import measure_of
+from mpmfw.campaigns.outcome import COSTS, Cost, Outcome
+from mpmfw.campaigns.running import counted
 from mpmfw.clock import STEP_STAGES
 from mpmfw.discovery import load
 from mpmfw.fields import FloatArray
@@ -16,20 +21,19 @@ from mpmfw.joining import STEPPING
 from mpmfw.results.provenance import provenance
 from mpmfw.scene import Scene
 from mpmfw.studies.grid import Grid, Index
-from mpmfw.studies.judging import Judge, Judgement
 from mpmfw.studies.loading import Study
 from mpmfw.studies.pareto import front
-from mpmfw.studies.schedule import counted
-from mpmfw.studies.store import COSTS, Cost, Record
 
 
 def assemble(
     study: Study,
     grid: Grid,
     judge: Judge,
-    records: Mapping[Index, Record | None],
+    records: Mapping[Index, Outcome | None],
     judgements: Mapping[Index, Judgement],
+    noise: Mapping[Index, float],
     exclusive: bool,
+    cores: str,
 ) -> xr.Dataset:
     """Join what is known of every combination.
 
@@ -39,10 +43,12 @@ def assemble(
         What was asked for, and how it is judged.
     records
         How each combination went; None where it has not been run.
-    judgements
-        Errors, by index.
+    judgements, noise
+        Errors, and the noise of the contact force, by index.
     exclusive
         Whether exclusive costs alone count.
+    cores
+        What ran it, in words.
 
     Returns
     -------
@@ -57,11 +63,12 @@ def assemble(
     dataset = dataset.assign(_errors(grid, judge, judgements))
     dataset = dataset.assign(_costs(grid, costs, study.tables.cost.settling))
     dataset = dataset.assign(_stepping(grid))
+    dataset["noise"] = _numbers(grid, noise, "1", measure_of("force-noise").meaning)
     dataset["status"] = _words(grid, {i: _status(grid, i, r) for i, r in records.items()}, "ok, or why not")
-    marks = {i: _timing(costs[i]) for i in grid.combinations}
+    marks = {i: timing_of(costs[i]) for i in grid.combinations}
     dataset["timing"] = _words(grid, marks, "whether other runs of the study shared the cores meanwhile")
     dataset["pareto"] = _front(grid, dataset)
-    dataset.attrs = _attributes(study, grid, judge, records, set(marks.values()) - {""})
+    dataset.attrs = _attributes(study, grid, judge, records) | conditions(costs, cores)
     return dataset
 
 
@@ -188,17 +195,11 @@ def _stages(
     return xr.DataArray(times, dims=(*grid.coords, "stage"), coords=coords, attrs=attributes)
 
 
-def _status(grid: Grid, index: Index, record: Record | None) -> str:
+def _status(grid: Grid, index: Index, record: Outcome | None) -> str:
     if record is not None:
         return record.status
     one = grid.combinations[index]
     return f"refused: {one.why}" if one.scene is None else "not run"
-
-
-def _timing(costs: list[Cost]) -> str:
-    """``exclusive`` if all costs that count are."""
-    marks = {cost.timing for cost in costs}
-    return marks.pop() if len(marks) == 1 else "shared cores" if marks else ""
 
 
 def _front(grid: Grid, dataset: xr.Dataset) -> xr.DataArray:
@@ -216,7 +217,7 @@ def _front(grid: Grid, dataset: xr.Dataset) -> xr.DataArray:
 
 
 def _attributes(
-    study: Study, grid: Grid, judge: Judge, records: Mapping[Index, Record | None], marks: set[str]
+    study: Study, grid: Grid, judge: Judge, records: Mapping[Index, Outcome | None]
 ) -> dict[str, Any]:
     tables = study.tables
     notes = {
@@ -237,7 +238,6 @@ def _attributes(
         "under": float(tables.under),
         "varied": json.dumps(dict(grid.keys)),
         "problem_dims": json.dumps(grid.problem_dims),
-        "timing": "exclusive" if marks == {"exclusive"} else "shared cores",
         "versions": json.dumps(versions["versions"]),
         **({"commit": versions["commit"]} if "commit" in versions else {}),
         **({"notes": json.dumps(notes)} if notes else {}),

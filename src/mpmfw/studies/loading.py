@@ -13,6 +13,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from mpmfw.campaigns.keys import SHORT, full_key, written_alike
+from mpmfw.campaigns.measures import measure_of
 from mpmfw.discovery import nearest
 from mpmfw.errors import SceneError
 from mpmfw.scene import Scene, Source
@@ -21,8 +23,6 @@ from mpmfw.scene.loading import origin_of, plain
 from mpmfw.scene.locator import Path as KeyPath
 from mpmfw.scene.override import parse_path
 from mpmfw.scene.problem import Problem, distinct
-from mpmfw.studies.keys import SHORT, full_key, written_alike
-from mpmfw.studies.measures import MEASURES
 from mpmfw.studies.tables import StudyTables
 
 
@@ -149,13 +149,10 @@ def _key(path: tuple[str, str]) -> Iterator[Problem]:
 def _error(tables: StudyTables) -> Iterator[Problem]:
     """Problems of the table ``error``: names, and keys that would have no effect."""
     error = tables.error
-    measure = MEASURES.get(error.quantity)
-    if measure is None:
-        close = nearest(error.quantity, MEASURES)
-        hint = f"did you mean '{close}'? " if close else ""
-        yield Problem(
-            ("error", "quantity"), f"'{error.quantity}' is unknown; {hint}(one of {', '.join(MEASURES)})"
-        )
+    try:
+        measure = measure_of(error.quantity)
+    except SceneError as problem:
+        yield Problem(("error", "quantity"), str(problem))
         return
     for key, kind in (
         ("file", "reference"),

@@ -3,27 +3,27 @@
 from __future__ import annotations
 
 import os
-import tempfile
 import warnings
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal, get_args
 
 import xarray as xr
 
+from mpmfw.campaigns.executors import executor_of
+from mpmfw.campaigns.judging import Judge
+from mpmfw.campaigns.measures import About, measure_of
+from mpmfw.campaigns.outcome import Outcome
+from mpmfw.campaigns.running import Progress, complete, resumable
+from mpmfw.campaigns.store import Store
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
 from mpmfw.results.replacing import check_replaceable, replace_dataset
-from mpmfw.studies.cluster import Cluster
+from mpmfw.scene.override import parse_value
 from mpmfw.studies.dataset import assemble
-from mpmfw.studies.executors import Executor, InProcess, Pool, cores
 from mpmfw.studies.grid import Grid, Index, make_grid
-from mpmfw.studies.identity import key_of
-from mpmfw.studies.judging import Judge
 from mpmfw.studies.loading import Study, load_study
-from mpmfw.studies.schedule import Progress, complete, wanted
-from mpmfw.studies.store import Record, Store
+from mpmfw.units import to_si
 
 Timing = Literal["shared", "exclusive"]
 
@@ -35,8 +35,10 @@ def study(
     timing: Timing = "shared",
     jobs: int | None = None,
     scheduler: str | None = None,
+    executor: Any = None,
+    store: str | os.PathLike[str] | None = None,
     repeats: int | None = None,
-    under: float | None = None,
+    under: float | str | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Run a grid of methods and resolutions, and put error and cost side by side.
@@ -57,10 +59,15 @@ def study(
         processes needs its ``if __name__ == "__main__":``.
     scheduler
         Address of a Dask scheduler, such as ``tcp://127.0.0.1:8786``, whose workers run the study instead.
+    executor
+        What runs the study instead: a ``concurrent.futures.Executor``, or a ``Client`` or cluster of
+        ``dask.distributed``.
+    store
+        Folder of finished runs, which several campaigns may share; ``<output>.runs`` by default.
     repeats, under
-        Stand in for the study's ``cost.repeats`` and ``under`` (relative error).
+        Stand in for the study's ``cost.repeats`` and ``under``, the relative error: 0.01 or ``"1 %"``.
     progress
-        Called with an :class:`mpmfw.studies.schedule.Event` at the start and after every run.
+        Called with an :class:`mpmfw.campaigns.running.Event` at the start and after every run.
 
     Returns
     -------
@@ -85,67 +92,81 @@ def study(
         raise SceneError(f"timing: '{timing}' is unknown; expected one of {', '.join(get_args(Timing))}")
     path = None if output is None else _writable(Path(output))
     grid = make_grid(loaded)
-    judge = Judge(loaded, grid)
-    executor = _executor(jobs, scheduler)
+    judge = Judge(loaded.tables.error, grid, loaded.at, loaded.beside)
+    if scheduler is not None and (executor is not None or jobs is not None):
+        raise SceneError("jobs and executor: have no effect with a scheduler, whose workers run the study")
+    runner = executor_of(scheduler if scheduler is not None else executor, jobs)
     exclusive = timing == "exclusive"
-    with _store(path) as store:
-        keys = {i: key_of(one.scene) for i, one in grid.combinations.items() if one.scene is not None}
+    runs = Store(store if store is not None else None if path is None else f"{path}.runs")
+    with resumable(runs, "study"):
         try:
-            complete(wanted(grid), store, executor, loaded.tables.cost.repeats, exclusive, progress)
+            complete(grid.tasks(), runs, runner, loaded.tables.cost.repeats, exclusive, progress)
         except KeyboardInterrupt:
             if path is not None:  # what is known so far; the next start goes on from there
-                replace_dataset(_dataset(loaded, grid, judge, store, keys, exclusive), path)
+                replace_dataset(_dataset(loaded, grid, judge, runs, exclusive, runner.cores), path)
             raise
-        dataset = _dataset(loaded, grid, judge, store, keys, exclusive)
+    dataset = _dataset(loaded, grid, judge, runs, exclusive, runner.cores)
     if path is not None:
         replace_dataset(dataset, path)
     return dataset
 
 
-def _with(study: Study, repeats: int | None, under: float | None) -> Study:
+def _with(study: Study, repeats: int | None, under: float | str | None) -> Study:
     """The study with the request's own values of some keys."""
     if repeats is not None and repeats < 1:
         raise SceneError(f"repeats: must be at least 1, not {repeats}")
-    if under is not None and not under > 0.0:
-        raise SceneError(f"under: must be greater than 0, not {under:g}")
+    limit = None if under is None else relative_error(under)
     tables = study.tables
     cost = tables.cost if repeats is None else tables.cost.model_copy(update={"repeats": repeats})
-    update = {"cost": cost, **({} if under is None else {"under": under})}
+    update = {"cost": cost, **({} if under is None else {"under": limit})}
     return replace(study, tables=tables.model_copy(update=update))
 
 
-def _executor(jobs: int | None, scheduler: str | None) -> Executor:
-    if scheduler is not None:
-        if jobs is not None:
-            raise SceneError("jobs: has no effect with a scheduler, whose workers are as many as they are")
-        return Cluster(scheduler)
-    if jobs is not None and jobs < 1:
-        raise SceneError(f"jobs: must be at least 1, not {jobs}")
-    return InProcess() if (jobs or cores()) == 1 else Pool(jobs)
-
-
-def _dataset(
-    study: Study, grid: Grid, judge: Judge, store: Store, keys: Mapping[Index, str], exclusive: bool
-) -> xr.Dataset:
-    records: dict[Index, Record | None] = {
-        index: store.record(keys[index]) if index in keys else None for index in grid.combinations
+def _dataset(study: Study, grid: Grid, judge: Judge, store: Store, exclusive: bool, cores: str) -> xr.Dataset:
+    keys = {index: one.key for index, one in grid.combinations.items() if one.scene is not None}
+    outcomes: dict[Index, Outcome | None] = {
+        index: store.outcome(keys[index]) if index in keys else None for index in grid.combinations
     }
-    succeeded = {index: record is not None and record.status == "ok" for index, record in records.items()}
+    succeeded = {index: one is not None and one.status == "ok" for index, one in outcomes.items()}
     judgements = judge.judge(lambda index: store.results(keys[index]), succeeded)
-    for index, record in records.items():
-        for note in record.notes if record is not None else ():
+    for index, one in outcomes.items():
+        for note in one.notes if one is not None else ():
             warnings.warn(f"{grid.combinations[index].name}: {note}", ResultsWarning, stacklevel=3)
-    return assemble(study, grid, judge, records, judgements, exclusive)
+    noise = {index: _noise(store, grid, index) for index, ok in succeeded.items() if ok}
+    return assemble(study, grid, judge, outcomes, judgements, noise, exclusive, cores)
 
 
-@contextmanager
-def _store(path: Path | None) -> Iterator[Store]:
-    """The folder of finished runs beside the output; one that is thrown away without an output."""
-    if path is not None:
-        yield Store(path.with_name(f"{path.name}.runs"))
-        return
-    with tempfile.TemporaryDirectory(prefix="mpmfw-study-") as folder:
-        yield Store(folder)
+def _noise(store: Store, grid: Grid, index: Index) -> float:
+    """Noise of the contact force of a run; NaN of a scene without."""
+    one = grid.combinations[index]
+    tree = store.results(one.key)
+    if tree is None or one.scene is None or not one.scene.pairs:
+        return float("nan")
+    return float(measure_of("force-noise").of(tree, one.scene, About()).values[0])
+
+
+def relative_error(given: float | str) -> float:
+    """A relative error as a request writes it: a number below 1, or text with ``%``; the same in Python and on the command line.
+
+    Raises
+    ------
+    SceneError
+        It is none, is not positive, or is a bare number that would be 100 % or more, and is meant in per cent.
+    """
+    try:
+        number = to_si(parse_value(given) if isinstance(given, str) else given, "1")
+        limit = float(number)  # type: ignore[arg-type]
+    except (ValueError, TypeError) as error:
+        raise SceneError(
+            f"under {given}: {error}; expected a relative error such as 0.01 or '1 %'"
+        ) from error
+    if not limit > 0.0:
+        raise SceneError(f"under: must be greater than 0, not {given}")
+    if limit >= 1.0 and "%" not in str(given):
+        raise SceneError(
+            f"under {given}: is an error of {100.0 * limit:g} %; expected '{given} %' or {limit / 100.0:g}"
+        )
+    return limit
 
 
 def _writable(path: Path) -> Path:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
@@ -29,6 +29,8 @@ class Violation(AssertionError):
         Draws the case into matplotlib axes, labels included; None if there is nothing to see.
     measured, bound
         What was measured, and what it may be at most (or at least, if ``message`` says so).
+    where
+        Lines of the traceback, of an error that was raised.
     """
 
     def __init__(
@@ -39,24 +41,28 @@ class Violation(AssertionError):
         *,
         measured: float | None = None,
         bound: float | None = None,
+        where: Sequence[str] = (),
     ) -> None:
         super().__init__(message)
         self.message = message
         self.counterexample: dict[str, object] = dict(counterexample or {})
         self.picture = picture
         self.measured, self.bound = measured, bound
+        self.where = tuple(where)
 
     def with_case(self, numbers: Mapping[str, object]) -> Violation:
         """The same, with the ``numbers`` of the case in front of the counterexample's own."""
         case = {**numbers, **self.counterexample}
-        return Violation(self.message, case, self.picture, measured=self.measured, bound=self.bound)
+        return Violation(
+            self.message, case, self.picture, measured=self.measured, bound=self.bound, where=self.where
+        )
 
     def __str__(self) -> str:
         lines = [self.message]
         if self.measured is not None and self.bound is not None:
             lines.append(f"  measured {shown(self.measured)}, bound {shown(self.bound)}")
         lines += [f"  {name} = {shown(value)}" for name, value in self.counterexample.items()]
-        return "\n".join(lines)
+        return "\n".join([*lines, *self.where])
 
 
 class Inapplicable(Exception):
@@ -99,6 +105,8 @@ class Outcome:
     justification: str = ""  #: of an expected failure
     picture: Path | None = None  #: file of the counterexample's picture
     seconds: float = 0.0  #: wall time [s]
+    where: tuple[str, ...] = ()  #: lines of the traceback, of an error that was raised
+    same_as: str = ""  #: the first check that the same line of code made fail in the same way
 
     @property
     def wrong(self) -> bool:
@@ -108,6 +116,8 @@ class Outcome:
     @property
     def report(self) -> str:
         """Which property is broken, by what, in which smallest case, and where its picture is."""
+        if self.same_as:
+            return f"{self.check}: {self.status}, as {self.same_as}: {self.message}"
         lines = [f"{self.check}: {self.status}", f"  what must hold: {self.statement}"]
         if self.message:
             lines.append(f"  what happened: {self.message}")
@@ -116,6 +126,8 @@ class Outcome:
         if self.counterexample:
             lines.append("  smallest counterexample:")
             lines += [f"    {name} = {shown(value)}" for name, value in self.counterexample.items()]
+        if self.where:
+            lines += ["  where:", *(f"    {line}" for line in self.where)]
         if self.justification:
             lines.append(f"  justification: {self.justification}")
         if self.picture is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from mpmfw.discovery import did_you_mean
@@ -49,12 +50,22 @@ def examine(
         The table of expected failures names an unknown check, or does not justify one.
     """
     expected = justified(expected_failures or {}, checks)
+    causes: dict[tuple[str, ...], str] = {}
     outcomes = []
     for check in checks:
         if progress is not None:
             progress(check)
-        outcomes.append(examine_one(subject, check, expected.get(check.name, ""), pictures))
+        why = expected.get(check.name, "")
+        outcomes.append(named(examine_one(subject, check, why, None if why else pictures), causes))
     return outcomes
+
+
+def named(outcome: Outcome, causes: dict[tuple[str, ...], str]) -> Outcome:
+    """The outcome, with the name of the check that failed before by the same line of code, which is noted in ``causes``."""
+    if not outcome.where:
+        return outcome
+    first = causes.setdefault(outcome.where[-2:], outcome.check)
+    return outcome if first == outcome.check else replace(outcome, same_as=first)
 
 
 def examine_one(
@@ -88,6 +99,7 @@ def examine_one(
         justification,
         None if pictures is None else _draw(subject, check, violation, pictures),
         seconds,
+        violation.where,
     )
 
 

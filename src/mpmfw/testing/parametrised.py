@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from mpmfw.discovery import Kind, did_you_mean
-from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.errors import SceneError
 from mpmfw.testing.check import Check
-from mpmfw.testing.examination import examine_one, justified
+from mpmfw.testing.examination import examine_one, justified, named
 from mpmfw.testing.subject import Subject, subject_of
 
 #: Folder for pictures of counterexamples, in the working directory; made by the first failure.
@@ -90,8 +90,15 @@ def chosen(checks: Sequence[Check], only: Iterable[str] | None) -> list[Check]:
 class BoundCheck:
     """A check of one plug-in; call it in a test."""
 
-    def __init__(self, subject: Subject, check: Check, justification: str, pictures: Path | None) -> None:
-        self.subject, self.check = subject, check
+    def __init__(
+        self,
+        subject: Subject,
+        check: Check,
+        justification: str,
+        pictures: Path | None,
+        causes: dict[tuple[str, ...], str] | None = None,
+    ) -> None:
+        self.subject, self.check, self.causes = subject, check, {} if causes is None else causes
         self.justification, self.pictures = justification, pictures
 
     def __repr__(self) -> str:
@@ -101,7 +108,7 @@ class BoundCheck:
         """Pass, skip where the check does not apply, or fail with the smallest counterexample."""
         pytest = _pytest()
         pictures = None if self.justification else self.pictures
-        outcome = examine_one(self.subject, self.check, self.justification, pictures)
+        outcome = named(examine_one(self.subject, self.check, self.justification, pictures), self.causes)
         if outcome.status == "not applicable":
             pytest.skip(outcome.message)
         if outcome.status == "expected failure":
@@ -122,7 +129,8 @@ def _parametrised(
     subject = subject_of(plugin, kind)
     run = chosen(checks, only)
     expected = justified(expected_failures or {}, checks)
-    bound = [BoundCheck(subject, check, expected.get(check.name, ""), pictures) for check in run]
+    causes: dict[tuple[str, ...], str] = {}  # of one plug-in's tests together
+    bound = [BoundCheck(subject, check, expected.get(check.name, ""), pictures, causes) for check in run]
     mark: Callable[[Any], Any] = pytest.mark.parametrize("check", bound, ids=[check.name for check in run])
     return mark
 
@@ -131,7 +139,7 @@ def _pytest() -> Any:
     try:
         import pytest
     except ImportError as error:
-        raise MpmfwError(
+        raise SceneError(
             "mpmfw.testing's decorators need pytest, which is not installed: pip install 'mpmfw[testing]'"
         ) from error
     return pytest

@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 import itertools
+import re
+import traceback
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
-from mpmfw.errors import MpmfwError
+import mpmfw
+from mpmfw.errors import SceneError
 from mpmfw.testing.check import Inapplicable, Violation
+
+_CORE = Path(mpmfw.__file__).resolve().parent
+#: Libraries that stand between the kit and a plug-in.
+_LIBRARY = re.compile(
+    r"[/\\\\](hypothesis|pluggy|numba|numpy|scipy|xarray|pydantic|_pytest|contextlib\.py|<frozen)|^<"
+)
 
 
 class _Enough(BaseException):
@@ -19,14 +29,14 @@ def hypothesis() -> Any:
 
     Raises
     ------
-    MpmfwError
+    SceneError
         It is not installed.
     """
     try:
         import hypothesis
         import hypothesis.strategies
     except ImportError as error:
-        raise MpmfwError(
+        raise SceneError(
             "the conformance kit searches for counterexamples with hypothesis, which is not installed: "
             "pip install 'mpmfw[testing]'"
         ) from error
@@ -172,6 +182,22 @@ def _decorated(
     return test
 
 
-def raised(error: Exception) -> Violation:
-    """An error of the plug-in, or of the run with it, as a violation."""
-    return Violation(f"{type(error).__name__}: {error}")
+def raised(error: BaseException) -> Violation:
+    """An error of the plug-in, or of the run with it, as a violation that says where it was raised."""
+    first = error
+    while (
+        inner := first.__cause__ or (None if first.__suppress_context__ else first.__context__)
+    ) is not None:
+        first = inner
+    return Violation(f"{type(error).__name__}: {error}", where=_lines(first))
+
+
+def _lines(error: BaseException) -> list[str]:
+    """The traceback's lines in code that is neither mpmfw's core nor a library's; the last one of all if there is none."""
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [frame for frame in frames if not Path(frame.filename).resolve().is_relative_to(_CORE)]
+    strange = [frame for frame in own if not _LIBRARY.search(frame.filename)]
+    said = []
+    for frame in strange or frames[-1:]:
+        said += [f'File "{frame.filename}", line {frame.lineno}, in {frame.name}', f"  {frame.line}"]
+    return said

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import math
-import os
 import platform
 import shutil
 from collections.abc import Iterable, Sequence
@@ -13,9 +12,10 @@ from pathlib import Path
 
 from rich.table import Table
 
+from mpmfw.campaigns.machine import processor
 from mpmfw.validation.known import KnownRed
 from mpmfw.validation.rows import Row, Verdict
-from mpmfw.validation.suite import Outcome
+from mpmfw.validation.suite import CaseResult
 
 HEADINGS = ("case", "method", "quantity", "reference", "value", "tolerance", "verdict", "CPU s")
 _STYLE = {
@@ -43,7 +43,7 @@ def cells(row: Row) -> tuple[str, ...]:
     return (row.case, row.method, row.quantity, reference, value, row.tolerance, row.verdict.value, seconds)
 
 
-def terminal_table(outcomes: Iterable[Outcome]) -> Table:
+def terminal_table(outcomes: Iterable[CaseResult]) -> Table:
     """One table of all rows."""
     table = Table(title="Validation", title_justify="left")
     for heading in HEADINGS:
@@ -55,7 +55,7 @@ def terminal_table(outcomes: Iterable[Outcome]) -> Table:
     return table
 
 
-def summary(outcomes: Sequence[Outcome]) -> str:
+def summary(outcomes: Sequence[CaseResult]) -> str:
     """One sentence: gates that hold and do not."""
     rows = [row for outcome in outcomes for row in outcome.rows]
     count = {verdict: sum(row.verdict is verdict for row in rows) for verdict in Verdict}
@@ -69,7 +69,7 @@ def summary(outcomes: Sequence[Outcome]) -> str:
     return said + (f"; broken cases: {', '.join(broken)}" if broken else "")
 
 
-def write_csv(outcomes: Iterable[Outcome], path: Path) -> None:
+def write_csv(outcomes: Iterable[CaseResult], path: Path) -> None:
     """Write every row with its full digits."""
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
@@ -95,9 +95,8 @@ def write_csv(outcomes: Iterable[Outcome], path: Path) -> None:
 
 
 def write_page(
-    outcomes: Sequence[Outcome],
+    outcomes: Sequence[CaseResult],
     path: Path,
-    quick: bool,
     known: Sequence[KnownRed] = (),
     repository: str = "..",
 ) -> None:
@@ -112,22 +111,20 @@ def write_page(
     """
     pictures = path.with_suffix("")
     pictures.mkdir(parents=True, exist_ok=True)
-    parts = [_head(outcomes, quick, known), *(_section(one, pictures, repository) for one in outcomes)]
+    parts = [_head(outcomes, known), *(_section(one, pictures, repository) for one in outcomes)]
     path.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
 
 
-def _head(outcomes: Sequence[Outcome], quick: bool, known: Sequence[KnownRed]) -> str:
+def _head(outcomes: Sequence[CaseResult], known: Sequence[KnownRed]) -> str:
     """What the tables are, under which conditions, and which gates do not hold."""
     packages = ", ".join(f"{name} {version(name)}" for name in ("mpmfw", "numpy", "numba"))
-    command = "mpmfw validate" + (" --quick" if quick else "") + " --document docs/validation.md"
     return "\n\n".join(
         [
             "# Validation",
-            f"Written by `{command}`, which draws every figure anew; cases run one by one into the same folder join. "
-            f"{summary(outcomes)}.",
-            f"Conditions: Python {platform.python_version()}, {packages}; {os.cpu_count()} cores, one process on "
-            "each, so that CPU times were measured while cores were shared. They are of the steps and of settling, "
-            "without compilation.",
+            f"Written by {_written_by(outcomes)}; cases run one by one into the same folder join as long as the code is the "
+            f"same. {summary(outcomes)}.",
+            f"Conditions: Python {platform.python_version()}, {packages}; {processor()}. CPU times are of the steps and of "
+            "settling, without compilation; where several processes ran, they shared the machine.",
             "A *gate* decides whether the suite passes; it binds the recommended combination, penalty contact with "
             "CPDI or CPDI2 and the scene's defaults. Other methods are shown at the same limits: *within* or "
             "*outside*. A method that failed keeps its row.",
@@ -136,7 +133,13 @@ def _head(outcomes: Sequence[Outcome], quick: bool, known: Sequence[KnownRed]) -
     )
 
 
-def _red(outcomes: Sequence[Outcome], known: Sequence[KnownRed]) -> list[str]:
+def _written_by(outcomes: Sequence[CaseResult]) -> str:
+    """The commands that were run, each with the cores that it ran on."""
+    said = dict.fromkeys((outcome.command, outcome.cores) for outcome in outcomes if outcome.command)
+    return ", ".join(f"`{command}` on {cores}" for command, cores in said)
+
+
+def _red(outcomes: Sequence[CaseResult], known: Sequence[KnownRed]) -> list[str]:
     """The gates that do not hold, with the reason where it is known."""
     rows = [row for outcome in outcomes for row in outcome.rows if row.verdict is Verdict.RED]
     if not rows:
@@ -149,7 +152,7 @@ def _red(outcomes: Sequence[Outcome], known: Sequence[KnownRed]) -> list[str]:
     return ["Gates that do not hold:", "\n".join(lines)]
 
 
-def _section(outcome: Outcome, pictures: Path, repository: str) -> str:
+def _section(outcome: CaseResult, pictures: Path, repository: str) -> str:
     """Title and first paragraph of the case's README, table, figures."""
     readme = (outcome.folder / "README.md").read_text(encoding="utf-8").strip().split("\n\n")
     title, introduction = readme[0].lstrip("# "), readme[1] if len(readme) > 1 else ""

@@ -3,26 +3,30 @@
 from __future__ import annotations
 
 import importlib.util
-import multiprocessing
-import os
 import sys
 import time
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from difflib import get_close_matches
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
+from mpmfw.campaigns.executors import Pool, executor_of
+from mpmfw.campaigns.identity import code_of_plugins, digest, package, sources
+from mpmfw.campaigns.outcome import Outcome
+from mpmfw.campaigns.running import Progress, do, resumable
+from mpmfw.campaigns.store import Store
+from mpmfw.campaigns.work import Finished
 from mpmfw.errors import SceneError
 from mpmfw.validation.case import Case
 from mpmfw.validation.rows import Row, Verdict
 
 
 @dataclass(frozen=True)
-class Outcome:
+class CaseResult:
     """What came of one case.
 
     Attributes
@@ -35,6 +39,8 @@ class Outcome:
         The traceback, if ``check.py`` itself went wrong; empty if not.
     seconds
         Wall time, compilation included.
+    command, cores
+        What it was run by, and on how many cores.
     """
 
     folder: Path
@@ -42,6 +48,8 @@ class Outcome:
     figures: tuple[Path, ...]
     error: str
     seconds: float
+    command: str = ""
+    cores: str = ""
 
     @property
     def holds(self) -> bool:
@@ -73,58 +81,117 @@ def find_cases(suite: Path, names: Sequence[str] = ()) -> list[Path]:
     return [known[name] for name in names] if names else list(known.values())
 
 
+@dataclass(frozen=True)
+class CaseTask:
+    """One case to run; as :class:`mpmfw.campaigns.work.Task`."""
+
+    key: str
+    name: str
+    folder: Path
+    output: Path
+    quick: bool
+    command: str
+    cores: str
+    code: Mapping[str, str]
+
+
 def run_cases(
     cases: Sequence[Path],
     output: Path,
     quick: bool = False,
     jobs: int | None = None,
-    done: Callable[[Outcome], None] | None = None,
-) -> list[Outcome]:
-    """Run cases, each in one process of its own, and save their figures.
+    progress: Progress | None = None,
+    *,
+    executor: Any = None,
+    command: str = "mpmfw.validation.run_cases",
+    force: bool = False,
+) -> list[CaseResult]:
+    """Run cases, each in one process, and save their figures; those that are done, by the code of today, are not run again.
 
     Parameters
     ----------
     cases
         Folders, of :func:`find_cases`.
     output
-        Folder for the figures; made if it is not there.
+        Folder for the figures, made if it is not there; results are kept in its folder ``runs``.
     quick
         Run the reduced versions.
-    jobs
-        Cases at a time; None is one for each core.
-    done
-        Called with each outcome as it comes.
+    jobs, executor
+        As :func:`mpmfw.campaign` takes them; jobs of None is one process for each core. A process that dies takes no other
+        case with it, but with jobs of 1, where it is this one.
+    progress
+        Called with an :class:`mpmfw.campaigns.running.Event` after each case.
+    command
+        What the results are said to be written by.
+    force
+        Run cases again that are done.
 
     Returns
     -------
-    list of Outcome
+    list of CaseResult
         In the order of ``cases``.
     """
     output.mkdir(parents=True, exist_ok=True)
-    jobs = min(jobs or _cores(), len(cases))
-    outcomes = {}
-    for outcome in _outcomes(cases, output, quick, jobs):
-        outcomes[outcome.folder] = outcome
-        if done is not None:
-            done(outcome)
-    return [outcomes[folder] for folder in cases]
+    runner = executor_of(executor, jobs) if executor is not None or jobs == 1 else Pool(jobs)
+    store, code = Store(output / "runs"), code_of_plugins()
+    tasks = {
+        folder: CaseTask(_key(folder, quick), folder.name, folder, output, quick, command, runner.cores, code)
+        for folder in _longest_first(cases)
+    }
+    for task in tasks.values():
+        if force or not _drawn(store, task.key, output):
+            store.forget(task.key)
+    with resumable(store, "validation"):
+        do(case_once, tasks.values(), store, runner, progress)
+    return [_result(folder, output, store.outcome(tasks[folder].key)) for folder in cases]
 
 
-def _cores() -> int:
-    """Cores that this process may use, where the system says so."""
-    allowed = getattr(os, "sched_getaffinity", None)
-    return len(allowed(0)) if allowed is not None else os.cpu_count() or 1
+def kept(cases: Iterable[Path], output: Path, quick: bool) -> list[CaseResult]:
+    """What earlier runs of these cases, reduced or full, found with the code of today, in the order of ``cases``."""
+    store = Store(output / "runs")
+    keys = {folder: _key(folder, quick) for folder in cases}
+    return [_result(f, output, store.outcome(key)) for f, key in keys.items() if _drawn(store, key, output)]
 
 
-def _outcomes(cases: Sequence[Path], output: Path, quick: bool, jobs: int) -> Iterator[Outcome]:
-    if jobs == 1:
-        yield from (run_case(folder, output, quick) for folder in cases)
-        return
-    # Started afresh, not forked: threads of the parent's libraries do not survive a fork
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(jobs, mp_context=context) as pool:
-        waiting = {pool.submit(run_case, folder, output, quick) for folder in _longest_first(cases)}
-        yield from (future.result() for future in as_completed(waiting))
+def _drawn(store: Store, key: str, output: Path) -> bool:
+    """Whether a case is done and its figures are there."""
+    outcome = store.outcome(key)
+    return outcome is not None and all(
+        (output / name).is_file() for name in outcome.values.get("figures", ())
+    )
+
+
+def _key(folder: Path, quick: bool) -> str:
+    """A name for the run of a case: the same for the same files of it and of the suite, code and libraries."""
+    inner = [path for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts]
+    shared = list(folder.parent.glob("*.py"))
+    parts = [f"{name} {is_}" for name, is_ in sorted(code_of_plugins().items())]
+    return digest(folder.name, str(quick), sources([*inner, *shared]), package("mpmfw"), *parts)
+
+
+def case_once(task: CaseTask) -> Finished:
+    """Run a case and return its rows."""
+    found = run_case(task.folder, task.output, task.quick)
+    values = {
+        "rows": [asdict(row) for row in found.rows],
+        "figures": [figure.name for figure in found.figures],
+        "error": found.error,
+        "seconds": found.seconds,
+        "command": task.command,
+        "cores": task.cores,
+    }
+    status = "ok" if found.holds else "failed: it went wrong" if found.error else "failed: a gate is red"
+    return Finished(Outcome(task.key, status, task.name, values=values, code=task.code))
+
+
+def _result(folder: Path, output: Path, outcome: Outcome | None) -> CaseResult:
+    if outcome is None or not outcome.values:
+        error = "it was not run" if outcome is None else outcome.status
+        return CaseResult(folder, (), (), f"{error}\n", 0.0)
+    known = dict(outcome.values)
+    rows = tuple(Row(**row) for row in known.pop("rows"))
+    figures = tuple(output / name for name in known.pop("figures"))
+    return CaseResult(folder, rows, figures, **known)
 
 
 def _longest_first(cases: Iterable[Path]) -> list[Path]:
@@ -140,7 +207,7 @@ def _cost(folder: Path) -> float:
     return 10.0
 
 
-def run_case(folder: Path, output: Path, quick: bool = False) -> Outcome:
+def run_case(folder: Path, output: Path, quick: bool = False) -> CaseResult:
     """Run the ``check`` of one case and save its figures; an error in it is part of the outcome."""
     start = time.perf_counter()
     case, error = Case(folder, quick), ""
@@ -154,7 +221,7 @@ def run_case(folder: Path, output: Path, quick: bool = False) -> Outcome:
             figures.append(path)
     except Exception:
         error, figures = traceback.format_exc(), []
-    return Outcome(folder, tuple(case.rows), tuple(figures), error, time.perf_counter() - start)
+    return CaseResult(folder, tuple(case.rows), tuple(figures), error, time.perf_counter() - start)
 
 
 @contextmanager

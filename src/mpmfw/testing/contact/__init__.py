@@ -10,12 +10,13 @@ from mpmfw.testing.contact.friction import coulomb_cone, frictionless, slip_on_t
 from mpmfw.testing.contact.options import options_act
 from mpmfw.testing.contact.reports import reported_force
 from mpmfw.testing.contact.separation import asleep_apart, no_adhesion, pushes_apart
-from mpmfw.testing.contact.shapes import every_shape
+from mpmfw.testing.contact.shapes import every_shape, runs
 from mpmfw.testing.contact.space import three_dimensions
 from mpmfw.testing.contact.state import restart, used_twice
 from mpmfw.testing.contact.symmetry import relabelling, rotation, shift
 
 _CHECKS = (
+    Check("runs", "A scene of two bodies that meet runs to its end.", runs),
     Check("equal-and-opposite", "What one body gets the other loses, in every step.", equal_and_opposite),
     Check("moment-balance", "The impulses on two bodies have one line of action.", moment_balance),
     Check(

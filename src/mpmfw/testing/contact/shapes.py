@@ -74,3 +74,12 @@ def _works_with(subject: Subject, shape: str) -> bool:
     drift = float(np.abs(total - total[0]).max()) / brought
     within(drift, DRIFT, "the momentum of both bodies drifts (share of what they bring)", None, picture)
     return True
+
+
+def runs(subject: Subject) -> None:
+    """A hundred steps of two discs that meet, slide and have friction come to their end.
+
+    It is the plainest thing that a law does: what breaks it breaks most other checks as well.
+    """
+    meeting = Meeting(form="discs", turn=30.0, slide=0.3, friction=0.3)
+    simulate(subject, meeting.mapping(), 100)

@@ -26,6 +26,18 @@ GROWTH = 400
 WARM, FILLINGS = 20, 40
 
 
+def runs(subject: Subject) -> None:
+    """One filling, in the plane, of the simplest case comes to its end.
+
+    It is the plainest thing that a shape function does: what breaks it breaks most other checks as well.
+    """
+
+    def trial(dim: int, case: dict[str, Any]) -> None:
+        _company(subject, dim, case).table()
+
+    search_dimensions(subject, points, trial, examples=1)
+
+
 def structure(subject: Subject) -> None:
     """``row`` counts up from 0 to at most the number of entries; int64, int32 and contiguous float64; all finite.
 
@@ -213,6 +225,7 @@ def _require_table(table: Stencil, count: int, dim: int, gradients: bool, placed
 def contract_checks() -> list[Check]:
     """The checks of this file."""
     return [
+        Check("runs", "A table is filled for the points of a body.", runs),
         Check("dimensions", "The plug-in declares its name and the dimensions that it works in.", dimensions),
         Check("structure", "The table has the layout that compiled kernels read.", structure),
         Check("repeatable", "The same points give the same table, bit by bit.", repeatable),

@@ -1,16 +1,18 @@
-"""Runs on a Dask cluster, reached by its scheduler's address; needs the extra ``mpmfw[dask]``."""
+"""Runs on a Dask cluster: a client, a cluster's object, or a scheduler's address; needs the extra ``mpmfw[dask]``."""
 
 from __future__ import annotations
 
 import asyncio
 import socket
 import uuid
-from collections.abc import Iterator, Sequence
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from typing import Any, TypeVar
 
 from mpmfw.errors import MpmfwError, SceneError
-from mpmfw.studies.executors import Outcome, Work
-from mpmfw.studies.work import Task
+
+T = TypeVar("T")
+R = TypeVar("R")
 
 #: Seconds to wait for the scheduler to answer.
 _PATIENCE = 10.0
@@ -24,59 +26,69 @@ class Cluster:
 
     Parameters
     ----------
-    address
-        Of the scheduler, such as ``tcp://127.0.0.1:8786``.
+    place
+        A ``distributed.Client``, which is left open; a cluster's object such as a ``LocalCluster``; or the scheduler's
+        address, such as ``tcp://127.0.0.1:8786``. For ``tls://`` Dask's own configuration names the certificates.
 
     Raises
     ------
     SceneError
-        Dask is not installed, or no scheduler answers there.
+        Dask is not installed, no scheduler answers there, or it has no workers.
     """
 
     timing = "shared cores"
 
-    def __init__(self, address: str) -> None:
+    def __init__(self, place: Any) -> None:
         try:
             import distributed
         except ImportError as error:
             raise SceneError("--scheduler: needs Dask: pip install 'mpmfw[dask]'") from error
         self._distributed: Any = distributed
-        self.address = address
-        self._check_address()
+        self.place = place
+        self.said = place if isinstance(place, str) else type(place).__name__
+        if isinstance(place, str) and not place.startswith("inproc://"):
+            self._check_address(place)
         with self._client() as client:
-            if not client.scheduler_info()["workers"]:
-                raise SceneError(f"--scheduler {address}: the scheduler has no workers")
+            workers = len(client.ncores())
+        if not workers:
+            raise SceneError(f"--scheduler {self.said}: the scheduler has no workers")
+        self.cores = f"{workers} workers of a Dask cluster"
 
-    def _check_address(self) -> None:
+    def _check_address(self, address: str) -> None:
         """Knock before there is a client: one that cannot connect complains a second time when it is collected."""
         comm = self._distributed.comm
         try:
-            scheme, place = comm.parse_address(self.address)
+            scheme, place = comm.parse_address(address)
             comm.registry.get_backend(scheme)
             socket.create_connection(comm.parse_host_port(place), timeout=_PATIENCE).close()
         except ValueError as error:
             raise SceneError(
-                f"--scheduler {self.address}: {error}; expected an address such as tcp://127.0.0.1:8786"
+                f"--scheduler {address}: {error}; expected an address such as tcp://127.0.0.1:8786"
             ) from error
         except OSError as error:
             raise self._silent(error) from error
 
     def _silent(self, error: Exception) -> SceneError:
-        return SceneError(f"--scheduler {self.address}: no scheduler answers there ({error})")
+        return SceneError(f"--scheduler {self.said}: no scheduler answers there ({error})")
 
-    def _client(self) -> Any:
+    def _client(self) -> AbstractContextManager[Any]:
+        """A client, closed at the end unless it is the caller's own."""
+        if hasattr(self.place, "scheduler_info") and not hasattr(self.place, "get_client"):
+            return nullcontext(self.place)
         try:
-            return self._distributed.Client(self.address, timeout=_PATIENCE, set_as_default=False)
+            client: AbstractContextManager[Any] = self._distributed.Client(
+                self.place, timeout=_PATIENCE, set_as_default=False
+            )
         except (OSError, ValueError) as error:  # it went away in between
             raise self._silent(error) from error
+        return client
 
-    def outcomes(self, work: Work, tasks: Sequence[Task]) -> Iterator[Outcome]:
+    def outcomes(self, work: Callable[[T], R], tasks: Sequence[T]) -> Iterator[tuple[T, R | None]]:
         """Do all tasks on the cluster."""
         with self._client() as client:
             # A name of its own for each, so that the scheduler does not answer from memory
             under_way = {
-                client.submit(work, task, key=f"{task.key}-{uuid.uuid4()}", pure=False): task
-                for task in tasks
+                client.submit(work, task, key=f"mpmfw-{uuid.uuid4()}", pure=False): task for task in tasks
             }
             try:
                 for future in self._distributed.as_completed(list(under_way), loop=client.loop):
@@ -93,4 +105,4 @@ class Cluster:
         except self._distributed.scheduler.KilledWorker:
             return None
         except (Exception, asyncio.CancelledError) as error:
-            raise MpmfwError(f"the cluster at {self.address} gave up a run: {error}") from error
+            raise MpmfwError(f"the cluster at {self.said} gave up a run: {error}") from error

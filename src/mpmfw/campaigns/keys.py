@@ -1,4 +1,4 @@
-"""Keys of a study: short names, the keys of the scene that they stand for, and what each of them changes."""
+"""Keys of a campaign: short names, the keys of the scene that they stand for, and what each of them changes."""
 
 from __future__ import annotations
 
@@ -7,11 +7,13 @@ from collections.abc import Iterable
 from typing import Any
 
 from mpmfw.errors import SceneError
-from mpmfw.scene import Scene
 from mpmfw.scene.locator import dotted
 from mpmfw.scene.override import parse_path
 from mpmfw.scene.specification import parse_specification
 from mpmfw.units import to_si
+
+#: The stiffness factor of whatever contact runs.
+OWN_OPTION = "contact.*.kappa"
 
 #: Short names and the keys of the scene that they stand for; ``*`` stands for every body.
 SHORT = {
@@ -23,8 +25,8 @@ SHORT = {
     "particle_size": "bodies.*.particles.size",
     "particles_per_cell": "bodies.*.particles.size",
     "segment": "bodies.*.segment",
-    "kappa": "contact.penalty.kappa",
-    "cfl": "time.safety",
+    "kappa": OWN_OPTION,
+    "safety": "time.safety",
 }
 
 #: Keys of a scene that choose how it is computed; all others change what is computed.
@@ -33,8 +35,8 @@ _NUMERICAL = re.compile(
     r"|bodies\.[^.]+\.(particles|segment|rotation)"
 )
 
-#: Names that a study's dataset has for itself.
-_TAKEN = ("scene", "stage", "time")
+#: Names that a dataset has for itself.
+_TAKEN = ("scene", "stage", "time", "body", "pair", "axis", "rotation", "frame", "repeat", "load")
 
 
 def full_key(key: str) -> str:
@@ -83,8 +85,8 @@ def as_number(value: Any) -> float | None:
     return float(number) if isinstance(number, int | float) else None
 
 
-def overrides_of(scene: Scene, key: str, value: Any) -> dict[str, Any]:
-    """The keys of the scene that a study's key sets, and their values.
+def overrides_of(bodies: Iterable[str], dim: int, key: str, value: Any) -> dict[str, Any]:
+    """The keys of a scene with these bodies that a campaign's key sets, and their values.
 
     Raises
     ------
@@ -94,12 +96,12 @@ def overrides_of(scene: Scene, key: str, value: Any) -> dict[str, Any]:
     if key == "particles_per_cell":
         if isinstance(value, bool) or not isinstance(value, int | float) or value <= 0:
             raise SceneError(f"{value!r} is no number of particles; expected a positive number, such as 4")
-        value = f"{value ** (-1.0 / scene.dim):.12g} cells"
+        value = f"{value ** (-1.0 / dim):.12g} cells"
     full = full_key(key)
-    if "*" not in full:
+    if "*" not in full or full == OWN_OPTION:
         return {full: value}
     head, tail = parse_path(full.partition(".*.")[0]), parse_path(full.partition(".*.")[2])
-    return {dotted((*head, body, *tail)): value for body in scene.bodies}
+    return {dotted((*head, body, *tail)): value for body in bodies}
 
 
 def dimension_names(keys: Iterable[str]) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""Measures by name: what a study reads off a run, and what is known of it beforehand.
+"""Measures by name: what a campaign reads off a run, and what is known of it beforehand.
 
 A measure is a function ``(run, scene, about) -> Measured`` under ``@measure(name, unit, kind, keys, exact)``. A script may
 register its own in the same way before it calls ``mpmfw.study``: measures are read here, not by the workers, off the
@@ -9,17 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib.metadata import entry_points
 from typing import Literal, TypeAlias
 
 import numpy as np
 import xarray as xr
 
-from mpmfw.analysis import fitted_acceleration, impulse, value_at
+from mpmfw.analysis import fitted_acceleration, force_noise, impulse, value_at
+from mpmfw.campaigns.exact import Exact, column, incline, rings
+from mpmfw.discovery import did_you_mean
 from mpmfw.errors import SceneError
 from mpmfw.fields import FloatArray
 from mpmfw.references import rings_table
 from mpmfw.scene import Scene
-from mpmfw.studies.exact import Exact, column, incline, rings
 
 Kind: TypeAlias = Literal["number", "curve", "field"]
 
@@ -116,6 +118,33 @@ def measure(
     return register
 
 
+def measure_of(name: str) -> Measure:
+    """The measure of a name: registered here, or announced by an installed plug-in under ``mpmfw.measure``.
+
+    Raises
+    ------
+    SceneError
+        There is none, or the plug-in's cannot be imported or does not register it.
+    """
+    if name not in MEASURES:
+        announced = {entry.name: entry for entry in entry_points(group="mpmfw.measure")}
+        if name not in announced:
+            raise SceneError(f"'{name}' is unknown; {did_you_mean(name, known_measures())}")
+        try:
+            announced[name].load()
+        except Exception as error:
+            said = f"measure '{name}' cannot be imported from {announced[name].value}"
+            raise SceneError(f"{said}: {type(error).__name__}: {error}") from error
+        if name not in MEASURES:
+            raise SceneError(f"{announced[name].value} registers no measure '{name}'")
+    return MEASURES[name]
+
+
+def known_measures() -> list[str]:
+    """Names of all measures, announced ones included, which are not imported."""
+    return sorted({*MEASURES, *(entry.name for entry in entry_points(group="mpmfw.measure"))})
+
+
 # -- which body and pair
 # ------------------------------------------------------------------------------------------------------------
 
@@ -204,6 +233,16 @@ def spin(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     series = run["series"].to_dataset()
     omega = series["angular_velocity"].sel(body=body_of(scene, about)).isel(rotation=-1).values
     return _number(value_at(series["time"].values, omega, _until(scene)))
+
+
+@measure("force-noise", "1", "number", ("pair",))
+def noise_of_force(run: xr.DataTree, scene: Scene, about: About) -> Measured:
+    """Noise of the contact force of a pair: what its mean over 20 output intervals leaves out, of that mean, by rms."""
+    series = run["series"].to_dataset()
+    if "contact_force" not in series:
+        return _number(np.nan)
+    force = series["contact_force"].sel(pair=pair_of(scene, about)).transpose("time", "axis").values
+    return _number(force_noise(series["time"].values, force))
 
 
 # -- curves

@@ -1,26 +1,69 @@
-"""The error of every run of a study: against a closed form, a reference, or the finest run."""
+"""The error of every run of a campaign: against a closed form, a reference, or the finest run."""
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
+from pydantic import Field
 
 from mpmfw.analysis import relative_l2
+from mpmfw.campaigns.exact import Exact
+from mpmfw.campaigns.grid import Grid, Index
+from mpmfw.campaigns.keys import as_number, finer
+from mpmfw.campaigns.measures import About, Measure, Measured, measure_of
+from mpmfw.errors import SceneError
 from mpmfw.fields import FloatArray
 from mpmfw.scene import Scene
-from mpmfw.studies.exact import Exact
-from mpmfw.studies.grid import Grid, Index
-from mpmfw.studies.keys import as_number, finer
-from mpmfw.studies.loading import Study
-from mpmfw.studies.measures import MEASURES, About, Measure, Measured
+from mpmfw.scene.base import Axis, Table
+from mpmfw.units import Number
 
 #: Results of a combination; None where there are none.
 Results = Callable[[Index], xr.DataTree | None]
+
+
+#: An error about a key of the table ``error``, by its path.
+At = Callable[[tuple[str, ...], str], SceneError]
+
+
+class ErrorTable(Table):
+    """Which error is measured, and against what.
+
+    Attributes
+    ----------
+    quantity
+        Name of a measure, see :data:`mpmfw.campaigns.measures.MEASURES`.
+    kind
+        ``closed-form``: what the scene's own closed form says; ``reference``: a file, a value, or the solution that
+        ships with mpmfw for the scene; ``finest``: the finest run of the study.
+    body, pair, axis
+        What the quantity is of; the scene decides where they are left out.
+    norm
+        Of the difference of two curves or fields: ``largest`` or ``l2``; the measure decides where it is left out.
+    file, column
+        CSV file with a column ``time`` [s] and one of the quantity [SI]: by name, or the only other one.
+    value
+        The quantity itself, where it is a number.
+    finest
+        Labels that choose the finest run; a numeric dimension that is not named takes its finest value, one of names
+        its own.
+    """
+
+    quantity: str
+    kind: Literal["closed-form", "reference", "finest"] = "closed-form"
+    body: str | None = None
+    pair: str | None = None
+    axis: Axis = "x"
+    norm: Literal["largest", "l2"] | None = None
+    file: str | None = None
+    column: str | None = None
+    value: Number | None = None
+    finest: dict[str, Any] = Field(default={})
 
 
 @dataclass(frozen=True)
@@ -41,12 +84,16 @@ class Judgement:
 
 
 class Judge:
-    """Judges the runs of a study.
+    """Judges the runs of a campaign.
 
     Parameters
     ----------
-    study, grid
+    error, grid
         What was asked for.
+    at
+        Makes an error about a key of the table.
+    beside
+        The path of a file that the table names.
 
     Raises
     ------
@@ -54,14 +101,20 @@ class Judge:
         A scene has no closed form or reference of the quantity, or the file of the reference is wrong.
     """
 
-    def __init__(self, study: Study, grid: Grid) -> None:
-        error = study.tables.error
-        self.study, self.grid, self.table = study, grid, error
-        self.measure: Measure = MEASURES[error.quantity]
+    def __init__(
+        self,
+        error: ErrorTable,
+        grid: Grid,
+        at: At | None = None,
+        beside: Callable[[Any], Any] = lambda file: file,
+    ) -> None:
+        self.at = at or _error_at
+        self.beside, self.grid, self.table = beside, grid, error
+        self.measure: Measure = measure_of(error.quantity)
         self.about = About(error.body, error.pair, error.axis)
         self.norm = error.norm or self.measure.norm
         self._check_names()
-        self._file = None if error.file is None else _read_reference(study)
+        self._file = None if error.file is None else _read_reference(error, self.at, beside)
         self.exact: dict[Index, Exact] = {}
         if error.kind != "finest":
             for index, one in grid.combinations.items():
@@ -69,17 +122,17 @@ class Judge:
                     self.exact[index] = self._exact(one.scene)
 
     def _check_names(self) -> None:
-        for scene in self.grid.scenes.values():
+        for scene in (one.scene for one in self.grid.combinations.values() if one.scene is not None):
             bodies, pairs = list(scene.bodies), [f"{a}-{b}" for a, b, _ in scene.pairs]
             for key, given, known in (("body", self.about.body, bodies), ("pair", self.about.pair, pairs)):
                 if given is not None and given not in known:
                     message = (
                         f"'{given}' is no {key} of the scene; expected one of {', '.join(known) or 'none'}"
                     )
-                    raise self.study.at(("error", key), message)
+                    raise self.at(("error", key), message)
             if self.about.axis not in "xyz"[: scene.dim]:
                 message = f"'{self.about.axis}' is no axis of the scene, which has {scene.dim} dimensions"
-                raise self.study.at(("error", "axis"), message)
+                raise self.at(("error", "axis"), message)
 
     def _exact(self, scene: Scene) -> Exact:
         error = self.table
@@ -98,7 +151,7 @@ class Judge:
         given = {"curve": ["a file with kind = 'reference'"], "number": ["a value with kind = 'reference'"]}
         others += given.get(self.measure.kind, [])
         what = "closed form" if error.kind == "closed-form" else "reference of its own"
-        raise self.study.at(
+        raise self.at(
             ("error", "kind"),
             f"the scene '{scene.name}' has no {what} for {error.quantity}; expected "
             f"{' or '.join(others) or 'another quantity'}",
@@ -117,7 +170,7 @@ class Judge:
         ] or given
         said = " and ".join(f"{key} = '{getattr(self.about, key)}'" for key in guilty)
         what = "closed form" if error.kind == "closed-form" else "reference"
-        raise self.study.at(
+        raise self.at(
             ("error", guilty[0]),
             f"the scene '{scene.name}' has a {what} of {error.quantity}, but none for {said}; leave "
             f"{' and '.join(guilty)} out, or take kind = 'finest'",
@@ -164,7 +217,7 @@ class Judge:
         wanted = self.table.finest[key]
         if wanted not in labels:
             message = f"{wanted!r} is not varied; expected one of {', '.join(map(str, labels))}"
-            raise self.study.at(("error", "finest", key), message)
+            raise self.at(("error", "finest", key), message)
         return labels.index(wanted)
 
     def _compare(self, measured: Measured, expected: FloatArray) -> Judgement:
@@ -190,7 +243,64 @@ def _interpolated(reference: Measured, at: Measured) -> FloatArray:
     return _within(at.time, reference.time, reference.values)
 
 
-def _read_reference(study: Study) -> Exact:
+def _error_at(path: tuple[str, ...], message: str) -> SceneError:
+    return SceneError(f"{'.'.join(path)}: {message}")
+
+
+def judge_all(
+    grid: Grid, measures: tuple[str, ...], reference: Mapping[str, Any] | None
+) -> list[Callable[[Results, xr.DataArray], dict[str, xr.DataArray]]]:
+    """What reads each measure off the runs of a grid, and its error where something is known to judge it by.
+
+    Raises
+    ------
+    SceneError
+        There is no such measure, or what is given as the reference is none of it.
+    """
+    judges: list[Callable[[Results, xr.DataArray], dict[str, xr.DataArray]]] = []
+    for name in measures:
+        kinds = [{**reference}] if reference is not None else [{"kind": "closed-form"}, {"kind": "reference"}]
+        judge = None
+        for given in kinds:
+            try:
+                judge = Judge(ErrorTable.model_validate({"quantity": name, **given}), grid)
+            except SceneError:
+                if reference is not None:
+                    raise
+        judges.append(functools.partial(_measured, measure_of(name), judge, grid))
+    return judges
+
+
+def _measured(
+    measure: Measure, judge: Judge | None, grid: Grid, results: Results, status: xr.DataArray
+) -> dict[str, xr.DataArray]:
+    """The variables of one measure: a number itself, and its relative error."""
+    found = {}
+    name = measure.name.replace("-", "_")
+    ok = {index: str(status.values[index]) == "ok" for index in grid.combinations}
+    if measure.kind == "number":
+        values = np.full(status.shape, np.nan)
+        for index, one in grid.combinations.items():
+            tree = results(index) if ok[index] else None
+            if tree is not None and one.scene is not None:
+                values[index] = float(measure.of(tree, one.scene, About()).values[0])
+        found[name] = xr.DataArray(
+            values, dims=status.dims, attrs={"units": measure.unit, "long_name": measure.meaning}
+        )
+    if judge is not None:
+        errors = np.full(status.shape, np.nan)
+        for index, judgement in judge.judge(results, ok).items():
+            errors[index] = judgement.error
+        attributes = {
+            "units": "1",
+            "long_name": f"relative error of: {measure.meaning}",
+            "against": judge.describe(),
+        }
+        found[f"{name}_error"] = xr.DataArray(errors, dims=status.dims, attrs=attributes)
+    return found
+
+
+def _read_reference(error: ErrorTable, at: At, beside: Callable[[Any], Any]) -> Exact:
     """A CSV file as what a curve must be.
 
     Raises
@@ -198,26 +308,25 @@ def _read_reference(study: Study) -> Exact:
     SceneError
         The file is not there or has not the columns.
     """
-    error = study.tables.error
-    path = Path(study.beside(error.file))
+    path = Path(beside(error.file))
     try:
         # NumPy takes the columns' names from the first line even if that is a comment
         lines = [line for line in path.read_text("utf-8").splitlines() if line.strip() and line[0] != "#"]
         table: Any = np.genfromtxt(lines, delimiter=",", names=True)
     except (OSError, ValueError) as problem:
-        raise study.at(("error", "file"), f"{error.file}: cannot be read as CSV: {problem}") from problem
+        raise at(("error", "file"), f"{error.file}: cannot be read as CSV: {problem}") from problem
     columns = list(table.dtype.names or ())
     others = [name for name in columns if name != "time"]
     column = error.column or (others[0] if len(others) == 1 else None)
     if "time" not in columns or column not in others:
         wanted = f"'{error.column}'" if error.column else "one other (or error.column, which says which)"
-        raise study.at(
+        raise at(
             ("error", "column" if error.column else "file"),
             f"{error.file} has the columns {', '.join(columns) or 'none'}; expected 'time' and {wanted}",
         )
     time, values = np.atleast_1d(table["time"]), np.atleast_1d(table[column])
     if len(time) < 2 or not np.all(np.diff(time) > 0.0) or not np.isfinite(values).all():
-        raise study.at(("error", "file"), f"{error.file}: expected rising times, and a number in every row")
+        raise at(("error", "file"), f"{error.file}: expected rising times, and a number in every row")
 
     return Exact("reference", f"{error.file}, column {column}", lambda when: _within(when, time, values))
 

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import copy
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
 
+from mpmfw.campaigns.outcome import Outcome
+from mpmfw.campaigns.work import Finished
 from mpmfw.errors import ResultsWarning, SceneError, SimulationError
 from mpmfw.fields import FloatArray
+from mpmfw.scene import Scene
 from mpmfw.simulation import Simulation
 from mpmfw.stability.record import Hopeless, Record
 from mpmfw.state import State
@@ -28,7 +32,7 @@ OUTPUT = {
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Invariants:
     """What became of a run.
 
     Attributes
@@ -87,7 +91,7 @@ def probe(
     set: Mapping[str, Any] | None = None,
     *,
     steps: int,
-) -> Outcome:
+) -> Invariants:
     """Run a scene for a number of steps, or until it fails, and judge every step.
 
     Parameters
@@ -99,7 +103,7 @@ def probe(
 
     Returns
     -------
-    Outcome
+    Invariants
         Also of a run that was refused or failed.
     """
     with _quiet():
@@ -109,7 +113,7 @@ def probe(
             loaded = load_scene(scene, set={**(set or {}), **OUTPUT})
             simulation = Simulation(loaded, contact=contact, shape=shape)
         except SceneError as error:
-            return Outcome("refused", str(error))
+            return Invariants("refused", str(error))
         begun = _centres(simulation.state), _distances(simulation.state)
         record = Record(simulation)
         status, message = "ok", ""
@@ -127,6 +131,28 @@ def probe(
         return _judged(simulation, record, begun, status, message)
 
 
+@dataclass(frozen=True)
+class Probe:
+    """One probe to do in a campaign; as :class:`mpmfw.campaigns.work.Task`."""
+
+    key: str
+    name: str
+    scene: Scene
+    steps: int
+    contact: Any = None
+    shape: Any = None
+    code: Mapping[str, str] = field(default_factory=dict)
+
+
+def probe_once(task: Probe) -> Finished:
+    """Probe a scene and return its invariants."""
+    contact, shape = copy.deepcopy(task.contact), copy.deepcopy(task.shape)
+    found = asdict(probe(task.scene, contact, shape, steps=task.steps))
+    found.pop("travel")
+    outcome = Outcome(task.key, found["status"], task.name, task.scene.text, values=found, code=task.code)
+    return Finished(outcome)
+
+
 @contextmanager
 def _quiet() -> Iterator[None]:
     """Without warnings of numbers that run away, and of what a reader of results must know."""
@@ -138,14 +164,14 @@ def _quiet() -> Iterator[None]:
 
 def _judged(
     simulation: Simulation, record: Record, begun: tuple[FloatArray, FloatArray], status: str, message: str
-) -> Outcome:
+) -> Invariants:
     state, h = simulation.state, simulation.state.grid.cell_size
     if not record.energy:
-        return Outcome(status, message, steps=state.steps)
+        return Invariants(status, message, steps=state.steps)
     momentum = np.array(record.momentum)
     drift = np.linalg.norm(momentum.sum(axis=1) - momentum[0].sum(axis=0), axis=-1)
     largest = np.linalg.norm(momentum, axis=-1).max(axis=0).sum()
-    return Outcome(
+    return Invariants(
         status,
         message,
         steps=state.steps,

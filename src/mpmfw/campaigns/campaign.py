@@ -1,0 +1,202 @@
+"""``mpmfw.campaign``: a grid of runs as one dataset."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from mpmfw.campaigns.executors import Executor, InProcess, executor_of
+from mpmfw.campaigns.grid import Grid, Index, make_grid
+from mpmfw.campaigns.judging import judge_all
+from mpmfw.campaigns.machine import LOADED
+from mpmfw.campaigns.outcome import COSTS, Cost, Outcome
+from mpmfw.campaigns.running import Event, Progress, Repeats, complete, resumable
+from mpmfw.campaigns.store import Store
+from mpmfw.campaigns.work import Task
+from mpmfw.discovery import available, distribution_of
+from mpmfw.errors import ResultsWarning, SceneError
+from mpmfw.joining import join
+
+
+def campaign(
+    scene: Any,
+    vary: Mapping[str, Sequence[Any]],
+    *,
+    measures: Iterable[str] = (),
+    reference: Mapping[str, Any] | None = None,
+    set: Mapping[str, Any] | None = None,
+    store: str | os.PathLike[str] | None = None,
+    executor: Any = None,
+    jobs: int | None = 1,
+    repeats: Repeats = "auto",
+    progress: Progress | None = None,
+    report: Callable[[float, int], None] | None = None,
+    force: bool = False,
+    grown: Callable[[xr.Dataset], None] | None = None,
+) -> xr.Dataset:
+    """Run a scene at all points of a grid, and join what came of them.
+
+    Parameters
+    ----------
+    scene
+        A file, the name of a shipped scene, or a mapping.
+    vary
+        Values by key: ``contact`` and ``shape`` (names, names with options, configured strategy objects), short names such
+        as ``cell_size``, or dotted keys of the scene. A dimension each, in this order.
+    measures
+        Names of quantities to read off every run, see :data:`mpmfw.campaigns.measures.MEASURES`.
+    reference
+        Keys of a study's table ``error`` without ``quantity``, such as ``{"kind": "finest"}``: what the measures are judged
+        by. By default the scene's own closed form or reference, where there is one.
+    set
+        Values by key that all runs share.
+    store
+        Folder of finished runs, from which a campaign that was broken off, or changed, takes what still applies. Without
+        it nothing is kept.
+    executor, jobs
+        What runs it: an executor of ``concurrent.futures``, a ``Client`` or cluster of ``dask.distributed``, or the address
+        of its scheduler; or so many processes of one thread each, where 1 is this process itself and None one for each core.
+    repeats
+        Runs of each point, for the spread of its cost; ``auto`` repeats short ones.
+    progress, report
+        Called after every run, and within runs that take place in this process.
+    force
+        Begin runs past the limits of steps and frames.
+    grown
+        Called with the dataset so far after each run.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over what varies: series (…, time, body | pair, axis), ``status``, costs (…[, stage]), ``cpu_time_repeat`` (…, repeat),
+        ``load``; of each measure ``NAME`` (numbers alone) and ``NAME_error`` (relative).
+
+    Raises
+    ------
+    SceneError
+        The request as a whole is wrong, or no point can run.
+    MpmfwError
+        The store cannot be written.
+    Interrupted
+        Ctrl-C or SIGTERM; what is done is in the store.
+    """
+    grid = make_grid({"": scene}, vary, dict(set or {}))
+    if all(one.scene is None for one in grid.combinations.values()):
+        raise SceneError(next(iter(grid.combinations.values())).refusal)
+    judges = judge_all(grid, tuple(measures), reference)
+    runner, runs = executor_of(executor, None if executor is not None else jobs), Store(store)
+    here = isinstance(runner, InProcess)
+    tasks = {key: _equipped(task, here, force) for key, task in grid.tasks().items()}
+
+    def tell(event: Event) -> None:
+        if progress is not None:
+            progress(event)
+        if grown is not None and event.name and event.status != "repeat":
+            grown(dataset_of(grid, runs, runner))
+
+    with resumable(runs, "campaign"):
+        complete(tasks, runs, runner, repeats, progress=tell, report=report)
+    for one in grid.combinations.values():
+        known = runs.outcome(one.key) if one.key else None
+        for note in known.notes if known is not None else ():
+            warnings.warn(f"{one.path}: {note}", ResultsWarning, stacklevel=2)
+    dataset = dataset_of(grid, runs, runner)
+    refusals = [status for status in dataset["status"].values.ravel() if status.startswith("refused: ")]
+    if len(refusals) == dataset["status"].size:
+        raise SceneError(refusals[0].removeprefix("refused: "))
+    for judge in judges:
+        dataset = dataset.assign(
+            judge(lambda index: runs.results(grid.combinations[index].key), dataset["status"])
+        )
+    return dataset
+
+
+def _equipped(task: Task, here: bool, force: bool) -> Task:
+    """The task with what this request adds; a stranger's code gets a process of its own where it would run in this one."""
+    named = task.contact is None and task.shape is None
+    return replace(task, apart=here and named and _is_strange(task), force=force)
+
+
+def _is_strange(task: Task) -> bool:
+    """Whether a plug-in that is not mpmfw's own runs, which may bring down its process."""
+    contact = task.scene.contact
+    entries = [available("shape").get(task.scene.shape.method)]
+    entries += [available("contact").get(contact.method)] if contact is not None else []
+    return any(entry is not None and distribution_of(entry) != "mpmfw" for entry in entries)
+
+
+def dataset_of(grid: Grid, store: Store, executor: Executor) -> xr.Dataset:
+    """Join what the store knows of a grid: series, status, costs and the conditions that they were measured under."""
+    known: dict[Index, Outcome] = {}
+    statuses, trees = {}, {}
+    for index, one in grid.combinations.items():
+        outcome = store.outcome(one.key) if one.scene is not None else None
+        if outcome is not None:
+            known[index], statuses[index] = outcome, outcome.status
+            tree = store.results(one.key) if outcome.digest else None
+            if tree is not None:
+                trees[index] = tree
+        elif one.scene is None:
+            statuses[index] = f"refused: {one.refusal}"
+    keys = {dim: key for dim, key in grid.keys.items() if key not in ("contact", "shape")}
+    dataset = join(grid.coords, statuses, trees, {i: outcome.notes for i, outcome in known.items()}, keys)
+    costs = {index: outcome.costs for index, outcome in known.items() if outcome.costs}
+    return _with_costs(dataset, tuple(grid.coords), costs).assign_attrs(conditions(costs, executor.cores))
+
+
+def _with_costs(
+    dataset: xr.Dataset, lead: tuple[str, ...], costs: Mapping[Index, Sequence[Cost]]
+) -> xr.Dataset:
+    """The dataset with medians over the repeats, their spread, and the load of the machine."""
+    shape, most = dataset["status"].shape, max((len(many) for many in costs.values()), default=1)
+    each = np.full((*shape, most), np.nan)
+    others = np.full(shape, np.nan)
+    for index, many in costs.items():
+        each[index][: len(many)] = [cost.values["cpu_time"] for cost in many]
+        others[index] = np.mean([cost.others for cost in many])
+        for name, _, _ in COSTS:
+            if name in dataset:
+                dataset[name].values[index] = np.median([cost.values[name] for cost in many])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # points without a run
+        spread = 0.5 * (np.nanmax(each, axis=-1) - np.nanmin(each, axis=-1))
+    counts = np.isfinite(each).sum(axis=-1)
+    said = {"units": "s", "long_name": "half the range of the repeats; NaN of a single one"}
+    return dataset.assign(
+        cpu_time_repeat=((*lead, "repeat"), each, {"units": "s", "long_name": "CPU time of each repeat"}),
+        cpu_time_spread=(lead, np.where(counts > 1, spread, np.nan), said),
+        repeats=(lead, counts.astype(float), {"units": "1", "long_name": "runs of the cost"}),
+        load=(lead, others, {"units": "1", "long_name": "cores that other processes kept busy meanwhile"}),
+    )
+
+
+def conditions(costs: Mapping[Index, Sequence[Cost]], cores: str) -> dict[str, str]:
+    """Under which conditions costs were measured."""
+    every = [cost for many in costs.values() for cost in many]
+    return {
+        "processor": ", ".join(sorted({cost.machine for cost in every if cost.machine})),
+        "cores": cores,
+        "timing": timing_of(every),
+    }
+
+
+def timing_of(costs: Sequence[Cost]) -> str:
+    """``exclusive`` if nothing else ran beside any of them; marked where the machine was loaded by others all the same."""
+    if not costs:
+        return ""
+    if any(cost.timing != "exclusive" for cost in costs):
+        return "shared cores"
+    loaded = sum(cost.others > LOADED for cost in costs)
+    return f"exclusive, {loaded} of {len(costs)} on a loaded machine" if loaded else "exclusive"
+
+
+def store_of(output: str | os.PathLike[str] | None) -> Path | None:
+    """The folder of finished runs beside an output."""
+    return None if output is None else Path(f"{os.fspath(output)}.runs")

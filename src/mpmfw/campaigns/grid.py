@@ -1,0 +1,239 @@
+"""The points of a grid: each a scene to run, or why it cannot be run."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from mpmfw.campaigns.identity import code_of, key_of
+from mpmfw.campaigns.keys import (
+    OWN_OPTION,
+    dimension_names,
+    full_key,
+    is_numerical,
+    overrides_of,
+    written_alike,
+)
+from mpmfw.campaigns.work import Task
+from mpmfw.discovery import load
+from mpmfw.errors import SceneError
+from mpmfw.scene import Scene, load_scene
+from mpmfw.scene.loading import plain
+from mpmfw.scene.specification import parse_specification
+from mpmfw.scene.toml_text import value_text
+
+Index = tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Combination:
+    """One cell of the grid.
+
+    Attributes
+    ----------
+    labels
+        Its place in words, by dimension.
+    scene
+        What runs; None if the scene refuses the combination.
+    refusal
+        Why it is refused, as the scene says it.
+    contact, shape
+        Strategy objects in place of the scene's methods.
+    """
+
+    labels: Mapping[str, Any]
+    scene: Scene | None
+    refusal: str = ""
+    contact: Any = None
+    shape: Any = None
+
+    @property
+    def name(self) -> str:
+        """``penalty, cpdi, cell_size 0.4``."""
+        bare = ("scene", "contact", "shape", "scheme", "transfer")
+        return (
+            ", ".join(str(v) if dim in bare else f"{dim} {v}" for dim, v in self.labels.items()) or "the run"
+        )
+
+    @property
+    def path(self) -> str:
+        """``penalty/cpdi/0.4``."""
+        return "/".join(map(str, self.labels.values()))
+
+    @functools.cached_property
+    def key(self) -> str:
+        """Of its run; empty if it is refused."""
+        return "" if self.scene is None else key_of(self.scene, self.contact, self.shape)
+
+    @property
+    def why(self) -> str:
+        """Why it is refused, without the option that a study does not have."""
+        first = self.refusal.splitlines()[0] if self.refusal.startswith("--set ") else self.refusal
+        return re.sub(r"^--set \S+: ", "", first)
+
+
+@dataclass(frozen=True)
+class Grid:
+    """All combinations.
+
+    Attributes
+    ----------
+    coords
+        Labels of each dimension, in order.
+    keys
+        Keys that vary, by dimension.
+    combinations
+        By index into the coordinates.
+    """
+
+    coords: Mapping[str, list[Any]]
+    keys: Mapping[str, str]
+    combinations: Mapping[Index, Combination]
+
+    @property
+    def problem_dims(self) -> list[str]:
+        """Dimensions that change the problem: errors and costs under their values are not compared."""
+        return [dim for dim in self.coords if dim == "scene" or not is_numerical(self.keys[dim])]
+
+    def tasks(self) -> dict[str, Task]:
+        """The different runs by key."""
+        found = (one for one in self.combinations.values() if one.scene is not None)
+        return {one.key: _task(one) for one in found}
+
+
+def _task(one: Combination) -> Task:
+    assert one.scene is not None
+    code = code_of(one.scene, one.contact, one.shape)
+    return Task(one.key, one.name, one.scene, one.contact, one.shape, code)
+
+
+def make_grid(
+    scenes: Mapping[str, Any], vary: Mapping[str, Sequence[Any]], shared: Mapping[str, Any]
+) -> Grid:
+    """Expand what varies.
+
+    Parameters
+    ----------
+    scenes
+        What ``mpmfw.load_scene`` takes, by label; a single one without a label is no dimension.
+    vary
+        Values by short name or dotted key; those of ``contact`` and ``shape`` are names or strategy objects.
+    shared
+        Values by dotted key that all runs share.
+    """
+    names = dimension_names(vary)
+    coords: dict[str, list[Any]] = {"scene": list(scenes)} if list(scenes) != [""] else {}
+    offset = len(coords)
+    coords |= {names[key]: labels_of(written_alike(key, list(values))) for key, values in vary.items()}
+    combinations = {}
+    for index in itertools.product(*(range(len(labels)) for labels in coords.values())):
+        labels = {dim: coords[dim][k] for dim, k in zip(coords, index, strict=True)}
+        values = {key: vs[k] for (key, vs), k in zip(vary.items(), index[offset:], strict=True)}
+        combinations[index] = _combination(scenes[labels.get("scene", "")], labels, values, shared)
+    return Grid(coords, {names[key]: key for key in vary}, _without_twins(combinations))
+
+
+def _combination(
+    scene: Any, labels: Mapping[str, Any], values: Mapping[str, Any], shared: Mapping[str, Any]
+) -> Combination:
+    methods = {full_key(key): value for key, value in values.items()}
+    objects = {
+        kind: value
+        for kind in ("contact", "shape")
+        if (value := methods.get(f"{kind}.method")) is not None and not isinstance(value, str)
+    }
+    try:
+        overrides = dict(shared)
+        for key, value in values.items():
+            full = full_key(key)
+            if full == OWN_OPTION:
+                overrides |= _of_contact(scene, objects, methods, value)
+            elif full.removesuffix(".method") not in objects:
+                overrides |= {full: value} if "*" not in full else _of_bodies(scene, shared, key, value)
+        return Combination(labels, load_scene(scene, set=overrides), **objects)
+    except SceneError as error:
+        return Combination(labels, None, str(error))
+
+
+def _of_bodies(scene: Any, shared: Mapping[str, Any], key: str, value: Any) -> dict[str, Any]:
+    loaded = load_scene(scene, set=shared)
+    return overrides_of(loaded.bodies, loaded.dim, key, value)
+
+
+def _of_contact(
+    scene: Any, objects: dict[str, Any], methods: Mapping[str, Any], value: Any
+) -> dict[str, Any]:
+    """The stiffness factor κ of whatever contact runs, a subclass of penalty's as well; of one that has none, nothing."""
+    own = objects.get("contact")
+    if own is not None:
+        if "kappa" in type(own).Options.model_fields:
+            objects["contact"] = with_option(own, "kappa", value)
+        return {}
+    named = methods.get("contact.method")
+    if named is None:
+        contact = load_scene(scene).contact
+        named = contact.method if contact is not None else "none"
+    name = parse_specification(named).name
+    return {f"contact.{name}.kappa": value} if has_option("contact", name, "kappa") else {}
+
+
+def with_option(plugin: Any, name: str, value: Any) -> Any:
+    """A strategy object like another one, with another value of an option."""
+    given = {key: getattr(plugin.options, key) for key in plugin.options.model_fields_set}
+    return type(plugin)(**{**given, name: value})
+
+
+def has_option(kind: Any, method: str, name: str) -> bool:
+    """Whether a plug-in has an option of this name."""
+    return name in getattr(getattr(load(kind, method), "Options", None), "model_fields", {})
+
+
+def _without_twins(combinations: Mapping[Index, Combination]) -> dict[Index, Combination]:
+    """Of settings that make one and the same run of a method the first: one that changes nothing would label it twice."""
+    first: dict[tuple[str, ...], Combination] = {}
+    kept = {}
+    for index, one in combinations.items():
+        if one.scene is not None:
+            chosen = (one.key, *(str(one.labels.get(dim, "")) for dim in ("scene", "contact", "shape")))
+            twin = first.setdefault(chosen, one)
+            if twin is not one:
+                changed = [dim for dim in one.labels if one.labels[dim] != twin.labels[dim]]
+                settings = " and ".join(f"{dim} {one.labels[dim]}" for dim in changed)
+                one = replace(
+                    one, scene=None, refusal=f"{settings} changes nothing here: it is the run of {twin.name}"
+                )
+        kept[index] = one
+    return kept
+
+
+def labels_of(values: list[Any]) -> list[Any]:
+    """Values as coordinates; texts where they are not all numbers or all texts."""
+    labels = [plain(value) if is_value(value) else label_of(value) for value in values]
+    twice = [labels[:k].count(label) for k, label in enumerate(labels)]
+    labels = [f"{label}#{n + 1}" if n else label for label, n in zip(labels, twice, strict=True)]
+    for kinds in ((bool,), (int, float), (str,)):
+        if all(isinstance(v, kinds) and (kinds == (bool,) or not isinstance(v, bool)) for v in labels):
+            return labels
+    return [label if isinstance(label, str) else value_text(label) for label in labels]
+
+
+def is_value(value: Any) -> bool:
+    """Whether a varied value is one of a scene's, and no strategy object."""
+    return (
+        value is None
+        or isinstance(value, bool | int | float | str | list | tuple | Mapping)
+        or hasattr(value, "tolist")
+    )
+
+
+def label_of(method: Any) -> str:
+    """What tables and figures call a strategy object.
+
+    A formula between two $ would be set, and one that is none fails the figure.
+    """
+    given = str(getattr(method, "label", None) or getattr(method, "name", None) or type(method).__name__)
+    return "".join(c for c in given.replace("$", "") if c.isprintable())

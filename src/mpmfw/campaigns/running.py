@@ -1,0 +1,213 @@
+"""Do what a campaign still lacks: first the results, then the repeats that make the cost known."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+from mpmfw.campaigns.executors import Executor, InProcess
+from mpmfw.campaigns.outcome import Cost, Outcome
+from mpmfw.campaigns.store import Store
+from mpmfw.campaigns.work import Finished, Task, run_once, time_once
+from mpmfw.errors import Interrupted
+from mpmfw.interruption import interruptible
+
+#: CPU seconds below which a run is short: it is repeated where nobody says how often, since its time is noisy.
+SHORT = 1.0
+#: Runs of a short one, of which the median is its cost.
+REPEATS = 3
+
+Repeats = int | Literal["auto"]
+
+
+@dataclass(frozen=True)
+class Event:
+    """How far a campaign is.
+
+    Attributes
+    ----------
+    done, total
+        Runs of this start, repeats included; what was finished before is not counted.
+    name, status
+        Of the run that has just ended; empty at the start.
+    """
+
+    done: int
+    total: int
+    name: str = ""
+    status: str = ""
+
+
+Progress = Callable[[Event], None]
+
+
+def do(
+    work: Callable[[Any], Finished],
+    tasks: Iterable[Any],
+    store: Store,
+    executor: Executor,
+    progress: Progress | None = None,
+) -> None:
+    """Do the tasks that the store has no outcome of, and keep each as it ends.
+
+    Parameters
+    ----------
+    work
+        Takes a task, which has a ``key`` and a ``name``.
+    tasks
+        All of the campaign.
+    store, executor, progress
+        Where outcomes are, what does the rest, and who is told after each.
+    """
+    missing = [task for task in tasks if store.outcome(task.key) is None]
+    _do(work, missing, store, executor, _Counter(progress, len(missing)))
+
+
+def complete(
+    tasks: Mapping[str, Task],
+    store: Store,
+    executor: Executor,
+    repeats: Repeats = "auto",
+    exclusive: bool = False,
+    progress: Progress | None = None,
+    report: Callable[[float, int], None] | None = None,
+) -> None:
+    """Run what the store lacks, results and repeats, and keep each as it ends.
+
+    Parameters
+    ----------
+    tasks
+        Different runs by key.
+    store
+        Where finished runs are.
+    executor
+        Where results are made, and costs if they need not be exclusive.
+    repeats
+        Costs that each run is to have; ``auto`` is :data:`REPEATS` of a run shorter than :data:`SHORT`, else 1.
+    exclusive
+        Whether costs have to be measured one at a time, in this process, after all results are there.
+    progress
+        Called at the start and after every run.
+    report
+        Called within every run that takes place in this process, as ``mpmfw.run`` calls its ``progress``.
+    """
+
+    def lacking(key: str) -> int:
+        outcome = store.outcome(key)
+        if outcome is None or outcome.status != "ok":
+            return 0  # a failed one needs no more
+        costs = counted(outcome, exclusive)
+        return max(0, _wanted(repeats, outcome.costs) - len(costs))
+
+    missing = [task for key, task in tasks.items() if store.outcome(key) is None]
+    timer: Executor = InProcess() if exclusive else executor
+    # A result gives a cost as well, unless that one does not count
+    for_free = executor.timing == "exclusive" or not exclusive
+    left = (1 if repeats == "auto" else repeats) - (1 if for_free else 0)
+    count = _Counter(progress, len(missing) * (1 + left) + sum(lacking(key) for key in tasks))
+
+    def work(task: Task) -> Finished:
+        return run_once(task, report)
+
+    once = work if report is not None and isinstance(executor, InProcess) else run_once
+    _do(once, [replace(task, timing=executor.timing) for task in missing], store, executor, count, left)
+    again = [replace(task, timing=timer.timing) for key, task in tasks.items() for _ in range(lacking(key))]
+    count.total = count.done + len(again)
+    for task, finished in timer.outcomes(time_once, again):
+        known = store.outcome(task.key)
+        if known is not None:
+            store.put(_with_repeat(known, finished))
+        count(task.name, "repeat")
+
+
+def _do(
+    work: Callable[[Any], Finished],
+    tasks: list[Any],
+    store: Store,
+    executor: Executor,
+    count: _Counter,
+    repeats_left: int = 0,
+) -> None:
+    count.tell()
+    for task, finished in executor.outcomes(work, tasks):
+        ended = finished if finished is not None else Finished(_dead(task))
+        store.put(ended.outcome, ended.results)
+        count.total -= 0 if ended.outcome.status == "ok" else repeats_left
+        count(task.name, ended.outcome.status)
+
+
+def _wanted(repeats: Repeats, costs: Iterable[Cost]) -> int:
+    if repeats != "auto":
+        return repeats
+    short = all(cost.values.get("cpu_time", SHORT) < SHORT for cost in costs)
+    return REPEATS if short else 1
+
+
+def counted(outcome: Outcome | None, exclusive: bool) -> list[Cost]:
+    """The costs of a run that count: the exclusive ones where asked for, else all."""
+    costs = [] if outcome is None else list(outcome.costs)
+    return [cost for cost in costs if cost.timing == "exclusive"] if exclusive else costs
+
+
+def _dead(task: Any) -> Outcome:
+    said = "failed: its process ended abruptly, perhaps for want of memory"
+    return Outcome(task.key, said, task.name, lasting=False)
+
+
+def _with_repeat(known: Outcome, finished: Finished | None) -> Outcome:
+    """The outcome with one cost more; a repeat that failed, or gave other numbers, is a note."""
+    if finished is None or not finished.outcome.costs or finished.outcome.status != "ok":
+        why = "its process ended abruptly" if finished is None else finished.outcome.status
+        return _noted(known, f"a repeat for its cost did not end as the run did: {why}")
+    longer = replace(known, costs=(*known.costs, finished.outcome.costs[0]))
+    if finished.outcome.digest == known.digest:
+        return longer
+    return _noted(
+        longer, "a repeat, perhaps on another machine, gave series that differ from the stored ones"
+    )
+
+
+def _noted(outcome: Outcome, note: str) -> Outcome:
+    return replace(outcome, notes=tuple(dict.fromkeys((*outcome.notes, note))))
+
+
+@contextmanager
+def resumable(store: Store, what: str) -> Iterator[None]:
+    """Context in which Ctrl-C and SIGTERM end a campaign with what is kept of it and how to go on.
+
+    Raises
+    ------
+    Interrupted
+        One of them came.
+    """
+    with interruptible():
+        try:
+            yield
+        except KeyboardInterrupt as error:
+            said = "nothing is kept"
+            if store.lasts:
+                kept = len(list(store.folder.glob("*.json")))
+                said = (
+                    f"{store.folder} keeps the {kept} runs that were done; the same {what} goes on from there"
+                )
+            raise Interrupted(getattr(error, "number", signal.SIGINT), f"interrupted: {said}") from None
+
+
+class _Counter:
+    """Tells how many runs are done."""
+
+    def __init__(self, progress: Progress | None, total: int) -> None:
+        self.done, self.total, self.progress = 0, total, progress
+
+    def __call__(self, name: str, status: str) -> None:
+        """One run more has ended."""
+        self.done += 1
+        self.tell(name, status)
+
+    def tell(self, name: str = "", status: str = "") -> None:
+        """Report where the campaign is."""
+        if self.progress is not None:
+            self.progress(Event(self.done, self.total, name, status))

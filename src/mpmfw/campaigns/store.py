@@ -1,0 +1,146 @@
+"""Finished runs in a folder, one pair of files each, so that a campaign goes on where it stopped."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import shutil
+import tempfile
+import time
+import uuid
+import weakref
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from mpmfw.campaigns.outcome import Cost, Outcome
+from mpmfw.errors import MpmfwError
+from mpmfw.results.reading import read as open_results
+
+#: Seconds after which a file that is still being written is taken to be left by a process that was killed.
+_ABANDONED = 3600.0
+
+
+class Store:
+    """A folder of finished runs: ``<key>.nc`` with the results, then ``<key>.json`` with the rest.
+
+    The second file says that the run is complete. Both get their names only when they are whole, so that several
+    campaigns may share a folder and a kill at any moment leaves none half written. Files and folder have the rights that
+    the umask leaves, so that colleagues may read what the user lets them.
+
+    Parameters
+    ----------
+    folder
+        Made at the first run that is stored; None keeps outcomes for as long as this object lives.
+
+    Raises
+    ------
+    MpmfwError
+        A file cannot be written.
+    """
+
+    def __init__(self, folder: str | os.PathLike[str] | None = None) -> None:
+        self.folder = Path(tempfile.mkdtemp(prefix="mpmfw-store-") if folder is None else folder)
+        #: Whether outcomes stay when the process ends.
+        self.lasts = folder is not None
+        if not self.lasts:
+            weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
+        self._known: dict[str, Outcome | None] = {}
+
+    def outcome(self, key: str) -> Outcome | None:
+        """What came of a run; None if it is not there, or not readable, and has to be run."""
+        if key not in self._known:
+            self._known[key] = self._read(key)
+        return self._known[key]
+
+    def results(self, key: str) -> xr.DataTree | None:
+        """What a run wrote; None if it wrote nothing."""
+        path = self._path(key, "nc")
+        return open_results(path) if path.is_file() else None
+
+    def put(self, outcome: Outcome, results: bytes | None = None) -> None:
+        """Keep an outcome, and the file that the run wrote if it is new; what would not last is kept in memory."""
+        self._known[outcome.key] = outcome
+        if results is not None:
+            self._write(self._path(outcome.key, "nc"), results)
+        if outcome.lasting:
+            fields = asdict(outcome)
+            fields.pop("lasting")
+            self._write(self._path(outcome.key, "json"), json.dumps(fields, indent=1).encode())
+
+    def forget(self, key: str) -> None:
+        """Drop the outcome of a run, so that it is run again."""
+        self._known.pop(key, None)
+        for ending in ("json", "nc"):
+            self._path(key, ending).unlink(missing_ok=True)
+
+    def outcomes(self) -> Iterator[tuple[Path, Outcome]]:
+        """All that can be read, each with its file."""
+        for path in sorted(self.folder.glob("*.json")):
+            found = self._read(path.stem)
+            if found is not None:
+                yield path, found
+
+    def prune(self, takes: Callable[[Mapping[str, str]], bool], days: float | None = None) -> tuple[int, int]:
+        """Forget outcomes that no run of today would take.
+
+        Parameters
+        ----------
+        takes
+            Says of the code of an outcome whether it is what runs today.
+        days
+            Forget those as well that were written longer ago.
+
+        Returns
+        -------
+        tuple of int
+            Runs that were forgotten, and bytes that became free; files that a killed process left are among these.
+        """
+        keep, now = set(), time.time()
+        for path, found in self.outcomes():
+            young = days is None or now - path.stat().st_mtime <= 86400.0 * days
+            if young and takes(found.code):
+                keep.add(found.key)
+        known = {path.stem for path in self.folder.glob("*.json")}
+        freed = 0
+        for path in sorted(self.folder.iterdir()):
+            abandoned = now - path.stat().st_mtime > _ABANDONED
+            half = path.suffix == ".part" or (path.suffix == ".nc" and path.stem not in known)
+            whole = path.suffix in (".json", ".nc") and path.stem in known - keep
+            if whole or (half and abandoned):
+                freed += path.stat().st_size
+                path.unlink(missing_ok=True)
+        self._known.clear()
+        return len(known - keep), freed
+
+    def _path(self, key: str, ending: str) -> Path:
+        return self.folder / f"{key}.{ending}"
+
+    def _read(self, key: str) -> Outcome | None:
+        try:
+            fields: dict[str, Any] = json.loads(self._path(key, "json").read_bytes())
+            costs = tuple(Cost(**cost) for cost in fields.pop("costs"))
+            found = Outcome(**{**fields, "notes": tuple(fields["notes"])}, costs=costs)
+            complete = not found.digest or self.results(key) is not None
+        except (OSError, ValueError, TypeError, KeyError, MpmfwError):
+            return None
+        return found if complete else None
+
+    def _write(self, path: Path, content: bytes) -> None:
+        """Write a file in one step."""
+        growing = path.with_name(f".{path.name}.{uuid.uuid4().hex}.part")
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            with open(growing, "xb") as file:
+                file.write(content)
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(growing, path)
+        except OSError as error:
+            with contextlib.suppress(OSError):
+                growing.unlink()
+            raise MpmfwError(f"cannot write '{path}': {error.strerror or error}") from error

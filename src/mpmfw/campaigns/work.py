@@ -1,0 +1,177 @@
+"""What a worker does: run a scene once, in a process that does nothing else meanwhile."""
+
+from __future__ import annotations
+
+import copy
+import hashlib
+import logging
+import math
+import tempfile
+import threading
+import traceback
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from mpmfw.campaigns.identity import code_of
+from mpmfw.campaigns.machine import Load, processor
+from mpmfw.campaigns.outcome import COSTS, Cost, Outcome
+from mpmfw.clock import STEP_STAGES
+from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, SimulationError
+from mpmfw.runs import run
+from mpmfw.scene import Scene
+
+_log = logging.getLogger("mpmfw")
+
+#: A worker with several threads would measure the CPU time of them all.
+_ALONE = threading.Lock()
+
+#: Runs of this process: from the second on, its largest memory is not that of one run.
+_begun = 0
+
+
+@dataclass(frozen=True)
+class Task:
+    """One run to do.
+
+    Attributes
+    ----------
+    key, name
+        Of the run, as in its outcome.
+    scene
+        What to run.
+    contact, shape
+        Strategy objects in place of the scene's methods; each run gets a copy.
+    code
+        What is meant to run it, by name; empty is not asked.
+    timing
+        How its cost will be marked.
+    apart
+        Whether it needs a process of its own here: a stranger's code may bring down the one that it runs in.
+    force
+        Whether it may be past the limits of steps and frames.
+    """
+
+    key: str
+    name: str
+    scene: Scene
+    contact: Any = None
+    shape: Any = None
+    code: Mapping[str, str] = field(default_factory=dict)
+    timing: str = ""
+    apart: bool = False
+    force: bool = False
+
+
+@dataclass(frozen=True)
+class Finished:
+    """What came of a task: its outcome, and the file that it wrote, if any."""
+
+    outcome: Outcome
+    results: bytes | None = None
+
+
+def run_once(task: Task, progress: Callable[[float, int], None] | None = None) -> Finished:
+    """Run a task and return all that it wrote; nothing but an interruption is raised."""
+    with _ALONE, _warnings() as said, tempfile.TemporaryDirectory(prefix="mpmfw-") as folder:
+        path = Path(folder) / "run.nc"
+        status, lasting, tree, cost = _try(task, path, progress)
+        outcome = Outcome(
+            task.key,
+            status,
+            task.name,
+            task.scene.text,
+            "" if tree is None else _digest(tree),
+            tuple(dict.fromkeys(str(warning.message) for warning in said)),
+            () if cost is None else (cost,),
+            code=task.code,
+            lasting=lasting,
+        )
+        return Finished(outcome, path.read_bytes() if tree is not None else None)
+
+
+def time_once(task: Task) -> Finished:
+    """Run a task for its cost; the series are kept as a digest alone."""
+    with _ALONE, _warnings():
+        status, lasting, tree, cost = _try(task, None, None)
+        if tree is None or cost is None:
+            return Finished(Outcome(task.key, status, lasting=lasting))
+        return Finished(Outcome(task.key, status, digest=_digest(tree), costs=(cost,)))
+
+
+def _try(
+    task: Task, path: Path | None, progress: Callable[[float, int], None] | None
+) -> tuple[str, bool, xr.DataTree | None, Cost | None]:
+    """The status, whether it would be the same again, and results and cost if there are any."""
+    global _begun
+    try:
+        if task.code and code_of(task.scene, task.contact, task.shape) != task.code:
+            return (
+                "failed: this worker has another version of mpmfw, a plug-in or a library",
+                False,
+                None,
+                None,
+            )
+        first, load = task.apart or _begun == 0, Load()
+        _begun += 1
+        tree = run(
+            task.scene,
+            contact=copy.deepcopy(task.contact),
+            shape=copy.deepcopy(task.shape),
+            output=path,
+            progress=progress,
+            apart=task.apart,
+            force=task.force,
+        )
+    except SceneError as error:
+        return f"refused: {error}", True, None, None
+    except SimulationError as error:
+        cost = None if error.results is None else _cost(error.results, task.timing, load.others(), first)
+        return f"failed: {error}", True, error.results, cost
+    except MpmfwError as error:  # a file that could not be written
+        return f"failed: {error}", False, None, None
+    except KeyboardInterrupt:
+        raise
+    except (
+        BaseException
+    ) as error:  # a stranger's method may raise anything; it may have been the machine as well
+        _log.exception("%s failed", task.name)
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        said = f"{type(error).__name__}: {error} ({Path(where.filename).name}, line {where.lineno})"
+        return f"failed: {said}", False, None, None
+    cost = _cost(tree, task.timing, load.others(), first)
+    return str(tree.attrs.get("status", "ok")), True, tree, cost
+
+
+@contextmanager
+def _warnings() -> Iterator[list[warnings.WarningMessage]]:
+    """Collect warnings; what a run wants its reader to know is shown however often it is said."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("ignore")
+        warnings.filterwarnings("always", category=ResultsWarning)
+        yield caught
+
+
+def _cost(tree: xr.DataTree, timing: str, others: float, first: bool) -> Cost:
+    attributes = {"settle_steps": 0, **tree.attrs}
+    if not first:
+        attributes.pop("peak_memory", None)
+    values = {name: float(attributes.get(name, math.nan)) for name, _, _ in COSTS}
+    stages = {stage: float(attributes.get(f"cpu_{stage}", math.nan)) for stage in STEP_STAGES}
+    settling = {stage: float(attributes.get(f"settle_cpu_{stage}", 0.0)) for stage in STEP_STAGES}
+    return Cost(timing, values, stages, settling, others, processor())
+
+
+def _digest(tree: xr.DataTree) -> str:
+    """Hash of every bit of the series."""
+    digest = hashlib.sha256()
+    series = tree["series"].to_dataset()
+    for name in sorted(map(str, series.data_vars)):
+        digest.update(name.encode())
+        digest.update(series[name].values.tobytes())
+    return digest.hexdigest()[:32]

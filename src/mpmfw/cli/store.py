@@ -1,0 +1,43 @@
+"""``mpmfw store``: the folders of finished runs that campaigns take from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mpmfw.cli.errors import exit_status
+from mpmfw.errors import SceneError
+
+store = typer.Typer(
+    name="store", help="The folders of finished runs that campaigns take from.", no_args_is_help=True
+)
+
+
+def prune(
+    folders: Annotated[
+        list[Path], typer.Argument(metavar="FOLDER", help="Folders such as FILE.nc.runs.", show_default=False)
+    ],
+    days: Annotated[
+        float | None,
+        typer.Option(metavar="N", min=0.0, help="Forget runs that are older as well.", show_default=False),
+    ] = None,
+) -> None:
+    """Forget runs that no campaign of today would take: those of other code, or of other versions of the libraries.
+
+    What a process left that was killed while it wrote goes as well. Results files such as FILE.nc stay as they are.
+    """
+    from mpmfw.campaigns.identity import is_current
+    from mpmfw.campaigns.store import Store
+
+    for folder in folders:
+        if not folder.is_dir():
+            raise SceneError(f"{folder}: no such folder; expected one of finished runs, such as FILE.nc.runs")
+    for folder in folders:
+        forgotten, freed = Store(folder).prune(is_current, days)
+        kept = len(list(folder.glob("*.json")))
+        typer.echo(f"{folder}: {forgotten} runs forgotten, {1e-6 * freed:.3g} MB free, {kept} runs kept")
+
+
+store.command()(exit_status(prune))

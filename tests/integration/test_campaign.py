@@ -1,0 +1,347 @@
+"""Campaigns of a scene of milliseconds: one dataset, one store, any executor, and what a kill leaves."""
+
+import concurrent.futures
+import os
+import random
+import signal
+import stat
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from typer.testing import CliRunner
+
+import mpmfw
+from mpmfw.api import hookimpl
+from mpmfw.campaigns.identity import is_current, key_of
+from mpmfw.campaigns.measures import MEASURES
+from mpmfw.campaigns.store import Store
+from mpmfw.cli import app
+from mpmfw.errors import SceneError
+from mpmfw.scene import load_scene
+from mpmfw.scene.toml_text import toml_text
+from mpmfw_contact.penalty import Penalty
+from studies_for_tests import SLIDING
+
+pytestmark = pytest.mark.filterwarnings("default::mpmfw.errors.ResultsWarning")
+
+#: What differs from run to run.
+TIMED = ("time", "stage", "repeat", "load", "peak_memory", "wall")
+
+
+def same(a, b):
+    """Whether two datasets hold the same, costs apart."""
+    names = [name for name in a.data_vars if not any(word in str(name) for word in TIMED)]
+    assert {*names} == {name for name in b.data_vars if not any(word in str(name) for word in TIMED)}
+    assert "centre_of_mass" in names
+    xr.testing.assert_equal(a[names], b[names])
+
+
+def counting(events):
+    return {"progress": events.append, "repeats": 1}
+
+
+@pytest.fixture(scope="module")
+def undisturbed():
+    return mpmfw.campaign(
+        SLIDING, {"contact": ["separate", Penalty(kappa=0.5)], "cell_size": [0.2, 0.1]}, repeats=1
+    )
+
+
+def test_one_dataset_over_what_varies(undisturbed):
+    assert undisturbed["centre_of_mass"].dims[:2] == ("contact", "cell_size")
+    assert undisturbed["contact"].values.tolist() == ["separate", "penalty(kappa=0.5)"]
+    assert (undisturbed["status"] == "ok").all()
+    assert undisturbed["cpu_stage"].dims[-1] == "stage"
+    assert undisturbed["cpu_time_repeat"].dims[-1] == "repeat"
+    assert undisturbed.attrs["timing"].startswith("exclusive")
+    assert undisturbed.attrs["cores"] == "one core"
+    assert undisturbed.attrs["processor"]
+
+
+def test_measures_and_their_errors():
+    data = mpmfw.campaign(
+        SLIDING,
+        {"contact": ["separate", "penalty"]},
+        measures=["end-displacement", "force-noise", "impulse"],
+        repeats=1,
+    )
+    relative = abs(
+        data["end_displacement"] / (0.5 * 10.0 * (np.sin(0.4) - 0.1 * np.cos(0.4)) * 0.02**2) - 1.0
+    )
+    np.testing.assert_allclose(data["end_displacement_error"], relative)
+    assert "Coulomb friction" in data["end_displacement_error"].attrs["against"]
+    assert "force_noise" in data
+    assert "impulse_error" not in data  # nothing is known to judge it by
+    with pytest.raises(SceneError, match="did you mean 'force-noise'"):
+        mpmfw.campaign(SLIDING, {"contact": ["penalty"]}, measures=["force-nois"])
+    finest = mpmfw.campaign(
+        SLIDING, {"cell_size": [0.2, 0.1]}, measures=["displacement"], reference={"kind": "finest"}, repeats=1
+    )
+    assert np.isfinite(finest["displacement_error"].values).tolist() == [True, False]
+
+
+def test_a_measure_of_a_plug_in_is_known_by_its_entry_point(monkeypatch):
+    entry = type(
+        "Entry", (), {"name": "mine", "value": "strange:mine", "load": staticmethod(lambda: register())}
+    )
+
+    def register():
+        from mpmfw.campaigns.measures import Measured, measure
+
+        @measure("mine", "1", "number")
+        def mine(run, scene, about):  # noqa: ARG001
+            """Two."""
+            return Measured(np.array([2.0]), np.empty(0))
+
+    found = lambda group: [entry] if group == "mpmfw.measure" else []  # noqa: E731
+    monkeypatch.setattr("mpmfw.campaigns.measures.entry_points", found)
+    try:
+        data = mpmfw.campaign(SLIDING, {"contact": ["separate"]}, measures=["mine"], repeats=1)
+        assert data["mine"].item() == 2.0
+    finally:
+        MEASURES.pop("mine", None)
+
+
+def test_short_runs_are_repeated():
+    data = mpmfw.campaign(SLIDING, {"contact": ["separate"]})
+    assert data["repeats"].item() == 3
+    assert data["cpu_time_spread"].item() >= 0.0
+    assert data["cpu_time"].item() == np.median(data["cpu_time_repeat"])
+
+
+# -- the store
+
+
+def test_names_and_objects_resume(tmp_path, undisturbed):
+    events = []
+    vary = {"contact": ["separate", Penalty(kappa=0.5)], "cell_size": [0.2]}
+    mpmfw.campaign(SLIDING, vary, store=tmp_path, **counting(events))
+    assert events[-1].total == 2
+    wider = {"contact": [Penalty(kappa=0.5), "separate", Penalty(kappa=2.0)], "cell_size": ["200 mm", 0.1]}
+    mpmfw.campaign(SLIDING, wider, store=tmp_path, **counting(events))
+    assert events[-1].total == 4
+    data = mpmfw.campaign(
+        SLIDING,
+        {"contact": ["separate", Penalty(kappa=0.5)], "cell_size": [0.2, 0.1]},
+        store=tmp_path,
+        **counting(events),
+    )
+    assert events[-1].total == 0
+    same(data, undisturbed)
+
+
+def test_compare_of_objects_resumes(tmp_path):
+    events = []
+    for runs in (2, 0):
+        mpmfw.compare(
+            SLIDING, ["none", Penalty(kappa=0.5)], ["linear"], output=tmp_path / "c.nc", **counting(events)
+        )
+        assert events[-1].total == runs
+
+
+def test_a_key_is_the_meaning_of_the_scene():
+    scene = load_scene(SLIDING)
+    key = key_of(scene)
+    for same_meaning in (
+        {"grid.cell_size": "200 mm"},
+        {"time.end": "20 ms"},
+        {"time.safety": 0.5},
+        {"contact.penalty.kappa": type(scene.contact.options)().kappa},
+        {"title": "another"},
+        {"contact.bardenhagen.criterion": "position"},
+    ):
+        assert key_of(load_scene(SLIDING, set=same_meaning)) == key, same_meaning
+    for other in ({"grid.cell_size": 0.1}, {"contact.penalty.kappa": 0.3}, {"contact.method": "none"}):
+        assert key_of(load_scene(SLIDING, set=other)) != key
+    assert key_of(scene, contact=Penalty(kappa=2.0)) == key_of(scene, contact=Penalty(kappa=2.0))
+    assert key_of(scene, contact=Penalty(kappa=2.0)) != key_of(scene, contact=Penalty(kappa=3.0))
+
+
+def test_a_key_knows_code_and_libraries(monkeypatch):
+    scene = load_scene(SLIDING)
+    key = key_of(scene)
+    with monkeypatch.context() as patched:
+        patched.setattr("mpmfw.campaigns.identity.package", lambda _: "changed")
+        assert key_of(scene) != key
+    monkeypatch.setattr("mpmfw.campaigns.identity.version", lambda _: "99")
+    assert key_of(scene) != key
+
+
+def test_what_is_stored_may_be_read_by_whom_the_umask_lets(tmp_path):
+    before = os.umask(0o027)
+    try:
+        mpmfw.campaign(SLIDING, {"contact": ["separate"]}, store=tmp_path / "runs", repeats=1)
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "runs").stat().st_mode) == 0o750
+    assert {stat.S_IMODE(path.stat().st_mode) for path in (tmp_path / "runs").iterdir()} == {0o640}
+
+
+def test_the_store_forgets_what_no_campaign_would_take(tmp_path, monkeypatch):
+    mpmfw.campaign(SLIDING, {"contact": ["separate", "none"]}, store=tmp_path, repeats=1)
+    (tmp_path / ".left.part").write_text("by a kill")
+    os.utime(tmp_path / ".left.part", (0, 0))
+    result = CliRunner().invoke(app, ["store", "prune", str(tmp_path)])
+    assert "0 runs forgotten" in result.output
+    assert "2 runs kept" in result.output
+    assert not (tmp_path / ".left.part").exists()
+    first, _ = sorted(tmp_path.glob("*.json"))
+    code = Store(tmp_path).outcome(first.stem).code
+    assert is_current(code)
+    monkeypatch.setattr("mpmfw.campaigns.identity._core", lambda: "another core")
+    assert CliRunner().invoke(app, ["store", "prune", str(tmp_path)]).output.endswith("0 runs kept\n")
+    assert list(tmp_path.iterdir()) == []
+    assert CliRunner().invoke(app, ["store", "prune", str(tmp_path / "nowhere")]).exit_code == 2
+
+
+# -- executors
+
+
+def test_processes_give_the_same_dataset(tmp_path, undisturbed):
+    vary = {"contact": ["separate", Penalty(kappa=0.5)], "cell_size": [0.2, 0.1]}
+    data = mpmfw.campaign(SLIDING, vary, jobs=2, repeats=1, store=tmp_path)
+    same(data, undisturbed)
+    assert data.attrs["timing"] == "shared cores"
+    assert data.attrs["cores"].startswith("2 processes on ")
+
+
+def test_anybodys_executor_runs_a_campaign(undisturbed):
+    vary = {"contact": ["separate", Penalty(kappa=0.5)], "cell_size": [0.2, 0.1]}
+    with concurrent.futures.ThreadPoolExecutor(2) as threads:
+        data = mpmfw.campaign(SLIDING, vary, executor=threads, repeats=1)
+    same(data, undisturbed)
+    assert data.attrs["cores"] == "the workers of a ThreadPoolExecutor"
+    with pytest.raises(SceneError, match="executor: 3 is none; expected"):
+        mpmfw.campaign(SLIDING, vary, executor=3)
+
+
+def test_an_object_that_cannot_leave_this_process_runs_here():
+    class Here(Penalty):
+        name = "here"
+
+    data = mpmfw.campaign(SLIDING, {"contact": ["penalty", Here()]}, jobs=2, repeats=1)
+    assert (data["status"] == "ok").all()
+    first, second = (data["centre_of_mass"].sel(contact=name, drop=True) for name in ("penalty", "here"))
+    xr.testing.assert_equal(first, second)
+
+
+class Deadly(Penalty):
+    """A law that brings down the process that it runs in."""
+
+    @hookimpl
+    def add_nodal_force(self):
+        os.kill(os.getpid(), signal.SIGKILL)
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this platform")
+def test_a_run_that_dies_harms_no_other(tmp_path):
+    laws = ["separate", Deadly(), "penalty"]
+    data = mpmfw.compare(SLIDING, laws, ["cpdi"], jobs=2, repeats=1, output=tmp_path / "c.nc")
+    status = data["status"].isel(shape=0).values.tolist()
+    assert [status[0], status[2]] == ["ok", "ok"]
+    assert status[1] == "failed: its process ended abruptly, perhaps for want of memory"
+
+
+# -- files
+
+
+def test_a_file_that_is_no_result_is_never_replaced_and_a_result_only_if_forced(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("block.toml").write_text(toml_text(SLIDING), encoding="utf-8")
+    Path("notes.txt").write_text("important\n", encoding="utf-8")
+    invoke = CliRunner().invoke
+    for command in (["run"], ["compare"], ["stability", "--kappa", "1", "--cfl", "0.3", "--steps", "3"]):
+        done = invoke(app, [*command, "block.toml", "-o", "notes.txt"])
+        assert (done.exit_code, Path("notes.txt").read_text()) == (2, "important\n"), command
+    assert invoke(app, ["run", "block.toml"]).exit_code == 0
+    again = invoke(app, ["run", "block.toml"])
+    assert (again.exit_code, again.stderr) == (
+        2, "block.nc: is there already; give another name, or --force to replace it\n",
+    )  # fmt: skip
+    assert invoke(app, ["run", "block.toml", "--force"]).exit_code == 0
+    assert invoke(app, ["compare", "block.toml", "-o", "block.nc"]).exit_code == 2  # a run's results
+    done = invoke(app, ["compare", "block.toml", "--repeats", "1"])
+    assert (done.exit_code, Path("block-compare.nc").is_file()) == (0, True), done.output
+    assert invoke(app, ["compare", "block.toml", "--repeats", "1"]).exit_code == 0  # resumed
+
+
+# -- references and measures of a comparison
+
+
+@pytest.mark.parametrize(
+    ("scene", "column"), [(SLIDING, "end_displacement_error"), ("contact-stress", "interface_stress_error")]
+)
+def test_a_comparison_knows_the_references_that_a_study_knows(scene, column, capsys):
+    from mpmfw.cli.summary import print_comparison
+    from mpmfw.references import described
+    from mpmfw.report import table
+
+    coarse = {} if isinstance(scene, dict) else {"grid.cell_size": 0.25, "settle.tolerance": 0.1}
+    data = mpmfw.compare(scene, ["penalty"], ["cpdi"], set=coarse, repeats=1)
+    (row,) = table(data)
+    assert 0.0 < row[column] < 300.0
+    assert described(data).startswith("a ")
+    print_comparison(data)
+    printed = capsys.readouterr().out
+    assert "Errors against a " in printed
+    assert "settle" in printed if data["settle_time"].item() > 0.0 else "settle" not in printed
+
+
+# -- kills
+
+KILLS = int(os.environ.get("MPMFW_KILLS", "4"))
+FORTY = {"contact": ["separate", "penalty"], "safety": [round(0.1 + 0.02 * k, 2) for k in range(20)]}
+PROGRAM = """
+import mpmfw
+from test_campaign import FORTY, SLIDING
+if __name__ == "__main__":
+    mpmfw.campaign(SLIDING, FORTY, store="runs", jobs=2, repeats=1)
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this platform")
+def test_a_campaign_that_is_killed_again_and_again_ends_with_the_same_dataset(tmp_path):
+    """Parents and workers, at random moments; ``MPMFW_KILLS=20`` is the long form."""
+    (tmp_path / "program.py").write_text(PROGRAM, encoding="utf-8")
+    paths = [str(Path(__file__).parent), *filter(None, sys.path)]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
+    chance, kills = random.Random(7), 0
+    while kills < KILLS:
+        before = len(list((tmp_path / "runs").glob("*.json")))
+        with subprocess.Popen([sys.executable, "program.py"], cwd=tmp_path, env=environment) as process:
+            while len(list((tmp_path / "runs").glob("*.json"))) < before + 1 and process.poll() is None:
+                time.sleep(0.002)
+            time.sleep(chance.uniform(0.0, 0.3))
+            children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+            workers = [int(pid) for pid in children.read_text().split()] if children.exists() else []
+            victim = chance.choice([process.pid, *workers])
+            if process.poll() is None:
+                os.kill(victim, signal.SIGKILL)
+                kills += 1
+            if victim != process.pid:
+                time.sleep(0.2)
+                process.kill()
+    data = mpmfw.campaign(SLIDING, FORTY, store=tmp_path / "runs", repeats=1)
+    runs = len(list((tmp_path / "runs").glob("*.json")))
+    assert runs == 40
+    whole = mpmfw.campaign(SLIDING, FORTY, repeats=1)
+    same(data, whole)
+
+
+def test_ctrl_c_says_what_is_kept_and_how_to_go_on(tmp_path):
+    def stop(event):
+        if event.done == 2:
+            raise KeyboardInterrupt
+
+    vary = {"contact": ["separate", "penalty"], "cell_size": [0.2, 0.1]}
+    with pytest.raises(
+        KeyboardInterrupt, match=r"runs keeps the 2 runs that were done; the same campaign goes on"
+    ):
+        mpmfw.campaign(SLIDING, vary, store=tmp_path / "runs", progress=stop, repeats=1)
+    with pytest.raises(KeyboardInterrupt, match="nothing is kept"):
+        mpmfw.campaign(SLIDING, vary, progress=stop, repeats=1)
