@@ -32,8 +32,8 @@ def run(
     path = check_writable(Path(f"{loaded.name}.nc") if output is None else output)
     check_apart(loaded, output=path)
 
-    from mpmfw.runs import run as run_scene
+    from mpmfw.runs import run_to_file
 
     with run_progress(loaded.time.end) as progress:
-        run_scene(loaded, output=path, progress=progress, force=force)
+        run_to_file(loaded, output=path, progress=progress, force=force)
     typer.echo(str(path))
