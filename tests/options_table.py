@@ -103,6 +103,7 @@ CORE: dict[str, Acts] = {
     "Grid.lower": values(body(), "grid__lower", [-2.0, -2.0], [-2.1, -2.1]),
     "Grid.upper": values(body(), "grid__upper", [2.0, 2.0], [0.4, 0.4]),
     "Time.end": values(body(), "time__end", 6e-3, 4e-3),
+    "Time.outputs": values(body(time__output_interval=2.2e-3), "time__outputs", "exact", "nearest"),
     "Time.output_interval": values(body(), "time__output_interval", 3e-3, 2e-3),
     "Time.safety": values(body(), "time__safety", 0.5, 0.3),
     "Time.step": values(body(), "time__step", 1e-3, 5e-4),
@@ -162,6 +163,9 @@ CORE: dict[str, Acts] = {
     "Settle.max_time": values(held(settle={"tolerance": 1e-6}), "settle__max_time", 0.01, 0.03),
     "Settle.gravity": Acts(SETTLED, {}, {"settle__gravity": {"vector": [0, -50]}}),
     "Output.gap": values(pair("separate"), "output__gap", True, False),
+    "Output.particle_interval": values(
+        body(time__output_interval=1e-3), "output__particle_interval", None, 2e-3
+    ),
     "Output.particles": values(body(), "output__particles", True, False),
     "Output.surface": values(pair(), "output__surface", True, False),
     "Output.energy": values(body(), "output__energy", True, False),

@@ -15,13 +15,14 @@ import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from queue import Empty, SimpleQueue
-from typing import Any
-
-import xarray as xr
+from typing import TYPE_CHECKING, Any
 
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.interruption import interruptible
 from mpmfw.results.reading import read
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 #: Seconds without a sign of life after which a run is taken to hang: the first steps, which compile kernels, included.
 PATIENCE = 600.0

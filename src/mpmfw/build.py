@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -190,11 +191,18 @@ def _check_methods(scene: Scene, shape: ShapeFunction, contact: ContactStrategy 
 
 
 def _layouts(scene: Scene) -> tuple[Layout, ...]:
+    """Of bodies that are alike but for their centres one is discretised, about the origin, and moved to each centre."""
     made = []
+    about_the_origin = functools.cache(discretise)
     for name, body in scene.bodies.items():
         segment = body.segment_length(scene.grid.cell_size) if scene.dim == 2 else None
+        geometry, centre = body.geometry, getattr(body.geometry, "centre", None)
         try:
-            made.append(discretise(body.geometry, body.particles, segment))
+            if centre is None:
+                made.append(discretise(geometry, body.particles, segment))
+            else:
+                alike = geometry.model_copy(update={"centre": (0.0,) * len(centre)})
+                made.append(about_the_origin(alike, body.particles, segment).moved(np.array(centre)))
         except ValueError as error:
             raise SceneError(f"bodies.{name}: {error}") from error
     return tuple(made)
@@ -247,18 +255,22 @@ def _check_overlap(bodies: tuple[Body, ...]) -> None:
 
     boxes = (np.array([body.lower for body in bodies]), np.array([body.upper for body in bodies]))
     first, second = overlapping(*boxes)
-    areas = {int(index): _area(bodies[index], shapely) for index in np.union1d(first, second)}
-    for i, j in zip(first.tolist(), second.tolist(), strict=True):
-        common = shapely.intersection(areas[i], areas[j]).area
-        if common > 1e-6 * min(areas[i].area, areas[j].area):
-            raise SceneError(
-                f"bodies.{bodies[i].name} and bodies.{bodies[j].name} overlap by {common:.3g} m² at the start; move them "
-                "apart, or say allow_overlap = true"
-            )
+    near = np.union1d(first, second)
+    regions = np.array([_area(bodies[index], shapely) for index in near.tolist()], dtype=object)
+    one, other = (regions[np.searchsorted(near, index)] for index in (first, second))
+    common = shapely.area(shapely.intersection(one, other))
+    too_much = np.flatnonzero(common > 1e-6 * np.minimum(shapely.area(one), shapely.area(other)))
+    for pair in too_much[:1]:
+        raise SceneError(
+            f"bodies.{bodies[first[pair]].name} and bodies.{bodies[second[pair]].name} overlap by {common[pair]:.3g} m² at "
+            "the start; move them apart, or say allow_overlap = true"
+        )
 
 
 def _area(body: Body, shapely: Any) -> Any:
     """The body's region as a shapely geometry; loops that run clockwise are holes."""
+    if len(body.outlines) == 1:
+        return shapely.Polygon(body.outlines[0])
     region = shapely.MultiPolygon()
     loops = [shapely.Polygon(loop) for loop in body.outlines]
     for loop, polygon in zip(body.outlines, loops, strict=True):

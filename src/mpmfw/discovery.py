@@ -32,8 +32,9 @@ def did_you_mean(name: str, valid: Iterable[str]) -> str:
     return f"did you mean '{close}'? ({listed})" if close else listed
 
 
+@functools.cache
 def distribution_of(entry: EntryPoint) -> str:
-    """Name of the distribution that announces the plug-in."""
+    """Name of the distribution that announces the plug-in, whose metadata are read once."""
     return "unknown distribution" if entry.dist is None else entry.dist.name
 
 

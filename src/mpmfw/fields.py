@@ -42,6 +42,8 @@ class Field:
         Whether frames of the results' file hold the field.
     missing
         Whether NaN says that there is no value; anywhere else it fails the run.
+    mean
+        Whether a series is a mean over the time since the last output, and no value of a moment.
     """
 
     name: str
@@ -52,6 +54,7 @@ class Field:
     dtype: str = "f8"
     output: bool = False
     missing: bool = False
+    mean: bool = False
 
     def allocate(self, sizes: Mapping[str, int]) -> AnyArray:
         """Return a zero array of shape ``[sizes[dim] for dim in dims]``."""
@@ -60,7 +63,8 @@ class Field:
     @property
     def attributes(self) -> dict[str, str]:
         """CF attributes of the variable."""
-        return {"units": self.unit, "long_name": self.long_name}
+        mean = {"cell_methods": "time: mean"} if self.mean else {}
+        return {"units": self.unit, "long_name": self.long_name, **mean}
 
 
 _P = ("particle",)
@@ -158,6 +162,7 @@ CONTACT_SERIES: tuple[Field, ...] = (
         "force on the pair's first body, mean over the output interval (its integral is the impulse)",
         "series",
         output=True,
+        mean=True,
     ),
     Field(
         "contact_count", _PAIR, "1", "surface or grid nodes in contact at the output", "series", output=True

@@ -1,16 +1,20 @@
-"""Frames of output: what the fields' declarations and the plug-ins' diagnostics say, sorted by group and
-body."""
+"""Frames of output: what the fields' declarations and the plug-ins' diagnostics say, sorted by group."""
 
 from __future__ import annotations
 
+import dataclasses
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from mpmfw.answers import check_finite, check_state_finite, values_of
 from mpmfw.errors import MpmfwError, PluginError
 from mpmfw.fields import PARTICLE_FIELDS, SURFACE_FIELDS, AnyArray, Field
 from mpmfw.pairs import list_near
 from mpmfw.results import Frame, RunHeader, provenance
+from mpmfw.results.layout import is_static
 from mpmfw.state import State
 
 if TYPE_CHECKING:
@@ -38,7 +42,12 @@ class Recorder:
             "surface": scene.output.surface,
         }
         wanted = [field for field in (*core, *declared) if field.output and groups.get(field.group, False)]
-        self.fields = {field.name + "/" + field.group: field for field in wanted}
+        self.fields = {field.name + "/" + field.group: _stored(field) for field in wanted}
+        self._particle_interval, self._output_interval = (
+            scene.output.particle_interval,
+            scene.time.output_interval,
+        )
+        self._intervals = 0  #: of the material points, up to their last frame
         self._by_name = {field.name: field for field in declared}
 
     def _surface_fields(self, scene: Scene) -> tuple[Field, ...]:
@@ -67,20 +76,28 @@ class Recorder:
             attributes={**attributes, **provenance()},
         )
 
-    def frame(self, interval: float) -> Frame:
-        """Arrays of this moment; ``interval`` [s] since the last frame, 0 at the first."""
+    def frame(self, interval: float, *, points: bool = True) -> Frame:
+        """Arrays of this moment.
+
+        Parameters
+        ----------
+        interval
+            Time since the last output [s], 0 at the first.
+        points
+            Whether it has material points.
+        """
         state = self.state
         list_near(state, self.hook)
         found: dict[str, dict[str, AnyArray]] = {"particles": {}, "surface": {}, "series": {}, "contact": {}}
         check_state_finite(state)
-        answers = self.hook.diagnostics(state=state, interval=interval) or []
+        answers = self.hook.diagnostics(state=state, interval=interval, points=points) or []
         who = self.recording if len(answers) == len(self.recording) else [None] * len(answers)
         for plugin, answer in zip(who, answers, strict=True):
             for name, values in values_of(plugin, answer, self._by_name, self._error).items():
                 check_finite(plugin, self._by_name[name], values, state.time)
                 found[self._by_name[name].group][name] = values
         for group, struct in (("particles", state.particles), ("surface", state.surface)):
-            for field in self.fields.values():
+            for field in self.fields.values() if points or group == "surface" else ():
                 if field.group == group and field.name not in found[group]:
                     found[group][field.name] = getattr(struct, field.name)
         wanted = {
@@ -89,8 +106,8 @@ class Recorder:
         }
         return Frame(
             time=state.time,
-            particles=self._split(wanted["particles"], {b.name: b.particles for b in state.bodies}),
-            surface=self._split(wanted["surface"], self._surface_slices()),
+            particles=wanted["particles"] if points else {},
+            surface=wanted["surface"],
             series=wanted["series"],
             contact={
                 pair.label: {name: values[pair.index] for name, values in wanted["contact"].items()}
@@ -101,14 +118,22 @@ class Recorder:
             pairs=() if state.near is None else tuple(pair.label for pair in state.pairs),
         )
 
+    def points_are_due(self, time: float) -> bool:
+        """Whether the output asked for at ``time`` [s] is the nearest to a multiple of the material points' interval.
+
+        To be asked once for each output after the first.
+        """
+        if self._particle_interval is None:
+            return True
+        before = self._intervals
+        self._intervals = math.floor((time + 0.5 * self._output_interval) / self._particle_interval)
+        return self._intervals > before
+
     def _error(self, said: str) -> MpmfwError:
         return PluginError(said, step=self.state.steps, time=self.state.time)
 
-    def _surface_slices(self) -> dict[str, slice]:
-        surface = self.state.surface
-        return {} if surface is None else {b.name: surface.of(b.index) for b in self.state.bodies}
 
-    @staticmethod
-    def _split(arrays: Mapping[str, AnyArray], slices: Mapping[str, slice]) -> dict[str, dict[str, AnyArray]]:
-        """Each body's part of the arrays."""
-        return {body: {name: values[own] for name, values in arrays.items()} for body, own in slices.items()}
+def _stored(field: Field) -> Field:
+    """The field as the file has it: of material points in single precision, in which no picture differs."""
+    moving = field.group == "particles" and np.dtype(field.dtype) == np.float64 and not is_static(field)
+    return dataclasses.replace(field, dtype="f4") if moving else field

@@ -180,11 +180,12 @@ class HookSpecs:
         """
 
     @hookspec
-    def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
+    def diagnostics(self, state: State, interval: float, points: bool) -> dict[str, AnyArray]:
         """At outputs only: values of the plug-in's declared series and output fields.
 
-        Parameters: ``interval`` [s] since the last output (0 at the first). May change nothing but
-        accumulators that restart at outputs.
+        Parameters: ``interval`` [s] since the last output (0 at the first); ``points`` whether this output stores fields
+        of material points, which need not be answered otherwise. May change nothing but accumulators that restart at
+        outputs.
         """
         raise NotImplementedError
 

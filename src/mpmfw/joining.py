@@ -11,6 +11,7 @@ import xarray as xr
 
 from mpmfw.clock import STAGES
 from mpmfw.fields import AnyArray, FloatArray, IntArray
+from mpmfw.results.resampling import series_at_outputs
 
 #: Root attributes of a run that become variables: name, unit, meaning.
 COSTS: tuple[tuple[str, str, str], ...] = (
@@ -150,7 +151,7 @@ def union_of_times(times: Sequence[FloatArray]) -> FloatArray:
 def _series(
     lead: tuple[str, ...], shape: tuple[int, ...], trees: Mapping[tuple[int, ...], xr.DataTree]
 ) -> dict[str, xr.DataArray]:
-    series = _of_all_pairs({index: tree["series"].to_dataset() for index, tree in trees.items()})
+    series = _of_all_pairs({index: series_at_outputs(tree) for index, tree in trees.items()})
     times = union_of_times([data["time"].values for data in series.values() if "time" in data.coords])
     joined: dict[str, xr.DataArray] = {}
     for index, data in series.items():
@@ -226,7 +227,7 @@ def _outlines(
     for index, drawn in found.items():
         for body, line in drawn.items():
             values[index][:, bodies.index(body), : line.shape[1]] = line
-            times[index] = trees[index].to_dataset()["time"].values[[0, -1]]
+            times[index] = trees[index]["series"].coords["time"].values[[0, -1]]
     frame = {"frame": ["first", "last"]}
     return {
         "outline": xr.DataArray(

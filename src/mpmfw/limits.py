@@ -24,7 +24,7 @@ MOST_STEPS = 10_000_000
 #: Frames: at 10 kB each, the least that a frame takes, 1 GB.
 MOST_FRAMES = 100_000
 
-#: Bytes of results, before they are compressed, past which a run says so.
+#: Bytes of results past which a run says so.
 LARGE_RESULTS = 1e9
 
 
@@ -34,9 +34,21 @@ def frames_of(simulation: Simulation) -> float:
     return float(math.ceil(time.end / time.output_interval - 1e-9) + 1)
 
 
+def particle_frames_of(simulation: Simulation) -> float:
+    """Frames with material points that the run will write."""
+    interval, end = simulation.scene.output.particle_interval, simulation.scene.time.end
+    return (
+        frames_of(simulation)
+        if interval is None
+        else min(frames_of(simulation), math.floor(end / interval) + 2.0)
+    )
+
+
 def steps_of(simulation: Simulation) -> float:
     """Steps that the run will take, settling left out, if the stability limit stays what it is at the start."""
     time, step = simulation.scene.time, simulation.stable_step()
+    if time.outputs == "nearest":
+        return float(math.ceil(time.end / step - 1e-9))
     return float((frames_of(simulation) - 1.0) * math.ceil(min(time.output_interval, time.end) / step - 1e-9))
 
 
@@ -73,17 +85,29 @@ def _too_many(simulation: Simulation, span: str, steps: float, step: float) -> s
 
 def remark_on_size(simulation: Simulation, header: RunHeader) -> str:
     """What to say of results that will be large; empty of others."""
-    frames, each = frames_of(simulation), frame_bytes(header)
-    if frames * each <= LARGE_RESULTS:
+    frames, each, size = results_size(simulation, header)
+    if size <= LARGE_RESULTS:
         return ""
     return (
-        f"the results take up to {shown_bytes(frames * each)}: {frames:g} frames of {shown_bytes(each)}; a longer "
-        "time.output_interval or output.particles = false makes them smaller"
+        f"the results take up to {shown_bytes(size)}: {frames:g} frames of {shown_bytes(each)}; a longer "
+        "time.output_interval or output.particle_interval, or output.particles = false, makes them smaller"
     )
 
 
+def results_size(simulation: Simulation, header: RunHeader) -> tuple[float, float, float]:
+    """Number of the frames with material points, bytes of each, and of all results, outputs without points included."""
+    frames, groups = particle_frames_of(simulation), _group_bytes(header)
+    points, others = groups.pop("particles", 0.0), sum(groups.values())
+    return frames, points + others, frames * points + frames_of(simulation) * others
+
+
 def frame_bytes(header: RunHeader) -> float:
-    """Bytes of one frame before compression, fields of unknown dimensions left out."""
+    """Bytes of one frame with material points, fields of unknown dimensions left out."""
+    return sum(_group_bytes(header).values())
+
+
+def _group_bytes(header: RunHeader) -> dict[str, float]:
+    """Bytes of one frame by group."""
     counts = {
         "particle": sum(header.particle_count.values()),
         "surface_node": sum(header.surface_count.values()),
@@ -97,6 +121,7 @@ def frame_bytes(header: RunHeader) -> float:
         "pair": len(header.pairs),
     }
     known = [field for field in header.fields if all(dim in sizes for dim in field.dims)]
-    return float(
-        sum(np.dtype(field.dtype).itemsize * math.prod(sizes[dim] for dim in field.dims) for field in known)
-    )
+    found: dict[str, float] = dict.fromkeys([field.group for field in known], 0.0)
+    for field in known:
+        found[field.group] += np.dtype(field.dtype).itemsize * math.prod(sizes[dim] for dim in field.dims)
+    return found

@@ -15,6 +15,7 @@ from mpmfw.discovery import did_you_mean
 from mpmfw.errors import SceneError
 from mpmfw.fields import FloatArray
 from mpmfw.results import open as open_results
+from mpmfw.results.reading import output_times
 
 #: A tree as ``mpmfw.run`` and ``mpmfw.open`` return it, or the name of a file.
 Results = xr.DataTree | str | os.PathLike[str]
@@ -85,12 +86,15 @@ def bodies_of(tree: xr.DataTree, wanted: Sequence[str] | None = None) -> list[st
 
 
 def times_of(tree: xr.DataTree) -> FloatArray:
-    """Times of the outputs [s]."""
-    return np.asarray(tree.coords["time"].values, dtype=float) if "time" in tree.coords else np.empty(0)
+    """Times of the outputs that hold material points, or of all where none does [s]."""
+    points = tree["particles"].children.values() if "particles" in tree.children else ()
+    group = next((points for points in points if "time" in points.coords), None)
+    times = output_times(tree) if group is None else group.coords["time"]
+    return np.empty(0) if times is None else np.asarray(times.values, dtype=float)
 
 
 def frame_at(tree: xr.DataTree, time: float | None = None) -> int:
-    """Index of the output nearest to ``time`` [s]; of the last one by default.
+    """Index, among those that hold material points, of the output nearest to ``time`` [s]; of the last one by default.
 
     Raises
     ------
@@ -119,13 +123,16 @@ def frame_of(tree: xr.DataTree, place: str, index: int) -> xr.Dataset:
     place
         Path of the group, such as ``particles/cylinder``.
     index
-        Of the output.
+        Of the output among those that hold material points.
     """
-    return tree[place].to_dataset().isel(time=index, missing_dims="ignore").load()
+    group, times = tree[place].to_dataset(), times_of(tree)
+    if group.sizes.get("time", len(times)) != len(times):  # a surface has more outputs
+        index = int(np.argmin(np.abs(group["time"].values - times[index])))
+    return group.isel(time=index, missing_dims="ignore").load()
 
 
 def chosen_frames(tree: xr.DataTree, every: int) -> range:
-    """Indices of the first output and of each ``every``-th after it.
+    """Indices of the first output that holds material points and of each ``every``-th after it.
 
     Raises
     ------

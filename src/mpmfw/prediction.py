@@ -97,10 +97,13 @@ def _time(cost: list[float], count: int) -> float:
 
 
 def _steps(simulation: Simulation) -> int:
-    """Outputs times the steps between two, which are of equal length."""
+    """Outputs times the steps between two, which are of equal length, or all steps where outputs shorten none."""
     time = simulation.scene.time
     limits = _limits(simulation)
-    step = time.safety * min(limits)[0] if time.step is None else time.step
+    step: float = time.safety * min(limits)[0] if time.step is None else time.step
+    if time.outputs == "nearest":
+        steps: int = math.ceil(time.end / step - 1e-9)
+        return steps
     outputs = max(1, math.ceil(time.end / time.output_interval - 1e-9))
     return int(outputs * math.ceil(min(time.output_interval, time.end) / step - 1e-9))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from mpmfw.build import Build
-from mpmfw.series import BodySeries, VonMises
+from mpmfw.series import BodySeries, StrainEnergies, VonMises
 
 #: Hooks by which a contact strategy moves bodies; one that implements none of them does no work.
 CONTACT_HOOKS = ("after_momentum_projection", "add_nodal_force", "after_momentum_update")
@@ -19,13 +19,14 @@ def recorded(made: Build) -> None:
     materials = tuple(made.material_of(body) for body in made.state.bodies)
     energy = made.scene.output.energy
     made.note("energies", energy, "series of every body" if energy else "output.energy = false")
-    made.plugins.append(BodySeries(materials, affine=made.transfer.affine is not None, energy=energy))
-    _ledger(made, materials)
+    strain = StrainEnergies(materials)
+    made.plugins.append(BodySeries(strain, affine=made.transfer.affine is not None, energy=energy))
+    _ledger(made, strain)
     _stability(made)
     _frames(made, materials)
 
 
-def _ledger(made: Build, materials: tuple[Any, ...]) -> None:
+def _ledger(made: Build, strain: StrainEnergies) -> None:
     asked = made.scene.output.ledger
     reason = "output.ledger = false"
     if asked:
@@ -50,7 +51,7 @@ def _ledger(made: Build, materials: tuple[Any, ...]) -> None:
     accounted = "spring_work" in [field.name for field in declared]
     guard = None if made.scene.allow_unstable else EnergyGuard.of(made.state)
     ledger = EnergyLedger(
-        materials,
+        strain,
         terms=_terms(made, named),
         contact="" if contact is None else contact.name,
         accounted=accounted,

@@ -6,7 +6,8 @@ import json
 import os
 import signal
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from mpmfw.apart import run_apart
@@ -69,6 +70,38 @@ def run(
             raise SceneError("apart: a run in a process of its own takes plug-ins by name, no objects")
         request = {"contact": contact, "shape": shape, "set": dict(set or {}), "force": force}
         return run_apart(scene, output, progress, **request)
+    with _writing(scene, contact, shape, output, progress, set, force) as writer:
+        return writer.results()
+
+
+def run_to_file(
+    scene: Any,
+    output: str | os.PathLike[str],
+    progress: Callable[[float, int], None] | None = None,
+    force: bool = False,
+) -> None:
+    """Run a scene and leave its results in the file; the rest is as :func:`run` says.
+
+    Raises
+    ------
+    SceneError, SimulationError, Interrupted
+        As there.
+    """
+    with _writing(scene, None, None, output, progress, None, force):
+        pass
+
+
+@contextmanager
+def _writing(
+    scene: Any,
+    contact: Any,
+    shape: Any,
+    output: str | os.PathLike[str] | None,
+    progress: Callable[[float, int], None] | None,
+    set: Mapping[str, Any] | None,
+    force: bool,
+) -> Iterator[RunWriter]:
+    """The writer of a run that has come to its end."""
     restart_peak_memory()
     path = None if output is None else os.path.abspath(output)  # a plug-in may change the working folder
     loaded = load_scene(scene, set={**chosen_methods(contact, shape), **(set or {})})
@@ -80,7 +113,7 @@ def run(
         raise located(error, loaded) from error
     header = simulation.header()
     if path is not None and (said := remark_on_size(simulation, header)):
-        warnings.warn(said, ResultsWarning, stacklevel=2)
+        warnings.warn(said, ResultsWarning, stacklevel=4)
     with interruptible() as signals, RunWriter(path, header) as writer:
         try:
             simulation.run(signals.whole(writer.write), progress)
@@ -94,8 +127,8 @@ def run(
             raise Interrupted(getattr(error, "number", signal.SIGINT), _kept(writer, simulation)) from None
         signals.whole(writer.finish)(end)
         for concern in simulation.concerns():
-            warnings.warn(concern, ResultsWarning, stacklevel=2)
-        return writer.results()
+            warnings.warn(concern, ResultsWarning, stacklevel=4)
+        yield writer
 
 
 def _kept(writer: RunWriter, simulation: Simulation) -> str:

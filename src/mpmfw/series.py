@@ -3,13 +3,42 @@
 from __future__ import annotations
 
 import itertools
+from typing import Any
 
 import numpy as np
 
-from mpmfw.fields import AFFINE_ENERGY, SERIES_FIELDS, AnyArray, Field, FloatArray
+from mpmfw.fields import AFFINE_ENERGY, SERIES_FIELDS, AnyArray, Field, FloatArray, IntArray
 from mpmfw.hookspecs import hookimpl
+from mpmfw.kernels.body_sums import sum_affine_energy, sum_motion
 from mpmfw.setup import Setup
 from mpmfw.state import Body, State
+
+
+class StrainEnergies:
+    """Σ V_0 W(F) of every body, asked by several at one output and computed once.
+
+    Parameters
+    ----------
+    materials
+        For each body, an object with ``energy_density`` (see :class:`mpmfw.api.Material`).
+    """
+
+    def __init__(self, materials: tuple[Any, ...]) -> None:
+        self.materials = materials
+        self._energies = np.empty(0)
+        self._moment: tuple[int, float] | None = None
+
+    def of(self, state: State) -> FloatArray:
+        """(body,) [J/m]."""
+        moment = state.steps, state.time
+        if moment != self._moment:
+            f = state.particles.deformation_gradient
+            made_of = of_one_material(state.bodies, self.materials)
+            density = np.concatenate([material.energy_density(f[own]) for own, material in made_of])
+            energy = density * state.particles.initial_volume
+            self._energies = np.add.reduceat(energy, [body.particles.start for body in state.bodies])
+            self._moment = moment
+        return self._energies
 
 
 class BodySeries:
@@ -17,8 +46,8 @@ class BodySeries:
 
     Parameters
     ----------
-    materials
-        For each body, an object with ``energy_density`` (see :class:`mpmfw.api.Material`).
+    strain
+        Energies of the strain.
     affine
         Whether the transfer has an affine field, whose energy is a series of its own.
     energy
@@ -28,8 +57,8 @@ class BodySeries:
     name = "body_series"
     stage = "output"
 
-    def __init__(self, materials: tuple[object, ...], *, affine: bool, energy: bool) -> None:
-        self.materials, self.affine, self.energy = materials, affine, energy
+    def __init__(self, strain: StrainEnergies, *, affine: bool, energy: bool) -> None:
+        self.strain, self.affine, self.energy = strain, affine, energy
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
@@ -47,50 +76,45 @@ class BodySeries:
     @hookimpl
     def diagnostics(self, state: State) -> dict[str, AnyArray]:
         """All series, (body, …)."""
-        density = self._energy_density(state) if self.energy else None
-        rows = [self._of(state, body.particles, density) for body in state.bodies]
-        return {name: np.array([row[name] for row in rows]) for name in rows[0]}
-
-    def _energy_density(self, state: State) -> FloatArray:
-        """Stored energy per reference volume of all material points, (n,) [J/m^3]."""
-        f = state.particles.deformation_gradient
-        made_of = of_one_material(state.bodies, self.materials)
-        return np.concatenate([material.energy_density(f[own]) for own, material in made_of])  # type: ignore[attr-defined]
-
-    def _of(self, state: State, own: slice, density: FloatArray | None) -> dict[str, AnyArray | float]:
-        """The series of one body."""
-        p = state.particles
-        x, v, m = p.position[own], p.velocity[own], p.mass[own]
-        mass = m.sum()
-        centre, mean = m @ x / mass, m @ v / mass
-        r, w = x - centre, v - mean
-        spin = (m[:, None] * _cross(r, w)).sum(axis=0)
-        row: dict[str, AnyArray | float] = {
+        p, count, dim = state.particles, len(state.bodies), self.dim
+        first = np.array([0, *(body.particles.stop for body in state.bodies)], dtype=np.int64)
+        total, kinetic = np.empty(count), np.empty(count)
+        centre, mean, second = np.empty((count, dim)), np.empty((count, dim)), np.empty((count, dim, dim))
+        spin = np.empty((count, 1 if dim == 2 else 3))
+        sum_motion(
+            first,
+            p.mass,
+            p.position,
+            p.velocity,
+            total,
+            centre,
+            mean,
+            spin,
+            second,
+            kinetic,
+            state.grid.spacing,
+        )
+        series = {
             "centre_of_mass": centre,
             "mean_velocity": mean,
-            "angular_velocity": _solve_inertia(m, r, spin),
-            "linear_momentum": mass * mean,
+            "angular_velocity": np.array([_solve_inertia(*each) for each in zip(second, spin, strict=True)]),
+            "linear_momentum": total[:, None] * mean,
             "angular_momentum": spin,
         }
-        return row if density is None else {**row, **self._energies(state, own, density)}
+        return {**series, **self._energies(state, first, kinetic)} if self.energy else series
 
-    def _energies(self, state: State, own: slice, density: FloatArray) -> dict[str, float]:
-        """The energies of one body [J]."""
+    def _energies(self, state: State, first: IntArray, kinetic: FloatArray) -> dict[str, AnyArray]:
+        """The energies of every body [J]."""
         p = state.particles
-        v, m = p.velocity[own], p.mass[own]
-        strain = float(density[own] @ p.initial_volume[own])
-        kinetic = 0.5 * float(m @ np.einsum("nd,nd->n", v, v))
-        row = {"kinetic_energy": kinetic, "strain_energy": strain, "total_energy": kinetic + strain}
+        strain = self.strain.of(state)
+        series = {"kinetic_energy": kinetic, "strain_energy": strain, "total_energy": kinetic + strain}
         if self.affine and p.affine is not None:
-            # A square of edge l moves within itself with the energy m l²/24 C:C.
-            edge2 = p.volume[own] ** (2.0 / self.dim)
-            row["affine_energy"] = (
-                float((m * edge2) @ np.einsum("nij,nij->n", p.affine[own], p.affine[own])) / 24.0
-            )
-        return row
+            series["affine_energy"] = np.empty_like(kinetic)
+            sum_affine_energy(first, p.mass, p.volume, p.affine, series["affine_energy"], state.grid.spacing)
+        return series
 
 
-def of_one_material(bodies: tuple[Body, ...], materials: tuple[object, ...]) -> list[tuple[slice, object]]:
+def of_one_material(bodies: tuple[Body, ...], materials: tuple[Any, ...]) -> list[tuple[slice, Any]]:
     """Material points of bodies of one material that follow each other, with that material.
 
     Parameters
@@ -105,22 +129,12 @@ def of_one_material(bodies: tuple[Body, ...], materials: tuple[object, ...]) -> 
     return [(slice(run[0][0].particles.start, run[-1][0].particles.stop), run[0][1]) for run in runs]
 
 
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """a × b, (n, 1) in 2D and (n, 3) in 3D."""
-    if a.shape[1] == 2:
-        product: FloatArray = (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])[:, None]
-        return product
-    return np.cross(a, b)
-
-
-def _solve_inertia(m: FloatArray, r: FloatArray, spin: FloatArray) -> FloatArray:
-    """ω of L = I ω, I = Σ m (|r|² 1 − r rᵀ); one number in 2D."""
-    second = (m[:, None] * r).T @ r
-    if r.shape[1] == 2:
-        trace = np.trace(second)
-        return np.asarray(spin / trace if trace > 0.0 else np.zeros(1))
-    inertia = np.trace(second) * np.eye(3) - second
-    return np.asarray(np.linalg.lstsq(inertia, spin, rcond=None)[0])
+def _solve_inertia(second: FloatArray, spin: FloatArray) -> FloatArray:
+    """ω of L = I ω, I = tr(S) 1 − S of S = Σ m r rᵀ; one number in 2D."""
+    trace = float(np.trace(second))
+    if len(second) == 2:
+        return spin / trace if trace > 0.0 else np.zeros(1)
+    return np.asarray(np.linalg.lstsq(trace * np.eye(3) - second, spin, rcond=None)[0])
 
 
 VON_MISES = Field(
@@ -134,7 +148,7 @@ class VonMises:
     name = "von_mises"
     stage = "output"
 
-    def __init__(self, materials: tuple[object, ...]) -> None:
+    def __init__(self, materials: tuple[Any, ...]) -> None:
         self.materials = materials
 
     @hookimpl
@@ -143,11 +157,13 @@ class VonMises:
         return [VON_MISES]
 
     @hookimpl
-    def diagnostics(self, state: State) -> dict[str, AnyArray]:
+    def diagnostics(self, state: State, points: bool) -> dict[str, AnyArray]:
         """sqrt(3/2 s:s), (n,) [Pa]."""
+        if not points:
+            return {}
         parts = []
         for own, material in of_one_material(state.bodies, self.materials):
-            stress = material.cauchy_stress(state.particles.deformation_gradient[own])  # type: ignore[attr-defined]
+            stress = material.cauchy_stress(state.particles.deformation_gradient[own])
             deviator = stress - np.trace(stress, axis1=1, axis2=2)[:, None, None] / 3.0 * np.eye(3)
             parts.append(np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator)))
         return {"von_mises": np.concatenate(parts)}

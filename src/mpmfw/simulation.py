@@ -224,49 +224,78 @@ class Simulation:
         write: Callable[[Frame], None] | None = None,
         progress: Callable[[float, int], None] | None = None,
     ) -> None:
-        """Run to the end; hand a frame to ``write`` at time zero and after every output interval.
+        """Run to the end; hand a frame to ``write`` at time zero and at every output.
 
         Raises
         ------
         SimulationError
             The run failed; frames handed out so far are complete.
         """
-        interval, end = self.scene.time.output_interval, self.scene.time.end
         with self.blaming(), CompileTimer(self.clock) as compiling:
             try:
                 self.start()
                 self._output(write, 0.0)
-                for output in range(1, _outputs(end, interval) + 1):
-                    self._advance_to(min(output * interval, end), progress)
-                    self._output(write, interval)
+                self._run_to_the_end(write, progress)
             finally:
                 self.compile_time = compiling.seconds
                 self.clock.flush()
 
+    def _run_to_the_end(
+        self, write: Callable[[Frame], None] | None, progress: Callable[[float, int], None] | None
+    ) -> None:
+        """Steps and outputs after the first."""
+        state, time = self.state, self.scene.time
+        last, before = _outputs(time.end, time.output_interval), 0.0
+        exact = time.outputs == "exact"
+        for output in range(1, last + 1):
+            due = time.end if output == last else output * time.output_interval
+            if exact or output == last:
+                self._advance_to(due, progress)
+            else:
+                self._advance_near(due, progress)
+                if state.time in (before, time.end):
+                    continue  # the step is nearest to another output as well, which records it
+            points = output == last or self._recorder.points_are_due(due)
+            self._output(write, state.time - before, points=points)
+            before = state.time
+
     def _advance_to(self, target: float, progress: Callable[[float, int], None] | None) -> None:
         """Step to ``target`` [s] exactly, with steps of about equal length."""
-        state = self.state
-        while state.time < target:
-            last = False
+        while self.state.time < target:
+            self._step_towards(target)
+            self._report(progress)
 
-            def length() -> float:
-                nonlocal last
-                remaining = target - state.time
-                steps = max(1, math.ceil(remaining / self.stable_step() - 1e-9))
-                last = steps == 1
-                return remaining / steps
+    def _advance_near(self, target: float, progress: Callable[[float, int], None] | None) -> None:
+        """Step until no end of a step is nearer to ``target`` [s], if the next step is as long as the last, or to the end."""
+        state, end = self.state, self.scene.time.end
+        while state.time + 0.5 * state.dt <= target and state.time < end:
+            self._step_towards(end)
+            self._report(progress)
 
-            self._take_step(length)
-            if last:
-                state.time = target
-            if progress is not None and state.steps % REPORT_EVERY == 0:
-                progress(state.time, state.steps)
+    def _step_towards(self, target: float) -> None:
+        """Take one of the equal steps that lead to ``target`` [s] if the limit stays as it is; the last ends there exactly."""
+        state, last = self.state, False
 
-    def _output(self, write: Callable[[Frame], None] | None, interval: float) -> None:
+        def length() -> float:
+            nonlocal last
+            remaining = target - state.time
+            steps = max(1, math.ceil(remaining / self.stable_step() - 1e-9))
+            last = steps == 1
+            return remaining / steps
+
+        self._take_step(length)
+        if last:
+            state.time = target
+
+    def _report(self, progress: Callable[[float, int], None] | None) -> None:
+        if progress is not None and self.state.steps % REPORT_EVERY == 0:
+            progress(self.state.time, self.state.steps)
+
+    def _output(self, write: Callable[[Frame], None] | None, interval: float, *, points: bool = True) -> None:
         self.clock("output")
         self._guard.check()
         self._watch = bool(self._guard.strangers)
-        frame = self._recorder.frame(interval)
+        frame = self._recorder.frame(interval, points=points)
         if write is not None:
             write(frame)
         self.clock.flush()
@@ -288,6 +317,8 @@ class Simulation:
                 "transported": int(self.transfer.transported),
                 "rotation": self._rotations(),
                 "cell_size": self.state.grid.cell_size,
+                "outputs": self.scene.time.outputs,
+                "output_interval": self.scene.time.output_interval,
                 "effects": [{"name": e.name, "on": e.on, "reason": e.reason} for e in self.effects],
                 "plugins": plugins,
                 **(attributes or {}),

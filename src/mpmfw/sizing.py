@@ -69,7 +69,7 @@ def size_of(body: Body, cell_size: float) -> Size:
         spare = 3.0 if fitted else 1.0
         points = spare * float(np.prod(np.ceil(extent / body.particles.size) + 1.0))
     nodes = float(np.prod(np.ceil(extent / cell_size) + _BEYOND))
-    outline = float(body.geometry.region.length) if isinstance(body.geometry, PlaneGeometry) else 0.0
+    outline = body.geometry.outline_length if isinstance(body.geometry, PlaneGeometry) else 0.0
     surface = 2.0 * outline / body.segment_length(cell_size) + 8.0
     memory = points * POINT_BYTES[dim] + nodes * NODE_BYTES[dim] + surface * SURFACE_BYTES
     return Size(points, nodes, surface, memory, extent)

@@ -21,13 +21,30 @@ _NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?
 _FACTOR = r"[^\W\d_]+[²³]?(?:(?:\^|\*\*)-?[0-9])?"
 _UNIT = re.compile(rf"%|°|(?:1?\s*/\s*)?{_FACTOR}(?:\s*[*/·\s]\s*{_FACTOR})*")
 
+#: Units that are read without pint, which takes a second to know them all: the SI unit that each is a multiple of, and the
+#: factor, whose product with a number is the one that pint gives to the last digit.
+_COMMON = {
+    f"{prefix}{unit}": (unit, factor)
+    for unit in ("m", "s", "Pa")
+    for prefix, factor in {
+        "": 1.0,
+        "G": 1e9,
+        "M": 1e6,
+        "k": 1e3,
+        "c": 1e-2,
+        "m": 1e-3,
+        "u": 1e-6,
+        "µ": 1e-6,
+    }.items()
+} | {"deg": ("rad", math.pi / 180.0), "%": ("1", 0.01)}
+
 #: Characters of the longest text that is read as a quantity.
 _LONGEST = 80
 
 
 @functools.cache
 def _registry() -> Any:
-    """The pint registry, built at first use: most scenes give bare numbers and never pay for it."""
+    """The pint registry, built at first use: most scenes give bare numbers and common units and never pay for it."""
     import pint
 
     return pint.UnitRegistry()
@@ -60,6 +77,9 @@ def to_si(value: object, unit: str) -> object:
 
 def _converted(number: float, given: str, unit: str, text: str) -> float:
     """The number from the unit ``given`` to ``unit``."""
+    common, factor = _COMMON.get(given, ("", 0.0))
+    if common == unit:
+        return number * factor
     import pint
 
     try:

@@ -128,7 +128,7 @@ def _run(scene: Any) -> tuple[str, str]:
 
 def not_finite(frame: Frame) -> list[str]:
     """Names of the arrays of a frame that hold NaN or inf where they are never meant to."""
-    groups = [*frame.particles.values(), *frame.surface.values(), frame.series]
+    groups = [frame.particles, frame.surface, frame.series]
     meant = {"time_step", "steps_per_contact"}  # no step before the first frame, no contact that ended
     return [
         name

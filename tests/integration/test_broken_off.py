@@ -26,7 +26,7 @@ HEADER = RunHeader(2, ("a",), (), {"a": 2000}, (POSITION, ENERGY))
 
 def frame(k):
     values = np.random.default_rng(k).random((2000, 2))
-    return Frame(0.1 * k, {"a": {"position": values}}, series={"kinetic_energy": np.full(1, float(k))})
+    return Frame(0.1 * k, {"position": values}, series={"kinetic_energy": np.full(1, float(k))})
 
 
 LIMITED = """
@@ -63,7 +63,7 @@ def test_no_room_is_named_and_what_was_written_is_readable(tmp_path, limit):
     assert count > 3
     np.testing.assert_array_equal(tree["series/kinetic_energy"][:, 0], np.arange(count))
     for k in range(count):
-        np.testing.assert_array_equal(tree["particles/a/position"][k], frame(k).particles["a"]["position"])
+        np.testing.assert_array_equal(tree["particles/a/position"][k], frame(k).particles["position"])
 
 
 def test_a_full_disk_stops_the_run_and_keeps_its_outputs(tmp_path, monkeypatch):
@@ -74,6 +74,7 @@ def test_a_full_disk_stops_the_run_and_keeps_its_outputs(tmp_path, monkeypatch):
             raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(os, "posix_fallocate", full, raising=False)
+    monkeypatch.setattr("mpmfw.results.room.ASKED_EVERY", 0.0)
     scene = two_blocks("none", time={"end": 0.01, "output_interval": 0.001}, output={"gap": False})
     with pytest.raises(
         MpmfwError, match=r"cannot write frame 2 to .*run.nc': No space left on device; what was written"

@@ -164,7 +164,7 @@ def test_a_failing_run_is_status_1_and_says_where(mpmfw, monkeypatch):
     def run(*_, **__):
         raise SimulationError("left the grid", body="block", index=3, time=0.5)
 
-    monkeypatch.setitem(sys.modules, "mpmfw.runs", SimpleNamespace(run=run))
+    monkeypatch.setitem(sys.modules, "mpmfw.runs", SimpleNamespace(run_to_file=run))
     result = mpmfw("run", "s.toml")
     assert (result.exit_code, result.stdout) == (1, "")
     assert result.stderr == "left the grid: body 'block', point 3, at time 0.5 s\n"
@@ -175,7 +175,7 @@ def test_a_run_gets_the_chosen_scene_and_a_file_named_as_it(mpmfw, monkeypatch):
     monkeypatch.setitem(
         sys.modules,
         "mpmfw.runs",
-        SimpleNamespace(run=lambda scene, **arguments: seen.update(arguments, scene=scene)),
+        SimpleNamespace(run_to_file=lambda scene, **arguments: seen.update(arguments, scene=scene)),
     )
     result = mpmfw(
         "run", "s.toml", "--contact", "separate", "--shape", "gimp", "--set", "grid.cell_size=250 mm"

@@ -20,18 +20,25 @@ position, energy = PARTICLE_FIELDS[0], SERIES_FIELDS[5]
 header = RunHeader(2, ("a",), (), {"a": 2000}, (position, energy))
 with RunWriter(sys.argv[1], header) as writer:
     for k in range(1_000_000):
-        particles = {"a": {"position": np.full((2000, 2), float(k))}}
+        particles = {"position": np.full((2000, 2), float(k))}
         writer.write(Frame(0.1 * k, particles, series={energy.name: np.full(1, k)}))
         print(k + 1, flush=True)
 """
 
 
+SERIES_FOR_EVER = WRITE_FOR_EVER.replace(
+    "Frame(0.1 * k, particles", "Frame(0.1 * k, particles if k % 100 == 0 else {}"
+)
+
+
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this platform")
-@pytest.mark.parametrize("milliseconds", [0, 1, 3, 7])
-def test_synced_frames_survive(tmp_path, milliseconds):
+@pytest.mark.parametrize(
+    ("milliseconds", "script"), [*((k, WRITE_FOR_EVER) for k in (0, 1, 3, 7)), (2, SERIES_FOR_EVER)]
+)
+def test_synced_frames_survive(tmp_path, milliseconds, script):
     path = tmp_path / "run.nc"
     with subprocess.Popen(
-        [sys.executable, "-c", WRITE_FOR_EVER, str(path)], stdout=subprocess.PIPE, text=True
+        [sys.executable, "-c", script, str(path)], stdout=subprocess.PIPE, text=True
     ) as process:
         assert process.stdout is not None
         synced = next(int(line) for line in process.stdout if int(line) == 5 + milliseconds)
@@ -39,10 +46,12 @@ def test_synced_frames_survive(tmp_path, milliseconds):
         process.send_signal(signal.SIGKILL)
         synced = max([synced, *(int(line) for line in process.stdout.read().split())])
     tree = open_results(path)
-    frames = tree.sizes["time"]
+    frames = tree["series"].sizes["time"]
     assert frames in (synced, synced + 1)
     assert tree.attrs["status"] == "running"
     expected = np.arange(frames, dtype=float)
     np.testing.assert_array_equal(tree["series/kinetic_energy"][:, 0], expected)
-    np.testing.assert_array_equal(tree["particles/a/position"].values.min(axis=(1, 2)), expected)
-    np.testing.assert_array_equal(tree["particles/a/position"].values.max(axis=(1, 2)), expected)
+    np.testing.assert_allclose(tree["series/time"], 0.1 * expected)
+    kept = expected if script == WRITE_FOR_EVER else expected[::100]
+    np.testing.assert_array_equal(tree["particles/a/position"].values.min(axis=(1, 2)), kept)
+    np.testing.assert_array_equal(tree["particles/a/position"].values.max(axis=(1, 2)), kept)

@@ -109,10 +109,7 @@ class Cylinder:
                 writer.write(
                     Frame(
                         float(time),
-                        surface={
-                            "cylinder": {"position": circle + np.array([4.0 + d, 2.4])},
-                            "plane": {"position": plane},
-                        },
+                        surface={"position": np.concatenate([circle + np.array([4.0 + d, 2.4]), plane])},
                         series={field: np.array(series[field]) for field in names},
                     )
                 )

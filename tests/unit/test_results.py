@@ -1,5 +1,6 @@
 """The results' file: what is written is what is read, in memory and on disk."""
 
+import dataclasses
 import json
 import os
 
@@ -10,9 +11,11 @@ import pytest
 from mpmfw.errors import MpmfwError
 from mpmfw.fields import CONTACT_SERIES, PARTICLE_FIELDS, SERIES_FIELDS, SURFACE_FIELDS, Field
 from mpmfw.results import Frame, RunHeader, RunWriter
+from mpmfw.results.journal import ROWS
 from mpmfw.results.layout import unit
 from mpmfw.results.memory import peak_memory, restart_peak_memory
 from mpmfw.results.reading import read as open_results
+from mpmfw.results.resampling import series_at_outputs
 
 FIELDS = tuple(
     field for field in (*PARTICLE_FIELDS, *SURFACE_FIELDS, *SERIES_FIELDS, *CONTACT_SERIES) if field.output
@@ -55,8 +58,8 @@ def frame(time, seed=0):
 
     return Frame(
         time,
-        {body: arrays("particles", particle=count) for body, count in COUNT.items()},
-        {"ball": arrays("surface")},
+        arrays("particles", particle=sum(COUNT.values())),
+        arrays("surface"),
         arrays("series"),
         {"ball-floor": {"pressure": random.standard_normal(5)}},
     )
@@ -72,16 +75,16 @@ def test_what_is_written_is_read(tmp_path, in_memory):
     tree = writer.results()
     assert tree["time"].values.tolist() == [one.time for one in frames]
     for k, one in enumerate(frames):
-        for body, arrays in one.particles.items():
-            for name in arrays.keys() - {"mass"}:
-                np.testing.assert_array_equal(tree[f"particles/{body}/{name}"][k], arrays[name])
+        for name in one.particles.keys() - {"mass"}:
+            np.testing.assert_array_equal(tree[f"particles/ball/{name}"][k], one.particles[name][:4])
+            np.testing.assert_array_equal(tree[f"particles/floor/{name}"][k], one.particles[name][4:])
         for name, values in one.series.items():
             np.testing.assert_array_equal(tree[f"series/{name}"][k], values)
         np.testing.assert_array_equal(
             tree["contact/ball-floor/pressure"][k], one.contact["ball-floor"]["pressure"]
         )
-        np.testing.assert_array_equal(tree["surface/ball/position"][k], one.surface["ball"]["position"])
-    np.testing.assert_array_equal(tree["particles/ball/mass"], frames[0].particles["ball"]["mass"])
+        np.testing.assert_array_equal(tree["surface/ball/position"][k], one.surface["position"])
+    np.testing.assert_array_equal(tree["particles/ball/mass"], frames[0].particles["mass"][:4])
     assert tree["surface/ball/next"].values.tolist() == [1, 2, 0]
     assert (tree.attrs["status"], tree.attrs["steps"], tree.attrs["settled"]) == ("ok", 12, 1)
     assert json.loads(tree.attrs["effects"]) == {"gravity": [0, -10]}
@@ -197,3 +200,109 @@ def test_fields_that_come_late_are_missing_before(tmp_path):
             writer.finish({})
         values = writer.results()[f"series/{field.name}"].values[:, 0]
         np.testing.assert_array_equal(values, [np.nan, 1.0, np.nan, 1.0])
+
+
+def series_alone(k):
+    return Frame(
+        0.1 * k, series={"kinetic_energy": np.full(2, float(k)), "mean_velocity": np.full((2, 2), -k)}
+    )
+
+
+@pytest.mark.parametrize("in_memory", [True, False])
+def test_material_points_have_times_of_their_own(tmp_path, in_memory):
+    with RunWriter(None if in_memory else tmp_path / "run.nc", header()) as writer:
+        for k in range(7):
+            one = frame(0.1 * k)
+            writer.write(one if k % 3 == 0 else dataclasses.replace(one, particles={}))
+        writer.finish({})
+    tree = writer.results()
+    assert "time" not in tree.coords
+    np.testing.assert_array_equal(tree["series/time"], 0.1 * np.arange(7))
+    np.testing.assert_array_equal(tree["surface/ball/time"], 0.1 * np.arange(7))
+    for body, own in (("ball", slice(0, 4)), ("floor", slice(4, 10))):
+        points = tree[f"particles/{body}"]
+        assert points["time"].values.tolist() == [0.1 * k for k in (0, 3, 6)]
+        np.testing.assert_array_equal(points["stress"][1], frame(0.1 * 3).particles["stress"][own])
+    assert tree["series/time"].attrs == points["time"].attrs
+
+
+def test_outputs_in_the_journal_are_read(tmp_path):
+    """Of a run that goes on, or was killed: more outputs than the journal has rows, and some that are not yet elsewhere."""
+    path, count = tmp_path / "run.nc", ROWS + 9
+    with RunWriter(path, header()) as writer:
+        writer.write(frame(0.0))
+        for k in range(1, count):
+            writer.write(series_alone(k))
+        with netCDF4.Dataset(path) as dataset:
+            assert dataset["time"].size < count  # the others are in the journal alone
+        for lazy in (False, True):
+            tree = open_results(path, lazy=lazy)
+            assert set(tree.data_vars) == set()
+            np.testing.assert_allclose(tree["series/time"], 0.1 * np.arange(count))
+            np.testing.assert_array_equal(tree["series/kinetic_energy"][1:, 0], np.arange(1, count))
+            np.testing.assert_array_equal(tree["series/mean_velocity"][1:, 1, 0], -np.arange(1, count))
+            assert tree["particles/ball"].sizes["time"] == 1
+            assert tree["series/kinetic_energy"].attrs["units"] == "J m-1"
+            tree.close()
+        writer.finish({})
+    assert open_results(path)["series/kinetic_energy"].shape == (count, 2)
+    with netCDF4.Dataset(path) as dataset:
+        assert dataset["time"].size == count
+
+
+def test_an_output_of_other_arrays_is_in_its_own_variables(tmp_path):
+    path = tmp_path / "run.nc"
+    with RunWriter(path, header()) as writer:
+        writer.write(series_alone(0))
+        writer.write(series_alone(1))
+        writer.write(Frame(0.2, series={"total_energy": np.ones(2)}))
+        writer.write(series_alone(3))
+        tree = open_results(path)
+        np.testing.assert_array_equal(tree["series/kinetic_energy"][:, 0], [0.0, 1.0, np.nan, 3.0])
+        np.testing.assert_array_equal(tree["series/total_energy"][:, 0], [np.nan, np.nan, 1.0, np.nan])
+
+
+def test_the_file_has_one_group_for_all_bodies(tmp_path):
+    with RunWriter(tmp_path / "run.nc", header()) as writer:
+        writer.write(frame(0.0))
+    with netCDF4.Dataset(tmp_path / "run.nc") as dataset:
+        assert dataset["particles"].groups == {}
+        assert dataset["particles/position"].shape == (1, 10, 2)
+        assert dataset["particles/particle_count"][:].tolist() == [4, 6]
+        assert dataset["particles/particle_count"].sample_dimension == "particle"
+        assert dataset["surface/surface_node_count"][:].tolist() == [3, 0]
+        assert dataset["particles/position"].filters()["zlib"] is False
+
+
+def test_series_at_nearest_steps_are_had_at_the_times_asked_for():
+    recorded = np.array([0.0, 0.9, 2.1, 3.0])
+    mean, linear = CONTACT_SERIES[0], SERIES_FIELDS[5]
+    assert (mean.name, linear.name) == ("contact_force", "kinetic_energy")
+    attributes = {"outputs": "nearest", "output_interval": 1.0}
+    with RunWriter(None, header(attributes=attributes)) as writer:
+        for k, time in enumerate(recorded):
+            force, count = np.array([[2.0 * k, 0.0]]), np.array([float(k)])
+            series = {
+                "contact_force": force,
+                "contact_count": count,
+                "kinetic_energy": np.full(2, 0.5 + 3.0 * time),
+            }
+            writer.write(Frame(time, series=series))
+        writer.finish({})
+    tree = writer.results()
+    series = series_at_outputs(tree)
+    assert series["time"].values.tolist() == [0.0, 1.0, 2.0, 3.0]
+    np.testing.assert_allclose(series["kinetic_energy"][:, 1], 0.5 + 3.0 * series["time"])
+    np.testing.assert_allclose(
+        series["contact_force"][:, 0, 0], [0.0, 0.9 * 2 + 0.1 * 4, 4.0, 0.1 * 4 + 0.9 * 6]
+    )
+    assert series["contact_force"].sum() * 1.0 == pytest.approx(
+        0.9 * 2 + 1.2 * 4 + 0.9 * 6
+    )  # the impulse stays
+    assert series["contact_count"].values[:, 0].tolist() == [0.0, 1.0, 2.0, 3.0]
+    assert series["contact_force"].attrs == mean.attributes
+    exact = header(attributes={"outputs": "exact", "output_interval": 1.0})
+    with RunWriter(None, exact) as writer:
+        writer.write(frame(0.0))
+        writer.write(frame(0.9))
+    assert series_at_outputs(writer.results())["time"].values.tolist() == [0.0, 0.9]

@@ -1,6 +1,7 @@
 """Memory, steps and frames are known from the scene's numbers, and refused where they cannot be meant."""
 
 import copy
+import dataclasses
 import tracemalloc
 
 import pytest
@@ -8,7 +9,7 @@ import pytest
 import mpmfw
 from mpmfw import sizing
 from mpmfw.errors import ResultsWarning, SceneError
-from mpmfw.limits import MOST_FRAMES, MOST_STEPS, frame_bytes, frames_of
+from mpmfw.limits import MOST_FRAMES, MOST_STEPS, frame_bytes, frames_of, results_size
 from mpmfw.scene import load_scene, shipped_scenes
 from mpmfw.simulation import Simulation
 
@@ -169,13 +170,13 @@ def test_the_size_of_a_frame_is_that_of_its_arrays():
     simulation = Simulation(load_scene(DISC))
     frames = []
     simulation.advance(1, frames.append)
-    arrays = [
-        a
-        for group in (frames[1].particles, frames[1].surface)
-        for body in group.values()
-        for a in body.values()
-    ]
-    stored = sum(a.nbytes for a in [*arrays, *frames[1].series.values()])
+    dtypes = {(field.group, field.name): field.dtype for field in simulation.header().fields}
+    assert dtypes["particles", "stress"] == "f4"
+    stored = sum(
+        values.astype(dtypes[group, name]).nbytes
+        for group in ("particles", "surface", "series")
+        for name, values in getattr(frames[1], group).items()
+    )
     assert frame_bytes(simulation.header()) == stored
     assert frames_of(simulation) == 2
 
@@ -205,3 +206,14 @@ def test_sides_that_contradict_each_other_are_refused():
         _plate(left={"fixed": ["x"]}, bottom={"velocity": ["free", 0.0]}, right={"velocity": [1.0, "free"]})
     )
     load_scene(_plate(left={"velocity": [1.0, "free"]}, right={"velocity": [-1.0, "free"]}))
+
+
+def test_results_have_as_many_frames_of_points_as_their_interval_makes():
+    few = {"time.end": 1.0, "time.output_interval": 0.01, "output.particle_interval": 0.25}
+    simulation = Simulation(load_scene(DISC, set=few))
+    header = simulation.header()
+    others = tuple(field for field in header.fields if field.group != "particles")
+    series = frame_bytes(dataclasses.replace(header, fields=others))
+    frames, each, size = results_size(simulation, header)
+    assert frames == 6  # five, and one more where the end is no multiple
+    assert (each, size) == (frame_bytes(header), 6 * (each - series) + 101 * series)

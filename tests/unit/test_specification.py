@@ -315,7 +315,7 @@ def test_the_command_line_runs_it(monkeypatch):
     import sys
 
     seen = {}
-    stand_in = SimpleNamespace(run=lambda scene, **_: seen.update(scene=scene))
+    stand_in = SimpleNamespace(run_to_file=lambda scene, **_: seen.update(scene=scene))
     monkeypatch.setitem(sys.modules, "mpmfw.runs", stand_in)
     result = CliRunner().invoke(app, ["run", SCENE, "--contact", STRONG, "-o", "unused.nc"])
     assert result.exit_code == 0, result.stderr

@@ -104,7 +104,7 @@ def _print_step(simulation: Simulation) -> None:
 def _print_cost(simulation: Simulation, measure: bool) -> None:
     """Steps, CPU time by stage and memory, predicted from measured times per stage."""
     from mpmfw import prediction
-    from mpmfw.limits import frame_bytes, frames_of
+    from mpmfw.limits import results_size
     from mpmfw.sizing import most_memory, shown_bytes
 
     if measure:
@@ -114,8 +114,8 @@ def _print_cost(simulation: Simulation, measure: bool) -> None:
     print_rows([*rows, {"stage": "all", "CPU [s]": f"{found.cpu_time:.3g}"}], "Predicted cost of the steps")
     typer.echo(f"{found.steps} steps if the limit stays as it is, {1e-6 * found.memory:.3g} MB of arrays")
     typer.echo(f"at most {shown_bytes(most_memory(simulation.scene))} of memory while it is built and runs")
-    frames, each = frames_of(simulation), frame_bytes(simulation.header())
-    typer.echo(f"{frames:g} frames of {shown_bytes(each)}: {shown_bytes(frames * each)} before compression")
+    frames, each, size = results_size(simulation, simulation.header())
+    typer.echo(f"{frames:g} frames of {shown_bytes(each)}, and series: {shown_bytes(size)}")
     typer.echo(f"from {found.source}; settling and output come on top")
     if found.unknown:
         typer.echo(f"not measured, the nearest relative's times were taken: {', '.join(found.unknown)}")

@@ -33,8 +33,8 @@ def run(
     check_apart(loaded, output=path)
     check_result(path, "run", "run's results", force)
 
-    from mpmfw.runs import run as run_scene
+    from mpmfw.runs import run_to_file
 
     with run_progress(loaded.time.end) as progress:
-        run_scene(loaded, output=path, progress=progress, force=force)
+        run_to_file(loaded, output=path, progress=progress, force=force)
     typer.echo(str(path))

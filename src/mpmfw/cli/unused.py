@@ -65,6 +65,8 @@ def _diagnostics(simulation: Simulation) -> Iterator[str]:
         yield f"output.ledger: no ledger is kept: {ledger.reason}"
     if _asked(scene, "gap") and not gap.on:
         yield f"output.gap: no gap is measured: {gap.reason}"
+    if _asked(scene, "particle_interval") and not scene.output.particles:
+        yield "output.particle_interval: no material points are stored: output.particles = false"
     if _asked(scene, "stability") and contact is not None and not contact.monitors():
         yield f"output.stability: of the time step alone: contact '{contact.name}' has no series of its own stability"
 

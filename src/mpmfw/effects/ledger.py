@@ -4,20 +4,20 @@ Between the projection and the gather a node's momentum changes from m v⁰ to m
 contact, inertia corrections, prescribed sides, and of the internal forces. The work of an impulse is its product with
 (v⁰ + v¹) / 2; the works of all add up to the change of the grid's kinetic energy exactly. What the transfer loses is
 measured across it: the kinetic and affine energy of the material points less the grid's energy at the projection, and
-the reverse at the gather. What is left over against kinetic, affine and strain energy, the residual, is the difference
+the reverse at the gather. Of the sum over the steps there is left what the points had at the start and have now, and what the
+grid gained in between. What is left over against kinetic, affine and strain energy, the residual, is the difference
 between the work of the internal forces and the strain energy: the error of the strain's integration in time.
 """
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from mpmfw.effects.energy_guard import EnergyGuard
-from mpmfw.effects.ledger_energies import grid_energy, impulse_work, motion_energy, strain_energy
+from mpmfw.effects.ledger_energies import grid_energy, impulse_work, motion_energy
 from mpmfw.fields import AnyArray, Field, FloatArray
 from mpmfw.hookspecs import hookimpl
+from mpmfw.series import StrainEnergies
 from mpmfw.state import Grid, State
 
 
@@ -58,8 +58,8 @@ class EnergyLedger:
 
     Parameters
     ----------
-    materials
-        For each body, an object with ``energy_density``.
+    strain
+        Energies of the strain.
     terms
         Works that something in the scene does: of ``gravity``, ``external``, ``contact``, ``inertia``. The others
         have no series.
@@ -80,7 +80,7 @@ class EnergyLedger:
 
     def __init__(
         self,
-        materials: tuple[Any, ...],
+        strain: StrainEnergies,
         *,
         terms: tuple[str, ...],
         contact: str,
@@ -88,19 +88,19 @@ class EnergyLedger:
         guard: EnergyGuard | None,
         check_every: int,
     ) -> None:
-        self.materials, self.terms, self.contact, self.accounted = materials, terms, contact, accounted
+        self.strain, self.terms, self.contact, self.accounted = strain, terms, contact, accounted
         self.guard, self.check_every = guard, check_every
         self.running = False
 
     def _restart(self, state: State) -> None:
         self.running = True
         self.work = dict.fromkeys(("gravity", "external", "contact", "inertia"), 0.0)
-        self.dissipated = self.contact_before = 0.0
+        self.gained = self.dissipated = self.contact_before = 0.0
         self.loaded: float | None = (
             None  #: energy of the contact springs at the start; None until a step has told
         )
-        self.points = motion_energy(state.particles)
-        self.start = self.points + strain_energy(state, self.materials)
+        self.motion = motion_energy(state.particles)
+        self.start = self.motion + float(self.strain.of(state).sum())
         if self.guard is not None:
             self.guard.restart(self.start)
 
@@ -118,19 +118,21 @@ class EnergyLedger:
 
     def project(self, grid: Grid) -> None:
         """Points to grid."""
-        self.dissipated += self.points - grid_energy(grid.mass, grid.momentum)
+        self.projected = grid_energy(grid.mass, grid.momentum)
         self.impulse: dict[str, FloatArray] = {}
         self.momentum = grid.momentum.copy()
         self.forced = self.balanced = False
 
     def change(self, grid: Grid, term: str) -> None:
-        """Add the momentum's change since the last look to the impulses of a term."""
-        self.add(term, grid.momentum - self.momentum)
-        self.momentum = grid.momentum.copy()
+        """Add the momentum's change since the last look, if there is one, to the impulses of a term."""
+        if not np.array_equal(grid.momentum, self.momentum):
+            self.add(term, grid.momentum - self.momentum)
+            self.momentum = grid.momentum.copy()
 
     def add(self, term: str, impulse: FloatArray) -> None:
         """Add to the impulses of a term, (n_nodes, dim) [N s/m]."""
-        self.impulse[term] = self.impulse.get(term, 0.0) + impulse
+        known = self.impulse.get(term)
+        self.impulse[term] = impulse if known is None else known + impulse
 
     def balance_grid(self, grid: Grid) -> None:
         """The works of all impulses of this step."""
@@ -142,7 +144,7 @@ class EnergyLedger:
 
     @hookimpl
     def end_step(self, state: State) -> None:
-        """Grid to particles, and the guard: of the motion in every step, of the strain every few.
+        """What the grid gained, and the guard: of the grid's motion in every step, of the strain every few.
 
         Raises
         ------
@@ -152,8 +154,7 @@ class EnergyLedger:
         """
         if not self.running:
             return
-        self.points = motion_energy(state.particles)
-        self.dissipated += self.moved - self.points
+        self.gained += self.moved - self.projected
         if self.loaded is None:  # the first forces are those of the first positions
             held = state.arrays.get(f"{self.contact}/energy")
             self.loaded = 0.0 if held is None else float(held.sum())
@@ -161,7 +162,7 @@ class EnergyLedger:
             return
         self.guard.loaded = self.loaded
         self.guard.give(self.work["gravity"] + self.work["external"])
-        if self.guard.grown(self.points) or state.steps % self.check_every == 0:
+        if self.guard.grown(self.moved) or state.steps % self.check_every == 0:
             self._balance(state)
 
     @hookimpl
@@ -189,7 +190,10 @@ class EnergyLedger:
 
     def _balance(self, state: State) -> float:
         """What no term accounts for [J/m]; the guard looks at the whole energy."""
-        energy = self.points + strain_energy(state, self.materials)
+        motion = motion_energy(state.particles)
+        # What the points had at a projection is what they had after the gather before: of all that there is left
+        self.dissipated = self.motion + self.gained - motion
+        energy = motion + float(self.strain.of(state).sum())
         residual = energy - self.start - sum(self.work.values()) + self.dissipated
         if self.guard is not None and self.guard.grown(energy):
             found = {**self.work, "transfer": -self.dissipated, "strain": residual}

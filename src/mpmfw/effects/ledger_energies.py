@@ -1,13 +1,10 @@
-"""Energies that the ledger adds up: of the motion on the grid and on the material points, of impulses, of strain."""
+"""Energies that the ledger adds up: of the motion on the grid and on the material points, of impulses."""
 
 from __future__ import annotations
 
-from typing import Any
-
-from mpmfw.fields import FloatArray
 from mpmfw.kernels import kernel
 from mpmfw.kernels.types import Floats
-from mpmfw.state import Particles, State
+from mpmfw.state import Particles
 
 
 @kernel
@@ -66,13 +63,3 @@ def motion_energy(particles: Particles) -> float:
     if particles.affine is not None:
         energy += affine_energy(particles.mass, particles.volume, particles.affine)
     return energy
-
-
-def strain_energy(state: State, materials: tuple[Any, ...]) -> float:
-    """Σ V_0 W(F) over material points [J/m]; ``materials`` has an object with ``energy_density`` for each body."""
-    p, total = state.particles, 0.0
-    for body, material in zip(state.bodies, materials, strict=True):
-        own = body.particles
-        density: FloatArray = material.energy_density(p.deformation_gradient[own])
-        total += float(density @ p.initial_volume[own])
-    return total

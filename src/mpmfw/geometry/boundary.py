@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections import defaultdict
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from mpmfw.geometry.elements import Elements, IntArray
 from mpmfw.geometry.layout import FloatArray
@@ -36,6 +34,9 @@ def boundary_loops(elements: Elements) -> tuple[FloatArray, ...]:
 
 def is_connected(elements: Elements) -> bool:
     """Whether all elements hang together by edges."""
+    from scipy.sparse import coo_array  # half a second, which only meshes need
+    from scipy.sparse.csgraph import connected_components
+
     edges, owner = _directed_edges(elements)
     n = len(elements.nodes)
     undirected = np.sort(edges, axis=1) @ [n, 1]

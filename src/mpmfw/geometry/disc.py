@@ -26,6 +26,11 @@ class Disc(PlaneGeometry):
         return float(np.pi * self.radius**2)
 
     @property
+    def outline_length(self) -> float:
+        """2 π R [m]."""
+        return float(2.0 * np.pi * self.radius)
+
+    @property
     def centroid(self) -> FloatArray:
         """The centre (2,) [m]."""
         return np.array(self.centre)

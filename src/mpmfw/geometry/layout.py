@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -36,6 +36,15 @@ class Layout:
     half_edges: FloatArray
     corners: FloatArray | None
     outlines: tuple[FloatArray, ...] = ()
+
+    def moved(self, by: FloatArray) -> Layout:
+        """The same at another place, ``by`` (dim,) [m] away."""
+        return replace(
+            self,
+            position=self.position + by,
+            corners=None if self.corners is None else self.corners + by,
+            outlines=tuple(outline + by for outline in self.outlines),
+        )
 
 
 def layout_of_boxes(position: FloatArray, edges: FloatArray) -> Layout:

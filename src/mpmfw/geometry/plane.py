@@ -40,6 +40,11 @@ class PlaneGeometry(BaseModel):
         """The body as a shapely polygon [m], of the exact area."""
 
     @property
+    def outline_length(self) -> float:
+        """Length of all outlines [m]."""
+        return float(self.region.length)
+
+    @property
     def bounds(self) -> FloatArray:
         """Lower and upper corner of the bounding box (2, 2) [m]."""
         return np.reshape(self.region.bounds, (2, 2))

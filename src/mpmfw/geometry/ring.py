@@ -41,6 +41,11 @@ class Ring(PlaneGeometry):
         return float(np.pi * (self.outer_radius**2 - self.inner_radius**2))
 
     @property
+    def outline_length(self) -> float:
+        """2 π (R_o + R_i) [m]."""
+        return float(2.0 * np.pi * (self.outer_radius + self.inner_radius))
+
+    @property
     def centroid(self) -> FloatArray:
         """The centre (2,) [m]."""
         return np.array(self.centre)

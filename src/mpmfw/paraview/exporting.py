@@ -125,7 +125,8 @@ def _export(
     written = [target.collection(kind) for kind in kinds]
     if "series" in tree.children and tree["series"].data_vars:
         written.append(target.folder / f"{target.stem}-series.csv")
-        write_series(written[-1], tree["series"].to_dataset().load(), frames)
+        series = tree["series"].to_dataset().load()
+        write_series(written[-1], series, range(0, series.sizes["time"], every))
     return written
 
 

@@ -24,7 +24,7 @@ class RunHeader:
     fields
         The declarations of every array that frames hold; the ``output`` flag is not read.
     surface_count
-        Number of surface nodes of each body; a body that is absent or has 0 gets no surface group.
+        Number of surface nodes of each body; a body that is absent or has 0 has no surface.
     connectivity
         For each body with a surface, the node ``next[s]`` at which the segment that starts at node ``s``
         ends, counted within the body, shape (surface_node,).
@@ -58,7 +58,8 @@ class Frame:
     time
         [s].
     particles, surface
-        For each body, ``{field: array}``; shapes as declared, without the time.
+        ``{field: array}`` over the points of all bodies, which follow each other as in the header; shapes as declared,
+        without the time. Particles may be absent from any frame, and have times of their own then.
     series
         ``{field: array}`` of shape (body,), (body, axis), (body, rotation), (pair,) or (pair, axis).
     contact
@@ -70,8 +71,8 @@ class Frame:
     """
 
     time: float
-    particles: Mapping[str, Mapping[str, AnyArray]] = field(default_factory=dict)
-    surface: Mapping[str, Mapping[str, AnyArray]] = field(default_factory=dict)
+    particles: Mapping[str, AnyArray] = field(default_factory=dict)
+    surface: Mapping[str, AnyArray] = field(default_factory=dict)
     series: Mapping[str, AnyArray] = field(default_factory=dict)
     contact: Mapping[str, Mapping[str, AnyArray]] = field(default_factory=dict)
     grid: Mapping[str, AnyArray] = field(default_factory=dict)

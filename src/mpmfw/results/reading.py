@@ -5,16 +5,19 @@ from __future__ import annotations
 import builtins
 import os
 import warnings
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
 
 import netCDF4
 import numpy as np
-import xarray as xr
-from xarray.backends import NetCDF4DataStore
 
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
+from mpmfw.fields import AnyArray
+from mpmfw.results.journal import NAME, pending
 from mpmfw.results.writers import is_written
+
+if TYPE_CHECKING:
+    import xarray as xr  # half a second, which a run that nobody reads does without
 
 #: Files that are open until their tree is closed: left to the garbage collector, a file may be freed before its groups, and
 #: the HDF5 library then fails in whatever is opened next.
@@ -35,8 +38,9 @@ def open(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree:
     Returns
     -------
     xarray.DataTree
-        Of a run: groups ``series``, ``particles/<body>``, ``surface/<body>``, ``contact/<pair>``. Of a
-        comparison or a study: the root alone, whose ``.dataset`` holds the variables.
+        Of a run: groups ``series``, ``particles/<body>``, ``surface/<body>``, ``contact/<pair>``, each with its ``time``,
+        which is at the root where all have the same. Of a comparison or a study: the root alone, whose ``.dataset`` holds
+        the variables.
 
     Raises
     ------
@@ -67,10 +71,16 @@ def unfinished(tree: xr.DataTree, path: str | os.PathLike[str]) -> str:
         )
     else:
         status = f"is not complete: {status}"
-    time = tree.coords.get("time")
+    time = output_times(tree)
     count = 0 if time is None else time.size
     last = "" if time is None or not count else f", the last at {float(time[-1]):.6g} s"
     return f"{os.fspath(path)} {status}; it holds {count} outputs{last}"
+
+
+def output_times(tree: xr.DataTree) -> xr.DataArray | None:
+    """Times of a run's outputs [s]; None of what has none."""
+    times: xr.DataArray | None = (tree["series"] if "series" in tree.children else tree).coords.get("time")
+    return times
 
 
 def read(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree:
@@ -126,22 +136,111 @@ def check_results(path: str | os.PathLike[str]) -> None:
 def tree_of(dataset: netCDF4.Dataset, *, load: bool = True) -> xr.DataTree:
     """Return the groups of an open file as a tree, without a last frame that was cut short.
 
-    The time of a frame is written after its arrays: a frame without a time is incomplete.
+    The time of an output is written after its arrays: one without a time is incomplete.
     """
+    import xarray as xr
+
     groups = {name: xr.open_dataset(_store(group), decode_times=False) for name, group in _groups(dataset)}
-    time = groups["/"].coords.get("time")
-    if time is not None:
-        complete = np.flatnonzero(np.isfinite(time.values))
-        # A group with a time of its own may have one frame more than the root.
-        groups = {
-            name: group.isel(time=complete)
-            if group.sizes.get("time", len(complete)) > len(complete)
-            else group
-            for name, group in groups.items()
-        }
+    groups = _with_times(_with_journal(_complete(groups), dataset))
     if load:
         groups = {name: group.load() for name, group in groups.items()}
+    for name in [name for name, group in groups.items() if _count_of(group) is not None]:
+        groups |= by_body(name, groups.pop(name), groups["/"]["body"].values.tolist())
     return xr.DataTree.from_dict(groups)
+
+
+def _complete(groups: dict[str, xr.Dataset]) -> dict[str, xr.Dataset]:
+    """The groups without what was written of an output before its time was."""
+    time = groups["/"].coords.get("time")
+    if time is None:
+        return groups
+    count = int(np.isfinite(time.values).sum())
+    end = float(time.values[count - 1]) if count else -np.inf
+    return {
+        name: group.isel(
+            time=slice(int((group["time"].values <= end).sum()) if "time" in group.coords else count)
+        )
+        if "time" in group.sizes
+        else group
+        for name, group in groups.items()
+    }
+
+
+def _with_journal(groups: dict[str, xr.Dataset], dataset: netCDF4.Dataset) -> dict[str, xr.Dataset]:
+    """The groups with the outputs that are in the journal alone, which is left out."""
+    root = groups["/"]
+    if NAME not in root:
+        return groups
+    groups = groups | {"/": root.drop_vars(NAME)}
+    outputs = list(pending(dataset, root.sizes["time"]))
+    if not outputs:
+        return groups
+    for place, group in groups.items():
+        if "time" in group.sizes and "time" not in group.coords:
+            groups[place] = group.assign(
+                {
+                    name: (
+                        array.dims,
+                        _longer(array, [each.get((place[1:], str(name))) for _, each in outputs]),
+                        array.attrs,
+                    )
+                    for name, array in group.data_vars.items()
+                    if "time" in array.dims
+                }
+            )
+    times = np.concatenate([root["time"].values, [time for time, _ in outputs]])
+    groups["/"] = groups["/"].drop_vars("time").assign_coords(time=("time", times, root["time"].attrs))
+    return groups
+
+
+def _longer(array: xr.DataArray, more: Sequence[AnyArray | None]) -> AnyArray:
+    """The array with values of more outputs; those that an output does not have are missing."""
+    missing = np.full(array.shape[1:], np.nan)
+    rows = np.array([missing if values is None else values for values in more])
+    return np.concatenate([array.values, rows.astype(array.dtype)])
+
+
+def _with_times(groups: dict[str, xr.Dataset]) -> dict[str, xr.Dataset]:
+    """The groups with their time at the root if all have the same, and else at each."""
+    times = groups["/"].coords.get("time")
+    own = groups["/particles"].coords.get("time") if "/particles" in groups else None
+    if times is None or own is None:
+        return groups
+    if not own.size or np.array_equal(own.values, times.values):
+        return groups | {"/particles": groups["/particles"].drop_vars("time")}
+    at_each = {
+        name: group.assign_coords(time=times) if "time" in group.sizes and name != "/particles" else group
+        for name, group in groups.items()
+    }
+    return at_each | {"/": groups["/"].drop_vars("time")}
+
+
+def by_body(place: str, ragged: xr.Dataset, bodies: list[str]) -> dict[str, xr.Dataset]:
+    """A group of its own for every body that has points in a ragged one, by path; bodies that have none are left out.
+
+    Parameters
+    ----------
+    place
+        Path of the ragged group, whose count of each body's points names their dimension.
+    """
+    count = _count_of(ragged)
+    if count is None:
+        return {place: ragged}
+    dim, points = (
+        str(count.attrs["sample_dimension"]),
+        ragged.drop_vars([str(count.name), "body"], errors="ignore"),
+    )
+    stops = np.cumsum(count.values)
+    return {
+        f"{place}/{body}": points.isel({dim: slice(stop - size, stop)}, missing_dims="ignore")
+        for body, size, stop in zip(bodies, count.values.tolist(), stops.tolist(), strict=True)
+        if size
+    }
+
+
+def _count_of(group: xr.Dataset) -> xr.DataArray | None:
+    """How many points of each body a ragged group has; None of any other group."""
+    return next((array for array in group.data_vars.values() if "sample_dimension" in array.attrs), None)
 
 
 def _groups(group: netCDF4.Dataset) -> Iterator[tuple[str, netCDF4.Dataset]]:
@@ -151,6 +250,8 @@ def _groups(group: netCDF4.Dataset) -> Iterator[tuple[str, netCDF4.Dataset]]:
 
 
 def _store(group: netCDF4.Dataset) -> Any:
+    from xarray.backends import NetCDF4DataStore
+
     return NetCDF4DataStore(group)  # type: ignore[no-untyped-call]
 
 

@@ -10,14 +10,46 @@ from __future__ import annotations
 import errno
 import os
 import tempfile
+import time
 
 from mpmfw.errors import MpmfwError
 
 #: Bytes that must be free beside a frame: the file's own tables, and the attributes that are written at the end.
 MARGIN = 1_000_000
 
+#: Seconds for which an answer holds for frames that fit into its margin: asking takes as long as writing a small frame.
+ASKED_EVERY = 0.1
+
 #: What says that there is no room; a file system that cannot take room in advance says something else.
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+
+
+class Room:
+    """Asks for the room of frames that follow each other, of small ones a few times a second.
+
+    Parameters
+    ----------
+    path
+        Of the file.
+    """
+
+    def __init__(self, path: str) -> None:
+        self.path = path
+        self._granted, self._asked = 0, -ASKED_EVERY
+
+    def check(self, size: int, what: str) -> None:
+        """Ask that ``size`` bytes fit, unless they were asked for just now; see :func:`check_room`.
+
+        Raises
+        ------
+        MpmfwError
+            They do not.
+        """
+        end, now = os.path.getsize(self.path), time.monotonic()
+        if now - self._asked < ASKED_EVERY and end + size + MARGIN // 2 < self._granted:
+            return
+        check_room(self.path, size, what)
+        self._granted, self._asked = end + size + MARGIN, now
 
 
 def check_room(path: str, size: int, what: str, *, anew: bool = False) -> None:

@@ -6,23 +6,26 @@ import json
 import os
 from collections.abc import Mapping
 from types import TracebackType
-from typing import Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 import netCDF4
 import numpy as np
-import xarray as xr
 
 from mpmfw.errors import MpmfwError
 from mpmfw.fields import AnyArray, Field
 from mpmfw.results import layout
 from mpmfw.results.frame import Frame, RunHeader
+from mpmfw.results.journal import ROWS, Journal
 from mpmfw.results.reading import read, tree_of
-from mpmfw.results.room import check_room
+from mpmfw.results.room import Room, check_room
+from mpmfw.results.timeline import Timeline
 from mpmfw.results.writers import claim, release
 
-#: Deflate level of particle and surface arrays; level 4 takes longer and gains next to nothing on
-#: floating-point noise.
-COMPRESSION: Literal[1] = 1
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Arrays of one output with their declarations, by group and name.
+Arrays: TypeAlias = Mapping[str, Mapping[str, tuple[Field, AnyArray]]]
 
 #: Bytes of frames that are written at once where nobody else can read them in between.
 WRITTEN_AT_ONCE = 4_000_000
@@ -31,9 +34,13 @@ WRITTEN_AT_ONCE = 4_000_000
 class RunWriter:
     """A run's NetCDF-4 file, open for appending frames.
 
-    Every frame of a file is synced: after the process dies, whatever the reason, the frames written so far
-    are readable. The file has its final name from the start and may be opened by others while the run goes
-    on.
+    Every frame of a file is synced, small ones to a journal (:mod:`mpmfw.results.journal`): after the process dies, whatever
+    the reason, the frames written so far are readable. The file has its final name from the start and may be opened by
+    others while the run goes on.
+
+    Material points of all bodies are one ragged array of the group ``particles``, surface nodes one of ``surface``, body
+    after body; ``particle_count`` and ``surface_node_count`` tell them apart (CF: contiguous ragged arrays), and
+    :func:`mpmfw.open` gives every body its group. A group of the file for each body would cost with the square of the bodies.
 
     Parameters
     ----------
@@ -52,18 +59,18 @@ class RunWriter:
         self.header = header
         # A plug-in may change the working folder while the run goes on
         self.path = None if path is None else os.path.abspath(path)
-        self.frames = 0
         self._fields = {(field.group, field.name): field for field in header.fields}
-        self._variables: dict[tuple[str, str], netCDF4.Variable[Any]] = {}
-        self._shapes: dict[tuple[str, str], tuple[int, ...]] = {}
+        self._room = None if self.path is None else Room(self.path)
         self._pairs = len(header.pairs)
-        self._waiting: dict[tuple[str, str], list[AnyArray]] = {}
-        self._times: list[float] = []
-        self._waiting_bytes = 0
         self._tree: xr.DataTree | None = None
         self._lock: int | None = None
         self._dataset = self._create()
         self._write_header()
+
+    @property
+    def frames(self) -> int:
+        """Number of outputs so far."""
+        return self._outputs.frames
 
     def write(self, frame: Frame) -> None:
         """Append one frame and sync it.
@@ -75,15 +82,33 @@ class RunWriter:
         """
         try:
             self._add_pairs(frame.pairs)
-            for place, group, arrays in _places(frame):
-                for name, values in arrays.items():
-                    self._put(place, self._declared(group, name), np.asarray(values))
-            self._times.append(frame.time)
-            self.frames += 1
-            if self.path is not None or self._waiting_bytes > WRITTEN_AT_ONCE:
+            points = {
+                name: self._declared("particles", name, given) for name, given in frame.particles.items()
+            }
+            others = {
+                place: {name: self._declared(group, name, given) for name, given in arrays.items()}
+                for place, group, arrays in _places(frame)
+            }
+            self._outputs.add(frame.time, others)
+            if points:
+                self._points.add(frame.time, {"": points})
+            if not self._may_wait(frame.time, others, points):
                 self._flush()
         except (OSError, RuntimeError) as error:
             raise MpmfwError(f"cannot write frame {self.frames - 1} to '{self.path}': {error}") from error
+
+    def _may_wait(self, time: float, others: Arrays, points: Mapping[str, Any]) -> bool:
+        """Whether the output that was added need not be in its own variables yet: it is in the journal, or nobody reads it."""
+        if self._room is None:
+            return self._outputs.waiting_bytes + self._points.waiting_bytes < WRITTEN_AT_ONCE
+        if points or self._outputs.waits >= ROWS:
+            return False
+        arrays = {(place, name): values for place, own in others.items() for name, (_, values) in own.items()}
+        self._room.check(sum(values.nbytes for values in arrays.values()), f"frame {self.frames - 1}")
+        written = self._journal.write(self.frames - 1, time, arrays)
+        if written:
+            self._dataset.sync()
+        return written
 
     def finish(self, attributes: Mapping[str, Any]) -> None:
         """Add what is known at the end as root attributes; ``status`` is ``ok`` unless they say otherwise.
@@ -141,38 +166,35 @@ class RunWriter:
         self._set_attributes(
             {"Conventions": "CF-1.12", "kind": "run", "status": "running", **header.attributes}
         )
-        dataset.createDimension("time", None)
-        time = dataset.createVariable("time", "f8", ("time",), fill_value=np.nan, chunksizes=(1024,))
-        time.setncatts({"units": "s", "long_name": "time since the motion starts", "axis": "T"})
         axes = layout.AXES[: header.dim]
         _labels(dataset, "axis", axes)
         _labels(dataset, "axis2", axes)
         _labels(dataset, "rotation", ("z",) if header.dim == 2 else axes)
         _labels(dataset, "body", header.bodies)
         _labels(dataset, "pair", header.pairs, grows=header.more_pairs)
+        self._outputs = Timeline(dataset, header.dim, more_pairs=header.more_pairs)
+        self._journal = Journal(dataset)
         dataset.createGroup("series")
-        for body in header.bodies:
-            self._own_group(f"particles/{body}").createDimension("particle", header.particle_count[body])
-            if header.surface_count.get(body, 0):
-                surface = self._own_group(f"surface/{body}")
-                surface.createDimension("surface_node", header.surface_count[body])
-                if body in header.connectivity:
-                    following = surface.createVariable("next", "i8", ("surface_node",))
-                    following.long_name = "surface node at which the segment that starts at this one ends"
-                    following[:] = header.connectivity[body]
+        points = self._ragged("particles", "particle", header.particle_count)
+        self._points = Timeline(points, header.dim, more_pairs=header.more_pairs)
+        if any(header.surface_count.values()):
+            surface = self._ragged("surface", "surface_node", header.surface_count)
+            if header.connectivity:
+                following = surface.createVariable("next", "i8", ("surface_node",))
+                following.long_name = "surface node at which the segment that starts at this one ends"
+                outlined = [body for body in header.bodies if header.surface_count.get(body, 0)]
+                following[:] = np.concatenate([header.connectivity[body] for body in outlined])
         dataset.sync()
 
-    def _own_group(self, place: str) -> netCDF4.Dataset:
-        """A body's group; of many bodies each has dimensions of its own, in the place of the root's.
-
-        HDF5 keeps at every dimension a list of the variables that have it, which it writes anew for each one more, and
-        netCDF looks through all of them for the length of the time: both would grow with the square of the bodies.
-        """
+    def _ragged(self, place: str, dim: str, counts: Mapping[str, int]) -> netCDF4.Dataset:
+        """A group of arrays over the points of all bodies."""
         group = self._dataset.createGroup(place)
-        if self.header.more_pairs:
-            group.createDimension("time", None)
-            group.createDimension("axis", self.header.dim)
-            group.createDimension("axis2", self.header.dim)
+        group.createDimension(dim, sum(counts.values()))
+        count = group.createVariable(f"{dim}_count", "i8", ("body",))
+        count.setncatts(
+            {"sample_dimension": dim, "long_name": f"{place} of each body, which follow each other"}
+        )
+        count[:] = [counts.get(body, 0) for body in self.header.bodies]
         return group
 
     def _add_pairs(self, labels: tuple[str, ...]) -> None:
@@ -184,98 +206,45 @@ class RunWriter:
         self._flush()
         self._dataset["pair"][self._pairs : len(labels)] = np.array(labels[self._pairs :], dtype=object)
         self._pairs = len(labels)
-        self._shapes.clear()
+        self._outputs.forget_shapes()
 
     def _set_attributes(self, attributes: Mapping[str, Any]) -> None:
         for name, value in attributes.items():
             if value is not None:
                 self._dataset.setncattr(name, _storable(value))
 
-    def _declared(self, group: str, name: str) -> Field:
+    def _declared(self, group: str, name: str, values: AnyArray) -> tuple[Field, AnyArray]:
         try:
-            return self._fields[group, name]  # type: ignore[index]
+            return self._fields[group, name], np.asarray(values)  # type: ignore[index]
         except KeyError:
             raise MpmfwError(f"frame holds the undeclared field '{name}' in group '{group}'") from None
 
-    def _put(self, place: str, field: Field, values: AnyArray) -> None:
-        if layout.is_static(field) and self.frames > 0:
-            return
-        variable = self._variables.get((place, field.name))
-        if variable is None:
-            variable = self._variables[place, field.name] = self._define(place, field, values)
-        expected = self._shapes.get((place, field.name))
-        if expected is None:  # asked of the file once: it looks for the length of the time in every group
-            expected = variable.shape if layout.is_static(field) else variable.shape[1:]
-            self._shapes[place, field.name] = expected
-        if values.shape != expected:
-            raise MpmfwError(f"field '{place}/{field.name}' has shape {values.shape}, expected {expected}")
-        if layout.is_static(field):
-            variable[...] = values
-            return
-        waiting = self._waiting.setdefault((place, field.name), [])
-        # A field that earlier frames did not hold is missing there
-        waiting += [
-            np.full(expected, variable.get_fill_value()) for _ in range(len(self._times) - len(waiting))
-        ]
-        waiting.append(values.copy())
-        self._waiting_bytes += values.nbytes
-
     def _flush(self) -> None:
         """Write the frames that wait, and sync: their times after their arrays."""
-        if not self._times:
+        timelines = [timeline for timeline in (self._outputs, self._points) if timeline.waits]
+        if not timelines:
             return
-        start = self.frames - len(self._times)
-        if self.path is not None:
-            # Compressed it is less, and a chunk that is begun anew is more
-            check_room(self.path, 2 * self._waiting_bytes, f"frame {start}")
-        for key, waiting in self._waiting.items():
-            if waiting:
-                self._variables[key][start : start + len(waiting)] = np.stack(waiting)
-                waiting.clear()
+        if self._room is not None:
+            size = sum(timeline.waiting_bytes for timeline in timelines)
+            # A chunk that is begun anew takes more than its numbers
+            self._room.check(2 * size, f"frame {self.frames - self._outputs.waits}")
+        for timeline in timelines:
+            timeline.write_arrays()
+        self._points.write_times()
         self._dataset.sync()
-        # HDF5 flushes in an order of its own: only a second sync makes a frame whose time is there a
-        # complete one.
-        self._dataset["time"][start : self.frames] = self._times
+        # HDF5 flushes in an order of its own: only a second sync makes an output whose time is there a
+        # complete one, and the material points of that time with it.
+        self._outputs.write_times()
         self._dataset.sync()
-        self._times.clear()
-        self._waiting_bytes = 0
-
-    def _define(self, place: str, field: Field, values: AnyArray) -> netCDF4.Variable[Any]:
-        """Create the variable of a field; the array gives dimensions that the header does not know."""
-        if values.ndim != len(field.dims):
-            raise MpmfwError(
-                f"field '{place}/{field.name}' has shape {values.shape}, declared dims {field.dims}"
-            )
-        group = self._dataset.createGroup(place)
-        known = tuple(_size(group, dim) or size for dim, size in zip(field.dims, values.shape, strict=True))
-        if known != values.shape:
-            raise MpmfwError(f"field '{place}/{field.name}' has shape {values.shape}, expected {known}")
-        for dim, size in zip(field.dims, known, strict=True):
-            if _size(group, dim) is None:
-                group.createDimension(dim, size)
-        dtype: Any = np.dtype(field.dtype)
-        variable: netCDF4.Variable[Any] = group.createVariable(
-            field.name,
-            dtype,
-            layout.dimensions(field),
-            zlib=field.group != "series",
-            complevel=COMPRESSION,
-            chunksizes=layout.chunks(field, values.shape, dtype.itemsize, more_pairs=self.header.more_pairs),
-            fill_value=np.nan if dtype.kind == "f" else None,
-        )
-        variable.setncatts({**field.attributes, "units": layout.unit(field, self.header.dim)})
-        variable.set_auto_maskandscale(False)  # costs more than the writing itself
-        return variable
 
 
 def _places(frame: Frame) -> list[tuple[str, str, Mapping[str, AnyArray]]]:
-    """List the frame's arrays as (path of the group in the file, group of the declaration, arrays)."""
+    """List the arrays of every output as (path of the group in the file, group of the declaration, arrays)."""
     return [
         ("series", "series", frame.series),
-        *((f"particles/{body}", "particles", arrays) for body, arrays in frame.particles.items()),
-        *((f"surface/{body}", "surface", arrays) for body, arrays in frame.surface.items()),
+        ("surface", "surface", frame.surface),
         *((f"contact/{pair}", "contact", arrays) for pair, arrays in frame.contact.items()),
-        *([("grid", "grid", frame.grid)] if frame.grid else []),
+        ("grid", "grid", frame.grid),
     ]
 
 
@@ -286,15 +255,6 @@ def _labels(dataset: netCDF4.Dataset, name: str, labels: tuple[str, ...], *, gro
     variable = dataset.createVariable(name, str, (name,))
     if labels:
         variable[:] = np.array(labels, dtype=object)
-
-
-def _size(group: netCDF4.Dataset | None, dim: str) -> int | None:
-    """Return the size of a dimension seen from a group, or None."""
-    while group is not None:
-        if dim in group.dimensions:
-            return len(group.dimensions[dim])
-        group = group.parent
-    return None
 
 
 def _storable(value: Any) -> Any:

@@ -49,6 +49,9 @@ class Time(Table):
     ----------
     end, output_interval
         End of the motion and time between records [s].
+    outputs
+        ``exact``: steps are shortened to end at each output. ``nearest``: steps stay as long as they may be, and what is
+        recorded is the end of the step nearest to each output, with the time that it has; the last one is exact.
     safety
         Fraction of the stability limit that a step takes.
     step
@@ -57,6 +60,7 @@ class Time(Table):
 
     end: PositiveTime
     output_interval: PositiveTime
+    outputs: Literal["exact", "nearest"] = "exact"
     safety: PositiveNumber = 0.5
     step: PositiveTime | None = None
 
@@ -159,6 +163,9 @@ class Output(Table):
         Least gap of every pair.
     particles, surface
         Fields of material points and surface nodes.
+    particle_interval
+        Time between the outputs that have fields of material points [s]; None has them at every output. The first and
+        the last output always have them.
     energy
         Kinetic, affine and strain energy of every body.
     ledger
@@ -169,6 +176,7 @@ class Output(Table):
 
     gap: bool = True
     particles: bool = True
+    particle_interval: PositiveTime | None = None
     surface: bool = True
     energy: bool = True
     ledger: bool = False

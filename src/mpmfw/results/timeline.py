@@ -1,0 +1,149 @@
+"""Variables of a results' file that share their times: arrays of frames wait, and are written before the times."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import netCDF4
+import numpy as np
+
+from mpmfw.errors import MpmfwError
+from mpmfw.fields import AnyArray, Field
+from mpmfw.results import layout
+
+
+class Timeline:
+    """The times of a group and the variables that have them, in that group and in those below it.
+
+    Parameters
+    ----------
+    group
+        Of the file; gets the dimension and the variable ``time``.
+    dim
+        Number of space dimensions, 2 or 3.
+    more_pairs
+        Whether pairs may be added to the dimension ``pair``.
+    """
+
+    def __init__(self, group: netCDF4.Dataset, dim: int, *, more_pairs: bool) -> None:
+        self.group, self.dim, self.more_pairs = group, dim, more_pairs
+        self.frames = 0
+        self.waiting_bytes = 0
+        self._times: list[float] = []
+        self._waiting: dict[tuple[str, str], list[AnyArray]] = {}
+        self._variables: dict[tuple[str, str], netCDF4.Variable[Any]] = {}
+        self._shapes: dict[tuple[str, str], tuple[int, ...]] = {}
+        group.createDimension("time", None)
+        self._time = _variable(group, "time", "f8", ("time",), chunksizes=(1024,))
+        self._time.setncatts({"units": "s", "long_name": "time since the motion starts", "axis": "T"})
+
+    @property
+    def waits(self) -> int:
+        """Number of frames that are not written yet."""
+        return len(self._times)
+
+    def add(self, time: float, places: Mapping[str, Mapping[str, tuple[Field, AnyArray]]]) -> None:
+        """Take one frame: of each group below this one its arrays by name, each with its declaration.
+
+        Raises
+        ------
+        MpmfwError
+            An array does not have the declared shape.
+        """
+        for place, arrays in places.items():
+            for field, values in arrays.values():
+                self._put(place, field, values)
+        self._times.append(time)
+        self.frames += 1
+
+    def forget_shapes(self) -> None:
+        """Ask for the sizes of dimensions again: one has grown."""
+        self._shapes.clear()
+
+    def write_arrays(self) -> None:
+        """Write what waits, but not yet its times."""
+        start = self.frames - self.waits
+        for key, waiting in self._waiting.items():
+            if waiting:
+                _write(self._variables[key], start, np.stack(waiting))
+                waiting.clear()
+
+    def write_times(self) -> None:
+        """Write the times of what :meth:`write_arrays` has written: from now on the frames count as complete."""
+        if self._times:
+            _write(self._time, self.frames - self.waits, np.array(self._times))
+        self._times.clear()
+        self.waiting_bytes = 0
+
+    def _put(self, place: str, field: Field, values: AnyArray) -> None:
+        static = layout.is_static(field)
+        if static and self.frames > 0:
+            return
+        variable = self._variables.get((place, field.name))
+        if variable is None:
+            variable = self._variables[place, field.name] = self._define(place, field, values)
+        expected = self._shapes.get((place, field.name))
+        if expected is None:  # asked of the file once: it looks for the length of the time in every group
+            expected = variable.shape if static else variable.shape[1:]
+            self._shapes[place, field.name] = expected
+        if values.shape != expected:
+            raise MpmfwError(f"field '{place}/{field.name}' has shape {values.shape}, expected {expected}")
+        if static:
+            variable[...] = values
+            return
+        waiting = self._waiting.setdefault((place, field.name), [])
+        # A field that earlier frames did not hold is missing there
+        waiting += [np.full(expected, variable.get_fill_value()) for _ in range(self.waits - len(waiting))]
+        waiting.append(values.astype(variable.dtype))
+        self.waiting_bytes += waiting[-1].nbytes
+
+    def _define(self, place: str, field: Field, values: AnyArray) -> netCDF4.Variable[Any]:
+        """Create the variable of a field; the array gives dimensions that the header does not know."""
+        if values.ndim != len(field.dims):
+            raise MpmfwError(
+                f"field '{place}/{field.name}' has shape {values.shape}, declared dims {field.dims}"
+            )
+        group = self.group.createGroup(place) if place else self.group
+        known = tuple(_size(group, dim) or size for dim, size in zip(field.dims, values.shape, strict=True))
+        if known != values.shape:
+            raise MpmfwError(f"field '{place}/{field.name}' has shape {values.shape}, expected {known}")
+        for dim, size in zip(field.dims, known, strict=True):
+            if _size(group, dim) is None:
+                group.createDimension(dim, size)
+        dtype: Any = np.dtype(field.dtype)
+        chunks = layout.chunks(field, values.shape, dtype.itemsize, more_pairs=self.more_pairs)
+        variable = _variable(group, field.name, dtype, layout.dimensions(field), chunksizes=chunks)
+        variable.setncatts({**field.attributes, "units": layout.unit(field, self.dim)})
+        return variable
+
+
+def _variable(
+    group: netCDF4.Dataset, name: str, dtype: Any, dims: tuple[str, ...], **layout: Any
+) -> netCDF4.Variable[Any]:
+    """A variable whose numbers are stored as they are; NaN where none is written.
+
+    Nothing is compressed: deflate takes ten times as long as the writing and saves a sixth of floating-point noise.
+    """
+    missing = np.nan if np.dtype(dtype).kind == "f" else None
+    variable: netCDF4.Variable[Any] = group.createVariable(name, dtype, dims, fill_value=missing, **layout)
+    variable.set_auto_maskandscale(False)  # costs more than the writing itself
+    return variable
+
+
+def _write(variable: netCDF4.Variable[Any], start: int, values: AnyArray) -> None:
+    """Write whole frames from ``start`` on.
+
+    Not by ``variable[start:…] = values``, which takes five times as long to find out where that is.
+    """
+    at = [start] + [0] * (values.ndim - 1)
+    variable._put(np.ascontiguousarray(values), at, list(values.shape), [1] * values.ndim)
+
+
+def _size(group: netCDF4.Dataset | None, dim: str) -> int | None:
+    """Return the size of a dimension seen from a group, or None."""
+    while group is not None:
+        if dim in group.dimensions:
+            return len(group.dimensions[dim])
+        group = group.parent
+    return None
