@@ -38,7 +38,7 @@ class Block:
 
     def step(self) -> None:
         """One step of update stress last."""
-        usl.step(self.state, self.hook, self.transfer, self.clock, DT)
+        usl.step(self.state, self.hook, self.transfer, self.clock, lambda: DT)
 
 
 def make_block(shape: str, count: int, dim: int = 2) -> Block:
