@@ -104,8 +104,8 @@ def test_invariants_hold(mapping, method):
 
 #: Found scenes in which the sum of energy and losses grows by more than the 0.5 % allowed, and why.
 STILL = {
-    "square-on-soft-square": "0.66 % at the default step, 0.22 and 0.14 % at a half and a quarter of it: the residual of what springs "
-    "lose as they change (1.1 % of the energy), which was not counted before; the energy itself never exceeds the start"
+    "square-on-soft-square": "0.66 % at the default step, 0.22 and 0.14 % at a half and a quarter of it: the residual of what "
+    "springs lose as they change (1.1 % of the energy), not counted before; the energy never exceeds the start"
 }
 
 
