@@ -137,7 +137,8 @@ def test_the_half_edges_are_those_of_the_run(tree):
     made = build(load_scene(drop_scene()))
     for body, layout in zip(BODIES, made.layouts, strict=True):
         domains = domains_of(tree, body)
-        np.testing.assert_array_equal(domains.half_edges, layout.half_edges)
+        # bodies that are alike share one layout, which differs by rounding from that of a body at its place
+        np.testing.assert_allclose(domains.half_edges, layout.half_edges, rtol=0.0, atol=1e-14)
 
 
 def test_domains_are_not_made_up_where_the_scene_is_another(tree):
