@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -79,7 +78,16 @@ def front(dataset: xr.Dataset) -> Figure:
         _plain_ticks(axes)
     for axes in panels[len(problems) :]:
         axes.remove()
-    _legend(figure, _key(named, look, resolution))
+    key = _key(named, look, resolution)
+    legend_below(
+        figure,
+        key,
+        most=max(map(len, key)),
+        fontsize=FONT - 2,
+        columnspacing=0.8,
+        handlelength=1.3,
+        handletextpad=0.5,
+    )
     figure.draw_without_rendering()  # sizes and limits of the panels are final from here on
     for axes, (_, problem) in zip(panels, problems, strict=False):
         drawn = [row for row in runs_of(problem) if _is_known(row["run"])]
@@ -231,26 +239,6 @@ def _key(dataset: xr.Dataset, look: Look, resolution: str | None) -> list[list[A
         [*sizes, *lines] if len(sizes) <= 2 else sizes,
         *([] if len(sizes) <= 2 else [lines]),
     ]
-
-
-def _legend(figure: Figure, rows: Sequence[Sequence[Artist]]) -> None:
-    """Put the legend below the panels, a line for each row, as wide as the widest row needs."""
-    columns = max(map(len, rows))
-    entries = [
-        row[k] if k < len(row) else Line2D([], [], linestyle="", label="")
-        for k in range(columns)
-        for row in rows
-    ]
-    figure.legend(
-        handles=entries,
-        loc="outside lower center",
-        ncols=columns,
-        fontsize=FONT - 2,
-        frameon=False,
-        columnspacing=0.8,
-        handlelength=1.3,
-        handletextpad=0.5,
-    )
 
 
 def _finest(problem: xr.Dataset, resolution: str | None) -> xr.Dataset:

@@ -138,23 +138,34 @@ def combinations(dataset: xr.Dataset) -> Iterator[tuple[str, str, xr.Dataset]]:
         yield str(contact), str(shape), last.sel(contact=contact, shape=shape)
 
 
-def legend_below(figure: Figure, rows: Sequence[Sequence[Artist]]) -> None:
-    """Put the legend outside the panels, where it covers no curve; each row begins a new line of it."""
-    most = 4 * round(figure.get_figwidth() / PANEL)
-    lines = [row[k : k + most] for row in rows for k in range(0, len(row), most)]
-    columns = max(map(len, lines))
-    # matplotlib fills columns
-    entries = [
-        line[k] if k < len(line) else Line2D([], [], linestyle="", label="")
-        for k in range(columns)
-        for line in lines
-    ]
-    figure.legend(
-        handles=entries,
-        loc="outside lower center",
-        ncols=columns,
-        fontsize=FONT - 1,
-        frameon=False,
-        columnspacing=1.2,
-        handlelength=2.4,
-    )
+def legend_below(
+    figure: Figure, rows: Sequence[Sequence[Artist]], most: int | None = None, **look: float
+) -> None:
+    """Put the legend outside the panels, where it covers no curve; each row begins a new line of it.
+
+    Parameters
+    ----------
+    figure, rows
+        What it belongs to, and its entries.
+    most
+        Largest number of columns, by default four a panel; fewer are taken where they do not fit the figure's width.
+    **look
+        Of ``Figure.legend``.
+    """
+    longest = max(map(len, rows))
+    columns = min(longest, most or 4 * round(figure.get_figwidth() / PANEL))
+    look = {"fontsize": FONT - 1, "columnspacing": 1.2, "handlelength": 2.4, **look}
+    for count in range(columns, 0, -1):
+        lines = [row[k : k + count] for row in rows for k in range(0, len(row), count)]
+        # matplotlib fills columns
+        entries = [
+            line[k] if k < len(line) else Line2D([], [], linestyle="", label="")
+            for k in range(count)
+            for line in lines
+        ]
+        legend = figure.legend(
+            handles=entries, loc="outside lower center", ncols=count, frameon=False, **look
+        )
+        if count == 1 or legend.get_window_extent().width <= figure.bbox.width:
+            return
+        legend.remove()
