@@ -98,3 +98,22 @@ def test_the_command_ends_with_one_message_about_a_bad_address(tmp_path):
         "--scheduler foo: missing port number in address 'foo'; expected an address such as tcp://127.0.0.1:8786"
     ]
     assert [path.name for path in tmp_path.iterdir()] == ["s.toml"]
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize("what", ["client", "cluster", "in process"])
+def test_a_client_and_a_cluster_are_executors_as_they_are(what):
+    study = tiny_study(vary={"contact": ["separate", "penalty"]})
+    here = mpmfw.study(study, jobs=1)
+    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}
+    with distributed.LocalCluster(**options, processes=what != "in process") as cluster:
+        if what == "cluster":
+            dataset = mpmfw.study(study, executor=cluster)
+        elif what == "client":
+            with distributed.Client(cluster, set_as_default=False) as client:
+                dataset = mpmfw.study(study, executor=client)
+                assert client.status == "running"  # it is the caller's own
+        else:
+            dataset = mpmfw.study(study, scheduler=cluster.scheduler_address)
+    xr.testing.assert_equal(dataset["error"], here["error"])
+    assert dataset.attrs["cores"] == "2 workers of a Dask cluster"
