@@ -99,6 +99,8 @@ CORE: dict[str, Acts] = {
     "Tables.gravity": values(held(), "gravity", G, {"vector": [0, -50]}),
     "Tables.settle": Acts(held(), {}, {"settle": {"tolerance": 0.1, "max_time": 0.05}}),
     "Tables.output": values(body(), "output", {}, {"energy": False}),
+    "Tables.reference": values(body(), "reference", {"kind": "sliding-block"}, {"kind": "none of them"}),
+    "Reference.kind": values(body(), "reference", {"kind": "sliding-block"}, {"kind": "none of them"}),
     "Grid.cell_size": values(body(), "grid__cell_size", 0.25, 0.3),
     "Grid.lower": values(body(), "grid__lower", [-2.0, -2.0], [-2.1, -2.1]),
     "Grid.upper": values(body(), "grid__upper", [2.0, 2.0], [0.4, 0.4]),

@@ -11,7 +11,7 @@ import xarray as xr
 
 from mpmfw.campaigns.campaign import campaign, store_of
 from mpmfw.campaigns.grid import label_of
-from mpmfw.campaigns.measures import MEASURES, About, measure_of
+from mpmfw.campaigns.measures import About, exact_of, known_measures, measure_of
 from mpmfw.campaigns.running import Progress, Repeats
 from mpmfw.discovery import Kind
 from mpmfw.errors import MpmfwError, SceneError
@@ -132,7 +132,8 @@ def _known_measures(scene: Any, methods: Mapping[str, Sequence[Any]], shared: Ma
         return []  # the campaign says so, if no combination can run
     if reference_of({"scene": loaded.text}) is not None:
         return []
-    exact = {name: one.exact(loaded, About()) for name, one in MEASURES.items() if one.kind != "curve"}
+    numbers = [measure_of(name) for name in known_measures()]
+    exact = {one.name: exact_of(one, loaded, About()) for one in numbers if one.kind != "curve"}
     return [name for name, known in exact.items() if known is not None]
 
 

@@ -43,6 +43,33 @@ def available(kind: Kind) -> dict[str, EntryPoint]:
     return {name: entries[0] for name, entries in _announced(kind, entry_points, _search_path()).items()}
 
 
+#: Kinds of references that mpmfw brings along.
+REFERENCES = ("rolling-cylinder", "sliding-block", "pressed-blocks", "colliding-rings")
+
+
+def announced(what: Literal["measure", "reference"]) -> dict[str, EntryPoint]:
+    """Measures or kinds of references that distributions announce, by name; nothing is imported."""
+    return {entry.name: entry for entry in entry_points(group=f"mpmfw.{what}")}
+
+
+def load_announced(what: Literal["measure", "reference"], name: str) -> Any:
+    """Import what a distribution announces.
+
+    Raises
+    ------
+    SceneError
+        It cannot be imported.
+    """
+    entry = announced(what)[name]
+    try:
+        return entry.load()
+    except Exception as error:
+        raise SceneError(
+            f"{what} '{name}' of distribution {distribution_of(entry)} cannot be imported from {entry.value}: "
+            f"{type(error).__name__}: {error}"
+        ) from error
+
+
 def _search_path() -> tuple[tuple[str, int], ...]:
     """The folders that distributions are looked for in, with the times at which one came or went."""
     return tuple((folder, os.stat(folder).st_mtime_ns) for folder in sys.path if os.path.isdir(folder))

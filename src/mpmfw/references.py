@@ -147,7 +147,10 @@ def reference_of(attributes: Mapping[str, Any]) -> Reference | None:
     bodies = scene.get("bodies", {})
     if len(bodies) != 2:
         return None
-    return _rolling(scene, bodies) or _rings(scene, bodies)
+    declared = scene.get("reference", {}).get("kind")
+    if (found := _rolling(scene, bodies)) is not None:
+        return found if declared in (None, "rolling-cylinder") else None
+    return _rings(scene, bodies) if declared in (None, "colliding-rings") else None
 
 
 def _rolling(scene: Mapping[str, Any], bodies: Mapping[str, Any]) -> RollingReference | None:

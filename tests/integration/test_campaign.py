@@ -8,6 +8,7 @@ import stat
 import subprocess
 import sys
 import time
+from importlib import metadata
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +23,7 @@ from mpmfw.campaigns.measures import MEASURES
 from mpmfw.campaigns.store import Store
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
-from mpmfw.scene import load_scene
+from mpmfw.scene import load_scene, shipped_scenes
 from mpmfw.scene.toml_text import toml_text
 from mpmfw_contact.penalty import Penalty
 from studies_for_tests import SLIDING
@@ -85,9 +86,56 @@ def test_measures_and_their_errors():
     assert np.isfinite(finest["displacement_error"].values).tolist() == [True, False]
 
 
+def with_entry(where, entry):
+    """The installed entry points, and one more."""
+    return lambda group: [*metadata.entry_points(group=group), *([entry] if group == where else [])]
+
+
+def test_a_strangers_scene_has_a_strangers_closed_form(monkeypatch, capsys):
+    """Its error columns come by the command line's own way."""
+    from mpmfw.campaigns.exact import Exact
+    from mpmfw.cli.summary import print_comparison
+
+    def known(scene, measure, about):  # noqa: ARG001
+        return (
+            Exact("closed-form", "a law of mine", lambda _: np.array([2.0]))
+            if measure == "acceleration"
+            else None
+        )
+
+    entry = type(
+        "Entry", (), {"name": "mine", "value": "a:b", "dist": None, "load": staticmethod(lambda: known)}
+    )
+    monkeypatch.setattr("mpmfw.discovery.entry_points", with_entry("mpmfw.reference", entry))
+    data = mpmfw.compare({**SLIDING, "reference": {"kind": "mine"}}, ["penalty"], ["cpdi"], repeats=1)
+    assert data["acceleration_error"].item() == pytest.approx(abs(data["acceleration"].item() / 2.0 - 1.0))
+    assert "end_displacement_error" not in data
+    print_comparison(data)
+    assert "Errors against a law of mine" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("kind", "known"), [("sliding-block", True), ("rolling-cylinder", False)])
+def test_a_reference_is_what_the_scene_says_it_is(kind, known):
+    data = mpmfw.compare({**SLIDING, "reference": {"kind": kind}}, ["none"], ["linear"], repeats=1)
+    assert ("acceleration_error" in data) == known
+    with pytest.raises(
+        SceneError, match=r"reference\.kind: 'slidin-block' is unknown; did you mean 'sliding-block'"
+    ):
+        load_scene({**SLIDING, "reference": {"kind": "slidin-block"}})
+
+
+def test_the_shipped_scenes_are_of_the_kinds_that_they_name():
+    from mpmfw.campaigns.exact import kind_of
+
+    named = {name: load_scene(name) for name in shipped_scenes()}
+    assert {name: scene.reference.kind for name, scene in named.items()} == {
+        name: kind_of(scene) for name, scene in named.items()
+    }
+
+
 def test_a_measure_of_a_plug_in_is_known_by_its_entry_point(monkeypatch):
     entry = type(
-        "Entry", (), {"name": "mine", "value": "strange:mine", "load": staticmethod(lambda: register())}
+        "Entry", (), {"name": "mine", "value": "a:b", "dist": None, "load": staticmethod(lambda: register())}
     )
 
     def register():
@@ -98,8 +146,7 @@ def test_a_measure_of_a_plug_in_is_known_by_its_entry_point(monkeypatch):
             """Two."""
             return Measured(np.array([2.0]), np.empty(0))
 
-    found = lambda group: [entry] if group == "mpmfw.measure" else []  # noqa: E731
-    monkeypatch.setattr("mpmfw.campaigns.measures.entry_points", found)
+    monkeypatch.setattr("mpmfw.discovery.entry_points", with_entry("mpmfw.measure", entry))
     try:
         data = mpmfw.campaign(SLIDING, {"contact": ["separate"]}, measures=["mine"], repeats=1)
         assert data["mine"].item() == 2.0

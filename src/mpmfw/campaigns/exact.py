@@ -105,6 +105,16 @@ def rings(scene: Scene) -> RingsReference | None:
     return found if isinstance(found, RingsReference) else None
 
 
+def kind_of(scene: Scene) -> str | None:
+    """Which of the bundled kinds of references a scene is; None of others."""
+    known = incline(scene)
+    if known is not None:
+        return "rolling-cylinder" if known.angular_acceleration else "sliding-block"
+    if rings(scene) is not None:
+        return "colliding-rings"
+    return "pressed-blocks" if column(scene) is not None else None
+
+
 @dataclass(frozen=True)
 class Column:
     """Two blocks, one on the other between smooth walls, under a pressure from above.

@@ -86,7 +86,7 @@ def _home(kind: Kind, name: str) -> str:
 
 def _meaning(scene: Scene, objects: Mapping[str, Any]) -> dict[str, Any]:
     """The scene's validated tables; of methods and materials the options of those that run."""
-    tables = scene.model_dump(exclude={"title"})
+    tables = scene.model_dump(exclude={"title", "reference"})
     for kind, chosen in (("contact", scene.contact), ("shape", scene.shape)):
         if tables.get(kind) is not None and chosen is not None:
             options = None if chosen.options is None else chosen.options.model_dump()

@@ -16,7 +16,7 @@ from mpmfw.analysis import relative_l2
 from mpmfw.campaigns.exact import Exact
 from mpmfw.campaigns.grid import Grid, Index
 from mpmfw.campaigns.keys import as_number, finer
-from mpmfw.campaigns.measures import About, Measure, Measured, measure_of
+from mpmfw.campaigns.measures import About, Measure, Measured, exact_of, measure_of
 from mpmfw.errors import SceneError
 from mpmfw.fields import FloatArray
 from mpmfw.scene import Scene
@@ -141,7 +141,7 @@ class Judge:
             return Exact("reference", f"{value:g} {self.measure.unit}", lambda _: np.array([value]))
         if self._file is not None:
             return self._file
-        known = self.measure.exact(scene, self.about)
+        known = exact_of(self.measure, scene, self.about)
         if known is not None and known.kind == error.kind:
             return known
         if known is None:
@@ -160,13 +160,13 @@ class Judge:
     def _check_about(self, scene: Scene) -> None:
         """Name the keys that the scene has no closed form or reference for, where it has one without them."""
         error, plain = self.table, About()
-        without = self.measure.exact(scene, plain)
+        without = exact_of(self.measure, scene, plain)
         if without is None or without.kind != error.kind:
             return
         given = [key for key in self.measure.keys if getattr(self.about, key) != getattr(plain, key)]
         alone = {key: replace(self.about, **{key: getattr(plain, key)}) for key in given}
         guilty = [
-            key for key, about in alone.items() if self.measure.exact(scene, about) is not None
+            key for key, about in alone.items() if exact_of(self.measure, scene, about) is not None
         ] or given
         said = " and ".join(f"{key} = '{getattr(self.about, key)}'" for key in guilty)
         what = "closed form" if error.kind == "closed-form" else "reference"

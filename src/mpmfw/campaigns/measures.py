@@ -9,15 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib.metadata import entry_points
 from typing import Literal, TypeAlias
 
 import numpy as np
 import xarray as xr
 
 from mpmfw.analysis import fitted_acceleration, force_noise, impulse, value_at
-from mpmfw.campaigns.exact import Exact, column, incline, rings
-from mpmfw.discovery import did_you_mean
+from mpmfw.campaigns.exact import Exact, column, incline, kind_of, rings
+from mpmfw.discovery import REFERENCES, announced, did_you_mean, load_announced
 from mpmfw.errors import SceneError
 from mpmfw.fields import FloatArray
 from mpmfw.references import rings_table
@@ -127,22 +126,38 @@ def measure_of(name: str) -> Measure:
         There is none, or the plug-in's cannot be imported or does not register it.
     """
     if name not in MEASURES:
-        announced = {entry.name: entry for entry in entry_points(group="mpmfw.measure")}
-        if name not in announced:
+        if name not in announced("measure"):
             raise SceneError(f"'{name}' is unknown; {did_you_mean(name, known_measures())}")
-        try:
-            announced[name].load()
-        except Exception as error:
-            said = f"measure '{name}' cannot be imported from {announced[name].value}"
-            raise SceneError(f"{said}: {type(error).__name__}: {error}") from error
+        load_announced("measure", name)
         if name not in MEASURES:
-            raise SceneError(f"{announced[name].value} registers no measure '{name}'")
+            raise SceneError(
+                f"'{name}' is announced as a measure, but its module registers none of that name"
+            )
     return MEASURES[name]
 
 
 def known_measures() -> list[str]:
     """Names of all measures, announced ones included, which are not imported."""
-    return sorted({*MEASURES, *(entry.name for entry in entry_points(group="mpmfw.measure"))})
+    return sorted({*MEASURES, *announced("measure")})
+
+
+def exact_of(measure: Measure, scene: Scene, about: About) -> Exact | None:
+    """What a quantity must be in a scene; None where nobody knows.
+
+    A scene says what its motion is known to be by ``[reference] kind = …``: a bundled kind, which it must be one of, or one
+    that a distribution announces under ``mpmfw.reference`` as a function ``(scene, measure's name, about) -> Exact | None``.
+    Of a scene without it mpmfw recognises its own kinds.
+
+    Raises
+    ------
+    SceneError
+        The kind cannot be imported.
+    """
+    kind = None if scene.reference is None else scene.reference.kind
+    if kind is not None and kind not in REFERENCES:
+        found: Exact | None = load_announced("reference", kind)(scene, measure.name, about)
+        return found
+    return measure.exact(scene, about) if kind in (None, kind_of(scene)) else None
 
 
 # -- which body and pair

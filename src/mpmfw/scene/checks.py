@@ -7,7 +7,8 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from mpmfw.discovery import nearest
+from mpmfw.discovery import REFERENCES, announced, nearest
+from mpmfw.scene.complaint import choice_message
 from mpmfw.scene.gravity import ConstantGravity
 from mpmfw.scene.locator import Path
 from mpmfw.scene.problem import Problem
@@ -35,8 +36,17 @@ def check(scene: Tables, plugins: Mapping[Path, type[Any]]) -> Iterator[Problem]
     yield from _names(scene)
     yield from _contact(scene)
     yield from _loads(scene)
+    yield from _reference(scene)
     for name, body in scene.bodies.items():
         yield from _body(scene, ("bodies", name), body)
+
+
+def _reference(scene: Tables) -> Iterator[Problem]:
+    """A kind that is neither bundled nor announced; whether the scene is one of it is asked where it is judged."""
+    if scene.reference is not None:
+        known = sorted({*REFERENCES, *announced("reference")})
+        if scene.reference.kind not in known:
+            yield Problem(("reference", "kind"), choice_message(scene.reference.kind, known))
 
 
 def _grid(scene: Tables) -> Iterator[Problem]:

@@ -183,6 +183,12 @@ class Output(Table):
     stability: bool = False
 
 
+class Reference(Table):
+    """What the motion is known to be: a kind of reference, bundled or announced by a plug-in under ``mpmfw.reference``."""
+
+    kind: str
+
+
 class Tables(Table):
     """All tables of a scene."""
 
@@ -199,3 +205,4 @@ class Tables(Table):
     gravity: Gravity | None = None
     settle: Settle | None = None
     output: Output = Output()
+    reference: Reference | None = None
