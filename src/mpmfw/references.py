@@ -16,7 +16,10 @@ import numpy as np
 import xarray as xr
 
 from mpmfw.analysis import RollingSolution, rolling_solution
+from mpmfw.errors import MpmfwError
 from mpmfw.fields import FloatArray
+from mpmfw.geometry import Disc, Rectangle, Ring
+from mpmfw.scene import Body, Scene, load_scene
 from mpmfw.scene.override import merge, parse_value
 from mpmfw.units import to_si
 
@@ -139,100 +142,106 @@ def reference_of(attributes: Mapping[str, Any]) -> Reference | None:
     Returns
     -------
     RollingReference, RingsReference or None
-        A single free disc, at rest at the start, on one fixed rectangle along x with gravity given as
-        magnitude and tilt rolls. Two rings with the properties, sizes and velocities of the shipped reference,
-        under no load, are that collision. Everything else has no reference.
+        Of :func:`rolling` or :func:`rings`, unless the scene declares another kind; everything else has none here.
     """
-    scene = scene_of(attributes)
-    bodies = scene.get("bodies", {})
-    if len(bodies) != 2:
+    text = attributes.get("scene")
+    scene = _loaded(text) if isinstance(text, str) else None
+    if scene is None:
         return None
-    declared = scene.get("reference", {}).get("kind")
-    if (found := _rolling(scene, bodies)) is not None:
-        return found if declared in (None, "rolling-cylinder") else None
-    return _rings(scene, bodies) if declared in (None, "colliding-rings") else None
+    declared = None if scene.reference is None else scene.reference.kind
+    if declared in (None, "rolling-cylinder") and (found := rolling(scene)) is not None:
+        return found
+    return rings(scene) if declared in (None, "colliding-rings") else None
 
 
-def _rolling(scene: Mapping[str, Any], bodies: Mapping[str, Any]) -> RollingReference | None:
+@functools.lru_cache(maxsize=64)
+def _loaded(text: str) -> Scene | None:
+    """The scene of a result; None where it cannot be read here, such as for want of a plug-in."""
+    try:
+        return load_scene(scene_of({"scene": text}))
+    except MpmfwError:
+        return None
+
+
+def rolling(scene: Scene) -> RollingReference | None:
+    """A single free disc, at rest at the start, on one fixed rectangle along x, with gravity by magnitude and tilt."""
     discs = [
-        name
-        for name, body in bodies.items()
-        if _geometry(body).get("type") == "disc" and not body.get("sides") and _at_rest(body)
+        n for n, b in scene.bodies.items() if isinstance(b.geometry, Disc) and not b.sides and at_rest(b)
     ]
-    planes = [name for name, body in bodies.items() if _is_plane(body)]
-    gravity = scene.get("gravity", {})
-    if len(discs) != 1 or len(planes) != 1 or gravity.keys() != {"magnitude", "tilt"}:
+    planes = [name for name, body in scene.bodies.items() if _is_plane(body)]
+    tilted = tilt_of(scene)
+    if (
+        len(scene.bodies) != 2
+        or len(discs) != 1
+        or len(planes) != 1
+        or tilted is None
+        or scene.contact is None
+    ):
         return None
-    radius = _si(_geometry(bodies[discs[0]]).get("radius"), "m")
-    tilt, g = _si(gravity["tilt"], "rad"), _si(gravity["magnitude"], "m/s^2")
-    values = (radius, tilt, g, _friction(scene))
-    if not np.all(np.isfinite(values)) or tilt <= 0.0:
+    magnitude, tilt = tilted
+    geometry = scene.bodies[discs[0]].geometry
+    if tilt <= 0.0 or not isinstance(geometry, Disc):
         return None
-    return RollingReference(discs[0], rolling_solution(tilt, _friction(scene), g, radius))
-
-
-def _rings(scene: Mapping[str, Any], bodies: Mapping[str, Any]) -> RingsReference | None:
-    expected = {"K": 121.7e6, "G": 26.1e6, "rho": 1010.0, "inner": 0.03, "outer": 0.04, "speed": 30.0}
-    if scene.get("gravity"):
-        return None
-    centres: dict[str, list[float]] = {}
-    velocities: dict[str, list[float]] = {}
-    for name, body in bodies.items():
-        geometry, material = _geometry(body), scene.get("materials", {}).get(body.get("material"), {})
-        velocity = [_si(component, "m/s") for component in body.get("velocity", [])]
-        if geometry.get("type") != "ring" or material.get("model") != "neo_hookean" or len(velocity) != 2:
-            return None
-        if material.get("energy", "split") != "split" or body.get("sides") or not _spinless(body):
-            return None
-        found = {
-            "K": _si(material.get("bulk_modulus"), "Pa"),
-            "G": _si(material.get("shear_modulus"), "Pa"),
-            "rho": _si(material.get("density"), "kg/m^3"),
-            "inner": _si(geometry.get("inner_radius"), "m"),
-            "outer": _si(geometry.get("outer_radius"), "m"),
-            "speed": abs(velocity[0]),
-        }
-        if not all(np.isclose(found[key], expected[key], rtol=1e-9) for key in expected):
-            return None
-        centres[name] = [_si(x, "m") for x in geometry.get("centre", [])]
-        velocities[name] = velocity
-    # contact_force is on the pair's first body: only with the left one first does the reference's sign hold
-    first, second = centres
-    apart = np.subtract(centres[second], centres[first])
-    along_x = np.allclose(apart, [2.0 * expected["outer"] + 0.004, 0.0], atol=1e-9)
-    towards = np.allclose([velocities[first], velocities[second]], [[30.0, 0.0], [-30.0, 0.0]])
-    return RingsReference(first, second) if along_x and towards else None
-
-
-def _geometry(body: Mapping[str, Any]) -> Mapping[str, Any]:
-    geometry = body.get("geometry", {})
-    return geometry if isinstance(geometry, Mapping) else {}
-
-
-def _is_plane(body: Mapping[str, Any]) -> bool:
-    """A rectangle along the axes that fixed sides, and nothing else, hold."""
-    geometry, sides = _geometry(body), body.get("sides", [])
-    return (
-        geometry.get("type") == "rectangle"
-        and _si(geometry.get("angle", 0.0), "rad") == 0.0
-        and all("fixed" in side for side in sides)
-        and any(side.get("fixed") is True for side in sides)
-        and _at_rest(body)
+    return RollingReference(
+        discs[0], rolling_solution(tilt, scene.pairs[0][2], magnitude, float(geometry.radius))
     )
 
 
-def _at_rest(body: Mapping[str, Any]) -> bool:
-    return _spinless(body) and all(_si(component, "m/s") == 0.0 for component in body.get("velocity", []))
+def tilt_of(scene: Scene) -> tuple[float, float] | None:
+    """Magnitude [m/s²] and tilt [rad] of a gravity that is given by both; None of any other."""
+    magnitude, tilt = (getattr(scene.gravity, name, None) for name in ("magnitude", "tilt"))
+    return None if magnitude is None or tilt is None else (float(magnitude), float(tilt))
 
 
-def _spinless(body: Mapping[str, Any]) -> bool:
-    return _si(body.get("angular_velocity", 0.0), "rad/s") == 0.0
+def rings(scene: Scene) -> RingsReference | None:
+    """Two rings with the properties, sizes and velocities of the shipped reference, under no load."""
+    if scene.gravity is not None or len(scene.bodies) != 2:
+        return None
+    expected = (121.7e6, 26.1e6, 1010.0, 0.03, 0.04)
+    for body in scene.bodies.values():
+        material, ring = scene.materials[body.material], body.geometry
+        options: Any = material.options
+        if (
+            not isinstance(ring, Ring)
+            or material.model != "neo_hookean"
+            or options.energy != "split"
+            or body.sides
+        ):
+            return None
+        found = (
+            options.bulk_modulus,
+            options.shear_modulus,
+            material.density,
+            ring.inner_radius,
+            ring.outer_radius,
+        )
+        spins = body.angular_velocity is not None and np.any(body.angular_velocity)
+        if not np.allclose(np.array(found, dtype=float), expected, rtol=1e-9, atol=0.0) or spins:
+            return None
+    # contact_force is on the pair's first body: only with the left one first does the reference's sign hold
+    (first, left), (second, right) = scene.bodies.items()
+    apart = np.subtract(right.geometry.centre, left.geometry.centre)  # type: ignore[union-attr]
+    along_x = np.allclose(apart, [2.0 * expected[-1] + 0.004, 0.0], atol=1e-9)
+    velocities = [left.velocity or (0.0, 0.0), right.velocity or (0.0, 0.0)]
+    towards = np.allclose(np.array(velocities, dtype=float), [[30.0, 0.0], [-30.0, 0.0]])
+    return RingsReference(first, second) if along_x and towards else None
 
 
-def _friction(scene: Mapping[str, Any]) -> float:
-    contact = scene.get("contact", {})
-    pairs = contact.get("pairs", [])
-    return _si(pairs[0].get("friction") if pairs else contact.get("friction"), "1")
+def _is_plane(body: Body) -> bool:
+    """A rectangle along the axes that fixed sides, and nothing else, hold."""
+    return (
+        isinstance(body.geometry, Rectangle)
+        and body.geometry.angle == 0.0
+        and all(side.fixed for side in body.sides)
+        and any(side.fixed is True for side in body.sides)
+        and at_rest(body)
+    )
+
+
+def at_rest(body: Body) -> bool:
+    """Whether a body neither moves nor turns at the start."""
+    spin = body.angular_velocity
+    return not any(body.velocity or ()) and not np.any(0.0 if spin is None else spin)
 
 
 def _si(value: object, unit: str) -> float:

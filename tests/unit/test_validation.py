@@ -3,6 +3,8 @@
 import csv
 import math
 import signal
+import tomllib
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
@@ -11,7 +13,7 @@ from mpmfw.cli import app
 from mpmfw.errors import SceneError
 from mpmfw.validation import Case, Method, Row, Verdict, find_cases, run_cases
 from mpmfw.validation.known import KnownRed, departures, read_known_red
-from mpmfw.validation.suite import kept
+from mpmfw.validation.suite import kept, shipped_suite
 
 GREEN = """
 from measures import SIX
@@ -256,3 +258,14 @@ def test_the_page_says_what_was_run_and_on_how_many_cores(suite, tmp_path):
     assert (
         "Written by `mpmfw validate a --jobs 1` on one core, `mpmfw validate b --jobs 1` on one core;" in text
     )
+
+
+def test_the_cases_are_found_wherever_one_is(tmp_path, monkeypatch):
+    """They ship in the wheel, as the folder ``mpmfw/cases``."""
+    monkeypatch.chdir(tmp_path)
+    assert "hertz" in [folder.name for folder in find_cases(shipped_suite())]
+    settings = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))
+    wheel = settings["tool"]["hatch"]["build"]["targets"]["wheel"]
+    assert wheel["force-include"] == {"validation": "mpmfw/cases"}
+    result = CliRunner().invoke(app, ["validate", "herz"])
+    assert (result.exit_code, "did you mean 'hertz'?" in result.output) == (2, True)

@@ -9,14 +9,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
+from mpmfw.campaigns.costs import LOAD, REPEATS, conditions, costs_of, spread_of
 from mpmfw.campaigns.executors import Executor, InProcess, executor_of
 from mpmfw.campaigns.grid import Grid, Index, make_grid
 from mpmfw.campaigns.judging import judge_all
-from mpmfw.campaigns.machine import LOADED
-from mpmfw.campaigns.outcome import COSTS, Cost, Outcome
+from mpmfw.campaigns.outcome import COSTS, Outcome
 from mpmfw.campaigns.running import Event, Progress, Repeats, complete, resumable
 from mpmfw.campaigns.store import Store
 from mpmfw.campaigns.work import Task
@@ -148,53 +147,17 @@ def dataset_of(grid: Grid, store: Store, executor: Executor) -> xr.Dataset:
     keys = {dim: key for dim, key in grid.keys.items() if key not in ("contact", "shape")}
     dataset = join(grid.coords, statuses, trees, {i: outcome.notes for i, outcome in known.items()}, keys)
     costs = {index: outcome.costs for index, outcome in known.items() if outcome.costs}
-    return _with_costs(dataset, tuple(grid.coords), costs).assign_attrs(conditions(costs, executor.cores))
-
-
-def _with_costs(
-    dataset: xr.Dataset, lead: tuple[str, ...], costs: Mapping[Index, Sequence[Cost]]
-) -> xr.Dataset:
-    """The dataset with medians over the repeats, their spread, and the load of the machine."""
-    shape, most = dataset["status"].shape, max((len(many) for many in costs.values()), default=1)
-    each = np.full((*shape, most), np.nan)
-    others = np.full(shape, np.nan)
-    for index, many in costs.items():
-        each[index][: len(many)] = [cost.values["cpu_time"] for cost in many]
-        others[index] = np.mean([cost.others for cost in many])
-        for name, _, _ in COSTS:
-            if name in dataset:
-                dataset[name].values[index] = np.median([cost.values[name] for cost in many])
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # points without a run
-        spread = 0.5 * (np.nanmax(each, axis=-1) - np.nanmin(each, axis=-1))
-    counts = np.isfinite(each).sum(axis=-1)
-    said = {"units": "s", "long_name": "half the range of the repeats; NaN of a single one"}
+    each = costs_of(grid.coords, costs)
+    medians = each.median("repeat")
+    own = {name: medians[name].assign_attrs(dataset[name].attrs) for name, _, _ in COSTS if name in dataset}
+    times = each["cpu_time"].assign_attrs(units="s", long_name="CPU time of each repeat")
     return dataset.assign(
-        cpu_time_repeat=((*lead, "repeat"), each, {"units": "s", "long_name": "CPU time of each repeat"}),
-        cpu_time_spread=(lead, np.where(counts > 1, spread, np.nan), said),
-        repeats=(lead, counts.astype(float), {"units": "1", "long_name": "runs of the cost"}),
-        load=(lead, others, {"units": "1", "long_name": "cores that other processes kept busy meanwhile"}),
-    )
-
-
-def conditions(costs: Mapping[Index, Sequence[Cost]], cores: str) -> dict[str, str]:
-    """Under which conditions costs were measured."""
-    every = [cost for many in costs.values() for cost in many]
-    return {
-        "processor": ", ".join(sorted({cost.machine for cost in every if cost.machine})),
-        "cores": cores,
-        "timing": timing_of(every),
-    }
-
-
-def timing_of(costs: Sequence[Cost]) -> str:
-    """``exclusive`` if nothing else ran beside any of them; marked where the machine was loaded by others all the same."""
-    if not costs:
-        return ""
-    if any(cost.timing != "exclusive" for cost in costs):
-        return "shared cores"
-    loaded = sum(cost.others > LOADED for cost in costs)
-    return f"exclusive, {loaded} of {len(costs)} on a loaded machine" if loaded else "exclusive"
+        own,
+        cpu_time_repeat=times,
+        cpu_time_spread=spread_of(times),
+        repeats=times.count("repeat").astype(float).assign_attrs(REPEATS),
+        load=each["load"].mean("repeat").assign_attrs(LOAD),
+    ).assign_attrs(conditions(costs, executor.cores))
 
 
 def store_of(output: str | os.PathLike[str] | None) -> Path | None:

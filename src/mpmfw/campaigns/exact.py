@@ -7,12 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpmfw.analysis import RollingSolution
 from mpmfw.fields import FloatArray
 from mpmfw.geometry import Rectangle
-from mpmfw.references import RingsReference, RollingReference, reference_of
-from mpmfw.scene import Body, Scene
-from mpmfw.scene.toml_text import toml_text
+from mpmfw.references import at_rest, rings, rolling, tilt_of
+from mpmfw.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -59,23 +57,20 @@ class Incline:
 
 def incline(scene: Scene) -> Incline | None:
     """Recognise a cylinder or a block on an inclined plane; None for any other scene."""
-    rolling = reference_of({"scene": toml_text(scene.to_mapping())})
-    end = float(scene.time.end)
-    if isinstance(rolling, RollingReference):
-        solution: RollingSolution = rolling.solution
-        until = min(solution.time_to(rolling.distance), end)
-        return Incline(
-            rolling.body, solution.acceleration, solution.angular_acceleration, until, rolling.describe()
-        )
+    known, end = rolling(scene), float(scene.time.end)
+    if known is not None:
+        found = known.solution
+        until = min(found.time_to(known.distance), end)
+        return Incline(known.body, found.acceleration, found.angular_acceleration, until, known.describe())
     return _sliding(scene, end)
 
 
 def _sliding(scene: Scene, end: float) -> Incline | None:
     """A free block on a fixed rectangle along x, steep enough to slide and too flat to tip over."""
-    gravity = scene.gravity
-    if len(scene.bodies) != 2 or gravity is None or gravity.magnitude is None or gravity.tilt is None:
+    tilted = tilt_of(scene)
+    if len(scene.bodies) != 2 or tilted is None:
         return None
-    blocks = [name for name, body in scene.bodies.items() if not body.sides and _at_rest(body)]
+    blocks = [name for name, body in scene.bodies.items() if not body.sides and at_rest(body)]
     planes = [name for name, body in scene.bodies.items() if body.sides and all(s.fixed for s in body.sides)]
     along = all(isinstance(b.geometry, Rectangle) and b.geometry.angle == 0.0 for b in scene.bodies.values())
     if len(blocks) != 1 or len(planes) != 1 or not along:
@@ -83,7 +78,7 @@ def _sliding(scene: Scene, end: float) -> Incline | None:
     friction = scene.pairs[0][2]
     block = scene.bodies[blocks[0]].geometry
     width, height = np.subtract(block.upper, block.lower)  # type: ignore[union-attr]
-    g, tilt = float(gravity.magnitude), float(gravity.tilt)
+    g, tilt = tilted
     acceleration = g * (np.sin(tilt) - friction * np.cos(tilt))
     if acceleration <= 0.0 or friction > width / height:
         return None
@@ -92,17 +87,6 @@ def _sliding(scene: Scene, end: float) -> Incline | None:
         f"with θ = {np.degrees(tilt):.4g}° and μ = {friction:g}"
     )
     return Incline(blocks[0], float(acceleration), 0.0, end, says)
-
-
-def _at_rest(body: Body) -> bool:
-    spin = body.angular_velocity
-    return not any(body.velocity or ()) and not np.any(0.0 if spin is None else spin)
-
-
-def rings(scene: Scene) -> RingsReference | None:
-    """Recognise the collision of rings that the shipped finite elements are of."""
-    found = reference_of({"scene": toml_text(scene.to_mapping())})
-    return found if isinstance(found, RingsReference) else None
 
 
 def kind_of(scene: Scene) -> str | None:

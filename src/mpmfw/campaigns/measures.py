@@ -15,11 +15,11 @@ import numpy as np
 import xarray as xr
 
 from mpmfw.analysis import fitted_acceleration, force_noise, impulse, value_at
-from mpmfw.campaigns.exact import Exact, column, incline, kind_of, rings
+from mpmfw.campaigns.exact import Exact, column, incline, kind_of
 from mpmfw.discovery import REFERENCES, announced, did_you_mean, load_announced
 from mpmfw.errors import SceneError
 from mpmfw.fields import FloatArray
-from mpmfw.references import rings_table
+from mpmfw.references import rings, rings_table
 from mpmfw.scene import Scene
 
 Kind: TypeAlias = Literal["number", "curve", "field"]

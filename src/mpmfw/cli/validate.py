@@ -23,7 +23,12 @@ def validate(
     quick: Annotated[
         bool, typer.Option("--quick", help="The reduced version: fewer methods, coarser grids.")
     ] = False,
-    suite: Annotated[Path, typer.Option(metavar="FOLDER", help="Folder of the cases.")] = Path("validation"),
+    suite: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER", help="Folder of the cases; mpmfw's own if left out.", show_default=False
+        ),
+    ] = None,
     output: Annotated[
         Path,
         typer.Option("-o", "--output", metavar="FOLDER", help="Folder for the figures and the table (CSV)."),
@@ -53,8 +58,9 @@ def validate(
     from mpmfw.validation import find_cases, run_cases
     from mpmfw.validation.known import departures, read_known_red
     from mpmfw.validation.report import summary, terminal_table, write_csv, write_page
-    from mpmfw.validation.suite import kept
+    from mpmfw.validation.suite import kept, shipped_suite
 
+    suite = shipped_suite() if suite is None else suite
     found = find_cases(suite, cases or ())
     known = read_known_red(known_red) if known_red is not None else []
     with campaign_progress("cases") as (progress, _):

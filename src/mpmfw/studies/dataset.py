@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from mpmfw.campaigns.campaign import conditions, timing_of
+from mpmfw.campaigns.costs import LOAD, REPEATS, conditions, costs_of, spread_of, timing_of
 from mpmfw.campaigns.judging import Judge, Judgement
 from mpmfw.campaigns.measures import measure_of
 from mpmfw.campaigns.outcome import COSTS, Cost, Outcome
 from mpmfw.campaigns.running import counted
-from mpmfw.clock import STEP_STAGES
 from mpmfw.discovery import load
-from mpmfw.fields import FloatArray
 from mpmfw.joining import STEPPING
 from mpmfw.results.provenance import provenance
 from mpmfw.scene import Scene
@@ -133,66 +131,30 @@ def _errors(grid: Grid, judge: Judge, judgements: Mapping[Index, Judgement]) -> 
 
 
 def _costs(grid: Grid, costs: Mapping[Index, list[Cost]], settling: bool) -> dict[str, xr.DataArray]:
-    totals = {i: np.array([_total(cost, settling) for cost in many]) for i, many in costs.items() if many}
+    """Medians of the repeats; with ``settling`` it counts: in CPU time, stages and steps."""
+    each = costs_of(grid.coords, costs)
     what = "CPU time of the steps" + (" and of settling" if settling else "")
-    found = {
-        "cpu_time": _numbers(
-            grid,
-            {i: float(np.median(total)) for i, total in totals.items()},
-            "s",
-            f"{what}, without compilation and output; median of the repeats",
-        ),
-        "cpu_time_spread": _numbers(
-            grid,
-            {i: float(np.ptp(total)) / 2.0 if len(total) > 1 else np.nan for i, total in totals.items()},
-            "s",
-            "half the range of the repeats; NaN of a single one",
-        ),
-        "repeats": _numbers(grid, {i: len(total) for i, total in totals.items()}, "1", "runs of the cost"),
-        "stage_time": _stages(
-            grid, costs, f"{what} by stage", lambda cost, stage: _of_stage(cost, stage, settling)
-        ),
-        "settle_stage_time": _stages(
-            grid, costs, "CPU time of settling by stage", lambda cost, stage: cost.settling[stage]
-        ),
+    if settling:
+        each = each.assign(
+            cpu_time=each["cpu_time"] + each["settle_time"],
+            stages=each["stages"] + each["settling"],
+            steps=each["steps"] + each["settle_steps"],
+        )
+    said = {name: {"units": unit, "long_name": meaning} for name, unit, meaning in COSTS}
+    said["cpu_time"]["long_name"] = f"{what}, without compilation and output; median of the repeats"
+    said["steps"]["long_name"] += ", those of settling included" if settling else ""
+    stages = {
+        "stage_time": ("stages", f"{what} by stage; median of the repeats"),
+        "settle_stage_time": ("settling", "CPU time of settling by stage; median of the repeats"),
     }
-    for name, unit, meaning in COSTS:
-        if name not in found:
-            medians = {
-                i: float(np.median([_value(c, name, settling) for c in many]))
-                for i, many in costs.items()
-                if many
-            }
-            said = f"{meaning}, those of settling included" if settling and name == "steps" else meaning
-            found[name] = _numbers(grid, medians, unit, said)
-    return found
-
-
-def _total(cost: Cost, settling: bool) -> float:
-    return cost.values["cpu_time"] + (cost.values["settle_time"] if settling else 0.0)
-
-
-def _value(cost: Cost, name: str, settling: bool) -> float:
-    """A cost of a run; ``steps`` are those of which ``cpu_time`` is the cost."""
-    return cost.values[name] + (cost.values["settle_steps"] if settling and name == "steps" else 0.0)
-
-
-def _of_stage(cost: Cost, stage: str, settling: bool) -> float:
-    return cost.stages[stage] + (cost.settling[stage] if settling else 0.0)
-
-
-def _stages(
-    grid: Grid, costs: Mapping[Index, list[Cost]], what: str, time_of: Callable[[Cost, str], float]
-) -> xr.DataArray:
-    """Medians of the repeats over the grid and the stages of the step [s]."""
-    shape = (*(len(labels) for labels in grid.coords.values()), len(STEP_STAGES))
-    times: FloatArray = np.full(shape, np.nan)
-    for index, many in costs.items():
-        if many:
-            times[index] = np.median([[time_of(cost, s) for s in STEP_STAGES] for cost in many], axis=0)
-    attributes = {"units": "s", "long_name": f"{what}; median of the repeats"}
-    coords = {"stage": list(STEP_STAGES)}
-    return xr.DataArray(times, dims=(*grid.coords, "stage"), coords=coords, attrs=attributes)
+    medians = each.median("repeat")
+    return {
+        **{name: medians[name].assign_attrs(attributes) for name, attributes in said.items()},
+        **{name: medians[of].assign_attrs(units="s", long_name=text) for name, (of, text) in stages.items()},
+        "cpu_time_spread": spread_of(each["cpu_time"]),
+        "repeats": each["cpu_time"].count("repeat").astype(float).assign_attrs(REPEATS),
+        "load": each["load"].mean("repeat").assign_attrs(LOAD),
+    }
 
 
 def _status(grid: Grid, index: Index, record: Outcome | None) -> str:

@@ -57,6 +57,13 @@ class CaseResult:
         return not self.error and all(row.verdict is not Verdict.RED for row in self.rows)
 
 
+def shipped_suite() -> Path:
+    """The folder of mpmfw's own cases: installed with it, or in the checkout that it runs from."""
+    package = Path(__file__).parents[1]
+    installed = package / "cases"
+    return installed if installed.is_dir() else package.parents[1] / "validation"
+
+
 def find_cases(suite: Path, names: Sequence[str] = ()) -> list[Path]:
     """Folders of the suite with a ``check.py``: all, or the named ones.
 

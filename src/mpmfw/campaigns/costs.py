@@ -1,0 +1,67 @@
+"""What runs took, over the grid and the repeats, and under which conditions it was measured."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from mpmfw.campaigns.grid import Index
+from mpmfw.campaigns.machine import LOADED
+from mpmfw.campaigns.outcome import COSTS, Cost
+from mpmfw.clock import STEP_STAGES
+
+SPREAD = {"units": "s", "long_name": "half the range of the repeats; NaN of a single one"}
+REPEATS = {"units": "1", "long_name": "runs of the cost"}
+LOAD = {"units": "1", "long_name": "cores that other processes kept busy meanwhile"}
+
+
+def costs_of(coords: Mapping[str, Sequence[Any]], costs: Mapping[Index, Sequence[Cost]]) -> xr.Dataset:
+    """All costs over the grid and ``repeat``, NaN where there is none.
+
+    Returns
+    -------
+    xarray.Dataset
+        The names of :data:`mpmfw.campaigns.outcome.COSTS` and ``load`` (…, repeat); ``stages`` and ``settling``
+        (…, repeat, stage) [s].
+    """
+    shape = tuple(len(labels) for labels in coords.values())
+    most = max((len(many) for many in costs.values()), default=1)
+    names = [name for name, _, _ in COSTS]
+    values = np.full((*shape, most, len(names) + 1), np.nan)
+    stages, settling = (np.full((*shape, most, len(STEP_STAGES)), np.nan) for _ in range(2))
+    for index, many in costs.items():
+        for k, cost in enumerate(many):
+            values[index][k] = [*(cost.values[name] for name in names), cost.others]
+            stages[index][k] = [cost.stages[stage] for stage in STEP_STAGES]
+            settling[index][k] = [cost.settling[stage] for stage in STEP_STAGES]
+    lead = (*coords, "repeat")
+    found = {name: (lead, values[..., k]) for k, name in enumerate((*names, "load"))}
+    by_stage = {"stages": ((*lead, "stage"), stages), "settling": ((*lead, "stage"), settling)}
+    named = {dim: list(labels) for dim, labels in coords.items()}
+    return xr.Dataset({**found, **by_stage}, {**named, "stage": list(STEP_STAGES)})
+
+
+def spread_of(times: xr.DataArray) -> xr.DataArray:
+    """Half the range over the repeats; NaN of a single one."""
+    spread = 0.5 * (times.max("repeat") - times.min("repeat"))
+    return spread.where(times.count("repeat") > 1).assign_attrs(SPREAD)
+
+
+def conditions(costs: Mapping[Index, Sequence[Cost]], cores: str) -> dict[str, str]:
+    """Under which conditions costs were measured: processor, cores, timing."""
+    every = [cost for many in costs.values() for cost in many]
+    processors = sorted({cost.machine for cost in every if cost.machine})
+    return {"processor": ", ".join(processors), "cores": cores, "timing": timing_of(every)}
+
+
+def timing_of(costs: Sequence[Cost]) -> str:
+    """``exclusive`` if nothing else ran beside any of them; marked where the machine was loaded by others all the same."""
+    if not costs:
+        return ""
+    if any(cost.timing != "exclusive" for cost in costs):
+        return "shared cores"
+    loaded = sum(cost.others > LOADED for cost in costs)
+    return f"exclusive, {loaded} of {len(costs)} on a loaded machine" if loaded else "exclusive"
