@@ -65,7 +65,7 @@ def test_a_study_has_error_cost_and_front_over_what_varies(folder):
     assert dataset["stage_time"].dims == ("contact", "cell_size", "stage")
     np.testing.assert_allclose(dataset["stage_time"].sum("stage"), dataset["cpu_time"])
     assert dataset["cpu_time_spread"].isnull().all()
-    assert dataset.attrs["timing"] == "exclusive"
+    assert dataset.attrs["timing"].startswith("exclusive")
     relative = np.abs(dataset["value"] / dataset["expected"] - 1.0)
     np.testing.assert_allclose(dataset["error"], relative)
 
@@ -159,7 +159,7 @@ def test_processes_give_the_same_bits_and_say_that_they_shared(folder, tmp_path)
     assert dataset.attrs["timing"] == "shared cores"
     alone, events = events_of(study, tmp_path / "pool.nc", jobs=2, timing="exclusive")
     assert events[-1].total == 2
-    assert set(alone["timing"].values.ravel()) == {"exclusive"}
+    assert all(said.startswith("exclusive") for said in alone["timing"].values.ravel())
     assert_same(dataset, alone)
 
 

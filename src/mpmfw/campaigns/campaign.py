@@ -151,13 +151,16 @@ def dataset_of(grid: Grid, store: Store, executor: Executor) -> xr.Dataset:
     medians = each.median("repeat")
     own = {name: medians[name].assign_attrs(dataset[name].attrs) for name, _, _ in COSTS if name in dataset}
     times = each["cpu_time"].assign_attrs(units="s", long_name="CPU time of each repeat")
-    return dataset.assign(
-        own,
-        cpu_time_repeat=times,
-        cpu_time_spread=spread_of(times),
-        repeats=times.count("repeat").astype(float).assign_attrs(REPEATS),
-        load=each["load"].mean("repeat").assign_attrs(LOAD),
-    ).assign_attrs(conditions(costs, executor.cores))
+    return (
+        dataset.assign(own)
+        .assign(
+            cpu_time_repeat=times,
+            cpu_time_spread=spread_of(times),
+            repeats=times.count("repeat").astype(float).assign_attrs(REPEATS),
+            load=each["load"].mean("repeat").assign_attrs(LOAD),
+        )
+        .assign_attrs(conditions(costs, executor.cores))
+    )
 
 
 def store_of(output: str | os.PathLike[str] | None) -> Path | None:
