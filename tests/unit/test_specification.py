@@ -215,7 +215,7 @@ def test_a_run_with_it_is_the_run_of_the_object():
 def test_a_comparison_labels_and_runs_it():
     mapping = impact(slide=0.0, time={"end": 2e-3, "output_interval": 1e-3}, output={"gap": False})
     chosen = ["bardenhagen", "bardenhagen(normal=master,criterion=position)", "bardenhagen(cut_off=0.5)"]
-    data = compare(mapping, chosen, ["linear"], runner=run)
+    data = compare(mapping, chosen, ["linear"], repeats=1)
     assert data["contact"].values.tolist() == ["bardenhagen", STRONG, "bardenhagen(cut_off=0.5)"]
     assert data["status"].values.ravel().tolist()[:2] == ["ok", "ok"]
     assert (
@@ -237,9 +237,10 @@ def test_a_comparison_labels_and_runs_it():
         (["none", STRONG], {"contact.penalty.kappa": 2}, "what runs is none, bardenhagen"),
     ],
 )
-def test_a_comparison_refuses_before_it_runs(contact, shared, message):
+def test_a_comparison_refuses_before_it_runs(contact, shared, message, monkeypatch):
+    monkeypatch.setattr("mpmfw.campaigns.work.run", lambda *_, **__: pytest.fail("ran"))
     with pytest.raises(SceneError, match=message):
-        compare(SCENE, contact, ["cpdi"], set=shared, runner=lambda *_, **__: pytest.fail("ran"))
+        compare(SCENE, contact, ["cpdi"], set=shared)
 
 
 STUDY = """\

@@ -168,7 +168,9 @@ def _cost(tree: xr.DataTree, timing: str, others: float, first: bool) -> Cost:
 
 
 def _digest(tree: xr.DataTree) -> str:
-    """Hash of every bit of the series."""
+    """Hash of every bit of the series; empty of a run that broke off before it had any."""
+    if "series" not in tree.children:
+        return ""
     digest = hashlib.sha256()
     series = tree["series"].to_dataset()
     for name in sorted(map(str, series.data_vars)):
