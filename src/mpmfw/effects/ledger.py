@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from mpmfw.effects.energy_guard import EnergyGuard
-from mpmfw.effects.ledger_energies import grid_energy, impulse_work, motion_energy
+from mpmfw.effects.ledger_energies import add_change, grid_energy, impulse_work, motion_energy
 from mpmfw.fields import AnyArray, Field, FloatArray
 from mpmfw.hookspecs import hookimpl
 from mpmfw.series import StrainEnergies
@@ -125,9 +125,11 @@ class EnergyLedger:
 
     def change(self, grid: Grid, term: str) -> None:
         """Add the momentum's change since the last look, if there is one, to the impulses of a term."""
-        if not np.array_equal(grid.momentum, self.momentum):
-            self.add(term, grid.momentum - self.momentum)
-            self.momentum = grid.momentum.copy()
+        impulse = self.impulse.get(term)
+        if impulse is None:
+            impulse = np.zeros_like(self.momentum)
+        if add_change(grid.momentum, self.momentum, impulse):
+            self.impulse[term] = impulse
 
     def add(self, term: str, impulse: FloatArray) -> None:
         """Add to the impulses of a term, (n_nodes, dim) [N s/m]."""

@@ -21,6 +21,19 @@ def grid_energy(mass: Floats, momentum: Floats) -> float:
 
 
 @kernel
+def add_change(momentum: Floats, last: Floats, impulse: Floats) -> bool:
+    """I_i += m v − ``last``, the change of the momenta since the last look, which is now; whether there is one."""
+    changed = False
+    for i in range(len(momentum)):
+        for d in range(momentum.shape[1]):
+            if momentum[i, d] != last[i, d]:
+                impulse[i, d] += momentum[i, d] - last[i, d]
+                last[i, d] = momentum[i, d]
+                changed = True
+    return changed
+
+
+@kernel
 def impulse_work(impulse: Floats, mass: Floats, start_velocity: Floats, momentum: Floats) -> float:
     """Σ I_i·(v_i⁰ + v_i¹) / 2 over nodes with mass; ``momentum`` is m v¹."""
     total = 0.0

@@ -1,4 +1,8 @@
-"""Second moments of mass of a body: of its material's deformed domains, and of the nodal masses that stand for it."""
+"""Second moments of mass of a body: of its material's deformed domains, and of the nodal masses that stand for it.
+
+Sums are kept in scratch of each function's own: what a caller hands in may be indexed at run time elsewhere, and then stays in
+memory, where each addition waits for the one before.
+"""
 
 from __future__ import annotations
 
@@ -39,23 +43,29 @@ def moments_of_nodes(
     """
     dim = len(spacing)
     r = scratch.vector(spacing)
+    c = scratch.vector(spacing)
+    sums = scratch.matrix(spacing, spacing)
     total = 0.0
     for d in range(dim):
-        centre[d] = 0.0
+        c[d] = 0.0
         for e in range(dim):
-            second[d, e] = 0.0
+            sums[d, e] = 0.0
     for i in range(first_node, last_node):
         total += node_mass[i]
         for d in range(dim):
-            centre[d] += node_mass[i] * node_position[i, d]
+            c[d] += node_mass[i] * node_position[i, d]
     for d in range(dim):
-        centre[d] /= total
+        c[d] /= total
     for i in range(first_node, last_node):
         for d in range(dim):
-            r[d] = node_position[i, d] - centre[d]
+            r[d] = node_position[i, d] - c[d]
         for d in range(dim):
             for e in range(d, dim if dim == 3 else d + 1):
-                second[d, e] += node_mass[i] * r[d] * r[e]
+                sums[d, e] += node_mass[i] * r[d] * r[e]
+    for d in range(dim):
+        centre[d] = c[d]
+        for e in range(dim):
+            second[d, e] = sums[d, e]
     return total
 
 
@@ -75,13 +85,16 @@ def moments_of_domains(
     domain F R_0; the same elements as :func:`moments_of_nodes`."""
     dim = len(spacing)
     r = scratch.vector(spacing)
+    c = scratch.vector(spacing)
     own = scratch.matrix(spacing, spacing)
+    sums = scratch.matrix(spacing, spacing)
     for d in range(dim):
+        c[d] = centre[d]
         for e in range(dim):
-            second[d, e] = 0.0
+            sums[d, e] = 0.0
     for p in range(first_particle, last_particle):
         for d in range(dim):
-            r[d] = position[p, d] - centre[d]
+            r[d] = position[p, d] - c[d]
         for d in range(dim):
             for e in range(d, dim if dim == 3 else d + 1):
                 own[d, e] = 3.0 * r[d] * r[e]
@@ -95,7 +108,7 @@ def moments_of_domains(
                     own[d, e] += r[d] * r[e]
         for d in range(dim):
             for e in range(d, dim if dim == 3 else d + 1):
-                second[d, e] += mass[p] * own[d, e]
+                sums[d, e] += mass[p] * own[d, e]
     for d in range(dim):
-        for e in range(d, dim):
-            second[d, e] /= 3.0
+        for e in range(dim):
+            second[d, e] = sums[d, e] / 3.0
