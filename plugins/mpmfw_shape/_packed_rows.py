@@ -1,4 +1,4 @@
-"""Tables of CPDI and CPDI2: rows of varying length, lengthened where they do not fit."""
+"""Tables of GIMP, CPDI and CPDI2: rows of varying length, lengthened where they do not fit."""
 
 from __future__ import annotations
 

@@ -14,14 +14,13 @@ from mpmfw.api import (
     SceneError,
     Setup,
     Stencil,
-    check_inside,
-    empty_stencil,
     hookimpl,
 )
-from mpmfw.kernels import device, kernel, scratch
-from mpmfw.kernels.stencil import fill_tensor_product, fits, read_window
+from mpmfw.kernels import FULL, device, kernel, scratch
+from mpmfw.kernels.stencil import fits, read_window
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 from mpmfw_shape._bilinear_surface import LinearSurface
+from mpmfw_shape._packed_rows import empty_rows, fill_rows
 
 WIDTH = 3
 
@@ -58,6 +57,59 @@ def gimp_weights(
     slope[d, 2] = b * share * inverse_h
 
 
+@device
+def write_row(
+    k: int,
+    base: Floats,
+    weight: Floats,
+    slope: Floats,
+    shape: Ints,
+    offset: int,
+    nodes: Indices,
+    values: Floats,
+    gradients: Floats,
+    spacing: tuple[float, ...],
+) -> int:
+    """Write the products of the functions that are not zero from entry ``k`` on; return the entry after the last, or ``FULL``.
+
+    Along an axis on which the domain does not reach the next cell the third function is zero, and so are all products with
+    it: 3 of 9 rows for a domain of half a cell. The nested loops are written out for each dimension, as in
+    :func:`mpmfw.kernels.fill_tensor_product`.
+    """
+    dim = len(spacing)
+    extent = scratch.integers(spacing)
+    node, entries = 0, 1
+    for d in range(dim):
+        extent[d] = WIDTH if slope[d, 2] > 0.0 else 2
+        entries *= extent[d]
+        node = node * shape[d] + int(base[d])
+    if k + entries > len(nodes):
+        return FULL
+    node += offset
+    entry = np.uint64(k)
+    if len(spacing) == 2:
+        for a in range(extent[0]):
+            for b in range(extent[1]):
+                nodes[entry] = node + a * shape[1] + b
+                values[entry] = weight[0, a] * weight[1, b]
+                gradients[entry, 0] = slope[0, a] * weight[1, b]
+                gradients[entry, 1] = weight[0, a] * slope[1, b]
+                entry += np.uint64(1)
+    else:
+        for a in range(extent[0]):
+            for b in range(extent[1]):
+                n_ab = weight[0, a] * weight[1, b]
+                along_a, along_b = slope[0, a] * weight[1, b], weight[0, a] * slope[1, b]
+                for c in range(extent[2]):
+                    nodes[entry] = node + (a * shape[1] + b) * shape[2] + c
+                    values[entry] = n_ab * weight[2, c]
+                    gradients[entry, 0] = along_a * weight[2, c]
+                    gradients[entry, 1] = along_b * weight[2, c]
+                    gradients[entry, 2] = n_ab * slope[2, c]
+                    entry += np.uint64(1)
+    return k + entries
+
+
 @kernel
 def fill_gimp(
     position: Floats,
@@ -67,13 +119,14 @@ def fill_gimp(
     window_lower: Ints,
     window_shape: Ints,
     offset: Ints,
+    row: Ints,
     nodes: Indices,
     weight: Floats,
     gradient: Floats,
     spacing: tuple[float, ...],
 ) -> int:
-    """uGIMP functions of square particles; 3**dim entries each. Return the first point outside its window, or
-    −1."""
+    """uGIMP functions of square particles, 2**dim to 3**dim entries each. Return the first point outside its window, −1, or
+    ``FULL`` if the table is too short."""
     dim = len(spacing)
     inverse_h = 1.0 / spacing[0]
     origin = scratch.vector(spacing)
@@ -81,6 +134,8 @@ def fill_gimp(
     base = scratch.vector(spacing)
     w = scratch.matrix(spacing, (0.0, 0.0, 0.0))
     s = scratch.matrix(spacing, (0.0, 0.0, 0.0))
+    k = 0
+    row[0] = 0
     for f in range(len(first) - 1):
         read_window(lower, window_lower, window_shape, f, origin, shape, spacing)
         start = offset[f]
@@ -90,14 +145,15 @@ def fill_gimp(
                 gimp_weights(xi, half_length[p] * inverse_h, inverse_h, d, base, w, s)
             if not fits(base, WIDTH, shape, spacing):
                 return p
-            fill_tensor_product(
-                p * WIDTH**dim, WIDTH, base, w, s, shape, start, nodes, weight, gradient, spacing
-            )
+            k = write_row(k, base, w, s, shape, start, nodes, weight, gradient, spacing)
+            if k == FULL:
+                return FULL
+            row[p + 1] = k
     return -1
 
 
 class Gimp(LinearSurface):
-    """φ_ip averages N_i over the particle's undeformed square: 9 nodes in 2D, 27 in 3D."""
+    """φ_ip averages N_i over the particle's undeformed square: up to 9 nodes in 2D, 27 in 3D."""
 
     name = "gimp"
     massless_boundary = True
@@ -119,7 +175,7 @@ class Gimp(LinearSurface):
                 f"shape 'gimp': a particle of edge {2 * self.half_length.max():.4g} m is larger than the "
                 f"cell ({setup.cell_size:.4g} m); expected bodies.*.particles.size <= grid.cell_size"
             )
-        self.table = empty_stencil(particles.count, WIDTH**setup.dim, setup.dim)
+        self.room = empty_rows(particles.count, setup.dim)
 
     @hookimpl
     def particle_reach(self, particles: Particles) -> FloatArray:
@@ -129,20 +185,14 @@ class Gimp(LinearSurface):
     @hookimpl
     def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
         """S_ip and ∇S_ip."""
-        table = self.table
-        check_inside(
-            fill_gimp(
-                particles.position,
-                self.half_length,
-                particles.first,
-                grid.lower,
-                grid.window_lower,
-                grid.window_shape,
-                grid.offset,
-                table.nodes,
-                table.weight,
-                table.gradient,
-                grid.spacing,
-            )
+        where = (
+            particles.position,
+            self.half_length,
+            particles.first,
+            grid.lower,
+            grid.window_lower,
+            grid.window_shape,
+            grid.offset,
         )
+        self.room, table = fill_rows(fill_gimp, self.room, where, grid.spacing)
         return table

@@ -61,7 +61,8 @@ class LeakyFaces(Gimp):
         h, half = grid.cell_size, self.half_length / grid.cell_size
         start = (particles.position[:, 0] - grid.lower[0]) / h - half
         beyond = np.maximum(start - np.floor(start) + 2.0 * half - 1.0, 0.0)
-        weight = table.weight.reshape(particles.count, WIDTH, -1)
-        ripple = 0.1 / h * np.array([1.0, -2.0, 1.0])[:, None] * weight.sum(axis=1)[:, None, :]
-        table.gradient[:, 0] += (beyond[:, None, None] * ripple).ravel()
+        for p in np.flatnonzero(beyond):
+            own = slice(table.row[p], table.row[p + 1])
+            along_y = table.weight[own].reshape(WIDTH, -1).sum(axis=0)
+            table.gradient[own, 0] += (0.1 * beyond[p] / h * np.outer([1.0, -2.0, 1.0], along_y)).ravel()
         return table
