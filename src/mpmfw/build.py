@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections import Counter
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -192,20 +193,27 @@ def _check_methods(scene: Scene, shape: ShapeFunction, contact: ContactStrategy 
 
 def _layouts(scene: Scene) -> tuple[Layout, ...]:
     """Of bodies that are alike but for their centres one is discretised, about the origin, and moved to each centre."""
-    made = []
-    about_the_origin = functools.cache(discretise)
-    for name, body in scene.bodies.items():
-        segment = body.segment_length(scene.grid.cell_size) if scene.dim == 2 else None
-        geometry, centre = body.geometry, getattr(body.geometry, "centre", None)
+    asked = [_alike(body, scene) for body in scene.bodies.values()]
+    made, times, about_the_origin = [], Counter(asked), functools.cache(discretise)
+    for (name, body), alike in zip(scene.bodies.items(), asked, strict=True):
+        geometry, particles, segment = alike
         try:
-            if centre is None:
-                made.append(discretise(geometry, body.particles, segment))
+            if geometry is None or times[alike] == 1:
+                made.append(discretise(body.geometry, particles, segment))
             else:
-                alike = geometry.model_copy(update={"centre": (0.0,) * len(centre)})
-                made.append(about_the_origin(alike, body.particles, segment).moved(np.array(centre)))
+                by = np.subtract(body.geometry.centroid, geometry.centroid)
+                made.append(about_the_origin(geometry, particles, segment).moved(by))
         except ValueError as error:
             raise SceneError(f"bodies.{name}: {error}") from error
     return tuple(made)
+
+
+def _alike(body: Any, scene: Scene) -> tuple[Any, Any, float | None]:
+    """What bodies that differ by their centres alone have in common: the geometry about the origin, None if it has no
+    centre, the division into points, and the length of a segment."""
+    centre = getattr(body.geometry, "centre", None)
+    geometry = None if centre is None else body.geometry.model_copy(update={"centre": (0.0,) * len(centre)})
+    return geometry, body.particles, body.segment_length(scene.grid.cell_size) if scene.dim == 2 else None
 
 
 def _bodies(

@@ -25,6 +25,7 @@ from mpmfw.geometry import (
     Ring,
     discretise,
 )
+from mpmfw.scene import load_scene
 
 PLANE = {
     "disc": Disc(centre=(0.3, -0.2), radius=1.6),
@@ -403,3 +404,44 @@ def test_geometry_round_trips_through_json():
     adapter = TypeAdapter(Geometry)
     for geometry in (PLANE | SOLID).values():
         assert adapter.validate_json(adapter.dump_json(geometry)) == geometry
+
+
+@pytest.mark.parametrize("layout", ["lattice", "fitted"])
+def test_bodies_that_are_alike_share_a_layout_and_others_keep_theirs(layout, monkeypatch):
+    """Four discs, of which three are alike, and a square twice at one place: each lies where it would lie by itself."""
+    from mpmfw import build
+
+    calls = []
+    monkeypatch.setattr(build, "discretise", lambda *asked: calls.append(asked) or discretise(*asked))
+    centres = {"a": (0.03, 0.07), "b": (5.0, 0.0), "c": (10.0, 2.0), "d": (15.0, 0.0)}
+    particles = {"layout": layout, "size": 0.5}
+    bodies = {
+        name: {"material": "m", "particles": particles,
+               "geometry": {"type": "disc", "centre": centre, "radius": 2.0 - 0.5 * (name == "d")}}
+        for name, centre in centres.items()
+    }  # fmt: skip
+    square = {
+        "material": "m",
+        "particles": particles,
+        "geometry": {"type": "rectangle", "lower": [18, 0], "upper": [20, 2]},
+    }
+    scene = load_scene(
+        {
+            "grid": {"cell_size": 1.0, "lower": [-8, -8], "upper": [28, 12]},
+            "time": {"end": 1.0, "output_interval": 1.0},
+            "shape": {"method": "linear"},
+            "materials": {
+                "m": {"model": "neo_hookean", "density": 1e3, "bulk_modulus": 1e6, "shear_modulus": 4e5}
+            },
+            "bodies": {**bodies, "e": square, "f": square},
+        }
+    )
+    layouts = build._layouts(scene)
+    assert len(calls) == 4  # of the three discs one, the other disc, and the square twice
+    for body, found in zip(scene.bodies.values(), layouts, strict=True):
+        own = discretise(body.geometry, body.particles, body.segment_length(1.0))
+        for name in ("position", "volume", "half_edges", "corners"):
+            np.testing.assert_allclose(getattr(found, name), getattr(own, name), rtol=1e-9, atol=1e-12)
+        np.testing.assert_allclose(found.outlines[0], own.outlines[0], rtol=1e-12, atol=1e-12)
+    lone = discretise(scene.bodies["d"].geometry, scene.bodies["d"].particles, None)
+    np.testing.assert_array_equal(layouts[3].position, lone.position)
