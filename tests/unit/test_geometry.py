@@ -430,6 +430,7 @@ def test_bodies_that_are_alike_share_a_layout_and_others_keep_theirs(layout, mon
             "grid": {"cell_size": 1.0, "lower": [-8, -8], "upper": [28, 12]},
             "time": {"end": 1.0, "output_interval": 1.0},
             "shape": {"method": "linear"},
+            "contact": {"method": "separate"},
             "materials": {
                 "m": {"model": "neo_hookean", "density": 1e3, "bulk_modulus": 1e6, "shear_modulus": 4e5}
             },
