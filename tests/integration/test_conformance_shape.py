@@ -110,5 +110,12 @@ def test_values_that_are_all_refused_acquit_no_option():
     assert "every value made up for 'order' is refused or the default" in outcome.message
 
 
+def test_an_error_of_the_plugin_is_shown_with_its_place():
+    (outcome,) = examine(subject_of(contract.Stumbling, "shape"), [CHECKS["runs"]])
+    assert outcome.status == "failed"
+    assert "no weights" in outcome.report
+    assert "contract.py" in outcome.report
+
+
 def test_every_check_has_a_fault_that_it_catches():
-    assert set(CHECKS) == set(FAULTS.values())
+    assert set(CHECKS) == {*FAULTS.values(), "runs"}

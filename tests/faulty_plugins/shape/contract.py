@@ -21,6 +21,15 @@ class LongNodes(Sound):
         return table._replace(nodes=table.nodes.astype(np.int64))
 
 
+class Stumbling(Sound):
+    """Ends in an error of its own."""
+
+    @hookimpl
+    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:  # noqa: ARG002
+        """1/0."""
+        raise ZeroDivisionError("no weights")
+
+
 class Remembering(Sound):
     """Weights are mixed with those of the step before."""
 
