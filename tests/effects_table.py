@@ -97,7 +97,7 @@ EFFECTS = {
         "gimp",
         hooks=f"{_SHAPE} declare_fields",
         arrays="half_length",
-        modules="mpmfw_shape.gimp mpmfw_shape._bilinear_surface",
+        modules="mpmfw_shape.gimp mpmfw_shape._packed_rows mpmfw_shape._bilinear_surface",
     ),
     "cpdi": brings(
         "cpdi",

@@ -158,8 +158,10 @@ def test_a_file_that_was_cut_short_is_named(tmp_path, share):
 
 
 RUNS = """
+import signal
 import sys
 import mpmfw
+signal.signal(signal.SIGINT, signal.default_int_handler)  # tests in the background pass on that it is ignored
 from mpmfw.cli import main
 sys.argv = ["mpmfw", "run", *sys.argv[1:]]
 main()

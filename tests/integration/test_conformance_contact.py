@@ -230,5 +230,22 @@ def test_stiff_springs_with_their_true_limit_are_stable():
     assert found.status == "passed", found.report
 
 
+class Stumbling(Bardenhagen):
+    """Ends in an error of its own."""
+
+    name = "stumbling"
+
+    @hookimpl
+    def after_momentum_update(self, grid):
+        raise ZeroDivisionError(f"no impulse on {len(grid.mass)} nodes")
+
+
+def test_an_error_of_the_law_is_shown_with_its_place():
+    found = outcome(Stumbling, "runs")
+    assert found.status == "failed"
+    assert "no impulse on" in found.report
+    assert "test_conformance_contact.py" in found.report
+
+
 def test_every_check_has_a_fault_planted_for_it():
-    assert set(FAULTS.values()) | OF_THE_HOST == {check.name for check in contact_checks()}
+    assert set(FAULTS.values()) | OF_THE_HOST | {"runs"} == {check.name for check in contact_checks()}

@@ -172,8 +172,11 @@ def largest_excess(sim):
     contact = sim.contact
     if contact.name in ("penalty", "hamad2017"):
         c = contact.candidates
+        tangential = (
+            c.tangential if len(c.share) else c.old_tangential
+        )  # without shares nothing else became history
         touching = (c.segment >= 0) & (c.gap < 0.0) & (contact.count > 0)
-        normal, tangential = -(c.stiffness * c.gap)[touching], np.abs(c.tangential[touching])
+        normal, tangential = -(c.stiffness * c.gap)[touching], np.abs(tangential[touching])
     else:
         c, n = contact.contacts, contact.count
         normal = -(c.impulse[:n] * c.normal[:n]).sum(axis=1)

@@ -45,7 +45,9 @@ def costs_of(coords: Mapping[str, Sequence[Any]], costs: Mapping[Index, Sequence
 
 
 def spread_of(times: xr.DataArray) -> xr.DataArray:
-    """Half the range over the repeats; NaN of a single one."""
+    """Half the range over the repeats; NaN of a single one, or of none."""
+    if times.sizes["repeat"] == 0:
+        return xr.full_like(times.sum("repeat"), np.nan).assign_attrs(SPREAD)
     spread = 0.5 * (times.max("repeat") - times.min("repeat"))
     return spread.where(times.count("repeat") > 1).assign_attrs(SPREAD)
 
