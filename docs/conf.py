@@ -72,16 +72,23 @@ math_numfig = True
 nitpicky = True
 nitpick_ignore_regex = [
     ("py:.*", r"(collections|matplotlib|os|pathlib|pd|pydantic|xarray|xr)\..*"),
-    ("py:class", r"(Any|Float|Index|Int)Array|Floats|Ints|Indices|TypeAliasForwardRef|Params|Layout|Results"),
     (
         "py:class",
-        r"mpmfw\.(geometry\.layout\.Layout|kernels\._jit\.Result|references\.\w+|scene\.(scene\.)?Scene|stability\.outcome\.Outcome)",
+        r"(Any|Float|Index|Int)Array|Floats|Ints|Indices|TypeAliasForwardRef|Params|Layout|NearPairs|Results",
     ),
     (
         "py:class",
-        r"mpmfw\.(hookspecs\.HookSpecs|studies\.(loading\.Study|measures\.Measure|schedule\.Event)|point_fields\.PointField)",
+        r"mpmfw\.(geometry\.layout\.Layout|kernels\._jit\.Result|references\.\w+|scene\.(scene\.)?Scene)",
     ),
-    ("py:.*", r"declare_fields|hookimpl|KAPPA|mpmfw\.fields\.CONTACT_SERIES"),
+    (
+        "py:class",
+        r"mpmfw\.(stability\.invariants\.Invariants|campaigns\.(exact\.Exact|measures\.Measure|running\.Event))",
+    ),
+    (
+        "py:class",
+        r"mpmfw\.(hookspecs\.HookSpecs|studies\.loading\.Study|point_fields\.PointField)",
+    ),
+    ("py:.*", r"declare_fields|hookimpl|Interrupted|KAPPA|mpmfw\.fields\.CONTACT_SERIES"),
 ]
 math_eqref_format = "({number})"
 

@@ -48,7 +48,7 @@ def run(
     set
         Values by dotted key, set over the scene's own.
     force
-        Begin a run that has more steps or frames than the limits in :mod:`mpmfw.limits`.
+        Begin a run that has more steps or frames than the limits in ``mpmfw.limits``.
     apart
         Run in a process of its own, so that one that crashes or hangs ends nothing else; plug-ins by name alone.
 

@@ -54,7 +54,7 @@ def stays(step: float, shape: str = "cpdi", steps: int = 600) -> bool:
         except SimulationError:
             return False
         found = sim.contact.candidates
-        gap = found.gap[found.segment >= 0].min(initial=0.0)
+        gap = found.old_gap[found.old_segment >= 0].min(initial=0.0)  # end_step made it history
         if not -1.5 * depth < gap < -0.5 * depth:
             return False
     return True

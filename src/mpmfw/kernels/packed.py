@@ -36,8 +36,8 @@ def fill_domain(
     the corners touch: neighbouring corners share most of their nodes, and a row of 4**dim entries would be 3 times (2D) or
     4 times (3D) as long. The nested loops are written out for each dimension, as in
     :func:`fill_tensor_product`. ``corner`` (2**dim, dim) is counted from the window's first node, ``share`` (2**dim,), ``slope``
-    (2**dim, dim) [1/m]. Returns :data:`OUTSIDE` if a corner lies outside the window of ``shape`` nodes or is NaN,
-    :data:`FULL` if the row does not fit into the table; then nothing is written.
+    (2**dim, dim) [1/m]. Returns ``OUTSIDE`` if a corner lies outside the window of ``shape`` nodes or is NaN,
+    ``FULL`` if the row does not fit into the table; then nothing is written.
     """
     dim = len(spacing)
     low = scratch.integers(spacing)
