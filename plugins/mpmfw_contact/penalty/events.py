@@ -101,9 +101,9 @@ class ContactEvents:
         )
         self.deepest = np.append(self.deepest, np.zeros(more))
 
-    @hookimpl
+    @hookimpl(tryfirst=True)
     def end_step(self, state: State) -> None:
-        """Follow the contacts of this step."""
+        """Follow the contacts of this step, before the law makes them the history of the next."""
         if state.surface is None:
             return
         c = self.contact.candidates
