@@ -32,7 +32,7 @@ def fill_domain(
 ) -> int:
     """Write φ_i = Σ_c share_c N_i(x_c) and ∇φ_i = Σ_c slope_c N_i(x_c) from entry ``k`` on; return the entry after the last.
 
-    N_i(x) = Π_d max(0, 1 − |x_d − i_d|), all in cells. The entries are the nodes of the smallest box that holds all that
+    N_i(x) = Π_d max(0, 1 − abs(x_d − i_d)), all in cells. The entries are the nodes of the smallest box that holds all that
     the corners touch: neighbouring corners share most of their nodes, and a row of 4**dim entries would be 3 times (2D) or
     4 times (3D) as long. The nested loops are written out for each dimension, as in
     :func:`fill_tensor_product`. ``corner`` (2**dim, dim) is counted from the window's first node, ``share`` (2**dim,), ``slope``
