@@ -150,7 +150,7 @@ def prepared(name: str, points: int) -> tuple[Simulation, OneBody, Snapshot]:
     simulation.advance(WARM_UP)
     written, snapshot = reference(simulation), Snapshot(simulation)
     reached = []
-    for step in (lambda: simulation.step(simulation.stable_step()), written.step):
+    for step in (simulation.step, written.step):
         snapshot.restore()
         for _ in range(STEPS):
             step()
@@ -174,7 +174,7 @@ def measure(name: str, points: int = POINTS, pairs: int = PAIRS) -> dict[str, fl
     simulation, written, snapshot = prepared(name, points)
 
     def own() -> None:
-        simulation.step(simulation.stable_step())
+        simulation.step()
 
     times = np.zeros((pairs, 2))
     for index in range(pairs):

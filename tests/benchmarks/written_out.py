@@ -165,12 +165,15 @@ class Touching(TwoApart):
     """Two bodies in contact by springs; with and without friction differ in the coefficient that the kernel reads."""
 
     def step(self) -> None:
-        """One step of the stable length, which the springs of the last step limit."""
+        """One step of the stable length, which its springs limit; they are found first, and become the history last."""
         c = self.contact
-        springs = 2.0 / math.sqrt(c.bulk_frequency**2 + c.omega_squared)
-        dt = self.safety * min(self.limit, springs, self.time_to_travel())
         self.interpolate()
         self.project()
+        assert self.near()
+        self.find()
+        self.stiffen()
+        springs = 2.0 / math.sqrt(c.bulk_frequency**2 + c.omega_squared)
+        dt = self.safety * min(self.limit, springs, self.time_to_travel())
         projection.add_internal_force(
             self.phi.row,
             self.phi.nodes,
@@ -180,11 +183,10 @@ class Touching(TwoApart):
             self.g.force,
             self.g.spacing,
         )
-        assert self.near()
-        self.find()
         self.press(dt)
         map_to_grid(self.n_s.row, self.n_s.nodes, self.n_s.weight, c.force, self.g.force)
         self.move(dt)
+        c.candidates.swap()
 
     def find(self) -> None:
         """Candidate segments of every surface node."""
@@ -198,23 +200,22 @@ class Touching(TwoApart):
             g.stamp, s.position, s.next, lower, spacing, nodes, g.shared, g.head, g.head_stamp, g.link, g.link_segment
         )  # fmt: skip
         assert entries <= len(g.link)
-        k.swap()
         search.find_pairs(
             g.stamp, c.radius, False, s.position, s.next, s.previous, s.body, c.laws.rank, lower, spacing, nodes,
             g.shared, g.head, g.head_stamp, g.link, g.link_segment, k.master, k.segment, k.coordinate, k.gap, k.normal,
         )  # fmt: skip
-        found, outline = (
-            (k.master, k.segment, k.coordinate, k.gap, k.normal),
-            (s.next, s.previous, s.body, s.body_first),
-        )
-        keep_inside(s.position, *outline, k.old_master, k.old_segment, *found, c.through)
+        found = k.master, k.segment, k.coordinate, k.gap, k.normal
+        keep_inside(
+            s.position, s.next, s.previous, s.body, s.body_first, k.old_master, k.old_segment, *found, c.through
+        )  # fmt: skip
         find_crossings(
-            THIN * c.radius, s.position, s.displacement, *outline, c.laws.is_slave, g.box_lower, g.box_upper, *found
+            THIN * c.radius, s.position, s.displacement, s.next, s.previous, s.body_first, c.laws.first, c.laws.second,
+            c.laws.rank, g.box_lower, g.box_upper, *found,
         )  # fmt: skip
 
-    def press(self, dt: float) -> None:
-        """Springs, their frequency, and the forces on the surface nodes."""
-        s, c, k, r, t = self.s, self.contact, self.contact.candidates, self.contact.records, self.n_s
+    def stiffen(self) -> None:
+        """Springs and their frequency."""
+        s, c, k, t = self.s, self.contact, self.contact.candidates, self.n_s
         spring_stiffness(
             k.slots, k.segment, k.master, s.body, c.node_factor, c.laws.modulus, s.position, s.next, s.previous,
             s.displacement, k.coordinate, k.normal, k.gap, c.cell_size, k.old_master,
@@ -224,18 +225,22 @@ class Touching(TwoApart):
             k.slots, k.segment, k.coordinate, k.gap, k.rest, k.stiffness, c.linear_to, s.next, t.row, t.nodes, t.weight,
             self.g.mass, c.node_stiffness,
         )  # fmt: skip
+
+    def press(self, dt: float) -> None:
+        """The forces on the surface nodes."""
+        s, c, k, r = self.s, self.contact, self.contact.candidates, self.contact.records
         c.force.fill(0.0)
         rubbed = r.frictional_work.copy()
         contact_forces(
             k.slots, k.master, k.segment, k.coordinate, k.gap, k.rest, k.normal, k.old_master, k.tangential,
             k.old_tangential,
             s.body, c.laws.pair_of, c.laws.first, s.position, s.displacement, s.next, s.previous, k.stiffness,
-            k.damping, c.laws.friction, 1.0, False, False, c.linear_to, dt, c.rows, c.force, r.impulse, r.frictional_work,
+            k.damping, c.laws.friction, 1.0, False, c.linear_to, dt, c.scratch, c.force, r.impulse, r.frictional_work,
             r.damping_work, r.energy, r.count,
         )  # fmt: skip
         add_losses(
             s.body, c.laws.pair_of, s.position, s.displacement, s.next, s.previous, k.master, k.gap, k.rest, k.stiffness,
             k.tangential, k.old_master, k.old_segment, k.old_coordinate, k.old_gap, k.old_normal, k.old_rest,
-            k.old_stiffness, k.old_tangential, 1.0, c.linear_to, c.rows[0], c.spring_work,
+            k.old_stiffness, k.old_tangential, 1.0, c.linear_to, c.rows, c.spring_work,
         )  # fmt: skip
         c.spring_work -= r.frictional_work - rubbed
