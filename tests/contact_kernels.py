@@ -6,9 +6,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from mpmfw.kernels.polyline import signed_distance
-from mpmfw_contact.penalty import pair_force, search
-from mpmfw_contact.penalty.pair_table import pair_table as pair_of_bodies
+from mpmfw.kernels.contact import add_records, match_rows
+from mpmfw.kernels.pair_table import pair_table as pair_of_bodies
+from mpmfw.kernels.polyline import bounding_boxes, signed_distance
+from mpmfw_contact import _springs
+from mpmfw_contact.surfaces import search
+from mpmfw_contact.surfaces.assembly import assemble
+from mpmfw_contact.surfaces.detection import SurfaceRows
 
 
 @dataclass
@@ -75,6 +79,15 @@ def empty_candidates(n, slots):
     return Found(whole.copy(), whole.copy(), real.copy(), real.copy(), np.zeros((n, slots, 2)), 0)
 
 
+def near_boxes(loops, radius):
+    """What of every body may be within the radius of another: two corners of boxes, (n_bodies, 2) each."""
+    first = np.searchsorted(loops.body, np.arange(loops.n_bodies + 1))
+    lower, upper, *near = np.empty((4, loops.n_bodies, 2))
+    bounding_boxes(first, loops.position, lower, upper)
+    search.near_boxes(*np.triu_indices(loops.n_bodies, 1), lower, upper, radius, *near)
+    return near
+
+
 def find(loops, *, h=0.25, radius=None, literal=False, slots=3, lower=(-3.0, -3.0), nodes=(25, 25)):
     """The three steps of the search, on a background grid of cells h."""
     size = nodes[0] * nodes[1]
@@ -82,17 +95,19 @@ def find(loops, *, h=0.25, radius=None, literal=False, slots=3, lower=(-3.0, -3.
     link, link_segment = (np.zeros(64 * len(loops.body), dtype=np.int32) for _ in range(2))
     where = (np.array(lower), (h, h), np.array(nodes))
     found = empty_candidates(len(loops.body), slots)
+    radius = h if radius is None else radius
+    near = near_boxes(loops, radius)
     if not search.mark_shared_nodes(
-        1, loops.n_bodies, loops.position, loops.following, loops.body, *where, owner, shared
+        1, loops.n_bodies, loops.position, loops.following, loops.body, *near, *where, owner, shared
     ):
         return found
     lists = (shared, head, head_stamp, link, link_segment)
-    entries = search.list_segments(1, loops.position, loops.following, *where, *lists)
+    entries = search.list_segments(1, loops.position, loops.following, loops.body, *near, *where, *lists)
     assert entries <= len(link)
     alike = np.zeros(loops.n_bodies, dtype=np.int64)
     loop = (loops.position, loops.following, loops.previous, loops.body, alike)
     out = (found.master, found.segment, found.coordinate, found.gap, found.normal)
-    found.count = search.find_pairs(1, h if radius is None else radius, literal, *loop, *where, *lists, *out)
+    found.count = search.find_pairs(1, radius, literal, *loop, *near, *where, *lists, *out)
     return found
 
 
@@ -127,47 +142,94 @@ def pair_table(n_bodies):
     return pair_of_bodies(first, second), first
 
 
-def forces(loops, found, law, old_master=None, old_tangential=None):
-    """Call the kernel with the law alike for all nodes and pairs."""
-    n, slots = found.segment.shape
+@dataclass
+class History:
+    """What the last step left to the law: rows' identities, gaps, normals and tangential forces."""
+
+    identity: np.ndarray
+    gap: np.ndarray
+    normal: np.ndarray
+    tangential: np.ndarray
+
+
+def rows_of(loops, found, *, across=False, ties=True, friction=True, tilts=False, passes=1.0, table=None):
+    """Rows of the candidates; without a table the grid's nodes are the surface's own."""
+    n = len(loops.body)
+    own = dict.fromkeys(("bears", "rest", "k", "tangent_k"), 0) | {"tangential": 1, "moved": 1}
+    rows = SurfaceRows(2, couples=friction, tilts=tilts, own=own)
+    rows.make_room(2 * found.segment.size, 400 * n)
+    table = (np.arange(n + 1), np.arange(n, dtype=np.int32), np.ones(n)) if table is None else table
     pair_of, first = pair_table(loops.n_bodies)
+    facet = np.stack([np.arange(n), loops.following], axis=1)
+    length = np.linalg.norm(loops.position[loops.following] - loops.position, axis=1)
+    tributary = 0.5 * (length + length[loops.previous])
+    rows.count = assemble(
+        passes, across, ties, found.master, found.segment, found.coordinate, found.gap, found.normal,
+        loops.position, loops.displacement, tributary, loops.following, loops.previous, loops.body, facet,
+        pair_of, first, *table, loops.n_bodies,
+        rows.pair, rows.identity, rows.sign, rows.gap, rows.area, rows.whole, rows.normal, rows.motion,
+        rows.start, rows.dof, rows.weight, rows.couple, rows.tilt,
+        rows.slave, rows.facet, rows.share, rows.turn, rows.lean,
+    )  # fmt: skip
+    assert rows.count >= 0
+    return rows
+
+
+def history_of(loops, found, old_master=None, old_tangential=None):
+    """Rows of a last step with the same normals: bodies touched and tangential forces along e_t, (n, slots) each."""
+    if old_master is None:
+        return History(np.zeros(0, dtype=int), np.zeros(0), np.zeros((0, 2)), np.zeros((0, 2)))
+    kept = []
+    for s, j in zip(*np.nonzero(old_master >= 0), strict=True):
+        slot = np.flatnonzero((found.segment[s] >= 0) & (found.master[s] == old_master[s, j]))
+        e = found.normal[s, slot[0]] if len(slot) else np.array([1.0, 0.0])
+        kept.append(
+            (s * loops.n_bodies + old_master[s, j], e, old_tangential[s, j] * np.array([-e[1], e[0]]))
+        )
+    kept.sort(key=lambda each: each[0])
+    normal, tangential = (np.array([each[k] for each in kept]).reshape(-1, 2) for k in (1, 2))
+    return History(
+        np.array([each[0] for each in kept], dtype=int), np.full(len(kept), -1.0), normal, tangential
+    )
+
+
+def forces(loops, found, law, old_master=None, old_tangential=None):
+    """The law's forces, alike for all nodes and pairs, on the surface nodes."""
+    n, slots = found.segment.shape
+    _, first = pair_table(loops.n_bodies)
+    rows = rows_of(loops, found, tilts=law.keep_q)
+    old = history_of(loops, found, old_master, old_tangential)
+    rows.before[:] = -1
+    match_rows(0, rows.count, rows.identity, len(old.identity), old.identity, rows.before)
+    k = rows.own["k"]
+    k[: rows.count] = law.stiffness * rows.area[: rows.count] / whole_of(rows)
     result = Result(
         np.zeros((n, 2)), np.zeros((n, slots)), np.zeros((len(first), 2)), *np.zeros((4, len(first)))
     )
-    pair_force.contact_forces(
-        slots,
-        found.master,
-        found.segment,
-        found.coordinate,
-        found.gap,
-        np.zeros((0, slots)),
-        found.normal,
-        np.full((n, slots), -1) if old_master is None else old_master,
-        result.tangential,
-        np.zeros((n, slots)) if old_tangential is None else old_tangential,
-        loops.body,
-        pair_of,
-        first,
-        loops.position,
-        loops.displacement,
-        loops.following,
-        loops.previous,
-        np.full((n, slots), law.stiffness),
-        np.full((n, slots), law.damping),
-        np.full(len(first), law.friction),
-        law.tangential_ratio,
-        law.keep_q,
-        np.inf,
-        law.dt,
-        np.zeros((2, 4, 3, 2)),
-        result.force,
-        result.impulse,
-        result.friction_work,
-        result.damping_work,
-        result.energy,
-        result.count,
-    )
+    _springs.spring_forces(
+        rows.count, rows.pair, rows.identity, rows.before, rows.gap, rows.normal, rows.motion,
+        k, np.zeros(len(k)), k, law.damping / law.stiffness, np.full(len(first), law.friction), law.tangential_ratio, np.inf,
+        len(old.identity), old.identity, old.gap, old.normal, rows.own["tangential"], old.tangential,
+        rows.force, result.energy, result.friction_work, result.damping_work, np.zeros(len(first)),
+    )  # fmt: skip
+    rows.add_to(result.force, (1.0, 1.0))
+    add_records(
+        0, rows.count, rows.pair, rows.identity, rows.sign, rows.force, law.dt, result.impulse, result.count, (1.0, 1.0)
+    )  # fmt: skip
+    for c in range(rows.count):
+        if rows.gap[c] < 0.0:
+            s, e = rows.slave[c], rows.normal[c]
+            j = np.flatnonzero(
+                (found.segment[s] >= 0) & (found.master[s] == rows.identity[c] % loops.n_bodies)
+            )[0]
+            result.tangential[s, j] += rows.own["tangential"][c] @ (-e[1], e[0])
     return result
+
+
+def whole_of(rows):
+    """Area of the whole place that every row belongs to."""
+    identity = rows.identity[: rows.count]
+    return np.array([rows.whole[: rows.count][identity == each].sum() for each in identity])
 
 
 class OneNode:

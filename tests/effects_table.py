@@ -73,23 +73,10 @@ LEAST = Brings(
 )
 
 _SHAPE = "setup particle_reach interpolate interpolate_surface"
-_PENALTY = (
-    *(
-        "strategy",
-        "law",
-        "search",
-        "candidates",
-        "laws",
-        "losses",
-        "options",
-        "pair_force",
-        "pair_table",
-        "spring",
-        "stability",
-        "facing",
-        "tracking",
-        "travel",
-    ),
+_SURFACES = " ".join(
+    ["mpmfw_contact.surfaces"]
+    + [f"mpmfw_contact.surfaces.{name}" for name in ("detection", "search", "assembly", "candidates")]
+    + [f"mpmfw_contact.surfaces.{name}" for name in ("facing", "tracking", "travel")]
 )
 EFFECTS = {
     "linear": brings("linear", hooks=_SHAPE, modules="mpmfw_shape.linear mpmfw_shape._bilinear_surface"),
@@ -136,7 +123,7 @@ EFFECTS = {
     "surfaces": brings(
         "surface",
         hooks="setup detect advect",
-        arrays="position displacement tributary next previous body first body_first cell_mass",
+        arrays="position displacement tributary next previous facets body first body_first cell_mass",
         modules="mpmfw.effects.surface",
         surface="position next",
     ),
@@ -163,42 +150,34 @@ EFFECTS = {
     "separate": brings(modules="mpmfw_contact.separate"),
     "bardenhagen": brings(
         "bardenhagen",
-        hooks="declare_fields setup add_pairs after_momentum_projection after_momentum_update after_second_projection "
-        "diagnostics",
-        arrays="impulse frictional_work damping_work energy count sharers volume_gradient",
-        modules="mpmfw_contact.bardenhagen mpmfw_contact._shared_nodes mpmfw_contact.records",
+        hooks="declare_fields setup add_pairs detect after_momentum_projection after_momentum_update "
+        "after_second_projection advect diagnostics",
+        arrays="impulse frictional_work damping_work energy count volume_gradient",
+        modules="mpmfw_contact.bardenhagen mpmfw_contact.impulse mpmfw_contact.nodes",
         series="contact_force contact_count frictional_work contact_energy damping_work",
     ),
     "averaged normals": brings(
-        "bardenhagen_leaning",
-        hooks="declare_fields setup add_pairs after_momentum_projection after_momentum_update concerns",
+        "leaning_normals",
+        hooks="declare_fields setup add_pairs after_momentum_projection add_nodal_force after_momentum_update concerns",
         arrays="normal_impulse mean_normal lean",
         modules="mpmfw_contact._leaning",
     ),
     "distance of bodies": brings("bardenhagen", arrays="mean_position"),
     "penalty": brings(
         "penalty",
-        hooks="declare_fields setup add_pairs detect add_nodal_force end_step stable_timestep diagnostics",
+        hooks="declare_fields setup add_pairs detect add_nodal_force advect stable_timestep diagnostics",
         arrays="impulse frictional_work damping_work spring_work energy count force master segment coordinate gap normal "
-        "stiffness share rest old_master old_segment old_coordinate old_gap old_normal old_stiffness old_share old_rest "
-        "owner shared head head_stamp link link_segment "
-        "box_lower box_upper",
-        modules=" ".join(
-            ["mpmfw_contact.penalty", "mpmfw_contact.records"]
-            + [f"mpmfw_contact.penalty.{name}" for name in _PENALTY]
-        ),
+        "inside inside_segment owner shared head head_stamp link link_segment box_lower box_upper near_lower near_upper",
+        modules=f"mpmfw_contact.penalty mpmfw_contact._springs {_SURFACES}",
         series="contact_force contact_count frictional_work contact_energy damping_work spring_work",
         surface="force",
     ),
-    "travel": brings("penalty_travel", hooks="setup add_pairs stable_timestep"),
-    "touching": brings("penalty", arrays="node_stiffness"),
-    "friction": brings("penalty", arrays="tangential old_tangential"),
-    "contact damping": brings("penalty", arrays="damping"),
+    "travel": brings("surface_travel", hooks="setup add_pairs stable_timestep"),
     "interface layer": brings(
-        "penalty_layer",
+        "surface_layer",
         hooks="declare_fields setup after_momentum_projection after_second_projection advect",
         arrays="interface_mass interface_velocity",
-        modules="mpmfw_contact.penalty.layer",
+        modules="mpmfw_contact.surfaces.layer",
     ),
     "ledger": brings(
         "energy_ledger",
@@ -226,8 +205,6 @@ EFFECTS = {
     "contact events": brings(
         "contact_events",
         hooks="declare_fields setup add_pairs end_step diagnostics concerns",
-        arrays="age partner",
-        modules="mpmfw_contact.penalty.events",
         series="steps_per_contact penetration",
     ),
 }
@@ -270,21 +247,19 @@ ONE = block(shape__method="linear", bodies__solid__rotation="lumped")
 ELASTIC = {"model": "linear_elastic", "density": 1e3, "bulk_modulus": 1e6, "shear_modulus": 5e5}
 GRAVITY = {"vector": [0, -10]}
 HELD = [{"side": "bottom", "fixed": True}]
-FRICTIONLESS = ("penalty", "travel", "surfaces", "local spin", "touching")
-TOUCHED = (*FRICTIONLESS, "friction")
+FRICTIONLESS = ("penalty", "travel", "surfaces", "local spin")
+TOUCHED = FRICTIONLESS
 LEDGER = ("ledger", "impulses before", "impulses after")
 CASES = {
     "one body": Case(ONE, ()),
-    "two bodies apart": Case(
-        _apart(_two("penalty")), ("penalty", "travel", "surfaces", "local spin", "friction")
-    ),
+    "two bodies apart": Case(_apart(_two("penalty")), FRICTIONLESS),
     "frictionless": Case(_two("penalty", contact__friction=0), FRICTIONLESS),
     "frictional": Case(_two("penalty"), TOUCHED),
     "contact with a layer": Case(
         _two("penalty", contact__penalty={"interface_thickness": 0.01}),
         (*(name for name in TOUCHED if name != "local spin"), "interface layer"),
     ),
-    "damped contact": Case(_two("penalty", contact__penalty={"damping": 0.1}), (*TOUCHED, "contact damping")),
+    "damped contact": Case(_two("penalty", contact__penalty={"damping": 0.1}), TOUCHED),
     "gravity": Case(with_changes(ONE, gravity=GRAVITY), ("gravity",)),
     "settled": Case(
         with_changes(ONE, settle={"tolerance": 0.5}, gravity=GRAVITY, bodies__solid__sides=HELD),

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mpmfw.api import Field, FloatArray, Grid, Setup, State, hookimpl
+from mpmfw.api import Field, FloatArray, ForceContact, Grid, Setup, State, hookimpl
 from mpmfw.kernels import kernel
 from mpmfw.kernels.types import Floats, Ints
 
 if TYPE_CHECKING:
-    from mpmfw_contact.bardenhagen import Bardenhagen
+    from mpmfw_contact.nodes import Nodes
 
 #: Lean, as a coefficient of friction, from which a reader must know of it: symmetric impacts and a cylinder that rolls with
 #: ``criterion = "position"`` have at most 0.02, blocks and discs that slide in 0.05 to 0.3.
@@ -27,10 +27,10 @@ LEAN = Field("lean", ("pair", "axis"), "N s m-1", "sum of J_n (n_a + n_b) / 2", 
 def add_lean(
     count: int,
     pair: Ints,
-    node_a: Ints,
-    node_b: Ints,
+    dof: Ints,
     normal: Floats,
-    impulse: Floats,
+    force: Floats,
+    scale: float,
     gradient: Floats,
     total: Floats,
     mean_normal: Floats,
@@ -40,38 +40,39 @@ def add_lean(
     """Add J_n, J_n n and J_n (n_a + n_b) / 2 of every shared node, n_a and n_b the two bodies' own outward normals.
 
     Where faces meet n_b = −n_a, and the last is nothing. Its length is J_n times the sine of the angle by which the mean
-    of the two differs from either.
+    of the two differs from either. The impulse on body a is ``scale`` times the row's force.
     """
     dim = len(spacing)
     for c in range(count):
-        i, j, normal_impulse = node_a[c], node_b[c], 0.0
+        i, j, normal_impulse = dof[2 * c], dof[2 * c + 1], 0.0
         square_a, square_b = 0.0, 0.0
         for d in range(dim):
-            normal_impulse -= impulse[c, d] * normal[c, d]
+            normal_impulse += scale * force[c, d] * normal[c, d]
             square_a += gradient[i, d] ** 2
             square_b += gradient[j, d] ** 2
         if normal_impulse > 0.0 and square_a > 0.0 and square_b > 0.0:
             total[pair[c]] += normal_impulse
             for d in range(dim):
                 both = gradient[i, d] / math.sqrt(square_a) + gradient[j, d] / math.sqrt(square_b)
-                mean_normal[pair[c], d] += normal_impulse * normal[c, d]
+                mean_normal[pair[c], d] -= normal_impulse * normal[c, d]
                 lean[pair[c], d] += 0.5 * normal_impulse * both
 
 
 class LeaningNormals:
     """Follows the averaged normals through a run, and says at its end if they lean to one side.
 
-    A plug-in of its own beside :class:`~mpmfw_contact.bardenhagen.Bardenhagen`, registered only where normals are averaged.
+    A plug-in of its own beside contact at nodes, registered only where normals are averaged.
     At the edge of a contact the two bodies' own normals disagree: the front corner of a block that slides on a plane points
     ahead, a disc sees the plane ahead of it through the wedge between them. A mean normal there leans ahead, what slides in
     counts as approach, and impulses along it brake the body and throw it up. What leans ahead and behind alike cancels.
     """
 
-    name = "bardenhagen_leaning"
+    name = "leaning_normals"
     stage = "contact"
 
-    def __init__(self, contact: Bardenhagen) -> None:
-        self.contact = contact
+    def __init__(self, contact: Any, nodes: Nodes) -> None:
+        self.contact, self.nodes = contact, nodes
+        self.forces = isinstance(contact, ForceContact)
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
@@ -101,29 +102,28 @@ class LeaningNormals:
     @hookimpl
     def after_momentum_projection(self, grid: Grid) -> None:
         """The impulses that corrected the projected momentum."""
-        self._add(grid)
+        if not self.forces:
+            self._add(grid, 1.0)
+
+    @hookimpl
+    def add_nodal_force(self, grid: Grid, dt: float) -> None:
+        """The forces of a law of forces."""
+        if self.forces:
+            self._add(grid, dt)
 
     @hookimpl
     def after_momentum_update(self, grid: Grid) -> None:
         """The impulses that corrected the updated momentum."""
-        self._add(grid)
+        if not self.forces:
+            self._add(grid, 1.0)
 
-    def _add(self, grid: Grid) -> None:
-        contact, c = self.contact, self.contact.contacts
-        if contact.count:
+    def _add(self, grid: Grid, scale: float) -> None:
+        rows = self.contact.rows
+        if rows.count:
             add_lean(
-                contact.count,
-                c.pair,
-                c.node_a,
-                c.node_b,
-                c.normal,
-                c.impulse,
-                contact.gradient,
-                self.total,
-                self.normal,
-                self.lean,
-                grid.spacing,
-            )
+                rows.count, rows.pair, rows.dof, rows.normal, rows.force, scale, self.nodes.gradient,
+                self.total, self.normal, self.lean, grid.spacing,
+            )  # fmt: skip
 
     def sideways(self) -> FloatArray:
         """Lean across the mean normal over all normal impulses, of every pair (pair,): a coefficient of friction."""
@@ -136,7 +136,7 @@ class LeaningNormals:
     def concerns(self) -> list[str]:
         """Pairs whose normals lean by more than :data:`LARGEST`."""
         tries = ['normal = "master" or "specified" for faces']
-        if self.contact.options.criterion == "velocity":
+        if not self.nodes.by_position:
             tries.append('criterion = "position" for round bodies')
         return [
             f"{pair.label}: averaged normals lean to one side by {lean:.2g} of the normal impulse, at corners and ahead of round "

@@ -23,15 +23,20 @@ Names that are neither classes nor functions:
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, Literal, Self
+from typing import ClassVar
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict
 
+from mpmfw.contact.detection import Detection
+from mpmfw.contact.joined import ForceContact, ImpulseContact
+from mpmfw.contact.law import ContactLaw, ForceLaw, ImpulseLaw
+from mpmfw.contact.records import PairRecords
+from mpmfw.contact.rows import ContactRows
+from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.errors import SceneError, SimulationError
 from mpmfw.fields import CONTACT_SERIES, AnyArray, Field, FloatArray, IndexArray, IntArray
 from mpmfw.hookspecs import hookimpl
+from mpmfw.plugin import NoOptions, PlugIn
 from mpmfw.setup import Setup
 from mpmfw.state import Body, Grid, OutsideGrid, Pair, Particles, State, Stencil, Surface
 from mpmfw.units import (
@@ -46,56 +51,6 @@ from mpmfw.units import (
     Velocity,
     quantity,
 )
-
-
-class NoOptions(BaseModel):
-    """Options of a plug-in that has none."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class PlugIn:
-    """Base of plug-ins: a name, and options validated by the plug-in's own model.
-
-    Parameters
-    ----------
-    options
-        Values of the plug-in's ``Options``; those left out have the model's defaults.
-
-    Raises
-    ------
-    pydantic.ValidationError
-        An option is unknown, or its value is refused by the model.
-    """
-
-    #: What scenes and the entry point call the plug-in.
-    name: ClassVar[str]
-    #: Model of the options; :class:`NoOptions` takes none. The validated instance is ``self.options``.
-    Options: ClassVar[type[BaseModel]] = NoOptions
-    #: Stage of the clock that its hooks are charged to; None leaves them with the stage of the core that calls them.
-    stage: ClassVar[str | None] = None
-
-    def __init__(self, **options: Any) -> None:
-        self.options = self.Options(**options)
-
-    @classmethod
-    def from_options(cls, options: BaseModel) -> Self:
-        """Make the plug-in from an instance of its model, keeping which options were set."""
-        return cls(**{key: getattr(options, key) for key in options.model_fields_set})
-
-    @property
-    def label(self) -> str:
-        """Name and the options that were set, for tables and coordinates; wherever a method is named, it names this one."""
-        return self.said_with({key: getattr(self.options, key) for key in self.options.model_fields_set})
-
-    def said_with(self, options: Mapping[str, Any]) -> str:
-        """The plug-in's name and these options as one text, ``NAME(option=value, …)``.
-
-        ``options`` are values by name; those that are None are not said.
-        """
-        from mpmfw.scene.specification import specification_of
-
-        return specification_of(self.name, options)
 
 
 class ShapeFunction(PlugIn):
@@ -117,54 +72,6 @@ class ShapeFunction(PlugIn):
     #: What ``auto`` means for scheme and transfer.
     auto_scheme: ClassVar[str] = "usl"
     auto_transfer: ClassVar[str] = "aflip"
-
-
-class ContactStrategy(PlugIn):
-    """Base of contact strategies.
-
-    Subclasses implement the hooks of their place in the step. Their series are those of
-    :data:`mpmfw.fields.CONTACT_SERIES` as far as they declare them.
-    """
-
-    #: One velocity field for all bodies, or one per body.
-    velocity_fields: ClassVar[Literal["single", "per_body"]] = "per_body"
-    #: Whether the strategy acts through tracked outlines (``state.surface``), which it then pays for.
-    needs_surface: ClassVar[bool] = False
-    #: How surface nodes are mapped to the grid: ``auto`` follows the shape function.
-    surface_map: Literal["auto", "plain", "mass_weighted"] = "auto"
-    #: Whether the strategy adds inertia of its own to the nodes, which a body's rotational inertia would have to know.
-    adds_mass: bool = False
-    #: Whether the strategy is to keep bodies apart, so that results warn of deep penetration.
-    keeps_apart: ClassVar[bool] = True
-    #: Whether the strategy uses the pairs' friction.
-    uses_friction: ClassVar[bool] = False
-    #: Dimensions that the strategy works in.
-    dimensions: ClassVar[tuple[int, ...]] = (2, 3)
-
-    def parts(self) -> list[Any]:
-        """Plug-ins that the strategy's options call for beside it, registered with it."""
-        return []
-
-    def reach(self, cell_size: float) -> float | None:  # noqa: ARG002
-        """Distance of two bodies' bounding boxes [m] beyond which nothing is searched; None without a search.
-
-        ``cell_size`` is that of the grid, h [m].
-        """
-        return None
-
-    def unused(self, pairs: Sequence[Pair]) -> list[str]:  # noqa: ARG002
-        """Facts of these pairs that the law does not look at with its options, one line each, for ``explain``.
-
-        That it has no friction at all is said by :attr:`uses_friction`.
-        """
-        return []
-
-    def monitors(self) -> list[Any]:
-        """Plug-ins that watch the strategy's own stability, registered where a scene says ``output.stability``."""
-        return []
-
-    def restart(self) -> None:
-        """Time zero, after settling: forget accumulated work and impulse, keep the state of contact."""
 
 
 class Material(PlugIn):
@@ -247,11 +154,18 @@ __all__ = [
     "AngularVelocity",
     "AnyArray",
     "Body",
+    "ContactLaw",
+    "ContactRows",
     "ContactStrategy",
     "Density",
+    "Detection",
     "Field",
     "FloatArray",
+    "ForceContact",
+    "ForceLaw",
     "Grid",
+    "ImpulseContact",
+    "ImpulseLaw",
     "IndexArray",
     "IntArray",
     "Length",
@@ -260,6 +174,7 @@ __all__ = [
     "Number",
     "OutsideGrid",
     "Pair",
+    "PairRecords",
     "Particles",
     "PlugIn",
     "Pressure",

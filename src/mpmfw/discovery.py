@@ -13,7 +13,7 @@ from typing import Any, Literal, TypeAlias, get_args
 
 from mpmfw.errors import SceneError
 
-Kind: TypeAlias = Literal["contact", "shape", "material"]
+Kind: TypeAlias = Literal["contact", "detection", "law", "shape", "material"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
 
@@ -70,6 +70,18 @@ def load_announced(what: Literal["measure", "reference"], name: str) -> Any:
         ) from error
 
 
+def choices(kind: Kind) -> dict[str, EntryPoint]:
+    """What may be named where a plug-in of this kind is asked for: those that are installed, and contacts that are joined.
+
+    A contact is also every detection with every law, ``DETECTION+LAW``; its entry is the law's.
+    """
+    found = available(kind)
+    if kind == "contact":
+        laws = available("law").items()
+        found |= {f"{each}+{name}": law for each in available("detection") for name, law in laws}
+    return found
+
+
 def _search_path() -> tuple[tuple[str, int], ...]:
     """The folders that distributions are looked for in, with the times at which one came or went."""
     return tuple((folder, os.stat(folder).st_mtime_ns) for folder in sys.path if os.path.isdir(folder))
@@ -100,9 +112,11 @@ def load(kind: Kind, name: str) -> type[Any]:
         No such plug-in is installed, or two of that name; it fails to import, its class has another name, or
         :func:`refuse_class` says why it cannot be used.
     """
-    entries = available(kind)
+    entries = choices(kind)
     if name not in entries:
         raise SceneError(f"unknown {kind} plug-in '{name}'; {did_you_mean(name, entries)}")
+    if kind == "contact" and "+" in name:
+        return _joined(name)
     entry, *others = _announced(kind, entry_points, _search_path())[name]
     if others:
         announced = " and ".join(f"{distribution_of(each)} ({each.value})" for each in (entry, *others))
@@ -136,6 +150,22 @@ def load(kind: Kind, name: str) -> type[Any]:
             f"{said}: {entry.value} has the name '{own}'; expected the same as the entry point's"
         )
     return plugin
+
+
+def _joined(name: str) -> type[Any]:
+    """The contact of a detection and a law.
+
+    Raises
+    ------
+    SceneError
+        As :func:`load` of either, or they do not go together.
+    """
+    detection, _, law = name.partition("+")
+    try:
+        made: type[Any] = load("law", law).joined_with(load("detection", detection))
+        return made
+    except SceneError as error:
+        raise SceneError(f"contact '{name}': {error}") from error
 
 
 def _working_folder() -> str | None:

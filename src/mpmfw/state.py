@@ -165,6 +165,7 @@ class Surface:
     tributary: FloatArray  #: (n_s,) [m]
     next: IntArray  #: (n_s,) segment s runs from node s to node next[s]
     previous: IntArray  #: (n_s,)
+    facets: IntArray  #: (n_f, dim) surface nodes of every facet, in the plane of segment s
     body: IntArray  #: (n_s,) index of the body
     first: IntArray  #: (n_fields + 1,) surface nodes of velocity field f
     body_first: IntArray  #: (n_bodies + 1,) surface nodes of body b

@@ -9,18 +9,19 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from mpmfw.effects.surface import move_points, weigh_plain
-from mpmfw.kernels import gather, nodal, projection
-from mpmfw.kernels.polyline import bounding_boxes
-from mpmfw.kernels.stencil import fill_linear
-from mpmfw.simulation import Simulation
-from mpmfw_contact.penalty import search
 from mpmfw_contact.penalty.losses import add_losses
 from mpmfw_contact.penalty.pair_force import contact_forces
 from mpmfw_contact.penalty.stability import contact_frequency, map_to_grid, spring_stiffness
 from mpmfw_contact.penalty.strategy import THIN
 from mpmfw_contact.penalty.tracking import find_crossings, keep_inside
 from mpmfw_contact.penalty.travel import fewest_steps
+
+from mpmfw.effects.surface import move_points, weigh_plain
+from mpmfw.kernels import gather, nodal, projection
+from mpmfw.kernels.polyline import bounding_boxes
+from mpmfw.kernels.stencil import fill_linear
+from mpmfw.simulation import Simulation
+from mpmfw_contact.penalty import search
 from mpmfw_material.neo_hookean import neo_hookean_split
 from mpmfw_shape.cpdi import fill_cpdi
 

@@ -32,33 +32,33 @@ class Fault:
 
 CPDI = "penalty, cpdi"
 CPDI2 = "penalty, cpdi2"
-PAIR = "mpmfw_contact/penalty/pair_force.py"
+SPRINGS = "mpmfw_contact/_springs.py"
 SLIDING = "fitted acceleration, error"
 
 FAULTS = {
     "reversed normal": Fault(
-        PAIR,
+        SPRINGS,
         "f_n = normal_force(k, depth, linear_to)",
-        "f_n = normal_force(k, g, linear_to)",
+        "f_n = normal_force(k, gap[c], linear_to)",
         "sliding-block",
         ((CPDI, "run"), (CPDI2, "run")),  # the block is pulled into the plane, and the run ends
     ),
     "friction halved": Fault(
-        PAIR,
-        "return_to_cone(stored - k_t * slip, friction[pair] * f_n, k_t)",
-        "return_to_cone(stored - k_t * slip, 0.5 * friction[pair] * f_n, k_t)",
+        SPRINGS,
+        "return_to_cone(c, friction[p] * f_n, k_t, tangential)",
+        "return_to_cone(c, 0.5 * friction[p] * f_n, k_t, tangential)",
         "sliding-block",
         ((CPDI, SLIDING), (CPDI2, SLIDING)),
     ),
     "P dropped": Fault(
-        PAIR,
-        "couple = gap / lever * e_n",
-        "couple = 0.0 * gap / lever * e_n",
+        "mpmfw_contact/surfaces/assembly.py",
+        "over = g / lever if lever > 0.0 else 0.0",
+        "over = 0.0",
         "pair-force",
         (("", "l δξ − C_t, largest"), ("", "net moment of C_t"), ("", "net moment of the kernel's pairs")),
     ),
     "wrong surface map": Fault(
-        "mpmfw_contact/penalty/strategy.py",
+        "mpmfw_contact/surfaces/detection.py",
         "self.surface_map = self.options.map",
         'self.surface_map = "mass_weighted"',
         "contact-stress",

@@ -88,7 +88,7 @@ def test_penetration_is_pressure_over_stiffness():
     for kappa in (1.0, 4.0):
         sim = simulation("penalty", incline({"block": block(-0.2)}, 0), kappa=kappa)
         sim.advance(20)
-        contact = sim.contact.candidates
+        contact = sim.contact.detection.candidates
         plane_node = sim.state.surface.body[:, None] == 1
         inner = (np.abs(sim.state.surface.position[:, :1]) < 0.12) & plane_node & (contact.segment >= 0)
         depth = -contact.gap[inner].mean()

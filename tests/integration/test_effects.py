@@ -39,13 +39,23 @@ SPIN = {"local_spin/change", "local_spin/common"}
 SURFACE = {
     f"surface/{n}"
     for n in (
-        *("position", "displacement", "tributary", "next", "previous", "body", "first", "body_first"),
+        *(
+            "position",
+            "displacement",
+            "tributary",
+            "next",
+            "previous",
+            "facets",
+            "body",
+            "first",
+            "body_first",
+        ),
         "cell_mass",
     )
 }
 RECORDS = {"impulse", "frictional_work", "damping_work", "energy", "count"}
-CLASSICAL = {f"bardenhagen/{name}" for name in RECORDS | {"volume_gradient", "sharers"}}
-CLASSICAL |= {f"bardenhagen_leaning/{name}" for name in ("normal_impulse", "mean_normal", "lean")}
+CLASSICAL = {f"bardenhagen/{name}" for name in RECORDS | {"volume_gradient"}}
+CLASSICAL |= {f"leaning_normals/{name}" for name in ("normal_impulse", "mean_normal", "lean")}
 
 
 @pytest.mark.parametrize(
@@ -74,7 +84,7 @@ def test_exactly_the_arrays_that_penalty_contact_needs() -> None:
     own = {name for name in arrays if name.startswith("penalty/")}
     assert arrays - own == ARRAYS | AFFINE | SPIN | SURFACE
     assert own >= {f"penalty/{name}" for name in RECORDS | {"force"}}
-    assert "penalty_layer/interface_mass" not in own  # no interface thickness
+    assert "surface_layer/interface_mass" not in own  # no interface thickness
 
 
 def test_absent_structures_are_none() -> None:
@@ -117,14 +127,13 @@ HOOKS: dict[str, tuple[dict[str, Any], dict[str, list[str]]]] = {
         PENALTY,
         {
             "declare_fields": ["penalty", "gap", "local_spin", "body_series", "von_mises"],
-            "setup": ["soft", "shape", "penalty", "penalty_travel", "surface", "local_spin", "body_series"],
-            "add_pairs": ["penalty", "penalty_travel"],
+            "setup": ["soft", "shape", "penalty", "surface_travel", "surface", "local_spin", "body_series"],
+            "add_pairs": ["penalty", "surface_travel"],
             "detect": ["surface", "penalty"],
             "add_nodal_force": ["penalty"],
             "correct_inertia": ["local_spin"],
-            "advect": ["surface"],
-            "stable_timestep": ["penalty", "penalty_travel"],
-            "end_step": ["penalty"],
+            "advect": ["penalty", "surface"],
+            "stable_timestep": ["penalty", "surface_travel"],
             "diagnostics": ["penalty", "gap", "body_series", "von_mises"],
             "concerns": ["gap"],
         },
@@ -135,19 +144,22 @@ HOOKS: dict[str, tuple[dict[str, Any], dict[str, list[str]]]] = {
             "declare_fields": [
                 "shape",
                 "bardenhagen",
-                "bardenhagen_leaning",
+                "leaning_normals",
                 "local_spin",
                 "body_series",
                 "von_mises",
             ],
-            "setup": ["soft", "shape", "bardenhagen", "bardenhagen_leaning", "local_spin", "body_series"],
-            "add_pairs": ["bardenhagen", "bardenhagen_leaning"],
-            "after_momentum_projection": ["bardenhagen", "bardenhagen_leaning"],
-            "after_momentum_update": ["bardenhagen", "bardenhagen_leaning"],
+            "setup": ["soft", "shape", "bardenhagen", "leaning_normals", "local_spin", "body_series"],
+            "add_pairs": ["bardenhagen", "leaning_normals"],
+            "detect": ["bardenhagen"],
+            "after_momentum_projection": ["bardenhagen", "leaning_normals"],
+            "add_nodal_force": ["leaning_normals"],
+            "advect": ["bardenhagen"],
+            "after_momentum_update": ["bardenhagen", "leaning_normals"],
             "after_second_projection": ["bardenhagen"],
             "correct_inertia": ["local_spin"],
             "diagnostics": ["bardenhagen", "body_series", "von_mises"],
-            "concerns": ["bardenhagen_leaning"],
+            "concerns": ["leaning_normals"],
         },
     ),
 }

@@ -9,9 +9,11 @@ from typing import Any
 import pytest
 
 from effects_table import CASES
+from mpmfw.contact import rows
 from mpmfw.hooks import BoundHooks
 from mpmfw.simulation import Simulation
-from mpmfw_contact.penalty import law, search, strategy
+from mpmfw_contact import _springs
+from mpmfw_contact.surfaces import detection, search
 from scenes_for_tests import two_blocks, with_changes
 
 pytestmark = pytest.mark.effects
@@ -82,9 +84,10 @@ def test_diagnostics_are_called_at_outputs_alone() -> None:
 
 #: Kernels of the search and of the force, each behind the one before it.
 KERNELS = {
-    law: ("contact_forces",),
-    strategy: ("bounding_boxes", "spring_stiffness", "contact_frequency", "map_to_grid"),
-    search: ("boxes_touch", "mark_shared_nodes", "list_segments", "find_pairs"),
+    _springs: ("set_springs", "spring_forces"),
+    detection: ("bounding_boxes", "assemble"),
+    rows: ("couplings", "add_row_forces"),
+    search: ("near_boxes", "mark_shared_nodes", "list_segments", "find_pairs"),
 }
 
 
@@ -101,8 +104,8 @@ def kernel_calls(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
 def test_bodies_apart_cost_a_comparison_of_boxes(kernel_calls: Counter[str]) -> None:
     sim = Simulation(CASES["two bodies apart"].scene)
     sim.advance(STEPS)
-    assert kernel_calls == {"bounding_boxes": STEPS, "boxes_touch": STEPS}
-    assert sim.contact.grid.stamp == 0
+    assert kernel_calls == {"bounding_boxes": STEPS, "near_boxes": STEPS}
+    assert sim.contact.detection.grid.stamp == 0
 
 
 def test_one_body_costs_no_comparison(kernel_calls: Counter[str]) -> None:
@@ -121,7 +124,7 @@ def test_the_search_wakes_when_the_boxes_come_within_its_reach(kernel_calls: Cou
     surface, woke = sim.state.surface, False
     for _ in range(60):
         left, right = (surface.position[surface.of(body)] for body in (0, 1))
-        near = right[:, 0].min() - left[:, 0].max() <= sim.contact.radius
+        near = right[:, 0].min() - left[:, 0].max() <= sim.contact.detection.radius
         before = kernel_calls["mark_shared_nodes"]
         sim.step(sim.stable_step())
         assert (kernel_calls["mark_shared_nodes"] > before) == near

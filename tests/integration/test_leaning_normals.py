@@ -45,7 +45,8 @@ def outcome(angle, body="block", **options):
     sim.run()
     p, points = sim.state.particles, sim.state.bodies[0].particles
     x, y = p.mass[points] @ p.velocity[points] / p.mass[points].sum()
-    lean = 0.0 if sim.contact.leaning is None else float(sim.contact.leaning.sideways()[0])
+    leaning = sim.manager.get_plugin("leaning_normals")
+    lean = 0.0 if leaning is None else float(leaning.sideways()[0])
     return y / -velocity[1], x / velocity[0] if angle else 1.0, lean, sim.concerns()
 
 
@@ -102,7 +103,8 @@ def test_lean_agrees_with_numpy(dim):
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     gradient[3] = 0.0
     total, mean, lean = np.zeros(2), np.zeros((2, dim)), np.zeros((2, dim))
-    add_lean(count, pair, a, b, normal, impulse, gradient, total, mean, lean, (0.5,) * dim)
+    dof = np.stack([a, b], axis=1).ravel()
+    add_lean(count, pair, dof, -normal, 0.1 * impulse, 10.0, gradient, total, mean, lean, (0.5,) * dim)
     expected = np.zeros(2), np.zeros((2, dim)), np.zeros((2, dim))
     for c in range(count):
         size, g_a, g_b = -impulse[c] @ normal[c], gradient[a[c]], gradient[b[c]]

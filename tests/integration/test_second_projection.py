@@ -23,10 +23,10 @@ class StrainVelocity:
 
     def largest_approach(self, grid):
         """Over the nodes of the contact's own list; 0 if there are none."""
-        c, n = self.contact.contacts, slice(self.contact.count)
-        a, b = c.node_a[n], c.node_b[n]
-        velocities = [grid.momentum[node] / grid.mass[node, None] for node in (a, b)]
-        return max(0.0, *np.einsum("ij,ij->i", velocities[0] - velocities[1], c.normal[n]), 0.0)
+        rows = self.contact.rows
+        velocity = np.zeros((rows.count, 2))
+        rows.momentary_velocity(grid, velocity)
+        return max(0.0, *-np.einsum("ij,ij->i", velocity, rows.normal[: rows.count]), 0.0)
 
     @hookimpl(tryfirst=True, specname="after_second_projection")
     def before(self, grid):

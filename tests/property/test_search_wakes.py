@@ -50,9 +50,10 @@ def faces(sim: Simulation, node: int, other: np.ndarray) -> bool:
 
 def check_step(sim: Simulation) -> tuple[float, bool]:
     """Search, and compare with brute force; return the deepest node's gap [m] and whether the search was awake."""
-    surface, contact = sim.state.surface, sim.contact
+    surface, contact = sim.state.surface, sim.contact.detection
     stamp = contact.grid.stamp
     contact.count = contact._search(sim.state.grid)
+    contact.keep()
     awake = contact.grid.stamp > stamp
     outlines = [surface.position[surface.of(body)] for body in (0, 1)]
     deepest = np.inf
@@ -87,8 +88,8 @@ def test_no_contact_is_missed_by_bodies_slower_than_a_segment_a_step(
     start = surface.position.copy()
     left, right = surface.of(0), surface.of(1)
     step = share * np.linalg.norm(start - start[surface.next], axis=1).min()
-    sim.contact.candidates.forget()
-    sim.contact.count, awake = 0, False
+    sim.contact.detection.candidates.inside.fill(-1)
+    sim.contact.detection.was_inside, awake = False, False
     turn, centre = rng.uniform(0.0, 2.0 * np.pi), start[right].mean(axis=0)
     c, s = np.cos(turn), np.sin(turn)
     shift = np.array([0.0, aside])

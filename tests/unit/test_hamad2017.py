@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from contact_kernels import find, flat, join, pair_table, star
+from contact_kernels import find, flat, join, pair_table, rows_of, star
 from mpmfw.api import Pair
+from mpmfw.kernels.contact import match_rows
 from mpmfw_contact.hamad2017 import Hamad2017, pair_forces
 
-K, MU, DT = 1e4, 0.3, 1e-3
+K, MU = 1e4, 0.3
 SLOTS = 8
 
 
@@ -17,28 +18,34 @@ class Surfaces:
     """Overlapping outlines under the law, moved by hand, with its friction history."""
 
     def __init__(self, loops, *, literal=False, friction=MU, ratio=1.0):
-        self.loops, self.friction, self.ratio = loops, friction, ratio
-        n = len(loops.body)
-        self.tangential = np.zeros((0 if literal else n, SLOTS))
-        self.old_master, self.old_tangential = np.full((n, SLOTS), -1), self.tangential.copy()
+        self.loops, self.literal, self.friction, self.ratio = loops, literal, friction, ratio
+        self.old, self.tangential = None, np.zeros((len(loops.body), SLOTS))
         self.work = self.energy = 0.0
 
     def force(self):
-        """Forces on all nodes (n, 2), and the candidates."""
-        loops = self.loops
+        """Forces on all nodes (n, 2), and the candidates; tangential forces along e_t of every node's rows are kept."""
+        loops, none = self.loops, np.zeros((0, 2))
         found = find(loops, literal=True, slots=SLOTS)
-        pair_of, first = pair_table(loops.n_bodies)
-        force, records = np.zeros_like(loops.position), np.zeros((3, len(first)))
+        rows = rows_of(loops, found, ties=False, tilts=True)
+        old = rows_of(loops, found, ties=False, tilts=True) if self.old is None else self.old
+        count = 0 if self.old is None else old.count
+        match_rows(0, rows.count, rows.identity, count, old.identity, rows.before)
+        _, first = pair_table(loops.n_bodies)
+        records = np.zeros((2, len(first)))
         pair_forces(
-            found.master, found.segment, found.coordinate, found.gap, found.normal, np.full(found.segment.shape, K),
-            self.old_master, self.tangential, self.old_tangential,
-            loops.body, loops.position, loops.displacement, loops.following,
-            pair_of, first, np.full(len(first), self.friction), self.ratio, DT,
-            np.zeros((4, 3, 2)), force, np.zeros((len(first), 2)), *records,
+            rows.count, rows.pair, rows.identity, rows.before, rows.gap, rows.normal, rows.motion,
+            np.full(len(rows.pair), K), np.full(len(first), self.friction), self.ratio,
+            count, old.identity, old.normal, none if self.literal else rows.own["tangential"], old.own["tangential"],
+            rows.force, *records,
         )  # fmt: skip
-        self.old_master, self.old_tangential = found.master, self.tangential.copy()
-        self.work += records[0, 0]
-        self.energy = records[1, 0]
+        force = np.zeros_like(loops.position)
+        rows.add_to(force, (1.0, 1.0))
+        self.old, self.tangential = rows, np.zeros((len(loops.body), SLOTS))
+        for s in range(len(loops.body)):
+            for j, c in enumerate(np.flatnonzero(rows.slave[: rows.count] == s)):
+                e = rows.normal[c]
+                self.tangential[s, j] = rows.own["tangential"][c] @ (-e[1], e[0])
+        self.energy, self.work = records[0, 0], self.work + records[1, 0]
         return force, found
 
 

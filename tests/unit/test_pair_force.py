@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from contact_kernels import Law, OneNode, find, forces, join, star
+from contact_kernels import Law, OneNode, empty_candidates, find, forces, join, rows_of, star
 from mpmfw.kernels.polyline import segment_coordinate
-from mpmfw_contact.penalty import pair_force
 
 LAW = Law()
 K, MU = LAW.stiffness, LAW.friction
@@ -29,13 +28,32 @@ def projection(points):
 
 
 def analytic(points):
-    """N, C_t = T + (g_n / l) P and Q of a pair, (3, 2) each."""
+    """N, C_t = T + (g_n / l) P and Q of a pair, (3, 2) each, from the weights, couple and tilt of its row."""
+    loops = join(
+        [
+            [points[0], points[0] + (0.0, 9.0), points[0] + (-9.0, 9.0)],
+            [points[1], points[2], points[1] + 9.0],
+        ]
+    )
+    found = empty_candidates(len(loops.body), 1)
     xi, gap, length, (tx, ty) = projection(points)
-    normal, tangential, q = np.empty((3, 3, 2))
-    pair_force.normal_rows(ty, -tx, xi, normal)
-    pair_force.tangential_rows(ty, -tx, xi, gap, length, tangential)
-    pair_force.tangent_rows(tx, ty, q)
-    return normal, tangential, q
+    found.master[0], found.segment[0], found.coordinate[0], found.gap[0], found.normal[0] = (
+        1,
+        3,
+        xi,
+        gap,
+        (ty, -tx),
+    )
+    rows = rows_of(loops, found, ties=False, tilts=True)
+    force, out = np.array([[ty, -tx], [tx, ty]]), np.zeros((2, 6, 2))
+    tilt = rows.tilt.copy()
+    rows.tilt[:] = 0.0
+    for along, values in zip(force, out, strict=True):
+        rows.force[0] = along
+        rows.add_to(values, (1.0, 1.0))
+    q = np.zeros((6, 2))
+    q[rows.dof[: rows.start[1]]] = -length / gap * tilt[: rows.start[1]]
+    return out[0][[0, 3, 4]], out[1][[0, 3, 4]], q[[0, 3, 4]]
 
 
 def differences(points):
@@ -234,3 +252,22 @@ def test_dashpot_slows_approach_and_never_pulls():
     assert node.move(0.0, 0.0099)[0] == pytest.approx(
         0.0, abs=1e-9
     )  # pulled back faster than the spring pushes
+
+
+def test_a_candidate_ahead_of_a_segment_s_end_has_finite_rows():
+    """The normal at the vertex lies along the segment: there is no lever, and nothing is carried."""
+    tip = np.array([[0.1, 0.0], [0.3, 1.0], [0.2, 1.0]])
+    plate = np.array([[-1.0, 0.0], [0.0, 0.0], [0.0, 1.0]])
+    loops = join([tip, plate])
+    found = empty_candidates(len(loops.body), 1)
+    found.master[0], found.segment[0], found.coordinate[0], found.gap[0], found.normal[0] = (
+        1,
+        3,
+        1.0,
+        0.1,
+        (1, 0),
+    )
+    rows = rows_of(loops, found)
+    assert rows.count == 1
+    for name in ("motion", "turn", "couple"):
+        assert np.isfinite(getattr(rows, name)).all(), name

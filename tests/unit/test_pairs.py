@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mpmfw.kernels.boxes import sweep_strips
+from mpmfw.kernels.pair_table import pair_index, pair_table
 from mpmfw.pairs import FEW, NearPairs, _strips, overlapping
-from mpmfw_contact.penalty.pair_table import pair_index, pair_table
 
 
 def brute_force(lower, upper):

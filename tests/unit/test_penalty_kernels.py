@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 import shapely
 
-from contact_kernels import Law, find, flat, forces, join, star
+from contact_kernels import Law, find, flat, forces, join, rows_of, star
+from mpmfw.kernels.contact import couplings
 from mpmfw.kernels.polyline import bounding_boxes, minimum_gap
-from mpmfw_contact.penalty.layer import gather_layer, project_layer
-from mpmfw_contact.penalty.search import boxes_touch
-from mpmfw_contact.penalty.stability import contact_frequency, map_to_grid
+from mpmfw_contact.surfaces.layer import gather_layer, project_layer
+from mpmfw_contact.surfaces.search import near_boxes
 
 H = 0.25
 
@@ -100,10 +100,12 @@ def test_bodies_with_candidates_have_boxes_that_touch(name):
         np.testing.assert_array_equal(lower[b], loops.position[loops.body == b].min(axis=0))
         np.testing.assert_array_equal(upper[b], loops.position[loops.body == b].max(axis=0))
     pairs = np.array([(a, b) for a in range(loops.n_bodies) for b in range(a + 1, loops.n_bodies)])
-    touch = boxes_touch(pairs[:, 0], pairs[:, 1], lower, upper, H)
+    near = np.empty((2, loops.n_bodies, 2))
+    touch = near_boxes(pairs[:, 0], pairs[:, 1], lower, upper, H, *near)
     assert touch or find(loops, h=H).count == 0
-    assert not boxes_touch(pairs[:, 0], pairs[:, 1], lower + 10.0 * np.arange(loops.n_bodies)[:, None],
-                           upper + 10.0 * np.arange(loops.n_bodies)[:, None], H)  # fmt: skip
+    far = 10.0 * np.arange(loops.n_bodies)[:, None]
+    assert not near_boxes(pairs[:, 0], pairs[:, 1], lower + far, upper + far, H, *near)
+    assert not (near[0] <= near[1]).any()  # empty boxes
 
 
 def test_literal_detection_takes_every_segment_that_eq_10_names():
@@ -144,7 +146,8 @@ def force_twin(loops, found, law, old_master, old_tangential):
             vertex = m if found.coordinate[s, j] == 0.0 else loops.following[m]
             masters = [loops.previous[vertex], vertex]
         along = np.array([max((x[loops.following[k]] - x[k]) @ e_t, 0.0) for k in masters])
-        normal, tangential = np.zeros((2, *x.shape))
+        known = old_master[s] == loops.body[m]
+        pair = tuple(sorted((int(loops.body[s]), int(loops.body[m]))))
         for k, part in zip(masters, along**2 / (along @ along), strict=True):
             if part == 0.0:
                 continue
@@ -153,20 +156,21 @@ def force_twin(loops, found, law, old_master, old_tangential):
             xi = (point - x[k]) @ t / (t @ t)
             rows = np.array([1.0, xi - 1.0, -xi])
             couple = np.array([0.0, -1.0, 1.0]) * g / (t @ e_t)
-            normal[[s, k, end]] += part * np.outer(rows, e_n)
-            tangential[[s, k, end]] += part * (np.outer(rows, e_t) + np.outer(couple, e_n))
-        slip, approach = (tangential * u).sum(), (normal * u).sum()
-        f_n = -law.stiffness * g
-        f_n += np.clip(-law.damping * approach, -f_n, 2.0 * law.stiffness * abs(approach))
-        known = old_master[s] == loops.body[m]
-        if not known.any() and approach < 0.0:
-            slip *= min(1.0, g / approach)
-        k_t = law.tangential_ratio * law.stiffness
-        trial = (old_tangential[s][known][-1] if known.any() else 0.0) - k_t * slip
-        f_t = np.clip(trial, -law.friction * f_n, law.friction * f_n)
-        pair = tuple(sorted((int(loops.body[s]), int(loops.body[m]))))
-        work[pairs.index(pair)] += abs(f_t) * abs(trial - f_t) / k_t
-        force += f_n * normal + f_t * tangential
+            normal, tangential = np.zeros((2, *x.shape))
+            normal[[s, k, end]] = np.outer(rows, e_n)
+            tangential[[s, k, end]] = np.outer(rows, e_t) + np.outer(couple, e_n)
+            slip, approach = (tangential * u).sum(), (normal * u).sum()
+            stiffness = part * law.stiffness
+            f_n = -stiffness * g
+            dashpot = part * law.damping * approach
+            f_n += np.clip(-dashpot, -f_n, 2.0 * stiffness * abs(approach))
+            if not known.any() and approach < 0.0:
+                slip *= min(1.0, g / approach)
+            k_t = law.tangential_ratio * stiffness
+            trial = (part * old_tangential[s][known][-1] if known.any() else 0.0) - k_t * slip
+            f_t = np.clip(trial, -law.friction * f_n, law.friction * f_n)
+            work[pairs.index(pair)] += abs(f_t) * abs(trial - f_t) / k_t
+            force += f_n * normal + f_t * tangential
     return force, work
 
 
@@ -202,21 +206,18 @@ def dense(row, nodes, weight, n_nodes):
     return matrix
 
 
-def test_map_interface_mass_and_velocity_are_the_table_and_its_transpose():
+def test_interface_mass_and_velocity_are_the_table_and_its_transpose():
     rng = np.random.default_rng(3)
     t = table(rng, 17, 30)
     matrix = dense(*t, 30)
-    force, velocity, mass = rng.normal(size=(17, 2)), rng.normal(size=(17, 2)), rng.random(17)
-    force[4] = 0.0
-    mapped, node_mass, momentum = np.ones((30, 2)), np.ones(30), np.ones((30, 2))
-    map_to_grid(*t, force, mapped)
+    velocity, mass = rng.normal(size=(17, 2)), rng.random(17)
+    mapped, node_mass, momentum = rng.normal(size=(30, 2)), np.ones(30), np.ones((30, 2))
     project_layer(*t, mass, velocity, node_mass, momentum)
     again = np.zeros((30, 2))
     project_layer(*t, mass, velocity, node_mass[:0], again)  # momentum alone
     start = rng.normal(size=(30, 2))
     gathered = velocity.copy()
     gather_layer(*t, mapped, start, gathered, 0.75)
-    np.testing.assert_allclose(mapped, 1.0 + matrix.T @ force, rtol=1e-13)
     np.testing.assert_allclose(node_mass, 1.0 + matrix.T @ mass, rtol=1e-13)
     np.testing.assert_allclose(momentum, 1.0 + matrix.T @ (mass[:, None] * velocity), rtol=1e-12)
     np.testing.assert_allclose(again, matrix.T @ (mass[:, None] * velocity), rtol=1e-12)
@@ -232,17 +233,18 @@ def test_frequency_bounds_the_largest_eigenvalue_closely(name):
     t, n_nodes = bilinear(loops)
     matrix = dense(*t, n_nodes)
     node_mass = np.random.default_rng(0).uniform(0.5, 1.0, n_nodes)
-    stiffness = np.full(found.segment.shape, 1e4)
-    scratch = np.zeros(n_nodes)
-    linear = (found.gap, np.zeros((0, found.segment.shape[1])), stiffness, np.inf)
-    near = (found.segment, found.coordinate, *linear, loops.following)
-    bound = contact_frequency(found.segment.shape[1], *near, *t, node_mass, scratch)
+    made = rows_of(loops, found, ties=False, table=t)
+    scratch, sums = np.zeros(n_nodes), np.zeros(made.count)
+    stiffness = np.full(made.count, 1e4)
+    bound = couplings(0, made.count, made.start, made.dof, made.weight, stiffness, node_mass, scratch, sums)
     assert not scratch.any()
+    assert bound == sums.max()
     rows = []
     for s, j in zip(*np.nonzero(found.segment >= 0), strict=True):
         m, xi = found.segment[s, j], found.coordinate[s, j]
         rows.append(matrix[s] - (1.0 - xi) * matrix[m] - xi * matrix[loops.following[m]])
     b = np.array(rows)
+    assert len(b) == made.count
     largest = np.linalg.eigvalsh(1e4 * (b / node_mass) @ b.T).max()
     assert largest <= bound * (1.0 + 1e-12)
     assert bound <= 1.6 * largest

@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 
 from mpmfw.kernels import kernel
-from mpmfw_contact.penalty.search import keep_nearest
+from mpmfw_contact.surfaces.search import keep_nearest
 
 
 @kernel

@@ -8,7 +8,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from mpmfw_contact import _shared_nodes as shared
+from mpmfw.contact.rows import ContactRows
+from mpmfw.kernels.contact import add_records
+from mpmfw_contact import impulse as law
+from mpmfw_contact import nodes as shared
 
 
 @pytest.fixture(params=[2, 3], ids=["2D", "3D"])
@@ -54,9 +57,24 @@ def expected_nodes(f):
 
 def find(f, capacity=2000):
     """The kernel's list, and the number that it returns."""
-    c = shared.empty_contacts(capacity, f.dim)
+    listed = np.zeros((3, capacity), dtype=np.int64)
+    c = SimpleNamespace(pair=listed[0], node_a=listed[1], node_b=listed[2])
     windows = (f.first, f.second, f.lower, f.shape, f.offset)
-    return c, shared.find_shared_nodes(*windows, f.mass, c.pair, c.node_a, c.node_b)
+    return c, shared.find_shared_nodes(*windows, f.mass, *listed)
+
+
+def write(f, first, second, given, gradient, mean, cut_off):
+    """Rows of all shared nodes, with a motion over a step of 0.1 s."""
+    c, count = find(f)
+    rows = ContactRows(f.dim, couples=False, own={"active": 0, "compliance": 0, "velocity": 1})
+    rows.make_room(count, 2 * count)
+    rows.count = shared.write_rows(
+        count, c.pair, c.node_a, c.node_b, f.first, f.lower, f.shape, f.offset, np.full(f.dim, 10),
+        first, second, given, gradient, mean, cut_off, 0.0, f.mass, f.momentum, 0.1,
+        rows.pair, rows.identity, rows.sign, rows.gap, rows.area, rows.whole, rows.normal, rows.motion,
+        rows.start, rows.dof, rows.weight, f.spacing,
+    )  # fmt: skip
+    return rows
 
 
 def test_shared_nodes_are_those_with_mass_of_both_bodies(fields):
@@ -92,49 +110,49 @@ def test_normals_agree_with_numpy(fields, kind, cut_off):
     mean = 0.1 * f.rng.normal(size=f.momentum.shape)
     none = np.zeros((0, f.dim))
     fed = (none if kind == "specified" else gradient, none if cut_off == np.inf else mean)
-    shared.pair_normals(
-        count, c.pair, c.node_a, c.node_b, first, second, given, *fed, cut_off, c.normal, f.spacing
-    )
+    rows = write(f, first, second, given, *fed, cut_off)
     pair, i, j = c.pair[n], c.node_a[n], c.node_b[n]
-    expected = first[pair, None] * gradient[i] - second[pair, None] * gradient[j]
-    expected = np.tile(given, (count, 1)) if kind == "specified" else expected
+    expected = second[pair, None] * gradient[j] - first[pair, None] * gradient[i]
+    expected = np.tile(-given, (count, 1)) if kind == "specified" else expected
     expected = expected / np.linalg.norm(expected, axis=1, keepdims=True)
+    near = np.ones(count, dtype=bool)
     if cut_off < np.inf:
-        far = ((mean[j] - mean[i]) * expected).sum(axis=1) >= cut_off
-        assert far.any()
-        assert not far.all()
-        expected[far] = 0.0
-    np.testing.assert_allclose(c.normal[n], expected, atol=1e-14)
+        apart = ((mean[i] - mean[j]) * expected).sum(axis=1)
+        near = apart < cut_off
+        assert near.any()
+        assert not near.all()
+        np.testing.assert_allclose(rows.gap[: rows.count], (apart - cut_off)[near], atol=1e-13)
+    assert rows.count == near.sum()
+    np.testing.assert_allclose(rows.normal[: rows.count], expected[near], atol=1e-14)
+    np.testing.assert_array_equal(rows.dof[: 2 * rows.count].reshape(-1, 2), np.stack([i, j], axis=1)[near])
+    np.testing.assert_allclose(rows.motion[: rows.count], 0.1 * (f.momentum[i] - f.momentum[j])[near])
+    assert (np.diff(rows.identity[: rows.count]) > 0).all()
+    if kind != "specified":
+        faces = [sign * (gradient[k] * expected).sum(axis=1) for sign, k in ((-1.0, i), (1.0, j))]
+        area = np.maximum(np.minimum(*faces), 0.0)
+        np.testing.assert_allclose(rows.area[: rows.count], area[near], atol=1e-13)
 
 
-def correct(f, c, count, friction):
-    """Run the kernels; records of the pairs."""
+def correct(f, rows, friction):
+    """Run the law's kernels and the operators; records of the pairs."""
     records = SimpleNamespace(impulse=np.zeros((3, f.dim)), work=np.zeros(3), count=np.ones(3))
-    shared.correct_momentum(
-        count,
-        c.pair,
-        c.node_a,
-        c.node_b,
-        c.normal,
-        c.impulse,
-        c.work,
-        True,
-        friction,
-        f.mass,
-        f.momentum,
-        np.zeros(len(f.mass)),
-        f.spacing,
-    )
-    shared.record(count, c.pair, c.impulse, c.work, records.impulse, records.work, records.count, f.spacing)
+    grid = SimpleNamespace(mass=f.mass, momentum=f.momentum, spacing=f.spacing)
+    impulse = law.Impulse()
+    impulse.friction = friction
+    impulse.impulses(rows, grid, np.zeros(len(f.mass)), records.work, projected=True)
+    rows.add_to(f.momentum, f.spacing)
+    add_records(
+        0, rows.count, rows.pair, rows.identity, rows.sign, rows.force, 1.0, records.impulse, records.count, f.spacing
+    )  # fmt: skip
     return records
 
 
-def correction_twin(f, c, count, friction):
+def correction_twin(f, c, friction):
     """Momentum afterwards and the pairs' impulses and frictional work, node by node."""
     momentum, impulse, work = f.momentum.copy(), np.zeros((3, f.dim)), np.zeros(3)
     with np.errstate(invalid="ignore", divide="ignore"):
         velocity = f.momentum / f.mass[:, None]
-    contacts = [(p, i, j, n) for p, i, j, n in zip(c.pair, c.node_a, c.node_b, c.normal, strict=True)][:count]
+    contacts = [(p, i, j, n) for p, i, j, n in zip(c.pair, c.node_a, c.node_b, c.normal, strict=False)]
     touching = [(p, i, j, n) for p, i, j, n in contacts if (velocity[i] - velocity[j]) @ n > 0.0]
     sharers = np.zeros(len(f.mass))
     for _, i, j, _ in touching:
@@ -156,12 +174,16 @@ def correction_twin(f, c, count, friction):
 def test_correction_agrees_with_numpy_and_keeps_momentum(fields):
     f = fields
     c, count = find(f)
-    c.normal[:] = f.rng.normal(size=c.normal.shape)
-    c.normal[:] /= np.linalg.norm(c.normal, axis=1, keepdims=True)
+    none = np.zeros((0, f.dim))
+    rows = write(f, np.ones(3), np.ones(3), np.eye(f.dim)[0], none, none, np.inf)
+    assert rows.count == count
+    rows.normal[:] = f.rng.normal(size=rows.normal.shape)
+    rows.normal[:] /= np.linalg.norm(rows.normal, axis=1, keepdims=True)
+    c.normal = -rows.normal
     friction = np.array([0.0, 0.3, 2.0])
     before = f.momentum.copy()
-    momentum, impulse, work, touching = correction_twin(f, c, count, friction)
-    records = correct(f, c, count, friction)
+    momentum, impulse, work, touching = correction_twin(f, c, friction)
+    records = correct(f, rows, friction)
     np.testing.assert_allclose(f.momentum, momentum, rtol=1e-12, atol=1e-13)
     np.testing.assert_allclose(records.impulse, impulse, rtol=1e-12, atol=1e-13)
     np.testing.assert_allclose(records.work, work, rtol=1e-12, atol=1e-13)

@@ -10,16 +10,18 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from mpmfw.fields import FloatArray
+from mpmfw.kernels.pair_table import pair_table
 from mpmfw.kernels.polyline import segment_coordinate
 from mpmfw.plots.style import dress, legend_below, new_figure
 from mpmfw.validation import Case
-from mpmfw_contact.penalty.pair_force import contact_forces, normal_rows, tangent_rows, tangential_rows
-from mpmfw_contact.penalty.pair_table import pair_table
+from mpmfw_contact._springs import spring_forces
+from mpmfw_contact.surfaces.assembly import assemble
+from mpmfw_contact.surfaces.detection import SurfaceRows
 
 # Only an error of the closed form is left: the step's truncation is h² / l² ~ 1e-12, its rounding 1e-16 / h ~ 1e-10.
 STEP = 1e-6  # of the central differences, in segment lengths
 VARIATION, BALANCE = 1e-8, 1e-14
-STIFFNESS, FRICTION, PASSED = 1e4, 0.3, 1e-3  # N/m², 1, s: of the kernel's own call
+STIFFNESS, FRICTION = 1e4, 0.3  # N/m², 1: of the kernel's own call
 
 Rows = dict[str, FloatArray]
 
@@ -92,10 +94,13 @@ def variations(points: FloatArray) -> tuple[FloatArray, FloatArray]:
 def product_rows(points: FloatArray) -> Rows:
     """The rows (3, 2) that the product's own functions give, and the two of [H17] and of common practice."""
     xi, gap, length, tx, ty = segment_coordinate(*points.ravel())
-    normal, tangential, q = np.empty((3, 3, 2))
-    normal_rows(ty, -tx, xi, normal)
-    tangential_rows(ty, -tx, xi, gap, length, tangential)
-    tangent_rows(tx, ty, q)
+    made = row_of(points, np.zeros((3, 2)), tilts=True)
+    lean, made.tilt = made.tilt, made.tilt[:0]
+    normal, tangential, q = np.zeros((3, 3, 2))
+    for force, out in (((ty, -tx), normal), ((tx, ty), tangential)):
+        made.force[0] = force
+        made.add_to(out, (1.0, 1.0))
+    q[made.dof[:3]] = -length / gap * lean[:3]
     without_p = np.outer([1.0, xi - 1.0, -xi], [tx, ty])
     return {
         "N": normal,
@@ -144,22 +149,37 @@ def kernel_balance(pairs: list[FloatArray], rng: np.random.Generator) -> tuple[f
 
 def kernel_force(points: FloatArray, moved: FloatArray) -> FloatArray:
     """Force on x_s, x_1, x_2 [N/m] by the kernel that runs in a step, for one slave node of body 0."""
+    rows = row_of(points, moved)
+    none = np.zeros(0)
+    k = np.full(len(rows.pair), STIFFNESS)
+    spring_forces(
+        1, rows.pair, rows.identity, np.full(1, -1), rows.gap, rows.normal, rows.motion, k, np.zeros(1), k,
+        0.0, np.array([FRICTION]), 1.0, np.inf, 0, np.zeros(0, dtype=int), none, none.reshape(0, 2),
+        rows.own["tangential"], none.reshape(0, 2), rows.force, *np.zeros((4, 1)),
+    )  # fmt: skip
+    force = np.zeros((3, 2))
+    rows.add_to(force, (1.0, 1.0))
+    return force
+
+
+def row_of(points: FloatArray, moved: FloatArray, *, tilts: bool = False) -> SurfaceRows:
+    """The row of one slave node of body 0 and one segment of body 1; its grid's nodes are the three points."""
     gap, xi = gap_and_coordinate(points)
     along = (points[2] - points[1]) / np.hypot(*(points[2] - points[1]))
     body, follow = np.array([0, 1, 1]), np.array([0, 2, 1])
     segment, master = np.array([[1], [-1], [-1]]), np.array([[1], [-1], [-1]])
-    value = {name: np.zeros((3, 1)) for name in ("xi", "gap", "old", "f_t", "c")}
-    value["xi"][0], value["gap"][0] = xi, gap
-    normal, force = np.zeros((3, 1, 2)), np.zeros((3, 2))
+    normal = np.zeros((3, 1, 2))
     normal[0, 0] = along[1], -along[0]
-    first, friction = np.array([0]), np.array([FRICTION])
-    pair_of = pair_table(first, np.array([1]))
-    contact_forces(
-        1, master.copy(), segment, value["xi"], value["gap"], np.zeros((0, 1)), normal, master, value["f_t"], value["old"],
-        body, pair_of, first, points, moved, follow, follow, np.full((3, 1), STIFFNESS), value["c"], friction,
-        1.0, False, np.inf, PASSED, np.zeros((2, 4, 3, 2)), force, np.zeros((1, 2)), *np.zeros((4, 1)),
+    rows = SurfaceRows(2, couples=True, tilts=tilts, own={"tangential": 1})
+    rows.count = assemble(
+        1.0, False, False, master, segment, np.full((3, 1), xi), np.full((3, 1), gap), normal,
+        points, moved, np.ones(3), follow, follow, body, np.stack([np.arange(3), follow], axis=1),
+        pair_table(np.array([0]), np.array([1])), np.array([0]), np.arange(4), np.arange(3, dtype=np.int32), np.ones(3), 2,
+        rows.pair, rows.identity, rows.sign, rows.gap, rows.area, rows.whole, rows.normal, rows.motion,
+        rows.start, rows.dof, rows.weight, rows.couple, rows.tilt,
+        rows.slave, rows.facet, rows.share, rows.turn, rows.lean,
     )  # fmt: skip
-    return force
+    return rows
 
 
 def figure(pairs: list[FloatArray]) -> Figure:

@@ -53,8 +53,8 @@ def stays(step: float, shape: str = "cpdi", steps: int = 600) -> bool:
             sim.step(step)
         except SimulationError:
             return False
-        found = sim.contact.candidates
-        gap = found.old_gap[found.old_segment >= 0].min(initial=0.0)  # end_step made it history
+        rows = sim.contact.last_rows
+        gap = rows.gap[: rows.count].min(initial=0.0)
         if not -1.5 * depth < gap < -0.5 * depth:
             return False
     return True
@@ -89,7 +89,8 @@ def impact(steps: float, phase: float, shape: str = "cpdi") -> Impact:
     touching = 0
     for _ in range(4 + math.ceil(3.0 * steps)):
         sim.step(step)
-        acts = bool(np.abs(sim.contact.force).max() > 0.0)
+        rows = sim.contact.last_rows
+        acts = bool(np.abs(rows.force[: rows.count]).max(initial=0.0) > 0.0)
         if touching and not acts:
             break
         touching += acts
@@ -143,7 +144,7 @@ def press(loaded: Any, step: float, end: float, reported: list[float] | None = N
         except SimulationError:
             return np.array([*speed, np.inf])
         speed.append(float(np.abs(sim.state.particles.velocity).max()))
-        if reported is not None and sim.contact.count:
+        if reported is not None and sim.contact.last_rows.count:
             reported.append(min(limit for limit, _ in sim.limits()))
         if not speed[-1] < 1e3:
             break

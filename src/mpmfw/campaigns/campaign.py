@@ -19,7 +19,7 @@ from mpmfw.campaigns.outcome import COSTS, Outcome
 from mpmfw.campaigns.running import Event, Progress, Repeats, complete, resumable
 from mpmfw.campaigns.store import Store
 from mpmfw.campaigns.work import Task
-from mpmfw.discovery import available, distribution_of
+from mpmfw.discovery import available, choices, distribution_of
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.joining import join
 
@@ -127,7 +127,7 @@ def _is_strange(task: Task) -> bool:
     """Whether a plug-in that is not mpmfw's own runs, which may bring down its process."""
     contact = task.scene.contact
     entries = [available("shape").get(task.scene.shape.method)]
-    entries += [available("contact").get(contact.method)] if contact is not None else []
+    entries += [choices("contact").get(contact.method)] if contact is not None else []
     return any(entry is not None and distribution_of(entry) != "mpmfw" for entry in entries)
 
 

@@ -13,7 +13,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from mpmfw.discovery import KINDS, Kind, available
+from mpmfw.discovery import KINDS, Kind, available, choices
 from mpmfw.scene import Scene
 
 #: Parts of the core that no number of a run depends on.
@@ -81,7 +81,7 @@ def is_current(code: Mapping[str, str]) -> bool:
 @functools.cache
 def _home(kind: Kind, name: str) -> str:
     """Top package of a plug-in."""
-    return available(kind)[name].module.partition(".")[0]
+    return choices(kind)[name].module.partition(".")[0]
 
 
 def _meaning(scene: Scene, objects: Mapping[str, Any]) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from rich.console import Console
 
 from mpmfw.cli.arguments import assignments
 from mpmfw.cli.tables import print_rows
-from mpmfw.discovery import KINDS, Kind, available, did_you_mean
+from mpmfw.discovery import Kind, available, choices, did_you_mean
 from mpmfw.errors import MpmfwError, SceneError
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ def _kind_of(plugin: str, kind: str | None) -> Kind:
         raise SceneError(f"--kind {kind}: {did_you_mean(kind, CHECKED)}")
     if ":" in plugin:
         raise SceneError(f"{plugin}: say --kind contact or --kind shape")
-    found = [each for each in KINDS if plugin in available(each)]
+    found = [each for each in (*CHECKED, "material") if plugin in choices(each)]
     if not found:
         names = [name for each in CHECKED for name in available(each)]
         raise SceneError(f"no plug-in '{plugin}' is installed; {did_you_mean(plugin, names)}")

@@ -45,6 +45,7 @@ def make_surface(bodies: tuple[Body, ...], n_fields: int, stage: str) -> Surface
         tributary=0.5 * (length + length[before]),
         next=after,
         previous=before,
+        facets=np.stack([np.arange(len(position)), after], axis=1),
         body=of_body,
         first=body_first if n_fields == len(bodies) else np.array([0, len(position)]),
         body_first=body_first,

@@ -72,6 +72,20 @@ argument                    shape [unit]             meaning
 ``x2``, ``y2``              [m]                      second end of a segment
 ``following``               (n,) int64               segment s runs from node s to node ``following[s]``
 ``previous``                (n,) int64               the node before: segment ``previous[s]`` ends at node s
+``begin``, ``end``                                   rows of contact that are worked on (``mpmfw.kernels.contact``), n of them
+``start``                   (n + 1,) int64           entries of row c are ``start[c]:start[c + 1]``
+``dof``                     (m,) int64               flat node of an entry of a row
+``couple``, ``tilt``        (m, dim)                 how a tangential force acts along the normal, a normal one along the facet
+``normal``, ``old_normal``  (n, dim)                 unit vector from a row's second side to its first; that of the last step
+``identity``, ``before``    (n,) int64               key of a row's history; the last step's first row with it, or −1
+``old_identity``, ``old``   (n,), (n, dim)           identities of the last step's rows, a vector of theirs
+``old_end``, ``o``, ``c``                            number of the last step's rows, one of them, a row of this step
+``pair``, ``sign``          (n,)                     a row's pair; 1 where its first side is the pair's first body, else −1
+``stiffness``, ``scale``    (n,) [N/m^2], [1]        of a row; a factor
+``impulse``, ``count``      (pair, dim), (pair,)     impulse on every pair's first body [N s/m], places where a force acts
+``node_sum``, ``out``                                scratch (N,); where the result is written
+``first``, ``second``       (pair,) int64            bodies of every pair
+``pair_of``, ``a``, ``b``                            table of :func:`mpmfw.kernels.pair_table.pair_table`, two bodies
 =========================== ======================== ==================================================================
 """
 

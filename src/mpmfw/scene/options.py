@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from mpmfw.blame import distribution_said
-from mpmfw.discovery import Kind, available, load
+from mpmfw.discovery import Kind, choices, load
 from mpmfw.errors import SceneError
 from mpmfw.scene.complaint import choice_message, problems_of, shown, unknown_key
 from mpmfw.scene.locator import Path
@@ -53,17 +53,19 @@ def separate_options(mapping: Mapping[str, Any]) -> Chosen:
 
 def _method_table(chosen: Chosen, kind: Kind, table: Mapping[str, Any]) -> dict[str, Any]:
     """Take the plug-ins' tables out of ``[shape]`` or ``[contact]``."""
-    core_keys, installed = CORE_KEYS[kind], available(kind)
+    core_keys, installed = CORE_KEYS[kind], choices(kind)
     for key, value in table.items():
         if key in core_keys:
             continue
         if key not in installed and isinstance(value, Mapping):
-            names = [*installed, *core_keys]
+            names = [*(each for each in installed if "+" not in each), *core_keys]
             chosen.problems.append(
                 Problem((kind, key), f"no such {kind} plug-in: {choice_message(key, names)}")
             )
         elif key not in installed:
-            chosen.problems.append(unknown_key((kind, key), [*core_keys, *installed]))
+            chosen.problems.append(
+                unknown_key((kind, key), [*core_keys, *(each for each in installed if "+" not in each)])
+            )
         elif not isinstance(value, Mapping):
             chosen.problems.append(
                 Problem((kind, key), f"expected a table of options of '{key}', not {shown(value)}")
@@ -102,7 +104,7 @@ def _validate(
     core_keys: tuple[str, ...] = (),
 ) -> None:
     """Validate one plug-in's options; what is wrong is noted, with the path of the name or of the option."""
-    installed = available(kind)
+    installed = choices(kind)
     alone = name.partition("(")[0]
     if alone != name and alone in installed:
         message = f"expected the name alone, '{alone}', and its options in the table [{kind}.{alone}]"

@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Literal
 
-from mpmfw.discovery import available
+from mpmfw.discovery import choices
 from mpmfw.errors import SceneError
 from mpmfw.scene.locator import Path
 from mpmfw.scene.options import CORE_KEYS
@@ -68,7 +68,7 @@ def check_methods_run(keys: Iterable[str], methods: Mapping[str, Sequence[str]],
         path = _path(key, said)
         for kind in _KINDS:
             name = path[1] if path[0] == kind and len(path) > 1 else None
-            if not isinstance(name, str) or name in CORE_KEYS[kind] or name not in available(kind):
+            if not isinstance(name, str) or name in CORE_KEYS[kind] or name not in choices(kind):
                 continue
             if name not in methods.get(kind, ()):
                 runs = ", ".join(methods.get(kind, ())) or "no method"

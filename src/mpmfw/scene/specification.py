@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from mpmfw.discovery import Kind, available, did_you_mean, load
+from mpmfw.discovery import Kind, choices, did_you_mean, load
 from mpmfw.errors import SceneError
 from mpmfw.scene.locator import Path
 from mpmfw.scene.options import with_options
@@ -94,8 +94,8 @@ def known_specification(kind: Kind, text: str) -> Specification:
         As :func:`parse_specification`; no such plug-in is installed, it has no such option, or a value is refused.
     """
     said = parse_specification(text)
-    if said.name not in available(kind):
-        raise SceneError(f"{text}: no such {kind} plug-in; {did_you_mean(said.name, available(kind))}")
+    if said.name not in choices(kind):
+        raise SceneError(f"{text}: no such {kind} plug-in; {did_you_mean(said.name, choices(kind))}")
     if said.options:
         path = (kind, said.name)
         _, found = with_options(load(kind, said.name), said.options, path)
@@ -127,7 +127,7 @@ def keys_of(key: str, value: Any) -> dict[Path, Any]:
     if path not in [(kind, "method") for kind in METHODS] or not isinstance(value, str) or "(" not in value:
         return {}
     said, kind = parse_specification(value), path[0]
-    options = said.options if said.name in available(kind) else {}
+    options = said.options if said.name in choices(kind) else {}
     return {path: said.name} | {(kind, said.name, option): given for option, given in options.items()}
 
 

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mpmfw.api import AnyArray, Field, FloatArray, IntArray, Setup, State, hookimpl
+from mpmfw.fields import AnyArray, Field, FloatArray
+from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels import kernel
 from mpmfw.kernels.types import Floats, Ints
-from mpmfw_contact.penalty.pair_table import pair_index
+from mpmfw.setup import Setup
+from mpmfw.state import State
 
 if TYPE_CHECKING:
-    from mpmfw_contact.penalty.strategy import SurfaceSprings
+    from mpmfw.contact.joined import RowContact
 
 #: Steps per contact below which a free impact gains 18 % of its energy (in the worst phase).
 FEWEST_STEPS = 3
@@ -21,7 +23,7 @@ STEPS_PER_CONTACT = Field(
     "steps_per_contact",
     ("pair",),
     "1",
-    "fewest steps that a contact of a surface node lasted, of those that ended since the last output",
+    "fewest steps that a contact of a place lasted, of those that ended since the last output",
     "series",
     output=True,
     missing=True,
@@ -30,51 +32,47 @@ PENETRATION = Field(
     "penetration",
     ("pair",),
     "1",
-    "deepest penetration of a surface node since the last output, over the cell size",
+    "deepest penetration since the last output, over the cell size",
     "series",
     output=True,
 )
-AGE = Field("age", ("surface_node",), "1", "steps that the node's contact has lasted", "surface", "i8")
-PARTNER = Field("partner", ("surface_node",), "1", "pair of that contact", "surface", "i8")
 
 
 @kernel
 def follow_contacts(
-    slots: int,
-    master: Ints,
-    gap: Floats,
-    body: Ints,
-    pair_of: Ints,
-    age: Ints,
-    partner: Ints,
-    fewest: Floats,
-    deepest: Floats,
-) -> None:
-    """Count the steps of every node's contact; at its end note the least, and the largest −g_n, of each pair.
+    count: int, pair: Ints, identity: Ints, before: Ints, gap: Floats, force: Floats, age: Floats,
+    old_count: int, old_pair: Ints, old_age: Floats, fewest: Floats, deepest: Floats,
+) -> None:  # fmt: skip
+    """Count the steps of every place's contact; at its end note the least, and the largest −g_n, of each pair.
 
-    ``master`` (n_s, slots) is −1 without contact; ``fewest`` and ``deepest`` are (pair,).
+    ``age`` and ``old_age`` are the steps that contacts of the rows of this step and the last have lasted; the first row of an
+    identity has it. The last step's is used up. ``fewest`` and ``deepest`` are (pair,).
     """
-    for s in range(len(body)):
-        touched = -1
-        for j in range(slots):
-            if master[s, j] >= 0:
-                touched = pair_index(pair_of, body[s], master[s, j])
-                deepest[touched] = max(deepest[touched], -gap[s, j])
-        if touched >= 0:
-            age[s] += 1
-            partner[s] = touched
-        elif age[s] > 0:
-            fewest[partner[s]] = min(fewest[partner[s]], float(age[s]))
-            age[s] = 0
+    last = -1
+    for c in range(count):
+        age[c] = 0.0
+        touching = False
+        for d in range(force.shape[1]):
+            touching = touching or force[c, d] != 0.0
+        if touching and identity[c] != last:
+            last = identity[c]
+            deepest[pair[c]] = max(deepest[pair[c]], -gap[c])
+            age[c] = 1.0
+            if before[c] >= 0:
+                age[c] += old_age[before[c]]
+                old_age[before[c]] = 0.0
+    for o in range(old_count):
+        if old_age[o] > 0.0:
+            fewest[old_pair[o]] = min(fewest[old_pair[o]], old_age[o])
 
 
 class ContactEvents:
-    """Follows the contacts of a strategy's surface nodes, if the scene asks for it."""
+    """Follows the contacts of a strategy's rows, if the scene asks for it."""
 
     name = "contact_events"
     stage = "output"
 
-    def __init__(self, contact: SurfaceSprings) -> None:
+    def __init__(self, contact: RowContact) -> None:
         self.contact = contact
 
     @hookimpl
@@ -84,10 +82,10 @@ class ContactEvents:
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Ages of the nodes' contacts."""
+        """Ages of the contacts."""
         self.state, self.cell_size = setup.state, setup.cell_size
-        self.age: IntArray = setup.allocate(self.name, AGE)
-        self.partner: IntArray = setup.allocate(self.name, PARTNER)
+        self.age, self.old_age = np.zeros(0), np.zeros(0)
+        self.old_count, self.old_pair = 0, np.zeros(0, dtype=np.int64)
         self.fewest: FloatArray = np.full(len(setup.pairs), np.inf)
         self.deepest: FloatArray = np.zeros(len(setup.pairs))
         self.fewest_ever = self.fewest.copy()
@@ -101,23 +99,18 @@ class ContactEvents:
         )
         self.deepest = np.append(self.deepest, np.zeros(more))
 
-    @hookimpl(tryfirst=True)
-    def end_step(self, state: State) -> None:
-        """Follow the contacts of this step, before the law makes them the history of the next."""
-        if state.surface is None:
-            return
-        c = self.contact.candidates
+    @hookimpl
+    def end_step(self) -> None:
+        """Follow the contacts of this step."""
+        rows = self.contact.last_rows
+        if len(self.age) < rows.count:
+            self.age = np.zeros(2 * rows.count)
         follow_contacts(
-            c.slots,
-            c.master,
-            c.gap,
-            state.surface.body,
-            self.contact.laws.pair_of,
-            self.age,
-            self.partner,
-            self.fewest,
-            self.deepest,
-        )
+            rows.count, rows.pair, rows.identity, rows.before, rows.gap, rows.force, self.age,
+            self.old_count, self.old_pair, self.old_age, self.fewest, self.deepest,
+        )  # fmt: skip
+        self.age, self.old_age = self.old_age, self.age
+        self.old_count, self.old_pair = rows.count, rows.pair[: rows.count].copy()
 
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:  # noqa: ARG002
@@ -141,8 +134,3 @@ class ContactEvents:
             for pair, steps in zip(self.state.pairs, self.fewest_ever, strict=True)
             if steps < FEWEST_STEPS
         ]
-
-
-def monitors(contact: SurfaceSprings) -> list[Any]:
-    """What a scene with ``output.stability`` registers beside the contact."""
-    return [ContactEvents(contact)]

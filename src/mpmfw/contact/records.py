@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.api import CONTACT_SERIES, AnyArray, Field, FloatArray, Setup, State
+from mpmfw.fields import CONTACT_SERIES, AnyArray, Field, FloatArray
+from mpmfw.setup import Setup
+from mpmfw.state import State
 
 
 class PairRecords:

@@ -66,7 +66,7 @@ class InterfaceLayer:
         [m]; a surface node has the mass ρ l_trib thickness.
     """
 
-    name = "penalty_layer"
+    name = "surface_layer"
     stage = "contact"
 
     def __init__(self, thickness: float) -> None:

@@ -7,7 +7,7 @@ import math
 from mpmfw.kernels import device, kernel
 from mpmfw.kernels.polyline import segment_coordinate, signed_distance
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
-from mpmfw_contact.penalty.facing import turn_to_facing
+from mpmfw_contact.surfaces.facing import turn_to_facing
 
 
 @device
@@ -21,15 +21,44 @@ def boxes_apart(a: int, b: int, lower: Floats, upper: Floats, reach: Float) -> b
 
 
 @kernel
-def boxes_touch(first: Ints, second: Ints, lower: Floats, upper: Floats, reach: float) -> bool:
-    """Whether any pair of bodies has bounding boxes closer than ``reach``: if not, there is nothing to
-    search."""
+def near_boxes(
+    first: Ints,
+    second: Ints,
+    lower: Floats,
+    upper: Floats,
+    reach: float,
+    near_lower: Floats,
+    near_upper: Floats,
+) -> bool:
+    """Box of what of each body may be within ``reach`` [m] of another, empty for most; whether there are any.
+
+    Of pairs with boxes closer than that it is the part within the other's box, widened by the reach; of more than one the
+    box round them.
+    """
     near = False
+    near_lower[:] = math.inf
+    near_upper[:] = -math.inf
     for c in range(len(first)):
-        if not boxes_apart(first[c], second[c], lower, upper, reach):
-            near = True
-            break
+        if boxes_apart(first[c], second[c], lower, upper, reach):
+            continue
+        near = True
+        for way in range(2):
+            a, b = (first[c], second[c]) if way == 0 else (second[c], first[c])
+            for d in range(lower.shape[1]):
+                near_lower[a, d] = min(near_lower[a, d], max(lower[a, d], lower[b, d] - reach))
+                near_upper[a, d] = max(near_upper[a, d], min(upper[a, d], upper[b, d] + reach))
     return near
+
+
+@device
+def outside_near(s: int, e: int, b: int, position: Floats, near_lower: Floats, near_upper: Floats) -> bool:
+    """Whether the segment from node s to node e has nothing in its body's near box."""
+    outside = False
+    for d in range(2):
+        low, high = min(position[s, d], position[e, d]), max(position[s, d], position[e, d])
+        if high < near_lower[b, d] or low > near_upper[b, d]:
+            outside = True
+    return outside
 
 
 @device
@@ -46,6 +75,8 @@ def mark_shared_nodes(
     position: Floats,
     following: Ints,
     body: Ints,
+    near_lower: Floats,
+    near_upper: Floats,
     lower: Floats,
     spacing: tuple[float, ...],
     grid_nodes: Ints,
@@ -54,6 +85,8 @@ def mark_shared_nodes(
 ) -> bool:
     """Step 1: mark the grid nodes that the surfaces of two bodies reach; return whether there are any.
 
+    Only what lies in its body's near box counts (:func:`near_boxes`).
+
     A segment reaches the nodes of all cells that its bounding box touches. ``owner`` holds stamp * n_bodies +
     body of the first to arrive; since the stamp grows, nothing needs clearing.
     """
@@ -61,6 +94,8 @@ def mark_shared_nodes(
     base = stamp * n_bodies
     for s in range(len(body)):
         e = following[s]
+        if outside_near(s, e, body[s], position, near_lower, near_upper):
+            continue
         i0 = cell_of(min(position[s, 0], position[e, 0]), lower[0], spacing[0], grid_nodes[0])
         i1 = cell_of(max(position[s, 0], position[e, 0]), lower[0], spacing[0], grid_nodes[0])
         j0 = cell_of(min(position[s, 1], position[e, 1]), lower[1], spacing[1], grid_nodes[1])
@@ -94,6 +129,9 @@ def list_segments(
     stamp: int,
     position: Floats,
     following: Ints,
+    body: Ints,
+    near_lower: Floats,
+    near_upper: Floats,
     lower: Floats,
     spacing: tuple[float, ...],
     grid_nodes: Ints,
@@ -109,6 +147,8 @@ def list_segments(
     columns = grid_nodes[1]
     for s in range(len(following)):
         e = following[s]
+        if outside_near(s, e, body[s], position, near_lower, near_upper):
+            continue
         i0 = cell_of(min(position[s, 0], position[e, 0]), lower[0], spacing[0], grid_nodes[0])
         i1 = cell_of(max(position[s, 0], position[e, 0]), lower[0], spacing[0], grid_nodes[0])
         j0 = cell_of(min(position[s, 1], position[e, 1]), lower[1], spacing[1], grid_nodes[1])
@@ -217,6 +257,8 @@ def find_pairs(
     previous: Ints,
     body: Ints,
     rank: Ints,
+    near_lower: Floats,
+    near_upper: Floats,
     lower: Floats,
     spacing: tuple[float, ...],
     grid_nodes: Ints,
@@ -244,6 +286,8 @@ def find_pairs(
     segment[:] = -1
     for s in range(len(body)):
         x, y = position[s, 0], position[s, 1]
+        if outside_near(s, s, body[s], position, near_lower, near_upper):
+            continue
         ci = cell_of(x, lower[0], spacing[0], grid_nodes[0])
         cj = cell_of(y, lower[1], spacing[1], grid_nodes[1])
         if not tagged(ci, cj, stamp, columns, shared):

@@ -46,7 +46,7 @@ class TravelLimit:
         Of the search, in cells.
     """
 
-    name = "penalty_travel"
+    name = "surface_travel"
     stage = "contact"
 
     def __init__(self, radius: float) -> None:

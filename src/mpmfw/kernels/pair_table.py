@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.api import IntArray
-from mpmfw.kernels import device
+from mpmfw.kernels._jit import device
 from mpmfw.kernels.types import Ints
 
 
-def pair_table(first: IntArray, second: IntArray) -> IntArray:
+def pair_table(first: Ints, second: Ints) -> Ints:
     """Table that :func:`pair_index` reads: (n_pairs, 2), a key of the two bodies that ascends, and the pair's index.
 
     Parameters

@@ -9,8 +9,8 @@ from mpmfw.api import FloatArray, SimulationError, State
 from mpmfw.kernels import device, kernel
 from mpmfw.kernels.polyline import segment_coordinate, signed_distance, squared_distance
 from mpmfw.kernels.types import Float, Floats, Ints
-from mpmfw_contact.penalty.facing import LEAST_COSINE, node_normal
-from mpmfw_contact.penalty.search import boxes_apart
+from mpmfw_contact.surfaces.facing import LEAST_COSINE, node_normal
+from mpmfw_contact.surfaces.search import boxes_apart
 
 #: Least cosine between a slave node's normal and the direction out of a body by which the node has gone through it: one
 #: that leaves the way it came, or round a corner, has an angle of 90° or more, or little less.
@@ -97,8 +97,8 @@ def keep_inside(
     previous: Ints,
     body: Ints,
     body_first: Ints,
-    old_master: Ints,
-    old_segment: Ints,
+    inside: Ints,
+    inside_segment: Ints,
     master: Ints,
     segment: Ints,
     coordinate: Floats,
@@ -119,8 +119,8 @@ def keep_inside(
     added = 0
     through[0] = 0.0
     for s in range(len(body)):
-        for i in range(old_master.shape[1]):
-            other = old_master[s, i]
+        for i in range(inside.shape[1]):
+            other = inside[s, i]
             if other < 0:
                 continue
             found, place = place_of(s, other, master, segment, gap)
@@ -135,7 +135,7 @@ def keep_inside(
                     continue
                 if out > through[0]:
                     through[0], through[1], through[2] = out, float(s), float(other)
-            m = walk(s, old_segment[s, i], position, following, previous)
+            m = walk(s, inside_segment[s, i], position, following, previous)
             g, xi, e_x, e_y = behind(s, m, position, following, previous)
             if g < 0.0:
                 added += 1 if segment[s, place] < 0 else 0
@@ -246,5 +246,15 @@ def crossed(state: State, through: FloatArray) -> SimulationError:
         index=node - int(surface.body_first[mine]),
         position=surface.position[node].tolist(),
         time=state.time,
-        advice="a slower impact, a stiffer contact (contact.penalty.kappa), or smaller cells",
+        advice="a slower impact, a stiffer contact, or smaller cells",
     )
+
+
+@kernel
+def remember_inside(master: Ints, segment: Ints, gap: Floats, inside: Ints, inside_segment: Ints) -> None:
+    """Note for the next step which nodes are inside which bodies."""
+    for s in range(len(segment)):
+        for j in range(segment.shape[1]):
+            held = segment[s, j] >= 0 and gap[s, j] < 0.0
+            inside[s, j] = master[s, j] if held else -1
+            inside_segment[s, j] = segment[s, j]

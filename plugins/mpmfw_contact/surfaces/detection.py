@@ -1,0 +1,273 @@
+"""The detection: options, roles of the bodies, and the search's steps one after the other."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from mpmfw.api import (
+    AnyArray,
+    Body,
+    ContactRows,
+    Detection,
+    FloatArray,
+    Grid,
+    IntArray,
+    Length,
+    Particles,
+    SceneError,
+    Setup,
+    State,
+    Stencil,
+)
+from mpmfw.api import Field as ArrayField
+from mpmfw.kernels.pair_table import pair_table
+from mpmfw.kernels.polyline import bounding_boxes
+from mpmfw_contact.surfaces import search
+from mpmfw_contact.surfaces.assembly import assemble, point_forces
+from mpmfw_contact.surfaces.candidates import Candidates, SearchGrid
+from mpmfw_contact.surfaces.tracking import CROSSED, crossed, find_crossings, keep_inside, remember_inside
+from mpmfw_contact.surfaces.travel import TravelLimit
+
+#: Travel in a step, in search radii, below which no node can pass the middle of a body unseen.
+THIN = 0.05
+
+FORCE = ArrayField(
+    "force", ("surface_node", "axis"), "N m-1", "contact force on the surface node", "surface", output=True
+)
+
+
+class FacetOptions(BaseModel):
+    """Master, search and mapping."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    master: str | None = Field(
+        None,
+        description="name of the master body (one pass); default: the stiffer, else a pair's first body",
+    )
+    search_radius: float = Field(1.0, gt=0, le=1.0, description="reach of the search in cells")
+    interface_thickness: Length = Field(
+        0.0, ge=0, description="thickness of the surface layer that carries mass"
+    )
+    map: Literal["auto", "plain", "mass_weighted"] = Field(
+        "auto", description="surface-to-grid map; auto: mass_weighted for linear and GIMP, else plain"
+    )
+
+
+class SurfacesOptions(FacetOptions):
+    """Those, passes, and the form of C_n."""
+
+    passes: Literal["one", "two"] = Field(
+        "two",
+        description="two: each body is slave once, with half of its area; one: classical master-slave",
+    )
+    normal_variation: Literal["exact", "hamad2017"] = Field(
+        "exact", description="C_n = N, the exact variation, or N - (g_n / l) Q (eq. 7)"
+    )
+
+    @model_validator(mode="after")
+    def _master_has_an_effect(self) -> SurfacesOptions:
+        if self.master is not None and self.passes != "one":
+            raise ValueError('\'master\' has no effect with passes = "two"; expected passes = "one"')
+        return self
+
+
+class Surfaces(Detection):
+    """Every node of an outline against the closest segment of each other body that faces it.
+
+    The search is [H17]'s, section 3.2. Gap, ξ and normal are those of the closest point; a node inside another body stays
+    known until it is seen to come out. A row's weights are N_i(x_s) in the slave's field and −ξ_a N_i(x_a) in the master's.
+    """
+
+    name = "surfaces"
+    Options: ClassVar[type[FacetOptions]] = SurfacesOptions
+    options: FacetOptions
+    facets = True
+    needs_surface = True
+    dimensions = (2,)
+    #: Whether a node meets every segment that it penetrates (eq. 10), and not the closest one of a body.
+    every_segment: bool = False
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self.surface_map = self.options.map
+        self.adds_mass = self.options.interface_thickness > 0.0
+        self.two_passes = getattr(self.options, "passes", "one") == "two"
+
+    @property
+    def tilts(self) -> bool:
+        """Whether the normal is varied with the segment (eq. 7)."""
+        return getattr(self.options, "normal_variation", "hamad2017") == "hamad2017"
+
+    def parts(self, contact: Any) -> list[Any]:  # noqa: ARG002
+        """The limit of travel, and the surface layer's inertia where it has a thickness."""
+        travel = TravelLimit(self.options.search_radius)
+        if not self.adds_mass:
+            return [travel]
+        from mpmfw_contact.surfaces.layer import InterfaceLayer
+
+        return [travel, InterfaceLayer(self.options.interface_thickness)]
+
+    def reach(self, cell_size: float) -> float:
+        """The search radius: bodies whose boxes are farther apart cost a comparison of boxes."""
+        return self.options.search_radius * cell_size
+
+    def fields(self) -> list[ArrayField]:
+        """Force of the surface nodes."""
+        return [FORCE]
+
+    def prepare(self, setup: Setup, owner: str) -> None:
+        """Roles of the bodies, and the arrays of the search."""
+        if setup.state.surface is None:
+            raise SceneError(f"contact '{owner}' needs bodies with outlines")
+        self.state, self.surface, self.has_friction = setup.state, setup.state.surface, setup.has_friction
+        self.rank = _ranks(setup.bodies, self.options.master, owner, one_pass=not self.two_passes)
+        slots = 8 if self.every_segment else min(max(len(setup.bodies) - 1, 1), 3)
+        self.candidates = Candidates.allocate(setup, owner, slots, tracked=not self.every_segment)
+        self.grid = SearchGrid.allocate(setup, owner)
+        self.force: FloatArray = setup.allocate(owner, FORCE)
+        self.radius, self.cell_size = self.reach(setup.cell_size), setup.cell_size
+        self.through = np.zeros(3)
+        self.count, self.was_inside = 0, False
+        self.list_pairs(setup.state)
+
+    def list_pairs(self, state: State) -> None:
+        """The bodies of all pairs as arrays."""
+        self.first = np.array([pair.first for pair in state.pairs], dtype=np.int64)
+        self.second = np.array([pair.second for pair in state.pairs], dtype=np.int64)
+        self.pair_of = pair_table(self.first, self.second)
+
+    def new_rows(self, own: dict[str, int]) -> SurfaceRows:
+        """Rows that know their slave node and facet."""
+        return SurfaceRows(self.state.grid.dim, couples=self.has_friction, tilts=self.tilts, own=own)
+
+    def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:  # noqa: ARG002
+        """Search at x_s(tⁿ), and write a row for each candidate."""
+        self.count = self._search(grid)
+        rows.count = 0
+        if self.count:
+            assert isinstance(rows, SurfaceRows)
+            self._assemble(rows)
+
+    def _search(self, grid: Grid) -> int:
+        surface, boxes = self.surface, self.grid
+        bounding_boxes(surface.body_first, surface.position, boxes.box_lower, boxes.box_upper)
+        near = search.near_boxes(
+            self.first, self.second, boxes.box_lower, boxes.box_upper, self.radius, boxes.near_lower, boxes.near_upper
+        )  # fmt: skip
+        count = 0
+        if near and boxes.list_segments(surface, grid, len(self.state.bodies)):
+            count = self._search_tagged(grid)
+        elif not self.was_inside:
+            return 0
+        else:
+            self.candidates.segment.fill(-1)
+        return count + (0 if self.every_segment else self._track())
+
+    def _search_tagged(self, grid: Grid) -> int:
+        s, c, g = self.surface, self.candidates, self.grid
+        return search.find_pairs(
+            g.stamp, self.radius, self.every_segment,
+            s.position, s.next, s.previous, s.body, self.rank, g.near_lower, g.near_upper,
+            grid.lower, grid.spacing, grid.nodes, g.shared, g.head, g.head_stamp, g.link, g.link_segment,
+            c.master, c.segment, c.coordinate, c.gap, c.normal,
+        )  # fmt: skip
+
+    def _track(self) -> int:
+        """Nodes inside that the search has lost, or missed; the end of the run where bodies have crossed."""
+        s, c, g = self.surface, self.candidates, self.grid
+        found = (c.master, c.segment, c.coordinate, c.gap, c.normal)
+        added = 0
+        if self.was_inside:
+            added = keep_inside(
+                s.position,
+                s.next,
+                s.previous,
+                s.body,
+                s.body_first,
+                c.inside,
+                c.inside_segment,
+                *found,
+                self.through,
+            )
+            if self.through[0] > CROSSED * self.cell_size:
+                raise crossed(self.state, self.through)
+        return added + find_crossings(
+            THIN * self.radius, s.position, s.displacement, s.next, s.previous, s.body_first,
+            self.first, self.second, self.rank, g.box_lower, g.box_upper, *found,
+        )  # fmt: skip
+
+    def _assemble(self, rows: SurfaceRows) -> None:
+        s, c, phi = self.surface, self.candidates, self.surface.stencil
+        if phi is None:
+            raise RuntimeError("the surface's table was not filled")
+        passes = 0.5 if self.two_passes else 1.0
+        closest = not self.every_segment
+        while True:
+            rows.count = assemble(
+                passes, closest, closest, c.master, c.segment, c.coordinate, c.gap, c.normal,
+                s.position, s.displacement, s.tributary, s.next, s.previous, s.body, s.facets,
+                self.pair_of, self.first, phi.row, phi.nodes, phi.weight, len(self.state.bodies),
+                rows.pair, rows.identity, rows.sign, rows.gap, rows.area, rows.whole, rows.normal, rows.motion,
+                rows.start, rows.dof, rows.weight, rows.couple, rows.tilt,
+                rows.slave, rows.facet, rows.share, rows.turn, rows.lean,
+            )  # fmt: skip
+            if rows.count >= 0:
+                return
+            rows.make_room(2 * len(rows.pair), 2 * len(rows.dof))
+
+    def keep(self) -> None:
+        """Note which nodes are inside which bodies."""
+        c = self.candidates
+        if not self.every_segment and (self.count or self.was_inside):
+            if self.count:
+                remember_inside(c.master, c.segment, c.gap, c.inside, c.inside_segment)
+            else:
+                c.inside.fill(-1)
+            self.was_inside = self.count > 0
+
+    def outputs(self, rows: ContactRows) -> dict[str, AnyArray]:
+        """Contact forces of the surface nodes, those of facets shared by their corners."""
+        assert isinstance(rows, SurfaceRows)
+        point_forces(
+            rows.count, rows.slave, rows.facet, self.surface.facets, rows.share, rows.turn, rows.lean,
+            rows.normal, rows.force, self.force,
+        )  # fmt: skip
+        return {"force": self.force}
+
+
+class SurfaceRows(ContactRows):
+    """Rows with their place on the surfaces."""
+
+    slave: IntArray  #: (n,) surface node of the first side
+    facet: IntArray  #: (n,) facet of the second side
+    share: FloatArray  #: (n, dim) barycentric coordinates on it
+    turn: FloatArray  #: (n, dim, dim) couple of each corner; (0, dim, dim) without friction
+    lean: FloatArray  #: (n, dim, dim) tilt of each corner; (0, dim, dim) where the variation is exact
+
+    def make_room(self, rows: int, entries: int) -> None:
+        """Those as well."""
+        super().make_room(rows, entries)
+        dim = self.dim
+        self.slave, self.facet = (np.zeros(rows, dtype=np.int64) for _ in range(2))
+        self.share = np.zeros((rows, dim))
+        self.turn = np.zeros((rows if self._couples else 0, dim, dim))
+        self.lean = np.zeros((rows if self._tilts else 0, dim, dim))
+
+
+def _ranks(bodies: tuple[Body, ...], master: str | None, owner: str, *, one_pass: bool) -> IntArray:
+    """All alike where each body is slave once; else the stiffer is master, of equals the first, unless one is named.
+
+    Nodes of a body are slaves to segments of those of the same or a higher rank.
+    """
+    if master is not None and master not in [body.name for body in bodies]:
+        names = ", ".join(body.name for body in bodies)
+        raise SceneError(f"contact.{owner}.master: no body '{master}'; expected one of {names}")
+    ranks = np.zeros(len(bodies), dtype=np.int64)
+    if one_pass:
+        order = sorted(bodies, key=lambda b: (b.name == master, b.p_wave_modulus, -b.index))
+        ranks[[body.index for body in order]] = np.arange(len(bodies))
+    return ranks

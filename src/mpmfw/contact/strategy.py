@@ -1,0 +1,57 @@
+"""Base of contact strategies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, ClassVar, Literal
+
+from mpmfw.plugin import PlugIn
+from mpmfw.state import Pair
+
+
+class ContactStrategy(PlugIn):
+    """Base of contact strategies.
+
+    Subclasses implement the hooks of their place in the step. Their series are those of
+    :data:`mpmfw.fields.CONTACT_SERIES` as far as they declare them.
+    """
+
+    #: One velocity field for all bodies, or one per body.
+    velocity_fields: ClassVar[Literal["single", "per_body"]] = "per_body"
+    #: Whether the strategy acts through tracked outlines (``state.surface``), which it then pays for.
+    needs_surface: ClassVar[bool] = False
+    #: How surface nodes are mapped to the grid: ``auto`` follows the shape function.
+    surface_map: Literal["auto", "plain", "mass_weighted"] = "auto"
+    #: Whether the strategy adds inertia of its own to the nodes, which a body's rotational inertia would have to know.
+    adds_mass: bool = False
+    #: Whether the strategy is to keep bodies apart, so that results warn of deep penetration.
+    keeps_apart: ClassVar[bool] = True
+    #: Whether the strategy uses the pairs' friction.
+    uses_friction: ClassVar[bool] = False
+    #: Dimensions that the strategy works in.
+    dimensions: ClassVar[tuple[int, ...]] = (2, 3)
+
+    def parts(self) -> list[Any]:
+        """Plug-ins that the strategy's options call for beside it, registered with it."""
+        return []
+
+    def reach(self, cell_size: float) -> float | None:  # noqa: ARG002
+        """Distance of two bodies' bounding boxes [m] beyond which nothing is searched; None without a search.
+
+        ``cell_size`` is that of the grid, h [m].
+        """
+        return None
+
+    def unused(self, pairs: Sequence[Pair]) -> list[str]:  # noqa: ARG002
+        """Facts of these pairs that the law does not look at with its options, one line each, for ``explain``.
+
+        That it has no friction at all is said by :attr:`uses_friction`.
+        """
+        return []
+
+    def monitors(self) -> list[Any]:
+        """Plug-ins that watch the strategy's own stability, registered where a scene says ``output.stability``."""
+        return []
+
+    def restart(self) -> None:
+        """Time zero, after settling: forget accumulated work and impulse, keep the state of contact."""

@@ -1,0 +1,105 @@
+"""Every detection with every law: what makes sense runs the rolling cylinder, what makes none is refused with the reason."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pytest
+
+from contact_scenes import impact, run
+from mpmfw.discovery import available, choices
+from mpmfw.errors import ResultsWarning, SceneError
+from mpmfw.scene import load_scene
+from mpmfw.simulation import Simulation
+from scenes_for_tests import two_blocks
+
+REFUSED = {"nodes+hamad2017": "law 'hamad2017' acts on facets of surfaces, and detection 'nodes' lists none"}
+COMBINED = [f"{detection}+{law}" for detection in available("detection") for law in available("law")]
+
+#: Bounds of the error of the fitted acceleration of the slipping cylinder in its first half second [%].
+SLIPPING = {
+    "nodes+impulse": (-20.0, -5.0),  # averaged normals hold the cylinder back
+    "nodes+penalty": (-6.0, 1.0),
+    "surfaces+hamad2017": (-3.0, 1.0),
+    "surfaces+impulse": (-3.0, 1.0),
+    "surfaces+penalty": (-3.0, 1.0),
+}
+
+
+def test_the_table_has_every_combination():
+    assert set(SLIPPING) | set(REFUSED) == set(COMBINED)
+    assert set(COMBINED) == set(choices("contact")) - set(available("contact"))
+
+
+@pytest.mark.parametrize("name", SLIPPING)
+def test_every_combination_that_makes_sense_rolls_the_cylinder(name):
+    changes = {"time.end": 0.5, "output.gap": False, "output.particles": False, "settle.max_time": 1.0}
+    simulation = Simulation(load_scene("rolling-cylinder-slip", set=changes), contact=name)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResultsWarning)  # the settling is cut short
+        simulation.start()
+    p, own = simulation.state.particles, simulation.state.bodies[0].particles
+    time, speed = [], []
+    while simulation.state.time < 0.5:
+        simulation.step()
+        time.append(simulation.state.time)
+        speed.append(np.average(p.velocity[own, 0], weights=p.mass[own]))
+    late = len(time) // 5
+    exact = 10.0 * (np.sin(np.pi / 3.0) - 0.286 * np.cos(np.pi / 3.0))
+    error = 100.0 * (np.polyfit(time[late:], speed[late:], 1)[0] / exact - 1.0)
+    low, high = SLIPPING[name]
+    assert low < error < high
+
+
+@pytest.mark.parametrize("name", SLIPPING)
+def test_every_combination_exchanges_equal_impulses_and_records_them(name):
+    simulation = Simulation(impact(), contact=name)
+    simulation.start()
+    motion = run(simulation, 120)
+    total = motion.total_momentum
+    assert np.abs(total - total[0]).max() < 1e-11 * np.abs(motion.momentum["left"]).max()
+    gained = motion.momentum["left"][-1] - motion.momentum["left"][0]
+    np.testing.assert_allclose(motion.impulse[:, 0].sum(axis=0), gained, rtol=1e-9, atol=1e-9)
+    assert gained[0] < -1.0
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_makes_no_sense_is_refused_with_the_reason(name):
+    with pytest.raises(SceneError) as caught:
+        Simulation(impact(), contact=name)
+    assert REFUSED[name] in str(caught.value)
+
+
+def test_an_unknown_part_is_told_with_the_nearest():
+    with pytest.raises(SceneError, match=r"did you mean 'nodes\+impulse'"):
+        load_scene(two_blocks("nodes+impuls"))
+
+
+@pytest.mark.parametrize(
+    ("published", "combined"),
+    [("penalty", "surfaces+penalty"), ("bardenhagen", "nodes+impulse")],
+)
+def test_a_published_method_is_its_combination(published, combined):
+    positions = []
+    for name in (published, combined):
+        simulation = Simulation(impact(), contact=name)
+        simulation.start()
+        run(simulation, 60)
+        positions.append(simulation.state.particles.position)
+    np.testing.assert_array_equal(*positions)
+
+
+def test_options_of_both_parts_are_the_combination_s():
+    contact = Simulation(impact(), contact="nodes+penalty(kappa=2, cut_off=0.7)").contact
+    assert (contact.law.options.kappa, contact.detection.options.cut_off) == (2.0, 0.7)
+    assert contact.label == "nodes+penalty(cut_off=0.7, kappa=2.0)"
+
+
+def test_what_a_law_needs_of_its_detection_is_asked_for():
+    with pytest.raises(
+        SceneError, match='"velocity" measures no gap, which the law needs; expected "position"'
+    ):
+        Simulation(impact(), contact="nodes+penalty(criterion=velocity)")
+    with pytest.raises(SceneError, match="measures no area"):
+        Simulation(impact(), contact="nodes+penalty(normal=specified, direction=[1, 0])")
