@@ -26,7 +26,10 @@ def models_of(annotation: Any) -> set[type[BaseModel]]:
 
 
 def option_models() -> dict[str, type[BaseModel]]:
-    """Models of all tables that can be reached from a scene, by name, and of the bundled plug-ins, by ``kind.plug-in``."""
+    """Models of all tables that can be reached from a scene, by name, and of the bundled plug-ins, by ``kind.plug-in``.
+
+    Detections and laws have theirs in those of the contacts that are made of them.
+    """
     found: dict[str, type[BaseModel]] = {}
     todo: list[type[BaseModel]] = [Tables]
     while todo:
@@ -35,7 +38,7 @@ def option_models() -> dict[str, type[BaseModel]]:
             found[model.__name__] = model
             for field in model.model_fields.values():
                 todo += models_of(field.rebuild_annotation())
-    for kind in KINDS:
+    for kind in set(KINDS) - {"detection", "law"}:
         for name, entry in available(kind).items():
             options = getattr(load(kind, name), "Options", None)
             if distribution_of(entry) == "mpmfw" and options is not None:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from mpmfw.discovery import Kind, available, load
 from options_found import NO_OPTIONS, option_models, outcome
 from options_table import CORE, PLUGINS, REFUSED, Acts, mesh_file
 from scenes_for_tests import with_changes
@@ -20,6 +21,17 @@ def test_no_option_is_forgotten() -> None:
     found = {f"{table}.{option}" for table, model in option_models().items() for option in model.model_fields}
     found = {option for option in found if option.rpartition(".")[2] not in NO_OPTIONS}
     assert found == set(CORE) | set(PLUGINS) | {"MeshFile.path"}
+
+
+@pytest.mark.parametrize("kind", ["detection", "law"])
+def test_options_of_detections_and_laws_are_those_of_contacts(kind: Kind) -> None:
+    of_contacts = [
+        model.model_fields for table, model in option_models().items() if table.startswith("contact.")
+    ]
+    for name in available(kind):
+        options = getattr(load(kind, name), "Options", None)
+        for option in () if options is None else options.model_fields:
+            assert any(option in fields for fields in of_contacts), f"{kind}.{name}.{option}"
 
 
 def check_acts(entry: Acts) -> None:

@@ -114,13 +114,20 @@ def _rounded(value: Any) -> Any:
     return [_rounded(one) for one in value] if isinstance(value, list | tuple) else value
 
 
-def _of_object(plugin: Any) -> list[str]:
-    """Class, options and state of a strategy object; something new where they say nothing that lasts."""
+def _of_object(plugin: Any, known: frozenset[int] = frozenset()) -> list[str]:
+    """Class, options and state of a strategy object, and of the objects that it holds; something new where they say nothing
+    that lasts. ``known`` are those that hold it."""
     kind, state = type(plugin), dict(vars(plugin)) if hasattr(plugin, "__dict__") else {}
     options = state.pop("options", None)
     told = options.model_dump() if hasattr(options, "model_dump") else repr(options)
     said = [f"{kind.__module__}.{kind.__qualname__}", json.dumps(_rounded(told), sort_keys=True, default=str)]
-    said += [f"{name}={value!r}" for name, value in sorted(state.items())]
+    for name, value in sorted(state.items()):
+        for part in value if isinstance(value, list | tuple) else [value]:
+            said.append(f"{name}=")
+            if id(part) in known:
+                continue
+            held = " at 0x" in repr(part) and hasattr(part, "__dict__") and not isinstance(part, type)
+            said += _of_object(part, known | {id(plugin)}) if held else [repr(part)]
     lasting = package(kind.__module__.partition(".")[0]) and not any(" at 0x" in text for text in said)
     return said if lasting else [*said, uuid.uuid4().hex]
 
