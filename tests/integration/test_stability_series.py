@@ -47,6 +47,21 @@ def test_contacts_are_counted_in_steps():
     assert depth.max() >= 0.99 * gap.max()
 
 
+def test_contacts_are_those_of_the_step_whose_force_is_recorded():
+    """With one output for each step, penetration and force come and go in the same frames, and a contact ends in the first
+    frame without the force that it had."""
+    scene = colliding(end=0.12)
+    scene["time"] |= {"step": 4e-4, "output_interval": 4e-4}
+    series = run(scene)["series"].to_dataset().isel(pair=0)
+    pushed = np.abs(series["contact_force"].values).max(axis=1) > 0.0
+    assert pushed.any()
+    assert not pushed[-1]
+    np.testing.assert_array_equal(series["penetration"].values > 0.0, pushed)
+    last = np.flatnonzero(pushed)[-1]
+    ended = np.flatnonzero(np.isfinite(series["steps_per_contact"].values))
+    assert ended[-1] == last + 1
+
+
 def test_soft_springs_are_reported():
     with pytest.warns(
         ResultsWarning, match=r"left-right: the bodies penetrate by .* cells at time .*, more than 0\.15"
