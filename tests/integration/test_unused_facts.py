@@ -63,6 +63,10 @@ def apart(**changes: Any) -> dict[str, Any]:
         (apart(output={"gap": False}), []),
         (apart(output={"surface": False, "gap": False}), []),
         (block(output={"gap": True}), ["output.gap: no gap is measured: one body"]),
+        (
+            block(output={"particle_interval": 1e-6}),
+            ["output.particle_interval: material points are stored at every output: time.output_interval is no shorter"],
+        ),
         (block(), []),
         (
             two_blocks("bardenhagen", output={"stability": True}),

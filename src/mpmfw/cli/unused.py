@@ -67,6 +67,8 @@ def _diagnostics(simulation: Simulation) -> Iterator[str]:
         yield f"output.gap: no gap is measured: {gap.reason}"
     if _asked(scene, "particle_interval") and not scene.output.particles:
         yield "output.particle_interval: no material points are stored: output.particles = false"
+    elif _asked(scene, "particle_interval") and scene.output.particle_interval <= scene.time.output_interval:
+        yield "output.particle_interval: material points are stored at every output: time.output_interval is no shorter"
     if _asked(scene, "stability") and contact is not None and not contact.monitors():
         yield f"output.stability: of the time step alone: contact '{contact.name}' has no series of its own stability"
 
