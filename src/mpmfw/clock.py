@@ -29,6 +29,15 @@ class Clock:
         self._mark = time.perf_counter()
         self._cpu_mark = time.process_time()
 
+    def __getstate__(self) -> tuple[tuple[float, ...], ...]:
+        """Seconds measured so far by stage, CPU and wall; the time at which this is asked is no part of it."""
+        self.flush()
+        return tuple(self.cpu.values()), tuple(self.wall.values())
+
+    def __setstate__(self, state: tuple[tuple[float, ...], ...]) -> None:
+        self.restart()
+        self.cpu, self.wall = (dict(zip(STAGES, seconds, strict=True)) for seconds in state)
+
     def __call__(self, stage: str) -> str:
         """Say that ``stage`` begins; return the one that ends."""
         now = time.perf_counter()

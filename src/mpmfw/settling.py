@@ -8,6 +8,7 @@ damping: nothing of it stays in the stresses.
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -92,8 +93,10 @@ def stop_motion(state: State) -> None:
             array.fill(0.0)
 
 
-def settle(simulation: Simulation, asked: Settle) -> dict[str, float]:
-    """Bring a scene to rest under its loads, sides that move standing still; time zero comes after it.
+class Settling:
+    """Brings a scene to rest under its loads, sides that move standing still; time zero comes after it.
+
+    All that it knows between two steps is its own, so that it can be saved there with the simulation.
 
     Parameters
     ----------
@@ -101,62 +104,92 @@ def settle(simulation: Simulation, asked: Settle) -> dict[str, float]:
         Before its first step.
     asked
         The scene's table ``settle``.
-
-    Returns
-    -------
-    ``settle_residual``, ``settle_steps``, ``settle_simulated_time`` [s], ``settle_time`` and
-    ``settle_cpu_<stage>`` [s] for the results' file. If the limit of time is reached first, a warning says so and
-    the residual tells how far it got.
     """
-    gravity, sides = (simulation.manager.get_plugin(name) for name in ("gravity", "constraint"))
-    if sides is not None:
-        sides.at_rest = True
-    if asked.gravity is not None and gravity is not None:
-        gravity.override = np.array(asked.gravity.at(0.0))
-    simulation.clock.restart()
-    found = _come_to_rest(simulation, asked.tolerance, asked.max_time)
-    simulation.clock.flush()
-    if gravity is not None:
-        gravity.override = None
-    if sides is not None:
-        sides.at_rest = False
-    if simulation.contact is not None:
-        simulation.contact.restart()
-    simulation.state.time, simulation.state.steps = 0.0, 0
-    return {**found, **_costs(simulation.clock)}
+
+    def __init__(self, simulation: Simulation, asked: Settle) -> None:
+        bodies = simulation.state.bodies
+        longest = max(float(np.subtract(body.upper, body.lower).max()) / body.wave_speed for body in bodies)
+        self.limit = CROSSINGS * longest if asked.max_time is None else asked.max_time
+        self.tolerance = asked.tolerance
+        gravity, sides = (simulation.manager.get_plugin(name) for name in ("gravity", "constraint"))
+        if sides is not None:
+            sides.at_rest = True
+        if asked.gravity is not None and gravity is not None:
+            gravity.override = np.array(asked.gravity.at(0.0))
+        self.transfer = simulation.transfer
+        simulation.transfer = replace(self.transfer, flip=min(self.transfer.flip, FLIP_SHARE))
+        simulation.clock.restart()
+        self.damping = LocalDamping()
+        self.applied = -1.0  #: force at the first step [N/m]; below zero before it
+        self.residual, self.below, self.elapsed = 1.0, 0, 0.0
+
+    def finish(
+        self, simulation: Simulation, after_step: Callable[[], None] | None = None
+    ) -> dict[str, float]:
+        """Step until the residual force is below the tolerance times the force at the first step.
+
+        Parameters
+        ----------
+        simulation
+            The one that it began with.
+        after_step
+            Called after every step.
+
+        Returns
+        -------
+        ``settle_residual``, ``settle_steps``, ``settle_simulated_time`` [s], ``settle_time`` and
+        ``settle_cpu_<stage>`` [s] for the results' file. If the limit of time is reached first, a warning says so and
+        the residual tells how far it got.
+        """
+        with simulation.extra_plugin(self.damping):
+            while self.applied < 0.0 or (self.below < STEPS_BELOW and self.elapsed < self.limit):
+                self._step(simulation)
+                if after_step is not None:
+                    after_step()
+        if self.below < STEPS_BELOW:
+            warnings.warn(
+                f"settling stopped after {self.elapsed:.3g} s with a residual force of {self.residual:.2g} of the applied one "
+                f"(asked for: {self.tolerance:.2g})",
+                ResultsWarning,
+                stacklevel=3,
+            )
+        steps = simulation.state.steps
+        self._begin_at_zero(simulation)
+        found = {
+            "settle_residual": self.residual,
+            "settle_steps": steps,
+            "settle_simulated_time": self.elapsed,
+        }
+        return {**found, **_costs(simulation.clock)}
+
+    def _step(self, simulation: Simulation) -> None:
+        state = simulation.state
+        state.time = 0.0  # loads that change in time stand still at their start
+        simulation.step()
+        self.elapsed += state.dt
+        force = self.damping.impulse / state.dt
+        if self.applied < 0.0:
+            self.applied = force
+        else:
+            self.residual = force / self.applied if self.applied > 0.0 else 0.0
+            self.below = self.below + 1 if self.residual <= self.tolerance else 0
+
+    def _begin_at_zero(self, simulation: Simulation) -> None:
+        """Loads, sides and transfer as the scene has them, no motion, and nothing recorded."""
+        simulation.transfer = self.transfer
+        stop_motion(simulation.state)
+        simulation.clock.flush()
+        gravity, sides = (simulation.manager.get_plugin(name) for name in ("gravity", "constraint"))
+        if gravity is not None:
+            gravity.override = None
+        if sides is not None:
+            sides.at_rest = False
+        if simulation.contact is not None:
+            simulation.contact.restart()
+        simulation.state.time, simulation.state.steps = 0.0, 0
 
 
 def _costs(clock: Clock) -> dict[str, float]:
     """CPU time of settling as that of the steps counts it: without compilation, gap diagnostic and output."""
     cpu = {stage: clock.cpu[stage] for stage in STEP_STAGES}
     return {"settle_time": sum(cpu.values()), **{f"settle_cpu_{stage}": cpu[stage] for stage in STEP_STAGES}}
-
-
-def _come_to_rest(simulation: Simulation, tolerance: float, max_time: float | None) -> dict[str, float]:
-    """Step until the residual force is below ``tolerance`` times the force at the first step."""
-    state = simulation.state
-    longest = max(float(np.subtract(body.upper, body.lower).max()) / body.wave_speed for body in state.bodies)
-    limit = CROSSINGS * longest if max_time is None else max_time
-    transfer = simulation.transfer
-    simulation.transfer = replace(transfer, flip=min(transfer.flip, FLIP_SHARE))
-    with simulation.extra_plugin(damping := LocalDamping()):
-        simulation.step()
-        applied = damping.impulse / state.dt
-        residual, below = 1.0, 0
-        elapsed = state.time
-        while below < STEPS_BELOW and elapsed < limit:
-            state.time = 0.0  # loads that change in time stand still at their start
-            simulation.step()
-            elapsed += state.dt
-            residual = damping.impulse / state.dt / applied if applied > 0.0 else 0.0
-            below = below + 1 if residual <= tolerance else 0
-    if below < STEPS_BELOW:
-        warnings.warn(
-            f"settling stopped after {elapsed:.3g} s with a residual force of {residual:.2g} of the applied one "
-            f"(asked for: {tolerance:.2g})",
-            ResultsWarning,
-            stacklevel=3,
-        )
-    simulation.transfer = transfer
-    stop_motion(state)
-    return {"settle_residual": residual, "settle_steps": state.steps, "settle_simulated_time": elapsed}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any
@@ -22,8 +23,10 @@ from mpmfw.hooks import BoundHooks, hook_names, make_manager
 from mpmfw.pairs import list_near
 from mpmfw.plan import plan
 from mpmfw.results import Frame, RunHeader
-from mpmfw.settling import settle
+from mpmfw.settling import Settling
 from mpmfw.sizing import remarks_on
+from mpmfw.snapshot import Snapshot, put, read_snapshot, take, write_snapshot
+from mpmfw.state import State
 from mpmfw.steppers import SCHEMES
 from mpmfw.steppers.operations import apply_moment, interpolate, project_mass_momentum
 from mpmfw.timestep import TimeStep
@@ -108,7 +111,9 @@ class Simulation:
         if watch is not None:
             watch.limits = self.limits
         self._started = False
+        self._settling: Settling | None = None
         self._settled: dict[str, float] = {}
+        self._next_output, self._last_output = 0, 0.0  #: number of the next output, and time of the last [s]
         self.compile_time = 0.0
         self._time_step.check(self.hook)
 
@@ -196,12 +201,14 @@ class Simulation:
             self.manager.unregister(plugin)
             self._bind_hooks()
 
-    def start(self) -> None:
+    def start(self, after_step: Callable[[], None] | None = None) -> None:
         """Settle if the scene asks for it, then set the initial motion: time zero."""
         if self._started:
             return
         if self.scene.settle is not None:
-            self._settled = settle(self, self.scene.settle)
+            self._settling = self._settling or Settling(self, self.scene.settle)
+            self._settled = self._settling.finish(self, after_step)
+            self._settling = None
         initial_velocity(self.scene, self.state, interpolate(self.state, self.hook, self.clock))
         self._started = True
         self.clock.restart()
@@ -223,54 +230,61 @@ class Simulation:
         self,
         write: Callable[[Frame], None] | None = None,
         progress: Callable[[float, int], None] | None = None,
+        after_step: Callable[[], None] | None = None,
     ) -> None:
         """Run to the end; hand a frame to ``write`` at time zero and at every output.
+
+        A simulation that was loaded goes on from where it was saved. ``after_step`` is called when a step is complete, those of
+        settling as well: there, and before the run, it may be saved.
 
         Raises
         ------
         SimulationError
             The run failed; frames handed out so far are complete.
         """
+        before = self.compile_time
         with self.blaming(), CompileTimer(self.clock) as compiling:
             try:
-                self.start()
-                self._output(write, 0.0)
-                self._run_to_the_end(write, progress)
+                if self._next_output == 0:
+                    self.start(after_step)
+                    self._output(write, 0.0)
+                    self._next_output = 1
+                self._run_to_the_end(write, _Watch(self.state, progress, after_step))
             finally:
-                self.compile_time = compiling.seconds
+                self.compile_time = before + compiling.seconds
                 self.clock.flush()
 
-    def _run_to_the_end(
-        self, write: Callable[[Frame], None] | None, progress: Callable[[float, int], None] | None
-    ) -> None:
+    def _run_to_the_end(self, write: Callable[[Frame], None] | None, watch: Callable[[], None]) -> None:
         """Steps and outputs after the first."""
         state, time = self.state, self.scene.time
-        last, before = _outputs(time.end, time.output_interval), 0.0
+        last = _outputs(time.end, time.output_interval)
         exact = time.outputs == "exact"
-        for output in range(1, last + 1):
+        while self._next_output <= last:
+            output = self._next_output
             due = time.end if output == last else output * time.output_interval
             if exact or output == last:
-                self._advance_to(due, progress)
+                self._advance_to(due, watch)
             else:
-                self._advance_near(due, progress)
-                if state.time in (before, time.end):
-                    continue  # the step is nearest to another output as well, which records it
-            points = output == last or self._recorder.points_are_due(due)
-            self._output(write, state.time - before, points=points)
-            before = state.time
+                self._advance_near(due, watch)
+            self._next_output += 1
+            if (exact or output == last) or state.time not in (self._last_output, time.end):
+                # else the step is nearest to another output as well, which records it
+                points = output == last or self._recorder.points_are_due(due)
+                self._output(write, state.time - self._last_output, points=points)
+                self._last_output = state.time
 
-    def _advance_to(self, target: float, progress: Callable[[float, int], None] | None) -> None:
+    def _advance_to(self, target: float, watch: Callable[[], None]) -> None:
         """Step to ``target`` [s] exactly, with steps of about equal length."""
         while self.state.time < target:
             self._step_towards(target)
-            self._report(progress)
+            watch()
 
-    def _advance_near(self, target: float, progress: Callable[[float, int], None] | None) -> None:
+    def _advance_near(self, target: float, watch: Callable[[], None]) -> None:
         """Step until no end of a step is nearer to ``target`` [s], if the next step is as long as the last, or to the end."""
         state, end = self.state, self.scene.time.end
         while state.time + 0.5 * state.dt <= target and state.time < end:
             self._step_towards(end)
-            self._report(progress)
+            watch()
 
     def _step_towards(self, target: float) -> None:
         """Take one of the equal steps that lead to ``target`` [s] if the limit stays as it is; the last ends there exactly."""
@@ -287,10 +301,6 @@ class Simulation:
         if last:
             state.time = target
 
-    def _report(self, progress: Callable[[float, int], None] | None) -> None:
-        if progress is not None and self.state.steps % REPORT_EVERY == 0:
-            progress(self.state.time, self.state.steps)
-
     def _output(self, write: Callable[[Frame], None] | None, interval: float, *, points: bool = True) -> None:
         self.clock("output")
         self._guard.check()
@@ -299,6 +309,63 @@ class Simulation:
         if write is not None:
             write(frame)
         self.clock.flush()
+
+    # -- how it is kept
+    # -----------------------------------------------------------------------------------------------
+
+    def snapshot(self) -> Snapshot:
+        """All values that the next step, the next output or the end depend on, between two steps.
+
+        Raises
+        ------
+        NotSaved
+            A plug-in holds something that cannot be saved.
+        """
+        return take(self._kept())
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Take the values of a simulation of the same scene and methods: this one goes on as that one does, to the bit.
+
+        Raises
+        ------
+        NotSaved
+            It was another scene, or other methods.
+        """
+        put(snapshot, self._kept())
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write :meth:`snapshot` to a file, in one step.
+
+        Raises
+        ------
+        NotSaved
+            A plug-in holds something that cannot be saved.
+        MpmfwError
+            The file cannot be written.
+        """
+        write_snapshot(path, self.snapshot(), {})
+
+    def load(self, path: str | os.PathLike[str]) -> None:
+        """Take the values that :meth:`save` wrote, of a simulation of the same scene and methods; this one is new.
+
+        Raises
+        ------
+        NotSaved
+            It was another scene, or other methods.
+        MpmfwError
+            The file cannot be read, or is damaged.
+        """
+        self.restore(read_snapshot(path)[0])
+
+    def _kept(self) -> dict[str, Any]:
+        """Everything that has values, by its name in messages: the plug-ins and what is between them."""
+        damping = None if self._settling is None else self._settling.damping  # registered while it steps
+        plugins = {
+            f"plug-in '{name}'": plugin
+            for name, plugin in self.manager.list_name_plugin()
+            if plugin is not damping
+        }
+        return {**plugins, "simulation": self}
 
     # -- what it leaves
     # -----------------------------------------------------------------------------------------------
@@ -368,6 +435,24 @@ class Simulation:
             **{f"cpu_{stage}": clock.cpu[stage] for stage in STAGES},
             **{f"wall_{stage}": clock.wall[stage] for stage in STAGES},
         }
+
+
+class _Watch:
+    """Called after every step: reports progress now and then, and hands on."""
+
+    def __init__(
+        self,
+        state: State,
+        progress: Callable[[float, int], None] | None,
+        after_step: Callable[[], None] | None,
+    ) -> None:
+        self.state, self.progress, self.after_step = state, progress, after_step
+
+    def __call__(self) -> None:
+        if self.progress is not None and self.state.steps % REPORT_EVERY == 0:
+            self.progress(self.state.time, self.state.steps)
+        if self.after_step is not None:
+            self.after_step()
 
 
 def _registered_name(made: Any, plugin: Any) -> str:

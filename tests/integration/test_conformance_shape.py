@@ -48,6 +48,7 @@ FAULTS = {
     surfaces.SurfaceWithGradients: "structure",
     contract.LongNodes: "structure",
     contract.Remembering: "repeatable",
+    contract.KeepsElsewhere: "saved",
     contract.Clamping: "changes-nothing-else",
     contract.Hoarding: "no-growth",
     contract.Deaf: "options",

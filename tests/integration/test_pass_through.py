@@ -132,7 +132,7 @@ def fate(mapping: dict[str, Any]) -> Fate:
     try:
         simulation.start()
         for output in range(1, 21):
-            simulation._advance_to(output * mapping["time"]["output_interval"], None)
+            simulation._advance_to(output * mapping["time"]["output_interval"], lambda: None)
             found.behind = max(found.behind, behind(simulation))
             found.depth = max(found.depth, depth(simulation))
     except SimulationError as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
@@ -87,6 +88,39 @@ class WearsOut(PlainContact):
     def friction(self, mu, normal, sticking):
         self.steps += 1
         return super().friction(mu / (1.0 + 1e-3 * self.steps), normal, sticking)
+
+
+#: Contacts of whichever object was set up last.
+_CONTACTS = [0]
+
+
+class CountsElsewhere(PlainContact):
+    """Friction falls with the contacts of the run, which the module counts: a run that is loaded begins anew."""
+
+    name = "counts-elsewhere"
+
+    @hookimpl
+    def setup(self, setup):
+        PlainContact.setup(self, setup)
+        _CONTACTS[0] = 0
+
+    def friction(self, mu, normal, sticking):
+        _CONTACTS[0] += 1
+        return super().friction(mu / (1.0 + 1e-3 * _CONTACTS[0]), normal, sticking)
+
+
+class CountsByIterator(PlainContact):
+    """The same with a counter that does not say where it stands."""
+
+    name = "counts-by-iterator"
+
+    @hookimpl
+    def setup(self, setup):
+        PlainContact.setup(self, setup)
+        self.contacts = itertools.count()
+
+    def friction(self, mu, normal, sticking):
+        return super().friction(mu / (1.0 + 1e-3 * next(self.contacts)), normal, sticking)
 
 
 class ForgetsSprings(Penalty):

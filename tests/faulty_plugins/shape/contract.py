@@ -44,6 +44,30 @@ class Remembering(Sound):
         return table._replace(weight=mixed)
 
 
+#: Steps of whichever object was set up last.
+_STEPS = [0]
+
+
+class KeepsElsewhere(Sound):
+    """Weights fade with the steps, which the module counts."""
+
+    @hookimpl
+    def setup(self) -> None:
+        """Begin to count."""
+        _STEPS[0] = 0
+
+    @hookimpl
+    def update_particle_domains(self) -> None:
+        """Count."""
+        _STEPS[0] += 1
+
+    @hookimpl
+    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
+        """Fainter by each step."""
+        table = super().interpolate(particles, grid)
+        return table._replace(weight=table.weight * (1.0 - 1e-9 * _STEPS[0]))
+
+
 class Clamping(Sound):
     """Points that are near the window's end are put back, quietly."""
 

@@ -12,7 +12,7 @@ from mpmfw.testing.contact.reports import reported_force
 from mpmfw.testing.contact.separation import asleep_apart, no_adhesion, pushes_apart
 from mpmfw.testing.contact.shapes import every_shape, runs
 from mpmfw.testing.contact.space import three_dimensions
-from mpmfw.testing.contact.state import restart, used_twice
+from mpmfw.testing.contact.state import restart, saved, used_twice
 from mpmfw.testing.contact.symmetry import relabelling, rotation, shift
 
 _CHECKS = (
@@ -46,6 +46,7 @@ _CHECKS = (
     Check("three-dimensions", "In three dimensions too, impulses balance and bodies stop.", three_dimensions),
     Check("used-twice", "A strategy object carries nothing from one run to the next.", used_twice),
     Check("restart", "restart() forgets work and impulse and keeps the state of contact.", restart),
+    Check("saved", "A run that is saved in the middle and loaded goes on to the same bits.", saved),
     Check("reports", "The reported contact force is the momentum exchanged.", reported_force),
 )
 

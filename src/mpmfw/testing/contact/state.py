@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.simulation import Simulation
+from mpmfw.snapshot import NotSaved
 from mpmfw.testing.check import Picture, Violation
 from mpmfw.testing.contact.bounds import search_meetings, within
 from mpmfw.testing.contact.drawing import histories
@@ -66,6 +67,45 @@ def restart(subject: Subject) -> None:
                 {"reported [N/m]": force.tolist(), "without restart() [N/m]": expected.tolist()},
                 _side_by_side(motion, reference, "contact_force", "N/m"),
             )
+
+    search_meetings(trial, _SLIDING, examples=3)
+
+
+def saved(subject: Subject) -> None:
+    """A run that is saved in the middle of contact and loaded into a simulation built anew goes on with the same bits.
+
+    Saved is what hangs on the attributes of plug-ins: numbers, arrays, and objects of these. What is kept elsewhere, by the
+    module, the class, a closure or an iterator, is lost.
+    """
+
+    def trial(meeting: Meeting) -> None:
+        first = Simulation(meeting.mapping(), contact=subject.make())
+        with recorded(first) as reference:
+            first.advance(BEFORE, lambda frame: note(reference, frame))
+            try:
+                snapshot = first.snapshot()
+            except NotSaved as error:
+                raise Violation(str(error)) from error
+            first.advance(AFTER, lambda frame: note(reference, frame))
+        second = Simulation(meeting.mapping(), contact=subject.make())
+        with recorded(second) as motion:
+            try:
+                second.restore(snapshot)
+            except NotSaved as error:
+                raise Violation(str(error)) from error
+            second.advance(AFTER, lambda frame: note(motion, frame))
+        motion.positions[:0] = reference.positions[: BEFORE + 1]
+        same_bits(
+            motion,
+            reference,
+            "what was saved and loaded goes on otherwise: part of the history is no attribute",
+        )
+        for name in motion.series:
+            one, other = (np.array(m.series[name][-AFTER - 1 :]) for m in (motion, reference))
+            if not np.array_equal(one, other, equal_nan=True):
+                raise Violation(
+                    f"the series {name} goes on otherwise after loading: part of its history is no attribute"
+                )
 
     search_meetings(trial, _SLIDING, examples=3)
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from mpmfw.fields import AnyArray, FloatArray
 from mpmfw.plots.style import FONT, dress
+from mpmfw.snapshot import NotSaved, put, take
 from mpmfw.state import Stencil
 from mpmfw.testing.check import Check, Picture, Violation
 from mpmfw.testing.searching import hypothesis
@@ -79,6 +80,38 @@ def repeatable(subject: Subject) -> None:
                 )
 
     search_dimensions(subject, points, trial, examples=6)
+
+
+def saved(subject: Subject) -> None:
+    """Values that are taken in the middle of a motion and put into a fresh object go on with the same bits.
+
+    Taken is what hangs on the object's attributes: numbers, arrays, and objects of these.
+    """
+
+    def trial(dim: int, case: dict[str, Any]) -> None:
+        turn = 0.02 * (np.eye(dim) + np.diag(np.ones(dim - 1), 1))
+        placed, anew = _company(subject, dim, case), _company(subject, dim, case)
+        centre = placed.particles.position.mean(axis=0)
+        placed.deform(turn, centre, steps=2)
+        try:
+            put(
+                take({"shape": placed.shape, "state": placed.state}),
+                {"shape": anew.shape, "state": anew.state},
+            )
+        except NotSaved as error:
+            raise Violation(str(error)) from error
+        tables = []
+        for each in (anew, placed):
+            each.deform(turn, centre, steps=2)
+            tables.append(_copied(each.table()))
+        if not all(np.array_equal(a, b) for a, b in zip(*tables, strict=True)):
+            raise Violation(
+                "what was saved and loaded goes on otherwise: part of the history is no attribute",
+                {"points [m]": placed.particles.position.tolist()},
+                picture_of(placed, 2),
+            )
+
+    search_dimensions(subject, points, trial, examples=3)
 
 
 def changes_nothing_else(subject: Subject) -> None:
@@ -229,6 +262,7 @@ def contract_checks() -> list[Check]:
         Check("dimensions", "The plug-in declares its name and the dimensions that it works in.", dimensions),
         Check("structure", "The table has the layout that compiled kernels read.", structure),
         Check("repeatable", "The same points give the same table, bit by bit.", repeatable),
+        Check("saved", "A motion that is saved in the middle and loaded goes on to the same bits.", saved),
         Check(
             "changes-nothing-else", "Filling the table changes nothing but the table.", changes_nothing_else
         ),

@@ -1,0 +1,272 @@
+"""A run that is stopped at a step and loaded into a simulation built anew ends with the same bytes."""
+
+from __future__ import annotations
+
+import copy
+import json
+import os
+import pickle
+import random
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from many_discs import many_discs
+from mpmfw.discovery import available, choices
+from mpmfw.errors import MpmfwError
+from mpmfw.scene import load_scene, shipped_scenes
+from mpmfw.simulation import Simulation
+from mpmfw.snapshot import NotSaved, Snapshot
+from scenes_for_tests import two_blocks, with_changes
+
+pytestmark = pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")  # settling is cut short
+
+#: The shipped scenes with few points, few steps of settling and few after it; contact begins at once, or within nine steps.
+COARSE: dict[str, dict[str, Any]] = {
+    "colliding-rings": {"grid.cell_size": 0.008, "time.end": "0.2 ms", "output.stability": True},
+    "contact-stress": {
+        "grid.cell_size": 0.25,
+        "settle.max_time": 0.01,
+        "time.end": 0.006,
+        "time.output_interval": 0.001,
+    },
+    "rolling-cylinder-no-slip": {"grid.cell_size": 0.8, "settle.max_time": 0.02, "time.end": 0.02},
+    "rolling-cylinder-slip": {
+        "grid.cell_size": 0.8,
+        "settle.max_time": 0.02,
+        "time.end": 0.02,
+        "output.ledger": True,
+    },
+    "sliding-block": {
+        "grid.cell_size": 0.2,
+        "settle.max_time": 0.008,
+        "time.end": 0.01,
+        "output.stability": True,
+    },
+}
+CONTACTS = [name for name in choices("contact") if name != "nodes+hamad2017"]
+
+
+def run(simulation: Simulation, step: int = -1, path: Path | None = None) -> tuple[list[Any], int]:
+    """All frames of a run that is saved after a step and goes on, and the number of its steps, those of settling among them."""
+    frames: list[Any] = []
+    count = 0
+
+    def after_step() -> None:
+        nonlocal count
+        count += 1
+        if count == step:
+            simulation.save(path)
+
+    simulation.run(lambda frame: frames.append(copy.deepcopy(frame)), None, after_step)
+    return frames, count
+
+
+def timeless(snapshot: Snapshot) -> str:
+    """All values but seconds."""
+
+    def without(node: Any) -> Any:
+        if isinstance(node, list):
+            return [without(item) for item in node]
+        if isinstance(node, dict):
+            if node.get("of") == "mpmfw.clock:Clock":
+                return "clock"
+            return {name: without(item) for name, item in node.items() if name != "compile_time"}
+        return node
+
+    nodes = [
+        without(
+            {"dict": [item for item in node["dict"] if "settle_" not in str(item[0])]}
+            if "dict" in node
+            else node
+        )
+        for node in snapshot.nodes
+    ]
+    return json.dumps([without(snapshot.roots), nodes])
+
+
+def array_bytes(snapshot: Snapshot) -> list[bytes]:
+    return [array.tobytes() for array in snapshot.arrays]
+
+
+def same_frames(frames: list[Any], others: list[Any]) -> None:
+    assert len(frames) == len(others)
+    for one, other in zip(frames, others, strict=True):
+        assert one.time == other.time
+        assert one.pairs == other.pairs
+        for group in ("particles", "surface", "series", "grid", "contact"):
+            a, b = getattr(one, group), getattr(other, group)
+            assert list(a) == list(b)
+            for name in a:
+                assert np.asarray(a[name]).tobytes() == np.asarray(b[name]).tobytes(), (group, name)
+
+
+def stop_and_go_on(make: Any, path: Path, step: int) -> None:
+    """The run of a simulation, and that of another which is loaded after a step of the first."""
+    first = make()
+    frames, steps = run(first, step, path)
+    assert steps >= step
+    second = make()
+    second.load(path)
+    rest, left = run(second)
+    assert left == steps - step
+    same_frames(frames[len(frames) - len(rest) :], rest)
+    one, other = first.snapshot(), second.snapshot()
+    assert array_bytes(one) == array_bytes(other)
+    assert timeless(one) == timeless(other)
+    assert first.remarks() == second.remarks()
+
+
+#: Steps after which a run is saved: in settling, and after it; bodies touch before or after.
+STEPS = {"colliding-rings": (2, 20)}
+
+#: Every pair of methods on every scene, or every pair on one scene and every method on each.
+ALL = bool(os.environ.get("MPMFW_ALL_RESTARTS"))
+
+
+def cases() -> list[tuple[str, str, str]]:
+    found = []
+    for name in COARSE:
+        scene = load_scene(name)
+        own = scene.contact.method, scene.shape.method
+        found += [
+            (name, contact, shape)
+            for contact in CONTACTS
+            for shape in available("shape")
+            if ALL or name == "rolling-cylinder-slip" or contact == own[0] or shape == own[1]
+        ]
+    return found
+
+
+def test_every_shipped_scene_is_here():
+    assert set(COARSE) == set(shipped_scenes())
+
+
+@pytest.mark.parametrize(("name", "contact", "shape"), cases())
+def test_every_shipped_scene_with_every_method(tmp_path, name, contact, shape):
+    scene = load_scene(name, set=COARSE[name] | {"contact.method": contact, "shape.method": shape})
+    step = random.Random(name + contact + shape).randrange(*STEPS.get(name, (2, 15)))
+    stop_and_go_on(lambda: Simulation(scene), tmp_path / "saved", step)
+
+
+LAYER = {"contact__penalty__interface_thickness": 0.01}
+PRESSED = {
+    "bodies__left__sides": [{"side": "left", "pressure": 1e4}],
+    "bodies__right__sides": [{"side": "right", "velocity": [-0.5, "free"]}],
+}
+WAYS = {
+    "musl-apic": {"stepping__scheme": "musl", "stepping__transfer": "apic"},
+    "usf-tpic": {"stepping__scheme": "usf", "stepping__transfer": "tpic"},
+    "aflip": {"stepping__transfer": "aflip"},
+    "local": {"bodies__left__rotation": "local"},
+    "exact": {"bodies__left__rotation": "exact", "bodies__right__rotation": "spin"},
+    "layer": LAYER,
+    "pressed": PRESSED,
+    "nearest": {"time__outputs": "nearest", "output__particle_interval": 0.004},
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_every_way_of_stepping_loading_and_recording(tmp_path, way):
+    recorded = {"output__ledger": way != "layer", "output__stability": True}
+    scene = two_blocks("penalty", time__end=0.02, time__output_interval=0.002, **recorded, **WAYS[way])
+    stop_and_go_on(lambda: Simulation(scene), tmp_path / "saved", 7)
+
+
+@pytest.mark.parametrize("contact", ["penalty", "nodes+penalty", "none"])
+def test_pairs_that_come_near_during_the_run(tmp_path, contact):
+    scene = many_discs(
+        36,
+        contact,
+        radius=1.0,
+        pitch=12.0,
+        time={"end": 0.2, "output_interval": 0.05},
+        shape__method="linear",
+    )
+    for k in range(36):
+        scene["bodies"][f"d{k}"]["velocity"] = [33.0 * (1 - 2 * (k // 6 % 2)), 0.0]
+    before = len(Simulation(scene).state.pairs)
+    stop_and_go_on(lambda: Simulation(scene), tmp_path / "saved", 35)
+    last = Simulation(scene)
+    last.load(tmp_path / "saved")
+    assert len(last.state.pairs) > before
+
+
+def test_three_dimensions(tmp_path):
+    bodies = {
+        name: {
+            "material": "soft",
+            "particles": {"layout": "lattice", "size": 0.25},
+            "velocity": [speed, 0.1, 0.0],
+            "geometry": {"type": "box", "lower": [x, 0.0, 0.0], "upper": [x + 0.5, 0.5, 0.5]},
+        }
+        for name, x, speed in (("left", -0.51, 1.0), ("right", 0.0, -1.0))
+    }
+    scene = with_changes(
+        two_blocks("bardenhagen"),
+        bodies=bodies,
+        grid={"cell_size": 0.25, "lower": [-2] * 3, "upper": [2] * 3},
+    )
+    stop_and_go_on(lambda: Simulation(scene), tmp_path / "saved", 11)
+
+
+IN_A_NEW_PROCESS = """
+import pickle, sys
+sys.path[:0] = sys.argv[3:]
+from mpmfw.simulation import Simulation
+from test_restart import COARSE, run
+from mpmfw.scene import load_scene
+simulation = Simulation(load_scene("rolling-cylinder-slip", set=COARSE["rolling-cylinder-slip"]))
+simulation.load(sys.argv[1])
+frames, _ = run(simulation)
+pickle.dump((frames, [a.tobytes() for a in simulation.snapshot().arrays]), open(sys.argv[2], "wb"))
+"""
+
+
+def test_a_new_process_goes_on_with_the_same_bytes(tmp_path):
+    first = Simulation(load_scene("rolling-cylinder-slip", set=COARSE["rolling-cylinder-slip"]))
+    frames, _ = run(first, 9, tmp_path / "saved")
+    folders = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
+    command = [
+        sys.executable,
+        "-c",
+        IN_A_NEW_PROCESS,
+        str(tmp_path / "saved"),
+        str(tmp_path / "end"),
+        *folders,
+    ]
+    subprocess.run(command, check=True, timeout=300)
+    rest, arrays = pickle.loads((tmp_path / "end").read_bytes())
+    same_frames(frames[-len(rest) :], rest)
+    assert arrays == [array.tobytes() for array in first.snapshot().arrays]
+
+
+def test_another_scene_or_method_is_refused(tmp_path):
+    simulation = Simulation(two_blocks("penalty"))
+    simulation.save(tmp_path / "saved")
+    other = Simulation(two_blocks("bardenhagen"))
+    with pytest.raises(
+        NotSaved, match=r"^saved were .*plug-in 'penalty'.*; here are .*plug-in 'bardenhagen'"
+    ):
+        other.load(tmp_path / "saved")
+
+
+def test_a_damaged_file_is_named(tmp_path):
+    path, simulation = tmp_path / "saved", Simulation(two_blocks("none"))
+    simulation.save(path)
+    whole = path.read_bytes()
+    for share in (0.0, 0.3, 0.99):
+        path.write_bytes(whole[: int(share * len(whole))])
+        with pytest.raises(MpmfwError, match="saved' was cut short or is damaged"):
+            simulation.load(path)
+    changed = bytearray(whole)
+    changed[len(whole) // 2] ^= 1
+    path.write_bytes(changed)
+    with pytest.raises(MpmfwError, match="saved' was cut short or is damaged"):
+        simulation.load(path)
+    with pytest.raises(MpmfwError, match=r"cannot read '.*nothing': No such file or directory"):
+        simulation.load(tmp_path / "nothing")
