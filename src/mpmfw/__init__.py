@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from mpmfw.paraview import export
     from mpmfw.plots import animate
     from mpmfw.results import open
+    from mpmfw.resuming import resume
     from mpmfw.runs import run
     from mpmfw.scene import load_scene
     from mpmfw.studies.study import study
@@ -34,6 +35,7 @@ _MODULES = {
     "load_scene": "mpmfw.scene",
     "open": "mpmfw.results",
     "pareto": "mpmfw.notebook",
+    "resume": "mpmfw.resuming",
     "run": "mpmfw.runs",
     "study": "mpmfw.studies.study",
     "table": "mpmfw.notebook",
@@ -52,6 +54,7 @@ __all__ = [
     "open",
     "pareto",
     "plots",
+    "resume",
     "run",
     "study",
     "table",

@@ -13,17 +13,45 @@ from mpmfw.errors import Interrupted
 
 
 class Interruption:
-    """Turns both signals into :class:`~mpmfw.errors.Interrupted`, and holds them back where asked to."""
+    """Turns both signals into :class:`~mpmfw.errors.Interrupted`, and holds them back where asked to.
+
+    Attributes
+    ----------
+    waiting
+        Number of a signal that was held back; None without one.
+    """
 
     def __init__(self) -> None:
+        self.waiting: int | None = None
         self._held = 0
-        self._waiting: int | None = None
+        self._deferred = False
 
     def __call__(self, number: int, frame: FrameType | None) -> None:  # noqa: ARG002
-        """Take a signal."""
-        if self._held:
-            self._waiting = number
+        """Take a signal; one that waits already is not asked to wait longer by a second, but where a call must be whole."""
+        if self._held or (self._deferred and self.waiting is None):
+            self.waiting = number
         else:
+            raise Interrupted(number)
+
+    @contextmanager
+    def deferred(self) -> Iterator[None]:
+        """Context in which the first signal waits until :meth:`check` is called; a second takes effect at once."""
+        self._deferred = True
+        try:
+            yield
+        finally:
+            self._deferred = False
+
+    def check(self) -> None:
+        """Raise what waits.
+
+        Raises
+        ------
+        Interrupted
+            A signal was held back.
+        """
+        number, self.waiting = self.waiting, None
+        if number is not None:
             raise Interrupted(number)
 
     def whole(self, function: Callable[..., Any]) -> Callable[..., Any]:
@@ -35,9 +63,8 @@ class Interruption:
                 return function(*arguments)
             finally:
                 self._held -= 1
-                number, self._waiting = self._waiting, None
-                if number is not None:
-                    raise Interrupted(number)
+                if not self._deferred:
+                    self.check()
 
         return call
 

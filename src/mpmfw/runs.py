@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from mpmfw.apart import run_apart
+from mpmfw.checkpoints import EVERY, Checkpoints
 from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.interruption import interruptible
 from mpmfw.limits import check_length, remark_on_size
@@ -32,6 +33,7 @@ def run(
     set: Mapping[str, Any] | None = None,
     force: bool = False,
     apart: bool = False,
+    checkpoint: float | None = None,
 ) -> xr.DataTree:
     """Run a scene.
 
@@ -51,6 +53,9 @@ def run(
         Begin a run that has more steps or frames than the limits in ``mpmfw.limits``.
     apart
         Run in a process of its own, so that one that crashes or hangs ends nothing else; plug-ins by name alone.
+    checkpoint
+        Seconds of wall time between two checkpoints beside the file, ``OUTPUT.checkpoint``, from which
+        :func:`mpmfw.resume` goes on; ten minutes by default, ``math.inf`` for none.
 
     Returns
     -------
@@ -63,14 +68,16 @@ def run(
     SimulationError
         The run failed; what it reached is in the file, and in the error's attribute ``results``.
     Interrupted
-        Ctrl-C or SIGTERM; the outputs before are in the file, whose status is ``interrupted``.
+        Ctrl-C or SIGTERM; the outputs before are in the file, whose status is ``interrupted``, and a checkpoint beside it.
     """
+    _check_interval(checkpoint, output)
     if apart:
         if any(method is not None and not isinstance(method, str) for method in (contact, shape)):
             raise SceneError("apart: a run in a process of its own takes plug-ins by name, no objects")
         request = {"contact": contact, "shape": shape, "set": dict(set or {}), "force": force}
+        request["checkpoint"] = checkpoint
         return run_apart(scene, output, progress, **request)
-    with _writing(scene, contact, shape, output, progress, set, force) as writer:
+    with _writing(scene, contact, shape, output, progress, set, force, checkpoint) as writer:
         return writer.results()
 
 
@@ -79,6 +86,7 @@ def run_to_file(
     output: str | os.PathLike[str],
     progress: Callable[[float, int], None] | None = None,
     force: bool = False,
+    checkpoint: float | None = None,
 ) -> None:
     """Run a scene and leave its results in the file; the rest is as :func:`run` says.
 
@@ -87,8 +95,18 @@ def run_to_file(
     SceneError, SimulationError, Interrupted
         As there.
     """
-    with _writing(scene, None, None, output, progress, None, force):
+    with _writing(scene, None, None, output, progress, None, force, checkpoint):
         pass
+
+
+def _check_interval(checkpoint: float | None, output: Any) -> None:
+    """Refuse an interval that is none, or that has no effect."""
+    if checkpoint is None:
+        return
+    if not checkpoint >= 0.0:
+        raise SceneError(f"checkpoint {checkpoint:g}: expected seconds, 0 (after every step) or more")
+    if output is None:
+        raise SceneError("checkpoint: has no effect on results that are kept in memory; give an output")
 
 
 @contextmanager
@@ -100,6 +118,7 @@ def _writing(
     progress: Callable[[float, int], None] | None,
     set: Mapping[str, Any] | None,
     force: bool,
+    checkpoint: float | None,
 ) -> Iterator[RunWriter]:
     """The writer of a run that has come to its end."""
     restart_peak_memory()
@@ -114,26 +133,61 @@ def _writing(
     header = simulation.header()
     if path is not None and (said := remark_on_size(simulation, header)):
         warnings.warn(said, ResultsWarning, stacklevel=4)
+    objects = {
+        kind: method
+        for kind, method in (("contact", contact), ("shape", shape))
+        if method is not None and not isinstance(method, str)
+    }
     with interruptible() as signals, RunWriter(path, header) as writer:
-        try:
-            simulation.run(signals.whole(writer.write), progress)
-            end = _end(simulation, "ok")
-        except SimulationError as error:
-            writer.finish(_end(simulation, f"failed: {error}"))
-            error.results = writer.results()
-            raise
-        except KeyboardInterrupt as error:
-            writer.finish(_end(simulation, "interrupted"))
-            raise Interrupted(getattr(error, "number", signal.SIGINT), _kept(writer, simulation)) from None
-        signals.whole(writer.finish)(end)
-        for concern in simulation.concerns():
-            warnings.warn(concern, ResultsWarning, stacklevel=4)
+        every = EVERY if checkpoint is None else checkpoint
+        checkpoints = Checkpoints(simulation, writer, signals, every, objects, [])
+        checkpoints.forget()  # of a run that was here before
+        run_on(simulation, writer, checkpoints, progress)
         yield writer
 
 
-def _kept(writer: RunWriter, simulation: Simulation) -> str:
+def run_on(
+    simulation: Simulation,
+    writer: RunWriter,
+    checkpoints: Checkpoints,
+    progress: Callable[[float, int], None] | None,
+) -> None:
+    """Run a simulation, from where it is, to its end, or to the end of the step in which a signal comes.
+
+    Raises
+    ------
+    SimulationError, Interrupted
+        As :func:`run` says.
+    """
+    signals = checkpoints.signals
+    try:
+        with signals.deferred():
+            simulation.run(signals.whole(writer.write), progress, checkpoints)
+            signals.whole(writer.finish)(_end(simulation, "ok"))
+    except SimulationError as error:
+        writer.finish(_end(simulation, f"failed: {error}"))
+        error.results = writer.results()
+        raise
+    except KeyboardInterrupt as error:
+        writer.finish(_end(simulation, "interrupted"))
+        said = _kept(writer, simulation, checkpoints)
+        raise Interrupted(getattr(error, "number", signal.SIGINT), said) from None
+    checkpoints.forget()
+    if signals.waiting is not None:
+        raise Interrupted(
+            signals.waiting, f"interrupted after the last step: {writer.path or 'the run'} is complete"
+        )
+    for concern in simulation.concerns():
+        warnings.warn(concern, ResultsWarning, stacklevel=5)
+
+
+def _kept(writer: RunWriter, simulation: Simulation, checkpoints: Checkpoints) -> str:
     """What an interrupted run leaves, and how to go on."""
     said = f"interrupted at {simulation.state.time:.6g} s of {simulation.scene.time.end:g} s"
+    if checkpoints.written:
+        python = ", contact= or shape= as before" if checkpoints.objects else ""
+        how = f"mpmfw.resume({writer.path!r}{python})" if python else f"mpmfw resume {writer.path}"
+        return f"{said}: {writer.path} keeps the {writer.frames} outputs that it reached; {how} goes on"
     if writer.path is None or not writer.frames:
         return f"{said}: nothing is kept; run it again"
     return (

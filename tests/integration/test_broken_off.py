@@ -198,7 +198,7 @@ def test_a_signal_stops_a_run_between_frames(tmp_path, number):
     tree = read(path)
     assert tree.attrs["status"] == "interrupted"
     assert tree.attrs["cpu_time"] > 0.0
-    assert f"keeps the {tree.sizes['time']} outputs that it reached; run it again for the rest" in said
+    assert f"keeps the {tree.sizes['time']} outputs that it reached; mpmfw resume {path} goes on" in said
     assert "Traceback" not in said
     for name, values in tree["series"].data_vars.items():
         assert np.isfinite(values).all(), name

@@ -18,11 +18,11 @@ from typer.testing import CliRunner
 
 import mpmfw
 from mpmfw.api import hookimpl
-from mpmfw.campaigns.identity import is_current, key_of
 from mpmfw.campaigns.measures import MEASURES
 from mpmfw.campaigns.store import Store
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
+from mpmfw.identity import is_current, key_of
 from mpmfw.scene import load_scene, shipped_scenes
 from mpmfw.scene.toml_text import toml_text
 from mpmfw_contact.penalty import Penalty
@@ -213,9 +213,9 @@ def test_a_key_knows_code_and_libraries(monkeypatch):
     scene = load_scene(SLIDING)
     key = key_of(scene)
     with monkeypatch.context() as patched:
-        patched.setattr("mpmfw.campaigns.identity.package", lambda _: "changed")
+        patched.setattr("mpmfw.identity.package", lambda _: "changed")
         assert key_of(scene) != key
-    monkeypatch.setattr("mpmfw.campaigns.identity.version", lambda _: "99")
+    monkeypatch.setattr("mpmfw.identity.version", lambda _: "99")
     assert key_of(scene) != key
 
 
@@ -240,7 +240,7 @@ def test_the_store_forgets_what_no_campaign_would_take(tmp_path, monkeypatch):
     first, _ = sorted(tmp_path.glob("*.json"))
     code = Store(tmp_path).outcome(first.stem).code
     assert is_current(code)
-    monkeypatch.setattr("mpmfw.campaigns.identity._core", lambda: "another core")
+    monkeypatch.setattr("mpmfw.identity._core", lambda: "another core")
     assert CliRunner().invoke(app, ["store", "prune", str(tmp_path)]).output.endswith("0 runs kept\n")
     assert list(tmp_path.iterdir()) == []
     assert CliRunner().invoke(app, ["store", "prune", str(tmp_path / "nowhere")]).exit_code == 2

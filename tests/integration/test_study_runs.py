@@ -113,7 +113,7 @@ def test_kappa_is_that_of_the_contact_that_runs(monkeypatch):
     found = {kind: {name: [entry] for name, entry in available(kind).items()} for kind in KINDS}
     found["contact"]["mypenalty"] = [EntryPoint("mypenalty", "strange_law:MyPenalty", "mpmfw.contact")]
     monkeypatch.setattr("mpmfw.discovery._announced", lambda kind, *_: found[kind])
-    monkeypatch.setattr("mpmfw.campaigns.identity.package", lambda name: name)
+    monkeypatch.setattr("mpmfw.identity.package", lambda name: name)
     study = tiny_study(vary={"contact": ["penalty", "mypenalty"], "kappa": [0.25, 1.0]})
     dataset = mpmfw.study(study, jobs=1)
     assert (dataset["status"] == "ok").all()

@@ -10,11 +10,11 @@ from typer.testing import CliRunner
 
 from contact_scenes import STRATEGIES, impact
 from mpmfw.api import PlugIn
-from mpmfw.campaigns.identity import key_of
 from mpmfw.cli import app
 from mpmfw.comparison import compare
 from mpmfw.discovery import load
 from mpmfw.errors import SceneError
+from mpmfw.identity import key_of
 from mpmfw.runs import run
 from mpmfw.scene import load_scene
 from mpmfw.scene.specification import (

@@ -7,10 +7,10 @@ import pytest
 
 import mpmfw
 from mpmfw.campaigns.exact import column, incline
-from mpmfw.campaigns.identity import key_of
 from mpmfw.campaigns.keys import as_number, dimension_names, finer, is_numerical, overrides_of
 from mpmfw.discovery import available
 from mpmfw.errors import SceneError
+from mpmfw.identity import key_of
 from mpmfw.scene import load_scene
 from mpmfw.scene.loading import shipped_scenes
 from mpmfw.studies.loading import load_study, shipped_studies

@@ -9,7 +9,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from mpmfw.campaigns.identity import code_of, key_of
 from mpmfw.campaigns.keys import (
     OWN_OPTION,
     dimension_names,
@@ -21,6 +20,7 @@ from mpmfw.campaigns.keys import (
 from mpmfw.campaigns.work import Task
 from mpmfw.discovery import load
 from mpmfw.errors import SceneError
+from mpmfw.identity import code_of, key_of
 from mpmfw.scene import Scene, load_scene
 from mpmfw.scene.loading import plain
 from mpmfw.scene.specification import parse_specification

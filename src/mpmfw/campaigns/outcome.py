@@ -47,7 +47,7 @@ class Outcome:
     Attributes
     ----------
     key
-        Of :func:`mpmfw.campaigns.identity.key_of`.
+        Of :func:`mpmfw.identity.key_of`.
     status
         ``ok``, or why there is no complete result.
     name, scene

@@ -18,11 +18,11 @@ from typing import Any
 
 import xarray as xr
 
-from mpmfw.campaigns.identity import code_of
 from mpmfw.campaigns.machine import Load, processor
 from mpmfw.campaigns.outcome import COSTS, Cost, Outcome
 from mpmfw.clock import STEP_STAGES
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, SimulationError
+from mpmfw.identity import code_of
 from mpmfw.runs import run
 from mpmfw.scene import Scene
 
@@ -127,6 +127,7 @@ def _try(
             progress=progress,
             apart=task.apart,
             force=task.force,
+            checkpoint=None if path is None else math.inf,
         )
     except SceneError as error:
         return f"refused: {error}", True, None, None

@@ -16,6 +16,7 @@ from mpmfw.cli.explain import explain
 from mpmfw.cli.export import export
 from mpmfw.cli.plot import plot
 from mpmfw.cli.plugins import plugins
+from mpmfw.cli.resume import resume
 from mpmfw.cli.run import run
 from mpmfw.cli.schema import schema
 from mpmfw.cli.stability import stability
@@ -34,6 +35,7 @@ app = typer.Typer(
 
 for command in (
     run,
+    resume,
     compare,
     study,
     stability,

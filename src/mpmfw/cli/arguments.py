@@ -47,6 +47,15 @@ ForceOption: TypeAlias = Annotated[
 ]
 
 
+CheckpointOption: TypeAlias = Annotated[
+    float | None,
+    typer.Option(
+        "--checkpoint",
+        metavar="SECONDS",
+        help="Wall time between two checkpoints, from which 'mpmfw resume' goes on; 600 by default, inf for none.",
+        show_default=False,
+    ),
+]
 JobsOption: TypeAlias = Annotated[
     int | None,
     typer.Option(

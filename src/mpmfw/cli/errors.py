@@ -106,7 +106,10 @@ def check_result(path: Path, kind: str, what: str, force: bool = False) -> Path:
     check_writable(path)
     check_replaceable(path, kind, what)
     if path.is_file() and path.stat().st_size and not force and not Path(f"{path}.runs").is_dir():
-        raise SceneError(f"{path}: is there already; give another name, or --force to replace it")
+        there = "is there already"
+        if Path(f"{path}.checkpoint").is_file():
+            there += f", of a run that did not end; mpmfw resume {path} goes on with it"
+        raise SceneError(f"{path}: {there}; give another name, or --force to replace it")
     return path
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import typer
 
 from mpmfw.cli.arguments import (
+    CheckpointOption,
     ContactOption,
     ForceOption,
     OutputOption,
@@ -25,6 +26,7 @@ def run(
     shape: ShapeOption = None,
     set_: SetOption = None,
     output: OutputOption = None,
+    checkpoint: CheckpointOption = None,
     force: ForceOption = False,
 ) -> None:
     """Run SCENE and write its results, by default to a file named as the scene."""
@@ -36,5 +38,5 @@ def run(
     from mpmfw.runs import run_to_file
 
     with run_progress(loaded.time.end) as progress:
-        run_to_file(loaded, output=path, progress=progress, force=force)
+        run_to_file(loaded, output=path, progress=progress, force=force, checkpoint=checkpoint)
     typer.echo(str(path))

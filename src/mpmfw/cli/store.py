@@ -28,8 +28,8 @@ def prune(
 
     What a process left that was killed while it wrote goes as well. Results files such as FILE.nc stay as they are.
     """
-    from mpmfw.campaigns.identity import is_current
     from mpmfw.campaigns.store import Store
+    from mpmfw.identity import is_current
 
     for folder in folders:
         if not folder.is_dir():

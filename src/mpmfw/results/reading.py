@@ -74,7 +74,10 @@ def unfinished(tree: xr.DataTree, path: str | os.PathLike[str]) -> str:
     time = output_times(tree)
     count = 0 if time is None else time.size
     last = "" if time is None or not count else f", the last at {float(time[-1]):.6g} s"
-    return f"{os.fspath(path)} {status}; it holds {count} outputs{last}"
+    goes_on = tree.attrs["status"] == "running" and is_written(path)
+    resumable = not goes_on and os.path.isfile(f"{os.fspath(path)}.checkpoint")
+    how = f"; mpmfw resume {os.fspath(path)} goes on with it" if resumable else ""
+    return f"{os.fspath(path)} {status}; it holds {count} outputs{last}{how}"
 
 
 def output_times(tree: xr.DataTree) -> xr.DataArray | None:

@@ -55,6 +55,22 @@ def release(path: str | None, descriptor: int | None) -> None:
             os.close(descriptor)
 
 
+def replace_claimed(part: str, path: str, descriptor: int | None) -> None:
+    """Give a file that is being written the name of another, which this process has claimed as well.
+
+    Parameters
+    ----------
+    part, path
+        Its name so far, and the one that it gets.
+    descriptor
+        The claim of the file that is replaced, which ends.
+    """
+    _OWN.discard(os.path.realpath(part))
+    os.replace(part, path)
+    release(path, descriptor)
+    _OWN.add(os.path.realpath(path))
+
+
 def is_written(path: str | os.PathLike[str]) -> bool:
     """Whether a run is writing the file now."""
     if fcntl is None:

@@ -19,7 +19,7 @@ from mpmfw.results.journal import ROWS, Journal
 from mpmfw.results.reading import read, tree_of
 from mpmfw.results.room import Room, check_room
 from mpmfw.results.timeline import Timeline
-from mpmfw.results.writers import claim, release
+from mpmfw.results.writers import claim, release, replace_claimed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -109,6 +109,33 @@ class RunWriter:
         if written:
             self._dataset.sync()
         return written
+
+    def take_place_of(self, path: str, descriptor: int | None) -> None:
+        """Give the file the name of another, which was claimed with ``descriptor``; readers see the old or the new one, whole."""
+        assert self.path is not None
+        self._flush()
+        self._dataset.sync()
+        replace_claimed(self.path, path, descriptor)
+        self.path, self._room = path, Room(path)
+
+    def make_lasting(self) -> None:
+        """Have what was written so far outlast a failure of the machine, as far as the system can promise.
+
+        Raises
+        ------
+        MpmfwError
+            It cannot.
+        """
+        if self.path is None:
+            return
+        try:
+            descriptor = os.open(self.path, os.O_RDONLY)
+            try:
+                os.fsync(descriptor)
+            finally:
+                os.close(descriptor)
+        except OSError as error:
+            raise MpmfwError(f"cannot write '{self.path}': {error.strerror or error}") from error
 
     def finish(self, attributes: Mapping[str, Any]) -> None:
         """Add what is known at the end as root attributes; ``status`` is ``ok`` unless they say otherwise.

@@ -15,12 +15,12 @@ import xarray as xr
 from mpmfw._version import __version__
 from mpmfw.campaigns.executors import executor_of
 from mpmfw.campaigns.grid import with_option
-from mpmfw.campaigns.identity import code_of, key_of, package
 from mpmfw.campaigns.running import Progress, do, resumable
 from mpmfw.campaigns.store import Store
 from mpmfw.discovery import load
 from mpmfw.errors import SceneError
 from mpmfw.fields import FloatArray
+from mpmfw.identity import code_of, key_of, package
 from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene import Scene, load_scene, located
 from mpmfw.scene.specification import specification_of

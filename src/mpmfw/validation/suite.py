@@ -15,12 +15,12 @@ from types import ModuleType
 from typing import Any
 
 from mpmfw.campaigns.executors import Pool, executor_of
-from mpmfw.campaigns.identity import code_of_plugins, digest, package, sources
 from mpmfw.campaigns.outcome import Outcome
 from mpmfw.campaigns.running import Progress, do, resumable
 from mpmfw.campaigns.store import Store
 from mpmfw.campaigns.work import Finished
 from mpmfw.errors import SceneError
+from mpmfw.identity import code_of_plugins, digest, package, sources
 from mpmfw.validation.case import Case
 from mpmfw.validation.rows import Row, Verdict
 

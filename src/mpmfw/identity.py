@@ -139,7 +139,7 @@ def digest(*texts: str) -> str:
 
 @functools.cache
 def _core() -> str:
-    folder = Path(__file__).parents[1]
+    folder = Path(__file__).parent
     own = (path for path in folder.rglob("*.py") if path.relative_to(folder).parts[0] not in _APART)
     return sources(own)
 

@@ -1,0 +1,34 @@
+"""``mpmfw resume``: go on with a run that was killed or interrupted."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mpmfw.cli.arguments import CheckpointOption
+from mpmfw.cli.progress import run_progress
+
+
+def resume(
+    results: Annotated[
+        Path,
+        typer.Argument(metavar="RUN.nc", help="Results of a run that did not end.", show_default=False),
+    ],
+    checkpoint: CheckpointOption = None,
+    force: Annotated[
+        bool,
+        typer.Option(
+            "--force", help="Go on with another version of the code or a library, to other numbers."
+        ),
+    ] = False,
+) -> None:
+    """Go on with RUN.nc from its last checkpoint, to the end that it would have had."""
+    from mpmfw.resuming import last_checkpoint, resume_to_file
+
+    time, end = last_checkpoint(results)
+    typer.echo(f"{results}: goes on at {time:.6g} s of {end:g} s", err=True)
+    with run_progress(end) as progress:
+        resume_to_file(results, progress=progress, force=force, checkpoint=checkpoint)
+    typer.echo(str(results))

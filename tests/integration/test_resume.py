@@ -1,0 +1,374 @@
+"""A run that was killed or interrupted goes on from its last checkpoint, and ends as it would have."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import random
+import re
+import signal
+import subprocess
+import sys
+import time
+import warnings
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import numpy as np
+import pytest
+from test_many_bodies import row_meets_row
+from test_restart import COARSE
+from typer.testing import CliRunner
+
+import mpmfw
+from mpmfw.cli import app
+from mpmfw.errors import Interrupted, ResultsWarning, SceneError, SimulationError
+from mpmfw.results.reading import read
+from mpmfw.resuming import resume
+from mpmfw.scene import load_scene
+from mpmfw.simulation import Simulation
+from mpmfw.steppers.operations import integrate_momentum
+from mpmfw_contact.penalty import Penalty
+from mpmfw_shape.cpdi import Cpdi
+from scenes_for_tests import two_blocks, with_changes
+
+pytestmark = pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")  # settling is cut short
+
+#: Kills in all, spread over the shipped scenes.
+KILLS = int(os.environ.get("MPMFW_KILLS", "20"))
+
+TIMES = (
+    "cpu_",
+    "wall_",
+    "settle_time",
+    "settle_cpu_",
+    "gap_time",
+    "output_time",
+    "compile_time",
+    "peak_memory",
+    "resumed",
+)
+BLOCKS = two_blocks("penalty", time__end=0.02, time__output_interval=0.001, output__ledger=True)
+
+
+def same_results(path: Path, reference: Path) -> None:
+    """All variables and attributes but the timings."""
+    one, other = read(path), read(reference)
+    assert one.groups == other.groups
+    for place in one.groups:
+        a, b = one[place], other[place]
+        assert set(a.variables) == set(b.variables)
+        for name in a.variables:
+            assert a[name].dtype == b[name].dtype
+            assert a[name].attrs == b[name].attrs
+            assert np.asarray(a[name].values).tobytes() == np.asarray(b[name].values).tobytes(), (place, name)
+    attributes = [
+        {name: value for name, value in tree.attrs.items() if not name.startswith(TIMES)}
+        for tree in (one, other)
+    ]
+    assert attributes[0] == attributes[1]
+
+
+def stopped(scene: Any, path: Path, after: int, *numbers: int, **arguments: Any) -> Interrupted:
+    """What a run raises that gets signals in the middle of a step."""
+    steps = 0
+
+    def counted(grid: Any, dt: float) -> None:
+        nonlocal steps
+        steps += 1
+        if steps == after:
+            for number in numbers or (signal.SIGTERM,):
+                os.kill(os.getpid(), number)
+        integrate_momentum(grid, dt)
+
+    with pytest.MonkeyPatch.context() as patch:
+        for scheme in ("usl", "musl", "usf"):
+            patch.setattr(f"mpmfw.steppers.{scheme}.integrate_momentum", counted)
+        with pytest.raises(Interrupted) as caught:
+            mpmfw.run(scene, output=path, **arguments)
+    return caught.value
+
+
+def killed(scene: Any, path: Path, rng: random.Random, again: bool = False) -> bool:
+    """A run in a process of its own that is killed a moment after its first checkpoint; whether it was."""
+    child = os.fork()
+    if child == 0:
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                resume(path) if again else mpmfw.run(scene, output=path, checkpoint=0.03)
+        finally:
+            os._exit(0)
+    file, end = Path(f"{path}.checkpoint"), time.monotonic() + 60.0
+    while not file.is_file() and os.waitpid(child, os.WNOHANG) == (0, 0) and time.monotonic() < end:
+        time.sleep(0.001)
+    time.sleep(rng.random() * 0.15)
+    try:
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+    except (ProcessLookupError, ChildProcessError):
+        pass
+    return read(path).attrs["status"] != "ok"
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this platform")
+@pytest.mark.parametrize("name", COARSE)
+def test_a_run_that_is_killed_at_any_moment_ends_as_one_that_is_not(tmp_path, name):
+    longer = {
+        "colliding-rings": {"time.end": "0.5 ms"},
+        "contact-stress": {"time.end": 0.02, "settle.max_time": 0.03},
+    }
+    times = {"settle.max_time": 0.1, "time.end": 0.15}
+    scene = load_scene(name, set=COARSE[name] | longer.get(name, times))
+    reference, rng, kills = tmp_path / "reference.nc", random.Random(name), 0
+    mpmfw.run(scene, output=reference)
+    for k in range(3 * KILLS):
+        if kills >= KILLS / len(COARSE):
+            break
+        path = tmp_path / f"{k}.nc"
+        if not killed(scene, path, rng):
+            continue
+        kills += 1
+        if (
+            Path(f"{path}.checkpoint").is_file()
+            and rng.random() < 0.3
+            and killed(scene, path, rng, again=True)
+        ):
+            kills += 1
+        resume(path)
+        same_results(path, reference)
+        assert sorted(file.name for file in tmp_path.glob(f"{k}.nc*")) == [f"{k}.nc"]
+    assert kills >= KILLS / len(COARSE)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_lets_the_step_end_and_leaves_a_checkpoint(tmp_path, number):
+    path, reference = tmp_path / "run.nc", tmp_path / "reference.nc"
+    mpmfw.run(BLOCKS, output=reference)
+    error = stopped(BLOCKS, path, 9, number)
+    assert error.number == number
+    tree = read(path)
+    assert tree.attrs["status"] == "interrupted"
+    kept = rf"keeps the {tree['series'].sizes['time']} outputs that it reached"
+    said = rf"interrupted at .* s of 0.02 s: .*run.nc {kept}; mpmfw resume .*run.nc goes on"
+    assert re.fullmatch(said, str(error))
+    with pytest.warns(
+        ResultsWarning,
+        match=r"is not complete: interrupted; it holds .*; mpmfw resume .*run.nc goes on with it",
+    ):
+        mpmfw.open(path)
+    tree = resume(path)
+    same_results(path, reference)
+    assert tree.attrs["status"] == "ok"
+    (at,) = json.loads(tree.attrs["resumed"])
+    assert 0.0 < at < 0.02
+    assert [file.name for file in tmp_path.iterdir() if file.name.startswith("run.nc")] == ["run.nc"]
+
+
+def test_a_second_signal_ends_the_run_within_the_step(tmp_path):
+    path = tmp_path / "run.nc"
+    error = stopped(BLOCKS, path, 9, signal.SIGINT, signal.SIGINT)
+    assert re.search("run it again for the rest$", str(error))
+    assert read(path).attrs["status"] == "interrupted"
+    assert not Path(f"{path}.checkpoint").exists()
+    error = stopped(BLOCKS, path, 9, signal.SIGINT, signal.SIGINT, checkpoint=0.0)  # that of the step before
+    assert re.search("mpmfw resume .* goes on$", str(error))
+    resume(path)
+    mpmfw.run(BLOCKS, output=tmp_path / "reference.nc")
+    same_results(path, tmp_path / "reference.nc")
+
+
+def test_a_signal_in_settling_is_no_loss(tmp_path):
+    scene = load_scene("sliding-block", set=COARSE["sliding-block"])
+    mpmfw.run(scene, output=tmp_path / "reference.nc")
+    error = stopped(scene, tmp_path / "run.nc", 5)
+    assert "keeps the 0 outputs" in str(error)
+    resume(tmp_path / "run.nc")
+    same_results(tmp_path / "run.nc", tmp_path / "reference.nc")
+
+
+def test_a_signal_after_the_last_step_leaves_a_complete_file(tmp_path, monkeypatch):
+    path, end = tmp_path / "run.nc", mpmfw.runs._end
+
+    def at_the_end(*arguments: Any) -> Any:
+        os.kill(os.getpid(), signal.SIGTERM)
+        return end(*arguments)
+
+    monkeypatch.setattr("mpmfw.runs._end", at_the_end)
+    with pytest.raises(Interrupted, match=r"run.nc is complete$"):
+        mpmfw.run(BLOCKS, output=path, checkpoint=0.0)
+    assert mpmfw.open(path).attrs["status"] == "ok"
+    assert [file.name for file in tmp_path.iterdir()] == ["run.nc"]
+
+
+def read_steps(scene: Any) -> int:
+    return int(mpmfw.run(scene).attrs["steps"])
+
+
+@pytest.mark.parametrize("outputs", ["exact", "nearest"])
+def test_pairs_that_come_near_and_frames_of_points_of_their_own(tmp_path, outputs):
+    scene = with_changes(row_meets_row("penalty"), time__outputs=outputs, output__particles=True)
+    scene["output"]["particle_interval"] = 5.0 * scene["time"]["output_interval"]
+    mpmfw.run(scene, output=tmp_path / "reference.nc")
+    steps = int(read(tmp_path / "reference.nc").attrs["steps"])
+    for after in (2, steps // 2, steps - 3):
+        stopped(scene, tmp_path / "run.nc", after)
+        resume(tmp_path / "run.nc")
+        same_results(tmp_path / "run.nc", tmp_path / "reference.nc")
+
+
+def test_a_run_may_be_taken_up_many_times(tmp_path):
+    path, times = tmp_path / "run.nc", []
+    mpmfw.run(BLOCKS, output=tmp_path / "reference.nc")
+    stopped(BLOCKS, path, 3)
+    with pytest.MonkeyPatch.context() as patch:
+
+        def counted(grid: Any, dt: float) -> None:
+            times.append(dt)
+            if len(times) % 4 == 0:
+                os.kill(os.getpid(), signal.SIGTERM)
+            integrate_momentum(grid, dt)
+
+        patch.setattr("mpmfw.steppers.usl.integrate_momentum", counted)
+        for _ in range(100):
+            try:
+                tree = resume(path)
+                break
+            except Interrupted:
+                pass
+    same_results(path, tmp_path / "reference.nc")
+    assert len(json.loads(tree.attrs["resumed"])) == math.ceil((read_steps(BLOCKS) - 3) / 4)
+
+
+def test_a_strategy_object_is_given_again(tmp_path):
+    path = tmp_path / "run.nc"
+    mpmfw.run(BLOCKS, contact=Penalty(kappa=0.5), output=tmp_path / "reference.nc")
+    error = stopped(BLOCKS, path, 9, contact=Penalty(kappa=0.5))
+    assert "mpmfw.resume('" in str(error)
+    with pytest.raises(
+        SceneError,
+        match=r"the run was given a contact object, penalty\(kappa=0.5\), which no file holds; give",
+    ):
+        resume(path)
+    with pytest.raises(
+        SceneError, match=r"contact: the run was given penalty\(kappa=0.5\), and not penalty$"
+    ):
+        resume(path, contact=Penalty())
+    with pytest.raises(SceneError, match=r"shape: the run was given no object; the scene names its shape"):
+        resume(path, contact=Penalty(kappa=0.5), shape=Cpdi())
+    resume(path, contact=Penalty(kappa=0.5))
+    same_results(path, tmp_path / "reference.nc")
+
+
+def test_another_version_is_refused_with_what_differs(tmp_path, monkeypatch):
+    path = tmp_path / "run.nc"
+    stopped(BLOCKS, path, 9)
+    monkeypatch.setattr("mpmfw.identity.version", lambda _: "99")
+    monkeypatch.setattr("mpmfw.identity.package", lambda _: "changed")
+    expected = r"another version would go on than began: mpmfw_contact \(.{8} then, changed now\), .*numpy \(.* then, 99 now\)"
+    with pytest.raises(SceneError, match=expected):
+        resume(path)
+    assert read(path).attrs["status"] == "interrupted"
+    assert resume(path, force=True).attrs["status"] == "ok"
+
+
+def test_what_cannot_go_on_says_why(tmp_path):
+    path, file = tmp_path / "run.nc", tmp_path / "run.nc.checkpoint"
+
+    def refused(said: str) -> None:
+        before = path.read_bytes() if path.is_file() else b""
+        done = CliRunner().invoke(app, ["resume", str(path)])
+        assert done.exit_code == 2
+        assert re.search(said, done.stderr)
+        assert (path.read_bytes() if path.is_file() else b"") == before
+
+    refused("run.nc: there is no such file; expected the results of a run")
+    path.write_text("text")
+    refused("run.nc: is no results' file")
+    mpmfw.run(BLOCKS, output=path)
+    refused("run.nc: the run is finished; there is nothing to go on with")
+    stopped(BLOCKS, path, 9)
+    whole = file.read_bytes()
+    file.unlink()
+    refused(
+        r"run.nc: there is no checkpoint beside it \(run.nc.checkpoint\); a run writes one every ten minutes"
+    )
+    file.write_bytes(whole[:-1000])
+    refused("run.nc.checkpoint' was cut short or is damaged; run it again")
+    Simulation(BLOCKS).save(file)
+    refused("run.nc.checkpoint: is no checkpoint of a run")
+    stopped(with_changes(BLOCKS, contact__friction=0.1), path, 9)
+    file.write_bytes(whole)
+    refused("cannot go on from the checkpoint beside it: '.*run.nc' has another scene")
+    stopped(BLOCKS, path, 2)
+    file.write_bytes(whole)
+    refused("cannot go on from the checkpoint beside it: '.*run.nc' holds 1 outputs; expected . or more")
+    with netCDF4.Dataset(path, "a") as dataset:
+        dataset.setncattr("kind", "study")
+    refused(
+        "run.nc: is no run's results, but of kind 'study'; what it still lacks is run when its command is given again"
+    )
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["run.nc", "run.nc.checkpoint"]
+
+
+def test_a_new_run_forgets_the_checkpoint_of_the_last(tmp_path):
+    path = tmp_path / "run.nc"
+    stopped(BLOCKS, path, 9)
+    done = CliRunner().invoke(app, ["run", "rolling-cylinder-slip", "-o", str(path)])
+    assert "run.nc: is there already, of a run that did not end; mpmfw resume" in done.stderr
+    small = {"cell_size": 0.25, "lower": [-1.25, -1.0], "upper": [1.0, 1.0]}
+    with pytest.raises(SimulationError):
+        mpmfw.run(with_changes(BLOCKS, time__end=1.0, grid=small), output=path)
+    assert not Path(f"{path}.checkpoint").exists()
+
+
+def test_a_full_disk_loses_the_checkpoint_and_not_the_run(tmp_path, monkeypatch):
+    def full(*_: Any) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("mpmfw.snapshot.os.replace", full)
+    with pytest.warns(
+        ResultsWarning, match="no checkpoints are written: cannot write '.*checkpoint': No space left"
+    ) as said:
+        mpmfw.run(BLOCKS, output=tmp_path / "run.nc", checkpoint=0.0)
+    assert len([each for each in said if "no checkpoints" in str(each.message)]) == 1
+    assert [file.name for file in tmp_path.iterdir()] == ["run.nc"]
+
+
+def test_the_option_is_judged(tmp_path):
+    with pytest.raises(SceneError, match="checkpoint -1: expected seconds, 0"):
+        mpmfw.run(BLOCKS, output=tmp_path / "run.nc", checkpoint=-1.0)
+    with pytest.raises(SceneError, match="checkpoint: has no effect on results that are kept in memory"):
+        mpmfw.run(BLOCKS, checkpoint=60.0)
+    stopped(BLOCKS, tmp_path / "run.nc", 9)
+    with pytest.raises(SceneError, match="checkpoint nan: expected seconds, 0"):
+        resume(tmp_path / "run.nc", checkpoint=math.nan)
+
+
+def test_short_runs_write_no_checkpoint(tmp_path, monkeypatch):
+    monkeypatch.setattr("mpmfw.checkpoints.write_snapshot", lambda *_: pytest.fail("a checkpoint"))
+    monkeypatch.setattr("mpmfw.checkpoints.code_of", lambda *_: pytest.fail("sources are read"))
+    monkeypatch.setattr("mpmfw.checkpoints.ASKED_AFTER", 600.0)
+    mpmfw.run(BLOCKS, output=tmp_path / "run.nc")
+
+
+def test_the_command_goes_on_in_a_new_process(tmp_path):
+    changes = {"settle.max_time": 0.05, "time.end": 0.6}
+    path, reference = tmp_path / "run.nc", tmp_path / "reference.nc"
+    mpmfw.run("rolling-cylinder-slip", set=changes, output=reference)
+    command = [sys.executable, "-m", "mpmfw"]
+    settings = [f"--set={key}={value}" for key, value in changes.items()]
+    arguments = ["run", "rolling-cylinder-slip", *settings, "--checkpoint=0.2", "-o", str(path)]
+    with subprocess.Popen([*command, *arguments], stderr=subprocess.PIPE, text=True) as process:
+        while not Path(f"{path}.checkpoint").is_file():
+            time.sleep(0.002)
+        process.send_signal(signal.SIGINT)
+        assert process.stderr is not None
+        assert f"mpmfw resume {path} goes on" in process.stderr.read()
+    assert process.returncode == 130
+    done = subprocess.run([*command, "resume", str(path)], check=True, capture_output=True, text=True)
+    assert re.match(rf"{path}: goes on at \S+ s of 0.6 s\n", done.stderr)
+    assert done.stdout == f"{path}\n"
+    same_results(path, reference)
