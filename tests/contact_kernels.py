@@ -6,13 +6,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from mpmfw.kernels.contact import add_records, match_rows
+from mpmfw.kernels.contact import Records
 from mpmfw.kernels.pair_table import pair_table as pair_of_bodies
 from mpmfw.kernels.polyline import bounding_boxes, signed_distance
 from mpmfw_contact import _springs
 from mpmfw_contact.surfaces import search
-from mpmfw_contact.surfaces.assembly import assemble
+from mpmfw_contact.surfaces.assembly import Table, assemble
+from mpmfw_contact.surfaces.candidates import Candidates, SearchGrid
 from mpmfw_contact.surfaces.detection import SurfaceRows
+from mpmfw_contact.surfaces.outline import Outline
 
 
 @dataclass
@@ -31,6 +33,25 @@ class Loops:
     @property
     def n_bodies(self):
         return int(self.body.max()) + 1
+
+    @property
+    def body_first(self):
+        return np.searchsorted(self.body, np.arange(self.n_bodies + 1))
+
+    @property
+    def outline(self):
+        """All that as kernels take it, with the facets and every node's tributary length."""
+        length = np.linalg.norm(self.position[self.following] - self.position, axis=1)
+        return Outline(
+            position=self.position,
+            displacement=self.displacement,
+            tributary=0.5 * (length + length[self.previous]),
+            next=self.following,
+            previous=self.previous,
+            body=self.body,
+            body_first=self.body_first,
+            facets=np.stack([np.arange(len(self.body)), self.following], axis=1),
+        )
 
 
 def join(loops):
@@ -61,53 +82,53 @@ def flat(x0, x1, y0, y1, n):
     return np.concatenate([bottom, top])
 
 
-@dataclass
-class Found:
-    """Candidates of the search, (n, slots)."""
+class Found(Candidates):
+    """Candidates of the search, (n, slots), and how many there are."""
 
-    master: np.ndarray
-    segment: np.ndarray
-    coordinate: np.ndarray
-    gap: np.ndarray
-    normal: np.ndarray
-    count: int
+    count = 0
 
 
 def empty_candidates(n, slots):
     """No candidate at all."""
     whole, real = np.full((n, slots), -1), np.zeros((n, slots))
-    return Found(whole.copy(), whole.copy(), real.copy(), real.copy(), np.zeros((n, slots, 2)), 0)
+    return Found(
+        master=whole.copy(),
+        segment=whole.copy(),
+        coordinate=real.copy(),
+        gap=real.copy(),
+        normal=np.zeros((n, slots, 2)),
+        inside=whole[:0],
+        inside_segment=whole[:0],
+    )
 
 
-def near_boxes(loops, radius):
-    """What of every body may be within the radius of another: two corners of boxes, (n_bodies, 2) each."""
-    first = np.searchsorted(loops.body, np.arange(loops.n_bodies + 1))
-    lower, upper, *near = np.empty((4, loops.n_bodies, 2))
-    bounding_boxes(first, loops.position, lower, upper)
-    search.near_boxes(*np.triu_indices(loops.n_bodies, 1), lower, upper, radius, *near)
-    return near
+def search_grid(loops, radius, lower=(-3.0, -3.0), nodes=(25, 25)):
+    """Lists without entries, and what of every body may be within the radius of another."""
+    size, n_bodies = nodes[0] * nodes[1], loops.n_bodies
+    grid = SearchGrid(
+        lower=np.array(lower),
+        nodes=np.array(nodes),
+        **{name: np.zeros(size, dtype=np.int64) for name in ("owner", "shared", "head", "head_stamp")},
+        **{name: np.zeros(64 * len(loops.body), dtype=np.int32) for name in ("link", "link_segment")},
+        **{
+            f"{kind}_{end}": np.zeros((n_bodies, 2)) for kind in ("box", "near") for end in ("lower", "upper")
+        },
+    )
+    bounding_boxes(loops.body_first, loops.position, grid.box_lower, grid.box_upper)
+    search.near_boxes(*np.triu_indices(n_bodies, 1), radius, grid)
+    return grid
 
 
 def find(loops, *, h=0.25, radius=None, literal=False, slots=3, lower=(-3.0, -3.0), nodes=(25, 25)):
     """The three steps of the search, on a background grid of cells h."""
-    size = nodes[0] * nodes[1]
-    owner, shared, head, head_stamp = (np.zeros(size, dtype=np.int64) for _ in range(4))
-    link, link_segment = (np.zeros(64 * len(loops.body), dtype=np.int32) for _ in range(2))
-    where = (np.array(lower), (h, h), np.array(nodes))
     found = empty_candidates(len(loops.body), slots)
     radius = h if radius is None else radius
-    near = near_boxes(loops, radius)
-    if not search.mark_shared_nodes(
-        1, loops.n_bodies, loops.position, loops.following, loops.body, *near, *where, owner, shared
-    ):
+    grid, outline = search_grid(loops, radius, lower, nodes), loops.outline
+    if not search.mark_shared_nodes(1, outline, grid, (h, h)):
         return found
-    lists = (shared, head, head_stamp, link, link_segment)
-    entries = search.list_segments(1, loops.position, loops.following, loops.body, *near, *where, *lists)
-    assert entries <= len(link)
+    assert search.list_segments(1, outline, grid, (h, h)) <= len(grid.link)
     alike = np.zeros(loops.n_bodies, dtype=np.int64)
-    loop = (loops.position, loops.following, loops.previous, loops.body, alike)
-    out = (found.master, found.segment, found.coordinate, found.gap, found.normal)
-    found.count = search.find_pairs(1, radius, literal, *loop, *near, *where, *lists, *out)
+    found.count = search.find_pairs(1, radius, literal, outline, alike, grid, found, (h, h))
     return found
 
 
@@ -142,16 +163,6 @@ def pair_table(n_bodies):
     return pair_of_bodies(first, second), first
 
 
-@dataclass
-class History:
-    """What the last step left to the law: rows' identities, gaps, normals and tangential forces."""
-
-    identity: np.ndarray
-    gap: np.ndarray
-    normal: np.ndarray
-    tangential: np.ndarray
-
-
 def rows_of(loops, found, *, across=False, ties=True, friction=True, tilts=False, passes=1.0, table=None):
     """Rows of the candidates; without a table the grid's nodes are the surface's own."""
     n = len(loops.body)
@@ -159,71 +170,63 @@ def rows_of(loops, found, *, across=False, ties=True, friction=True, tilts=False
     rows = SurfaceRows(2, couples=friction, tilts=tilts, own=own)
     rows.make_room(2 * found.segment.size, 400 * n)
     table = (np.arange(n + 1), np.arange(n, dtype=np.int32), np.ones(n)) if table is None else table
-    pair_of, first = pair_table(loops.n_bodies)
-    facet = np.stack([np.arange(n), loops.following], axis=1)
-    length = np.linalg.norm(loops.position[loops.following] - loops.position, axis=1)
-    tributary = 0.5 * (length + length[loops.previous])
+    table = Table(**dict(zip(Table.member_names, table, strict=True)))
     rows.count = assemble(
-        passes, across, ties, found.master, found.segment, found.coordinate, found.gap, found.normal,
-        loops.position, loops.displacement, tributary, loops.following, loops.previous, loops.body, facet,
-        pair_of, first, *table, loops.n_bodies,
-        rows.pair, rows.identity, rows.sign, rows.gap, rows.area, rows.whole, rows.normal, rows.motion,
-        rows.start, rows.dof, rows.weight, rows.couple, rows.tilt,
-        rows.slave, rows.facet, rows.share, rows.turn, rows.lean,
-    )  # fmt: skip
+        passes, across, ties, found, loops.outline, *pair_table(loops.n_bodies), table, rows, rows.places
+    )
     assert rows.count >= 0
     return rows
 
 
 def history_of(loops, found, old_master=None, old_tangential=None):
     """Rows of a last step with the same normals: bodies touched and tangential forces along e_t, (n, slots) each."""
-    if old_master is None:
-        return History(np.zeros(0, dtype=int), np.zeros(0), np.zeros((0, 2)), np.zeros((0, 2)))
+    old = rows_of(loops, empty_candidates(len(loops.body), 1))
     kept = []
-    for s, j in zip(*np.nonzero(old_master >= 0), strict=True):
+    for s, j in zip(*np.nonzero([] if old_master is None else old_master >= 0), strict=True):
         slot = np.flatnonzero((found.segment[s] >= 0) & (found.master[s] == old_master[s, j]))
         e = found.normal[s, slot[0]] if len(slot) else np.array([1.0, 0.0])
         kept.append(
             (s * loops.n_bodies + old_master[s, j], e, old_tangential[s, j] * np.array([-e[1], e[0]]))
         )
-    kept.sort(key=lambda each: each[0])
-    normal, tangential = (np.array([each[k] for each in kept]).reshape(-1, 2) for k in (1, 2))
-    return History(
-        np.array([each[0] for each in kept], dtype=int), np.full(len(kept), -1.0), normal, tangential
-    )
+    old.make_room(len(kept) + 1, 1)
+    old.count, old.gap[:] = len(kept), -1.0
+    for c, each in enumerate(sorted(kept, key=lambda each: each[0])):
+        old.identity[c], old.normal[c], old.own.tangential[c] = each
+    return old
+
+
+def no_records(n_pairs):
+    """Records of pairs to which nothing has happened."""
+    sums = {name: np.zeros(n_pairs) for name in Records.member_names}
+    return Records(**{**sums, "impulse": np.zeros((n_pairs, 2))})
 
 
 def forces(loops, found, law, old_master=None, old_tangential=None):
     """The law's forces, alike for all nodes and pairs, on the surface nodes."""
     n, slots = found.segment.shape
-    _, first = pair_table(loops.n_bodies)
+    n_pairs = len(pair_table(loops.n_bodies)[1])
     rows = rows_of(loops, found, tilts=law.keep_q)
     old = history_of(loops, found, old_master, old_tangential)
-    rows.before[:] = -1
-    match_rows(0, rows.count, rows.identity, len(old.identity), old.identity, rows.before)
-    k = rows.own["k"]
-    k[: rows.count] = law.stiffness * rows.area[: rows.count] / whole_of(rows)
-    result = Result(
-        np.zeros((n, 2)), np.zeros((n, slots)), np.zeros((len(first), 2)), *np.zeros((4, len(first)))
-    )
+    rows.match(old)
+    own, m, records = rows.own, rows.count, no_records(n_pairs)
+    own.k[:m] = own.bears[:m] = law.stiffness * rows.area[:m] / whole_of(rows)
     _springs.spring_forces(
-        rows.count, rows.pair, rows.identity, rows.before, rows.gap, rows.normal, rows.motion,
-        k, np.zeros(len(k)), k, law.damping / law.stiffness, np.full(len(first), law.friction), law.tangential_ratio, np.inf,
-        len(old.identity), old.identity, old.gap, old.normal, rows.own["tangential"], old.tangential,
-        rows.force, result.energy, result.friction_work, result.damping_work, np.zeros(len(first)),
+        rows, m, own, old, old.count, old.own, np.full(n_pairs, law.friction), law.tangential_ratio,
+        law.damping / law.stiffness, np.inf, records, np.zeros(n_pairs),
     )  # fmt: skip
-    rows.add_to(result.force, (1.0, 1.0))
-    add_records(
-        0, rows.count, rows.pair, rows.identity, rows.sign, rows.force, law.dt, result.impulse, result.count, (1.0, 1.0)
-    )  # fmt: skip
-    for c in range(rows.count):
+    force, tangential = np.zeros((n, 2)), np.zeros((n, slots))
+    rows.add_to(force, (1.0, 1.0))
+    rows.record(law.dt, records, (1.0, 1.0))
+    for c in range(m):
         if rows.gap[c] < 0.0:
-            s, e = rows.slave[c], rows.normal[c]
+            s, e = rows.places.slave[c], rows.normal[c]
             j = np.flatnonzero(
                 (found.segment[s] >= 0) & (found.master[s] == rows.identity[c] % loops.n_bodies)
             )[0]
-            result.tangential[s, j] += rows.own["tangential"][c] @ (-e[1], e[0])
-    return result
+            tangential[s, j] += own.tangential[c] @ (-e[1], e[0])
+    return Result(
+        force, tangential, records.impulse, records.frictional_work, records.damping_work, records.energy, records.count
+    )  # fmt: skip
 
 
 def whole_of(rows):

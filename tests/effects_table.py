@@ -75,7 +75,10 @@ LEAST = Brings(
 _SHAPE = "setup particle_reach interpolate interpolate_surface"
 _SURFACES = " ".join(
     ["mpmfw_contact.surfaces"]
-    + [f"mpmfw_contact.surfaces.{name}" for name in ("detection", "search", "assembly", "candidates")]
+    + [
+        f"mpmfw_contact.surfaces.{name}"
+        for name in ("detection", "search", "assembly", "candidates", "outline")
+    ]
     + [f"mpmfw_contact.surfaces.{name}" for name in ("facing", "tracking", "travel")]
 )
 EFFECTS = {
@@ -153,7 +156,7 @@ EFFECTS = {
         hooks="declare_fields setup add_pairs detect after_momentum_projection after_momentum_update "
         "after_second_projection advect diagnostics",
         arrays="impulse frictional_work damping_work energy count volume_gradient",
-        modules="mpmfw_contact.bardenhagen mpmfw_contact.impulse mpmfw_contact.nodes",
+        modules="mpmfw_contact.bardenhagen mpmfw_contact.impulse mpmfw_contact.nodes mpmfw_contact._shared_nodes",
         series="contact_force contact_count frictional_work contact_energy damping_work",
     ),
     "averaged normals": brings(

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from mpmfw.api import Field, FloatArray, ForceContact, Grid, Setup, State, hookimpl
-from mpmfw.kernels import kernel
-from mpmfw.kernels.types import Floats, Ints
+from mpmfw.kernels import Struct, kernel
+from mpmfw.kernels.contact import Rows
+from mpmfw.kernels.types import Floats
 
 if TYPE_CHECKING:
     from mpmfw_contact.nodes import Nodes
@@ -23,19 +24,17 @@ NORMAL = Field("mean_normal", ("pair", "axis"), "N s m-1", "sum of the normal im
 LEAN = Field("lean", ("pair", "axis"), "N s m-1", "sum of J_n (n_a + n_b) / 2", "contact")
 
 
+class LeanSums(Struct):
+    """Sums of every pair that tell how far normals lean."""
+
+    total: Floats  #: (pair,) Σ J_n [N s/m]
+    normal: Floats  #: (pair, dim) Σ J_n n
+    lean: Floats  #: (pair, dim) Σ J_n (n_a + n_b) / 2
+
+
 @kernel
 def add_lean(
-    count: int,
-    pair: Ints,
-    dof: Ints,
-    normal: Floats,
-    force: Floats,
-    scale: float,
-    gradient: Floats,
-    total: Floats,
-    mean_normal: Floats,
-    lean: Floats,
-    spacing: tuple[float, ...],
+    rows: Rows, count: int, scale: float, gradient: Floats, sums: LeanSums, spacing: tuple[float, ...]
 ) -> None:
     """Add J_n, J_n n and J_n (n_a + n_b) / 2 of every shared node, n_a and n_b the two bodies' own outward normals.
 
@@ -44,18 +43,18 @@ def add_lean(
     """
     dim = len(spacing)
     for c in range(count):
-        i, j, normal_impulse = dof[2 * c], dof[2 * c + 1], 0.0
+        i, j, p, normal_impulse = rows.dof[2 * c], rows.dof[2 * c + 1], rows.pair[c], 0.0
         square_a, square_b = 0.0, 0.0
         for d in range(dim):
-            normal_impulse += scale * force[c, d] * normal[c, d]
+            normal_impulse += scale * rows.force[c, d] * rows.normal[c, d]
             square_a += gradient[i, d] ** 2
             square_b += gradient[j, d] ** 2
         if normal_impulse > 0.0 and square_a > 0.0 and square_b > 0.0:
-            total[pair[c]] += normal_impulse
+            sums.total[p] += normal_impulse
             for d in range(dim):
                 both = gradient[i, d] / math.sqrt(square_a) + gradient[j, d] / math.sqrt(square_b)
-                mean_normal[pair[c], d] -= normal_impulse * normal[c, d]
-                lean[pair[c], d] += 0.5 * normal_impulse * both
+                sums.normal[p, d] -= normal_impulse * rows.normal[c, d]
+                sums.lean[p, d] += 0.5 * normal_impulse * both
 
 
 class LeaningNormals:
@@ -69,6 +68,8 @@ class LeaningNormals:
 
     name = "leaning_normals"
     stage = "contact"
+    #: Declarations of the members of :class:`LeanSums`.
+    declared: ClassVar[dict[str, Field]] = {"total": TOTAL, "normal": NORMAL, "lean": LEAN}
 
     def __init__(self, contact: Any, nodes: Nodes) -> None:
         self.contact, self.nodes = contact, nodes
@@ -77,26 +78,29 @@ class LeaningNormals:
     @hookimpl
     def declare_fields(self) -> list[Field]:
         """The sums of every pair."""
-        return [TOTAL, NORMAL, LEAN]
+        return list(self.declared.values())
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
         """Allocate the sums."""
         self.state = setup.state
-        self.total: FloatArray = setup.allocate(self.name, TOTAL)
-        self.normal: FloatArray = setup.allocate(self.name, NORMAL)
-        self.lean: FloatArray = setup.allocate(self.name, LEAN)
+        self.sums = LeanSums(
+            **{name: setup.allocate(self.name, field) for name, field in self.declared.items()}
+        )
 
     @hookimpl
     def add_pairs(self, state: State) -> None:
         """Nothing has leaned yet between bodies that have come near."""
-        self.total, self.normal, self.lean = (
-            state.lengthen(f"{self.name}/{field.name}", len(state.pairs)) for field in (TOTAL, NORMAL, LEAN)
+        self.sums.set(
+            **{
+                name: state.lengthen(f"{self.name}/{field.name}", len(state.pairs))
+                for name, field in self.declared.items()
+            }
         )
 
     def restart(self) -> None:
         """Forget the settling."""
-        for array in (self.total, self.normal, self.lean):
+        for array in self.sums.members().values():
             array.fill(0.0)
 
     @hookimpl
@@ -120,17 +124,15 @@ class LeaningNormals:
     def _add(self, grid: Grid, scale: float) -> None:
         rows = self.contact.rows
         if rows.count:
-            add_lean(
-                rows.count, rows.pair, rows.dof, rows.normal, rows.force, scale, self.nodes.gradient,
-                self.total, self.normal, self.lean, grid.spacing,
-            )  # fmt: skip
+            add_lean(rows, rows.count, scale, self.nodes.gradient, self.sums, grid.spacing)
 
     def sideways(self) -> FloatArray:
         """Lean across the mean normal over all normal impulses, of every pair (pair,): a coefficient of friction."""
-        length = np.linalg.norm(self.normal, axis=1, keepdims=True)
-        n = self.normal / np.where(length > 0.0, length, 1.0)
-        across = self.lean - (self.lean * n).sum(axis=1, keepdims=True) * n
-        return np.asarray(np.linalg.norm(across, axis=1) / np.where(self.total > 0.0, self.total, 1.0))
+        sums = self.sums
+        length = np.linalg.norm(sums.normal, axis=1, keepdims=True)
+        n = sums.normal / np.where(length > 0.0, length, 1.0)
+        across = sums.lean - (sums.lean * n).sum(axis=1, keepdims=True) * n
+        return np.asarray(np.linalg.norm(across, axis=1) / np.where(sums.total > 0.0, sums.total, 1.0))
 
     @hookimpl
     def concerns(self) -> list[str]:

@@ -11,60 +11,64 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import ClassVar, Literal
 
-import numpy as np
 from pydantic import Field
 
 from mpmfw.api import ContactRows, FloatArray, ForceContact, Length, Pair, PairRecords, hookimpl
-from mpmfw.kernels import kernel
-from mpmfw.kernels.types import Floats, Ints
-from mpmfw_contact._springs import along_and_across, carried_force, end_of, return_to_cone
+from mpmfw.kernels import Struct, kernel
+from mpmfw.kernels.contact import Records, Rows
+from mpmfw.kernels.types import Floats
+from mpmfw_contact._springs import along_and_across, end_of, first_of, old_force, return_to_cone
 from mpmfw_contact.penalty import SpringOptions, Springs
 from mpmfw_contact.surfaces import FacetOptions, Surfaces
 
 
+class Own(Struct):
+    """The law's own arrays of n rows."""
+
+    k: Floats  #: (n,) stiffness [N m^(dim−4)]
+    limit_k: Floats  #: (n,) stiffness that limits the step
+    tangential: Floats  #: (n, dim) tangential force; (0, dim) where none is carried from step to step
+
+
 @kernel
 def pair_forces(
-    count: int, pair: Ints, identity: Ints, before: Ints, gap: Floats, normal: Floats, motion: Floats, stiffness: Floats,
-    friction: Floats, tangential_ratio: float, old_count: int, old_identity: Ints, old_normal: Floats,
-    tangential: Floats, old_tangential: Floats, force: Floats, energy: Floats, frictional_work: Floats,
+    rows: Rows, count: int, own: Own, old: Rows, old_count: int, old_own: Own, friction: Floats, tangential_ratio: float,
+    records: Records,
 ) -> None:  # fmt: skip
     """f = −(ω_n g_n C_n + ω_t g_t C_t) of every row that overlaps (eq. 9).
 
-    ``tangential`` (n, dim) [N/m] without rows is the literal friction: g_t of this step alone, and no cap.
+    ``own.tangential`` without rows is the literal friction: g_t of this step alone, and no cap.
     """
-    dim = normal.shape[1]
-    energy[:] = 0.0
+    dim, adds_up = rows.normal.shape[1], len(own.tangential) > 0
+    records.energy[:] = 0.0
     for c in range(count):
         for d in range(dim):
-            force[c, d] = 0.0
-            if len(tangential) > 0:
-                tangential[c, d] = 0.0
-        if gap[c] >= 0.0:
+            rows.force[c, d] = 0.0
+            if adds_up:
+                own.tangential[c, d] = 0.0
+        gap = rows.gap[c]
+        if gap >= 0.0:
             continue
-        p, k, k_t = pair[c], stiffness[c], tangential_ratio * stiffness[c]
-        energy[p] += 0.5 * k * gap[c] * gap[c]
-        along, across = along_and_across(c, motion, normal)
+        p, k, k_t = rows.pair[c], own.k[c], tangential_ratio * own.k[c]
+        records.energy[p] += 0.5 * k * gap * gap
+        along, across = along_and_across(c, rows)
         for d in range(dim):
-            force[c, d] = -k * gap[c] * normal[c, d]
-        if len(tangential) > 0:
-            first = c
-            while first > 0 and identity[first - 1] == identity[c]:
-                first -= 1
-            share = 1.0 / (end_of(first, count, identity) - first)
-            carried_force(
-                c, before[c], old_count, old_identity, old_normal, old_tangential, share, normal, tangential
-            )
+            rows.force[c, d] = -k * gap * rows.normal[c, d]
+        if adds_up:
+            first = first_of(c, rows.identity)
+            share = 1.0 / (end_of(c, count, rows.identity) - first)
+            old_force(c, rows.before[c], rows, old, old_count, old_own.tangential, share, own.tangential)
             for d in range(dim):
-                tangential[c, d] -= k_t * (motion[c, d] - along * normal[c, d])
-            lost, kept = return_to_cone(c, -friction[p] * k * gap[c], k_t, tangential)
-            frictional_work[p] += lost
-            energy[p] += kept
+                own.tangential[c, d] -= k_t * (rows.motion[c, d] - along * rows.normal[c, d])
+            lost, stored = return_to_cone(c, -friction[p] * k * gap, k_t, own.tangential)
+            records.frictional_work[p] += lost
+            records.energy[p] += stored
             for d in range(dim):
-                force[c, d] += tangential[c, d]
+                rows.force[c, d] += own.tangential[c, d]
         elif friction[p] > 0.0:
             for d in range(dim):
-                force[c, d] -= k_t * (motion[c, d] - along * normal[c, d])
-            frictional_work[p] += k_t * across * across
+                rows.force[c, d] -= k_t * (rows.motion[c, d] - along * rows.normal[c, d])
+            records.frictional_work[p] += k_t * across * across
 
 
 class Hamad2017LawOptions(SpringOptions):
@@ -84,10 +88,10 @@ class Hamad2017Law(Springs):
     options: Hamad2017LawOptions
     needs_facets = True
 
-    def row_arrays(self, *, friction: bool) -> dict[str, int]:
+    def row_arrays(self, *, friction: bool) -> dict[str, int | None]:
         """Stiffness; the tangential force where gaps add up."""
         coulomb = friction and self.options.friction_law == "coulomb"
-        return {"k": 0, "limit_k": 0, **({"tangential": 1} if coulomb else {})}
+        return {"k": 0, "limit_k": 0, "tangential": 1 if coulomb else None}
 
     def unused(self, pairs: Sequence[Pair]) -> list[str]:
         """The value of μ under literal friction."""
@@ -101,18 +105,14 @@ class Hamad2017Law(Springs):
     def stiffness(self, rows: ContactRows, old: ContactRows) -> FloatArray:  # noqa: ARG002
         """k = κ M A / h of the whole area."""
         own, n = rows.own, slice(rows.count)
-        own["k"][n] = self.modulus[rows.pair[n]] * rows.area[n]
-        own["limit_k"][n] = self.stiffest * own["k"][n]
-        return own["limit_k"]
+        own.k[n] = self.modulus[rows.pair[n]] * rows.area[n]
+        own.limit_k[n] = self.stiffest * own.k[n]
+        return own.limit_k  # type: ignore[no-any-return]
 
     def forces(self, rows: ContactRows, old: ContactRows, dashpot: float, records: PairRecords) -> None:  # noqa: ARG002
         """Eq. 9."""
-        none = np.zeros((0, rows.dim))
         pair_forces(
-            rows.count, rows.pair, rows.identity, rows.before, rows.gap, rows.normal, rows.motion, rows.own["k"],
-            self.friction, self.options.tangential_ratio, old.count, old.identity, old.normal,
-            rows.own.get("tangential", none), old.own.get("tangential", none),
-            rows.force, records.energy, records.frictional_work,
+            rows, rows.count, rows.own, old, old.count, old.own, self.friction, self.options.tangential_ratio, records
         )  # fmt: skip
 
 

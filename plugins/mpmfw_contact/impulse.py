@@ -5,55 +5,67 @@ from __future__ import annotations
 import numpy as np
 
 from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseLaw, Setup, State
-from mpmfw.kernels import kernel, scratch
-from mpmfw.kernels.contact import couplings
-from mpmfw.kernels.types import Floats, Ints
+from mpmfw.kernels import Struct, kernel, scratch
+from mpmfw.kernels.contact import Rows
+from mpmfw.kernels.types import Floats
+
+
+class Own(Struct):
+    """The law's own arrays of n rows."""
+
+    active: Floats  #: (n,) 1 where the row takes part, else 0
+    compliance: Floats  #: (n,) inverse of its mass [1/kg]
+    velocity: Floats  #: (n, dim) B v [m/s]
 
 
 @kernel
-def find_approach(
-    count: int, gap: Floats, normal: Floats, velocity: Floats, active: Floats, spacing: tuple[float, ...]
-) -> None:
+def find_approach(rows: Rows, count: int, own: Own, spacing: tuple[float, ...]) -> None:
     """1 for rows that touch and whose sides approach, else 0: all decided before anything moves."""
     for c in range(count):
         approach = 0.0
         for d in range(len(spacing)):
-            approach -= velocity[c, d] * normal[c, d]
-        active[c] = 1.0 if gap[c] <= 0.0 and approach > 0.0 else 0.0
+            approach -= own.velocity[c, d] * rows.normal[c, d]
+        own.active[c] = 1.0 if rows.gap[c] <= 0.0 and approach > 0.0 else 0.0
 
 
 @kernel
 def stop(
-    count: int, pair: Ints, normal: Floats, velocity: Floats, active: Floats, compliance: Floats, friction: Floats,
-    projected: bool, impulse: Floats, work: Floats, spacing: tuple[float, ...],
-) -> None:  # fmt: skip
-    """J_n = m approach, J_t = min(μ J_n, m |Δv_t|), with m the inverse of the row's ``compliance``.
+    rows: Rows,
+    count: int,
+    own: Own,
+    friction: Floats,
+    projected: bool,
+    work: Floats,
+    spacing: tuple[float, ...],
+) -> None:
+    """J_n = m approach, J_t = min(μ J_n, m |Δv_t|), with m the inverse of the row's compliance.
 
     The work of J_t is its product with the slip: with the mean of before and after where the momentum is as
     ``projected``, and with what is left at the end of the step where it is updated, since J_t then acts beside the forces
-    of the step. Bodies that stick have no slip left, and friction does no work. A ``work`` without pairs is not wanted.
+    of the step. Bodies that stick have no slip left, and friction does no work. A ``work`` without pairs is not written.
     """
     dim = len(spacing)
     slip = scratch.vector(spacing)
     for c in range(count):
         for d in range(dim):
-            impulse[c, d] = 0.0
-        if active[c] == 0.0 or compliance[c] == 0.0:
+            rows.force[c, d] = 0.0
+        compliance = own.compliance[c]
+        if own.active[c] == 0.0 or compliance == 0.0:
             continue
         approach, square = 0.0, 0.0
         for d in range(dim):
-            approach -= velocity[c, d] * normal[c, d]
+            approach -= own.velocity[c, d] * rows.normal[c, d]
         for d in range(dim):
-            slip[d] = velocity[c, d] + approach * normal[c, d]
+            slip[d] = own.velocity[c, d] + approach * rows.normal[c, d]
             square += slip[d] * slip[d]
-        speed, normal_impulse = square**0.5, approach / compliance[c]
-        tangential = min(friction[pair[c]] * normal_impulse, speed / compliance[c])
+        p, speed, normal_impulse = rows.pair[c], square**0.5, approach / compliance
+        tangential = min(friction[p] * normal_impulse, speed / compliance)
         for d in range(dim):
             direction = slip[d] / speed if speed > 0.0 else 0.0
-            impulse[c, d] = normal_impulse * normal[c, d] - tangential * direction
-        left = speed - tangential * compliance[c]
+            rows.force[c, d] = normal_impulse * rows.normal[c, d] - tangential * direction
+        left = speed - tangential * compliance
         if len(work) > 0:
-            work[pair[c]] += tangential * (0.5 * (speed + left) if projected else left)
+            work[p] += tangential * (0.5 * (speed + left) if projected else left)
 
 
 class Impulse(ImpulseLaw):
@@ -67,7 +79,7 @@ class Impulse(ImpulseLaw):
     name = "impulse"
     uses_friction = True
 
-    def row_arrays(self, *, friction: bool) -> dict[str, int]:  # noqa: ARG002
+    def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002
         """Rows that take part, their compliance, and their velocity."""
         return {"active": 0, "compliance": 0, "velocity": 1}
 
@@ -84,20 +96,7 @@ class Impulse(ImpulseLaw):
     ) -> None:
         """Stop what approaches, and slip within the cone."""
         own, spacing = rows.own, grid.spacing
-        rows.momentary_velocity(grid, own["velocity"])
-        find_approach(rows.count, rows.gap, rows.normal, own["velocity"], own["active"], spacing)
-        couplings(
-            0,
-            rows.count,
-            rows.start,
-            rows.dof,
-            rows.weight,
-            own["active"],
-            grid.mass,
-            scratch,
-            own["compliance"],
-        )
-        stop(
-            rows.count, rows.pair, rows.normal, own["velocity"], own["active"], own["compliance"], self.friction,
-            projected, rows.force, np.zeros(0) if work is None else work, spacing,
-        )  # fmt: skip
+        rows.momentary_velocity(grid, own.velocity)
+        find_approach(rows, rows.count, own, spacing)
+        rows.couplings(own.active, grid, scratch, own.compliance)
+        stop(rows, rows.count, own, self.friction, projected, np.zeros(0) if work is None else work, spacing)

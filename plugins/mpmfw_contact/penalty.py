@@ -98,16 +98,10 @@ class PenaltyLaw(Springs):
         super().__init__(**options)
         self.damping = self.options.damping
 
-    def row_arrays(self, *, friction: bool) -> dict[str, int]:
+    def row_arrays(self, *, friction: bool) -> dict[str, int | None]:
         """Area that bears, gap without force, stiffness, motion over the step, and the tangential force."""
-        return {
-            "bears": 0,
-            "rest": 0,
-            "k": 0,
-            "tangent_k": 0,
-            "moved": 1,
-            **({"tangential": 1} if friction else {}),
-        }
+        tangential = 1 if friction else None
+        return {"bears": 0, "rest": 0, "k": 0, "tangent_k": 0, "moved": 1, "tangential": tangential}
 
     def fields(self) -> list[ArrayField]:
         """What springs lose that change."""
@@ -126,30 +120,18 @@ class PenaltyLaw(Springs):
 
     def stiffness(self, rows: ContactRows, old: ContactRows) -> FloatArray:
         """k = κ M A / h with the area that bears; deep springs count with their tangent."""
-        own, was = rows.own, old.own
         springs.set_springs(
-            rows.count, rows.pair, rows.identity, rows.before, rows.gap, rows.area, rows.whole, rows.normal, rows.motion,
-            self.modulus, self.stiffest, self.cell_size, self.linear_to, self.state.steps == 0,
-            old.count, old.identity, old.gap, was["bears"], was["rest"],
-            own["bears"], own["rest"], own["k"], own["tangent_k"],
+            rows, rows.count, rows.own, old, old.count, old.own, self.modulus, self.stiffest,
+            self.cell_size, self.linear_to, self.state.steps == 0,
         )  # fmt: skip
-        return own["tangent_k"]
+        return rows.own.tangent_k  # type: ignore[no-any-return]
 
     def forces(self, rows: ContactRows, old: ContactRows, dashpot: float, records: PairRecords) -> None:
         """Springs along the normal, a dashpot, and f_t returned to Coulomb's cone; then what the last step's springs lost."""
-        own, was, none = rows.own, old.own, np.zeros((0, rows.dim))
-        tangential = (own.get("tangential", none), was.get("tangential", none))
-        springs.spring_forces(
-            rows.count, rows.pair, rows.identity, rows.before, rows.gap, rows.normal, rows.motion,
-            own["bears"], own["rest"], own["k"], dashpot, self.friction, self.options.tangential_ratio, self.linear_to,
-            old.count, old.identity, old.gap, old.normal, *tangential,
-            rows.force, records.energy, records.frictional_work, records.damping_work, self.spring_work,
-        )  # fmt: skip
-        springs.add_losses(
-            rows.count, rows.identity, rows.gap, own["rest"], own["k"],
-            old.count, old.pair, old.identity, old.gap, old.normal, was["rest"], was["k"], was["moved"], tangential[1],
-            self.options.tangential_ratio, self.linear_to, self.spring_work,
-        )  # fmt: skip
+        both = (rows, rows.count, rows.own, old, old.count, old.own)
+        ratio = self.options.tangential_ratio
+        springs.spring_forces(*both, self.friction, ratio, dashpot, self.linear_to, records, self.spring_work)
+        springs.add_losses(*both, ratio, self.linear_to, self.spring_work)
 
     def series(self) -> dict[str, AnyArray]:
         """What springs have lost."""

@@ -39,14 +39,14 @@ FAULTS = {
     "reversed normal": Fault(
         SPRINGS,
         "f_n = normal_force(k, depth, linear_to)",
-        "f_n = normal_force(k, gap[c], linear_to)",
+        "f_n = normal_force(k, gap, linear_to)",
         "sliding-block",
         ((CPDI, "run"), (CPDI2, "run")),  # the block is pulled into the plane, and the run ends
     ),
     "friction halved": Fault(
         SPRINGS,
-        "return_to_cone(c, friction[p] * f_n, k_t, tangential)",
-        "return_to_cone(c, 0.5 * friction[p] * f_n, k_t, tangential)",
+        "return_to_cone(c, friction[p] * f_n, k_t, own.tangential)",
+        "return_to_cone(c, 0.5 * friction[p] * f_n, k_t, own.tangential)",
         "sliding-block",
         ((CPDI, SLIDING), (CPDI2, SLIDING)),
     ),

@@ -105,7 +105,7 @@ def test_bodies_apart_cost_a_comparison_of_boxes(kernel_calls: Counter[str]) -> 
     sim = Simulation(CASES["two bodies apart"].scene)
     sim.advance(STEPS)
     assert kernel_calls == {"bounding_boxes": STEPS, "near_boxes": STEPS}
-    assert sim.contact.detection.grid.stamp == 0
+    assert sim.contact.detection.stamp == 0
 
 
 def test_one_body_costs_no_comparison(kernel_calls: Counter[str]) -> None:

@@ -125,7 +125,8 @@ def test_contact_does_not_pull(strategy):
 def reverse_normals(sim):
     """n ← −n in this strategy object alone."""
     nodes = sim.contact.detection
-    nodes.weight_first, nodes.weight_second = -nodes.weight_first, -nodes.weight_second
+    nodes.pairs.weight_first *= -1.0
+    nodes.pairs.weight_second *= -1.0
     nodes.given = -nodes.given
 
 
@@ -139,9 +140,9 @@ def test_no_tension_notices_a_reversed_normal(strategy):
 def test_no_tension_notices_a_reversed_force(strategy, monkeypatch):
     original = _springs.spring_forces
 
-    def reversed_forces(*arguments):
-        original(*arguments)
-        arguments[-5][:] *= -1.0  # force, energy and three works
+    def reversed_forces(rows, *arguments):
+        original(rows, *arguments)
+        rows.force *= -1.0
 
     monkeypatch.setattr(_springs, "spring_forces", reversed_forces)
     with pytest.raises(

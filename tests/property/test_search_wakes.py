@@ -51,10 +51,10 @@ def faces(sim: Simulation, node: int, other: np.ndarray) -> bool:
 def check_step(sim: Simulation) -> tuple[float, bool]:
     """Search, and compare with brute force; return the deepest node's gap [m] and whether the search was awake."""
     surface, contact = sim.state.surface, sim.contact.detection
-    stamp = contact.grid.stamp
+    stamp = contact.stamp
     contact.count = contact._search(sim.state.grid)
     contact.keep()
-    awake = contact.grid.stamp > stamp
+    awake = contact.stamp > stamp
     outlines = [surface.position[surface.of(body)] for body in (0, 1)]
     deepest = np.inf
     for body, other in ((0, 1), (1, 0)):

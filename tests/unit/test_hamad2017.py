@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from contact_kernels import find, flat, join, pair_table, rows_of, star
+from contact_kernels import find, flat, join, no_records, pair_table, rows_of, star
 from mpmfw.api import Pair
+from mpmfw.kernels import struct
 from mpmfw.kernels.contact import match_rows
 from mpmfw_contact.hamad2017 import Hamad2017, pair_forces
 
@@ -24,28 +25,30 @@ class Surfaces:
 
     def force(self):
         """Forces on all nodes (n, 2), and the candidates; tangential forces along e_t of every node's rows are kept."""
-        loops, none = self.loops, np.zeros((0, 2))
+        loops = self.loops
         found = find(loops, literal=True, slots=SLOTS)
         rows = rows_of(loops, found, ties=False, tilts=True)
         old = rows_of(loops, found, ties=False, tilts=True) if self.old is None else self.old
-        count = 0 if self.old is None else old.count
-        match_rows(0, rows.count, rows.identity, count, old.identity, rows.before)
-        _, first = pair_table(loops.n_bodies)
-        records = np.zeros((2, len(first)))
+        old_count = 0 if self.old is None else old.count
+        match_rows(rows, rows.count, old, old_count)
+        own, old_own = (each.members() for each in (rows.own, old.own))
+        if self.literal:
+            own["tangential"] = np.zeros((0, 2))
+        own["k"][:] = K
+        n_pairs = len(pair_table(loops.n_bodies)[1])
+        records = no_records(n_pairs)
         pair_forces(
-            rows.count, rows.pair, rows.identity, rows.before, rows.gap, rows.normal, rows.motion,
-            np.full(len(rows.pair), K), np.full(len(first), self.friction), self.ratio,
-            count, old.identity, old.normal, none if self.literal else rows.own["tangential"], old.own["tangential"],
-            rows.force, *records,
+            rows, rows.count, struct(**own), old, old_count, struct(**old_own), np.full(n_pairs, self.friction),
+            self.ratio, records,
         )  # fmt: skip
         force = np.zeros_like(loops.position)
         rows.add_to(force, (1.0, 1.0))
         self.old, self.tangential = rows, np.zeros((len(loops.body), SLOTS))
         for s in range(len(loops.body)):
-            for j, c in enumerate(np.flatnonzero(rows.slave[: rows.count] == s)):
+            for j, c in enumerate(np.flatnonzero(rows.places.slave[: rows.count] == s)):
                 e = rows.normal[c]
-                self.tangential[s, j] = rows.own["tangential"][c] @ (-e[1], e[0])
-        self.energy, self.work = records[0, 0], self.work + records[1, 0]
+                self.tangential[s, j] = rows.own.tangential[c] @ (-e[1], e[0])
+        self.energy, self.work = records.energy[0], self.work + records.frictional_work[0]
         return force, found
 
 

@@ -269,5 +269,5 @@ def test_a_candidate_ahead_of_a_segment_s_end_has_finite_rows():
     )
     rows = rows_of(loops, found)
     assert rows.count == 1
-    for name in ("motion", "turn", "couple"):
-        assert np.isfinite(getattr(rows, name)).all(), name
+    for array in (rows.motion, rows.couple, rows.places.turn):
+        assert np.isfinite(array).all()

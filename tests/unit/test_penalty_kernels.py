@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
-from contact_kernels import Law, find, flat, forces, join, rows_of, star
+from contact_kernels import Law, find, flat, forces, join, rows_of, search_grid, star
 from mpmfw.kernels.contact import couplings
 from mpmfw.kernels.polyline import bounding_boxes, minimum_gap
 from mpmfw_contact.surfaces.layer import gather_layer, project_layer
@@ -100,12 +100,13 @@ def test_bodies_with_candidates_have_boxes_that_touch(name):
         np.testing.assert_array_equal(lower[b], loops.position[loops.body == b].min(axis=0))
         np.testing.assert_array_equal(upper[b], loops.position[loops.body == b].max(axis=0))
     pairs = np.array([(a, b) for a in range(loops.n_bodies) for b in range(a + 1, loops.n_bodies)])
-    near = np.empty((2, loops.n_bodies, 2))
-    touch = near_boxes(pairs[:, 0], pairs[:, 1], lower, upper, H, *near)
+    grid = search_grid(loops, H)
+    touch = near_boxes(pairs[:, 0], pairs[:, 1], H, grid)
     assert touch or find(loops, h=H).count == 0
     far = 10.0 * np.arange(loops.n_bodies)[:, None]
-    assert not near_boxes(pairs[:, 0], pairs[:, 1], lower + far, upper + far, H, *near)
-    assert not (near[0] <= near[1]).any()  # empty boxes
+    grid.set(box_lower=lower + far, box_upper=upper + far)
+    assert not near_boxes(pairs[:, 0], pairs[:, 1], H, grid)
+    assert not (grid.near_lower <= grid.near_upper).any()  # empty boxes
 
 
 def test_literal_detection_takes_every_segment_that_eq_10_names():
@@ -236,7 +237,7 @@ def test_frequency_bounds_the_largest_eigenvalue_closely(name):
     made = rows_of(loops, found, ties=False, table=t)
     scratch, sums = np.zeros(n_nodes), np.zeros(made.count)
     stiffness = np.full(made.count, 1e4)
-    bound = couplings(0, made.count, made.start, made.dof, made.weight, stiffness, node_mass, scratch, sums)
+    bound = couplings(0, made.count, made, stiffness, node_mass, scratch, sums)
     assert not scratch.any()
     assert bound == sums.max()
     rows = []

@@ -6,22 +6,22 @@ import itertools
 
 import numpy as np
 
+from contact_kernels import empty_candidates
 from mpmfw.kernels import kernel
 from mpmfw_contact.surfaces.search import keep_nearest
 
 
 @kernel
-def offer(order, gaps, master, segment, coordinate, found, normal):
+def offer(order, gaps, candidates):
     """Offer bodies 1, 2, … with the given gaps to node 0, in the given order."""
     for body in order:
-        keep_nearest(0, body, body, gaps[body], 0.5, 0.0, 1.0, master, segment, coordinate, found, normal)
+        keep_nearest(0, body, body, gaps[body], 0.5, 0.0, 1.0, candidates)
 
 
 def kept(order, gaps, slots):
-    master, segment = np.full((1, slots), -1), np.full((1, slots), -1)
-    coordinate, found, normal = np.zeros((1, slots)), np.zeros((1, slots)), np.zeros((1, slots, 2))
-    offer(np.array(order), np.array(gaps), master, segment, coordinate, found, normal)
-    return {int(body): float(gap) for body, gap in zip(master[0], found[0], strict=True)}
+    candidates = empty_candidates(1, slots)
+    offer(np.array(order), np.array(gaps), candidates)
+    return {int(body): float(gap) for body, gap in zip(candidates.master[0], candidates.gap[0], strict=True)}
 
 
 def test_the_nearest_bodies_are_kept_in_any_order():

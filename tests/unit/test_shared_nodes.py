@@ -8,10 +8,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from contact_kernels import no_records
 from mpmfw.contact.rows import ContactRows
-from mpmfw.kernels.contact import add_records
+from mpmfw_contact import _shared_nodes as shared
 from mpmfw_contact import impulse as law
-from mpmfw_contact import nodes as shared
 
 
 @pytest.fixture(params=[2, 3], ids=["2D", "3D"])
@@ -55,12 +55,31 @@ def expected_nodes(f):
     return found
 
 
+def nodes_of(f, gradient=None, mean=None):
+    """The grid as the kernels take it."""
+    none = np.zeros((0, f.dim))
+    return shared.GridNodes(
+        window_lower=f.lower, window_shape=f.shape, offset=f.offset, nodes=np.full(f.dim, 10), mass=f.mass,
+        start_velocity=f.momentum, gradient=none if gradient is None else gradient, mean=none if mean is None else mean,
+    )  # fmt: skip
+
+
+def pairs_of(f, weight_first=None, weight_second=None):
+    """The pairs as the kernels take them."""
+    ones = np.ones(3)
+    return shared.NodePairs(
+        first=f.first,
+        second=f.second,
+        weight_first=ones if weight_first is None else weight_first,
+        weight_second=ones if weight_second is None else weight_second,
+    )
+
+
 def find(f, capacity=2000):
     """The kernel's list, and the number that it returns."""
-    listed = np.zeros((3, capacity), dtype=np.int64)
-    c = SimpleNamespace(pair=listed[0], node_a=listed[1], node_b=listed[2])
-    windows = (f.first, f.second, f.lower, f.shape, f.offset)
-    return c, shared.find_shared_nodes(*windows, f.mass, *listed)
+    names = shared.SharedNodes.member_names
+    c = shared.SharedNodes(**{name: np.zeros(capacity, dtype=np.int64) for name in names})
+    return c, shared.find_shared_nodes(pairs_of(f), nodes_of(f), c)
 
 
 def write(f, first, second, given, gradient, mean, cut_off):
@@ -68,19 +87,17 @@ def write(f, first, second, given, gradient, mean, cut_off):
     c, count = find(f)
     rows = ContactRows(f.dim, couples=False, own={"active": 0, "compliance": 0, "velocity": 1})
     rows.make_room(count, 2 * count)
+    nodes = nodes_of(f, gradient, mean)
     rows.count = shared.write_rows(
-        count, c.pair, c.node_a, c.node_b, f.first, f.lower, f.shape, f.offset, np.full(f.dim, 10),
-        first, second, given, gradient, mean, cut_off, 0.0, f.mass, f.momentum, 0.1,
-        rows.pair, rows.identity, rows.sign, rows.gap, rows.area, rows.whole, rows.normal, rows.motion,
-        rows.start, rows.dof, rows.weight, f.spacing,
-    )  # fmt: skip
+        count, c, pairs_of(f, first, second), nodes, given, cut_off, 0.0, 0.1, rows, f.spacing
+    )
     return rows
 
 
 def test_shared_nodes_are_those_with_mass_of_both_bodies(fields):
     c, count = find(fields)
     listed = list(
-        zip(c.pair[:count].tolist(), c.node_a[:count].tolist(), c.node_b[:count].tolist(), strict=True)
+        zip(c.pair[:count].tolist(), c.first[:count].tolist(), c.second[:count].tolist(), strict=True)
     )
     assert len(set(listed)) == count
     assert set(listed) == expected_nodes(fields)
@@ -111,7 +128,7 @@ def test_normals_agree_with_numpy(fields, kind, cut_off):
     none = np.zeros((0, f.dim))
     fed = (none if kind == "specified" else gradient, none if cut_off == np.inf else mean)
     rows = write(f, first, second, given, *fed, cut_off)
-    pair, i, j = c.pair[n], c.node_a[n], c.node_b[n]
+    pair, i, j = c.pair[n], c.first[n], c.second[n]
     expected = second[pair, None] * gradient[j] - first[pair, None] * gradient[i]
     expected = np.tile(-given, (count, 1)) if kind == "specified" else expected
     expected = expected / np.linalg.norm(expected, axis=1, keepdims=True)
@@ -135,24 +152,23 @@ def test_normals_agree_with_numpy(fields, kind, cut_off):
 
 def correct(f, rows, friction):
     """Run the law's kernels and the operators; records of the pairs."""
-    records = SimpleNamespace(impulse=np.zeros((3, f.dim)), work=np.zeros(3), count=np.ones(3))
+    records = no_records(3)
+    records.impulse, records.count = np.zeros((3, f.dim)), np.ones(3)
     grid = SimpleNamespace(mass=f.mass, momentum=f.momentum, spacing=f.spacing)
     impulse = law.Impulse()
     impulse.friction = friction
-    impulse.impulses(rows, grid, np.zeros(len(f.mass)), records.work, projected=True)
+    impulse.impulses(rows, grid, np.zeros(len(f.mass)), records.frictional_work, projected=True)
     rows.add_to(f.momentum, f.spacing)
-    add_records(
-        0, rows.count, rows.pair, rows.identity, rows.sign, rows.force, 1.0, records.impulse, records.count, f.spacing
-    )  # fmt: skip
+    rows.record(1.0, records, f.spacing)
     return records
 
 
-def correction_twin(f, c, friction):
+def correction_twin(f, c, normals, friction):
     """Momentum afterwards and the pairs' impulses and frictional work, node by node."""
     momentum, impulse, work = f.momentum.copy(), np.zeros((3, f.dim)), np.zeros(3)
     with np.errstate(invalid="ignore", divide="ignore"):
         velocity = f.momentum / f.mass[:, None]
-    contacts = [(p, i, j, n) for p, i, j, n in zip(c.pair, c.node_a, c.node_b, c.normal, strict=False)]
+    contacts = [(p, i, j, n) for p, i, j, n in zip(c.pair, c.first, c.second, normals, strict=False)]
     touching = [(p, i, j, n) for p, i, j, n in contacts if (velocity[i] - velocity[j]) @ n > 0.0]
     sharers = np.zeros(len(f.mass))
     for _, i, j, _ in touching:
@@ -179,17 +195,16 @@ def test_correction_agrees_with_numpy_and_keeps_momentum(fields):
     assert rows.count == count
     rows.normal[:] = f.rng.normal(size=rows.normal.shape)
     rows.normal[:] /= np.linalg.norm(rows.normal, axis=1, keepdims=True)
-    c.normal = -rows.normal
     friction = np.array([0.0, 0.3, 2.0])
     before = f.momentum.copy()
-    momentum, impulse, work, touching = correction_twin(f, c, friction)
+    momentum, impulse, work, touching = correction_twin(f, c, -rows.normal, friction)
     records = correct(f, rows, friction)
     np.testing.assert_allclose(f.momentum, momentum, rtol=1e-12, atol=1e-13)
     np.testing.assert_allclose(records.impulse, impulse, rtol=1e-12, atol=1e-13)
-    np.testing.assert_allclose(records.work, work, rtol=1e-12, atol=1e-13)
+    np.testing.assert_allclose(records.frictional_work, work, rtol=1e-12, atol=1e-13)
     np.testing.assert_array_equal(records.count, touching)
     np.testing.assert_allclose(f.momentum.sum(axis=0), before.sum(axis=0), atol=1e-11)
-    assert (records.work >= 0.0).all()
+    assert (records.frictional_work >= 0.0).all()
 
 
 def test_projections_agree_with_numpy():

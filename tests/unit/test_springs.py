@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from contact_scenes import impact, wave_speed
 from mpmfw.simulation import Simulation
-from mpmfw_contact._springs import NOISE, SHALLOW, WEAK, carried_over, entered
+from mpmfw_contact._springs import NOISE, SHALLOW, WEAK, changed_spring, new_rest
 
 CELL = 0.1  # m
 shares = st.floats(WEAK, 1.0)
@@ -25,35 +25,35 @@ def energy(share: float, rest: float, gap: float) -> float:
 
 
 @untimed
-@given(part=shares, kept=shares, rest=rests, slid=slides, gap=gaps)
-def test_a_spring_that_changes_never_pulls(part, kept, rest, slid, gap):
-    _, left = carried_over(part, kept, rest, slid, gap, CELL)
+@given(part=shares, old_part=shares, rest=rests, slid=slides, gap=gaps)
+def test_a_spring_that_changes_never_pulls(part, old_part, rest, slid, gap):
+    _, left = changed_spring(part, old_part, rest, slid, gap, CELL)
     assert left >= gap
 
 
 @untimed
-@given(part=shares, kept=shares, rest=rests, gap=gaps)
-def test_a_spring_that_grows_keeps_its_force_and_one_that_shrinks_its_rest(part, kept, rest, gap):
+@given(part=shares, old_part=shares, rest=rests, gap=gaps)
+def test_a_spring_that_grows_keeps_its_force_and_one_that_shrinks_its_rest(part, old_part, rest, gap):
     rest = max(rest, gap)  # no more than unloaded
-    share, left = carried_over(part, kept, rest, 0.0, gap, CELL)
-    if part > kept * (1.0 + NOISE):
-        assert share * (left - gap) == pytest.approx(kept * (rest - gap), rel=1e-9, abs=1e-18)
+    share, left = changed_spring(part, old_part, rest, 0.0, gap, CELL)
+    if part > old_part * (1.0 + NOISE):
+        assert share * (left - gap) == pytest.approx(old_part * (rest - gap), rel=1e-9, abs=1e-18)
     else:
         assert left == rest
-    assert share == (kept if abs(part - kept) <= NOISE * kept else part)
-    assert energy(kept, rest, gap) - energy(share, left, gap) >= -1e-18  # nothing is gained
+    assert share == (old_part if abs(part - old_part) <= NOISE * old_part else part)
+    assert energy(old_part, rest, gap) - energy(share, left, gap) >= -1e-18  # nothing is gained
 
 
 @untimed
-@given(gap=gaps, came=st.floats(-0.2 * CELL, 0.5 * CELL))
-def test_a_new_spring_has_at_most_the_force_of_what_came(gap, came):
-    rest = entered(gap, came, CELL)
+@given(gap=gaps, approached=st.floats(-0.2 * CELL, 0.5 * CELL))
+def test_a_new_spring_has_at_most_the_force_of_what_approached(gap, approached):
+    rest = new_rest(gap, approached, CELL)
     depth = rest - gap
     assert gap <= rest <= 0.0
-    if -gap <= max(came, 0.0) + SHALLOW * CELL:
+    if -gap <= max(approached, 0.0) + SHALLOW * CELL:
         assert rest == 0.0
     else:
-        assert depth == pytest.approx(max(came, 0.0), abs=1e-15)
+        assert depth == pytest.approx(max(approached, 0.0), abs=1e-15)
 
 
 def test_a_node_that_comes_in_by_the_face_has_all_of_its_force():
@@ -67,4 +67,4 @@ def test_a_node_that_comes_in_by_the_face_has_all_of_its_force():
         rows = simulation.contact.old
     loaded = np.flatnonzero(rows.gap[: rows.count] < 0.0)
     assert -rows.gap[loaded].min() > SHALLOW * CELL
-    assert (rows.own["rest"][loaded] == 0.0).all()
+    assert (rows.own.rest[loaded] == 0.0).all()

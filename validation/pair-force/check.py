@@ -10,18 +10,24 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from mpmfw.fields import FloatArray
+from mpmfw.kernels.contact import Records
 from mpmfw.kernels.pair_table import pair_table
 from mpmfw.kernels.polyline import segment_coordinate
 from mpmfw.plots.style import dress, legend_below, new_figure
 from mpmfw.validation import Case
 from mpmfw_contact._springs import spring_forces
-from mpmfw_contact.surfaces.assembly import assemble
+from mpmfw_contact.surfaces.assembly import Table, assemble
+from mpmfw_contact.surfaces.candidates import Candidates
 from mpmfw_contact.surfaces.detection import SurfaceRows
+from mpmfw_contact.surfaces.outline import Outline
 
 # Only an error of the closed form is left: the step's truncation is h² / l² ~ 1e-12, its rounding 1e-16 / h ~ 1e-10.
 STEP = 1e-6  # of the central differences, in segment lengths
 VARIATION, BALANCE = 1e-8, 1e-14
 STIFFNESS, FRICTION = 1e4, 0.3  # N/m², 1: of the kernel's own call
+
+#: Arrays of the law's own.
+OWN = {"bears": 0, "rest": 0, "k": 0, "tangent_k": 0, "moved": 1, "tangential": 1}
 
 Rows = dict[str, FloatArray]
 
@@ -150,12 +156,12 @@ def kernel_balance(pairs: list[FloatArray], rng: np.random.Generator) -> tuple[f
 def kernel_force(points: FloatArray, moved: FloatArray) -> FloatArray:
     """Force on x_s, x_1, x_2 [N/m] by the kernel that runs in a step, for one slave node of body 0."""
     rows = row_of(points, moved)
-    none = np.zeros(0)
-    k = np.full(len(rows.pair), STIFFNESS)
+    old = SurfaceRows(2, couples=True, own=OWN)
+    rows.before[:] = -1
+    rows.own.k[:] = rows.own.bears[:] = STIFFNESS
+    records = Records(**{name: np.zeros((1, 2) if name == "impulse" else 1) for name in Records.member_names})
     spring_forces(
-        1, rows.pair, rows.identity, np.full(1, -1), rows.gap, rows.normal, rows.motion, k, np.zeros(1), k,
-        0.0, np.array([FRICTION]), 1.0, np.inf, 0, np.zeros(0, dtype=int), none, none.reshape(0, 2),
-        rows.own["tangential"], none.reshape(0, 2), rows.force, *np.zeros((4, 1)),
+        rows, 1, rows.own, old, 0, old.own, np.array([FRICTION]), 1.0, 0.0, np.inf, records, np.zeros(1)
     )  # fmt: skip
     force = np.zeros((3, 2))
     rows.add_to(force, (1.0, 1.0))
@@ -170,15 +176,21 @@ def row_of(points: FloatArray, moved: FloatArray, *, tilts: bool = False) -> Sur
     segment, master = np.array([[1], [-1], [-1]]), np.array([[1], [-1], [-1]])
     normal = np.zeros((3, 1, 2))
     normal[0, 0] = along[1], -along[0]
-    rows = SurfaceRows(2, couples=True, tilts=tilts, own={"tangential": 1})
-    rows.count = assemble(
-        1.0, False, False, master, segment, np.full((3, 1), xi), np.full((3, 1), gap), normal,
-        points, moved, np.ones(3), follow, follow, body, np.stack([np.arange(3), follow], axis=1),
-        pair_table(np.array([0]), np.array([1])), np.array([0]), np.arange(4), np.arange(3, dtype=np.int32), np.ones(3), 2,
-        rows.pair, rows.identity, rows.sign, rows.gap, rows.area, rows.whole, rows.normal, rows.motion,
-        rows.start, rows.dof, rows.weight, rows.couple, rows.tilt,
-        rows.slave, rows.facet, rows.share, rows.turn, rows.lean,
+    none = np.zeros((0, 1), dtype=int)
+    candidates = Candidates(
+        master=master, segment=segment, coordinate=np.full((3, 1), xi), gap=np.full((3, 1), gap), normal=normal,
+        inside=none, inside_segment=none,
     )  # fmt: skip
+    outline = Outline(
+        position=points, displacement=moved, tributary=np.ones(3), next=follow, previous=follow, body=body,
+        body_first=np.array([0, 1, 3]), facets=np.stack([np.arange(3), follow], axis=1),
+    )  # fmt: skip
+    table = Table(row=np.arange(4), nodes=np.arange(3, dtype=np.int32), weight=np.ones(3))
+    pair_of = pair_table(np.array([0]), np.array([1]))
+    rows = SurfaceRows(2, couples=True, tilts=tilts, own=OWN)
+    rows.count = assemble(
+        1.0, False, False, candidates, outline, pair_of, np.array([0]), table, rows, rows.places
+    )
     return rows
 
 

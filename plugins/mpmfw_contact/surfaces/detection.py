@@ -26,8 +26,9 @@ from mpmfw.api import Field as ArrayField
 from mpmfw.kernels.pair_table import pair_table
 from mpmfw.kernels.polyline import bounding_boxes
 from mpmfw_contact.surfaces import search
-from mpmfw_contact.surfaces.assembly import assemble, point_forces
-from mpmfw_contact.surfaces.candidates import Candidates, SearchGrid
+from mpmfw_contact.surfaces.assembly import Places, Table, assemble, point_forces
+from mpmfw_contact.surfaces.candidates import no_candidates, no_lists
+from mpmfw_contact.surfaces.outline import outline_of
 from mpmfw_contact.surfaces.tracking import CROSSED, crossed, find_crossings, keep_inside, remember_inside
 from mpmfw_contact.surfaces.travel import TravelLimit
 
@@ -78,8 +79,8 @@ class SurfacesOptions(FacetOptions):
 class Surfaces(Detection):
     """Every node of an outline against the closest segment of each other body that faces it.
 
-    The search is [H17]'s, section 3.2. Gap, ξ and normal are those of the closest point; a node inside another body stays
-    known until it is seen to come out. A row's weights are N_i(x_s) in the slave's field and −ξ_a N_i(x_a) in the master's.
+    The search is [H17]'s, section 3.2. Gap, ξ and normal are those of the closest point; a node inside another body is
+    followed until it is seen to come out. A row's weights are N_i(x_s) in the slave's field and −ξ_a N_i(x_a) in the master's.
     """
 
     name = "surfaces"
@@ -126,12 +127,14 @@ class Surfaces(Detection):
         self.state, self.surface, self.has_friction = setup.state, setup.state.surface, setup.has_friction
         self.rank = _ranks(setup.bodies, self.options.master, owner, one_pass=not self.two_passes)
         slots = 8 if self.every_segment else min(max(len(setup.bodies) - 1, 1), 3)
-        self.candidates = Candidates.allocate(setup, owner, slots, tracked=not self.every_segment)
-        self.grid = SearchGrid.allocate(setup, owner)
+        self.outline = outline_of(self.surface)
+        self.candidates = no_candidates(setup, owner, slots, tracked=not self.every_segment)
+        self.lists, self.stamp = no_lists(setup, owner), 0
         self.force: FloatArray = setup.allocate(owner, FORCE)
         self.radius, self.cell_size = self.reach(setup.cell_size), setup.cell_size
         self.through = np.zeros(3)
         self.count, self.was_inside = 0, False
+        self.table: Table | None = None
         self.list_pairs(setup.state)
 
     def list_pairs(self, state: State) -> None:
@@ -140,7 +143,7 @@ class Surfaces(Detection):
         self.second = np.array([pair.second for pair in state.pairs], dtype=np.int64)
         self.pair_of = pair_table(self.first, self.second)
 
-    def new_rows(self, own: dict[str, int]) -> SurfaceRows:
+    def new_rows(self, own: dict[str, int | None]) -> SurfaceRows:
         """Rows that know their slave node and facet."""
         return SurfaceRows(self.state.grid.dim, couples=self.has_friction, tilts=self.tilts, own=own)
 
@@ -153,67 +156,56 @@ class Surfaces(Detection):
             self._assemble(rows)
 
     def _search(self, grid: Grid) -> int:
-        surface, boxes = self.surface, self.grid
-        bounding_boxes(surface.body_first, surface.position, boxes.box_lower, boxes.box_upper)
-        near = search.near_boxes(
-            self.first, self.second, boxes.box_lower, boxes.box_upper, self.radius, boxes.near_lower, boxes.near_upper
-        )  # fmt: skip
+        """Number of candidates after the search's three steps, and after nodes inside bodies were followed."""
+        outline, lists = self.outline, self.lists
+        bounding_boxes(outline.body_first, outline.position, lists.box_lower, lists.box_upper)
         count = 0
-        if near and boxes.list_segments(surface, grid, len(self.state.bodies)):
-            count = self._search_tagged(grid)
+        if search.near_boxes(self.first, self.second, self.radius, lists) and self._list_segments(grid):
+            count = search.find_pairs(
+                self.stamp, self.radius, self.every_segment, outline, self.rank, lists, self.candidates, grid.spacing
+            )  # fmt: skip
         elif not self.was_inside:
             return 0
         else:
             self.candidates.segment.fill(-1)
         return count + (0 if self.every_segment else self._track())
 
-    def _search_tagged(self, grid: Grid) -> int:
-        s, c, g = self.surface, self.candidates, self.grid
-        return search.find_pairs(
-            g.stamp, self.radius, self.every_segment,
-            s.position, s.next, s.previous, s.body, self.rank, g.near_lower, g.near_upper,
-            grid.lower, grid.spacing, grid.nodes, g.shared, g.head, g.head_stamp, g.link, g.link_segment,
-            c.master, c.segment, c.coordinate, c.gap, c.normal,
-        )  # fmt: skip
+    def _list_segments(self, grid: Grid) -> bool:
+        """Lists of the segments in cells that two bodies reach; whether there are such cells."""
+        lists = self.lists
+        while True:
+            self.stamp += 1
+            if not search.mark_shared_nodes(self.stamp, self.outline, lists, grid.spacing):
+                return False
+            entries = search.list_segments(self.stamp, self.outline, lists, grid.spacing)
+            if entries <= len(lists.link):
+                return True
+            room = {name: np.zeros(2 * entries, dtype=np.int32) for name in ("link", "link_segment")}
+            lists.set(**room)
 
     def _track(self) -> int:
         """Nodes inside that the search has lost, or missed; the end of the run where bodies have crossed."""
-        s, c, g = self.surface, self.candidates, self.grid
-        found = (c.master, c.segment, c.coordinate, c.gap, c.normal)
         added = 0
         if self.was_inside:
-            added = keep_inside(
-                s.position,
-                s.next,
-                s.previous,
-                s.body,
-                s.body_first,
-                c.inside,
-                c.inside_segment,
-                *found,
-                self.through,
-            )
+            added = keep_inside(self.outline, self.candidates, self.through)
             if self.through[0] > CROSSED * self.cell_size:
                 raise crossed(self.state, self.through)
+        least = THIN * self.radius
         return added + find_crossings(
-            THIN * self.radius, s.position, s.displacement, s.next, s.previous, s.body_first,
-            self.first, self.second, self.rank, g.box_lower, g.box_upper, *found,
-        )  # fmt: skip
+            least, self.outline, self.first, self.second, self.rank, self.lists, self.candidates
+        )
 
     def _assemble(self, rows: SurfaceRows) -> None:
-        s, c, phi = self.surface, self.candidates, self.surface.stencil
+        phi = self.surface.stencil
         if phi is None:
             raise RuntimeError("the surface's table was not filled")
-        passes = 0.5 if self.two_passes else 1.0
-        closest = not self.every_segment
+        if self.table is None or self.table.weight is not phi.weight:
+            self.table = Table(row=phi.row, nodes=phi.nodes, weight=phi.weight)
+        passes, closest = 0.5 if self.two_passes else 1.0, not self.every_segment
         while True:
             rows.count = assemble(
-                passes, closest, closest, c.master, c.segment, c.coordinate, c.gap, c.normal,
-                s.position, s.displacement, s.tributary, s.next, s.previous, s.body, s.facets,
-                self.pair_of, self.first, phi.row, phi.nodes, phi.weight, len(self.state.bodies),
-                rows.pair, rows.identity, rows.sign, rows.gap, rows.area, rows.whole, rows.normal, rows.motion,
-                rows.start, rows.dof, rows.weight, rows.couple, rows.tilt,
-                rows.slave, rows.facet, rows.share, rows.turn, rows.lean,
+                passes, closest, closest, self.candidates, self.outline, self.pair_of, self.first, self.table,
+                rows, rows.places,
             )  # fmt: skip
             if rows.count >= 0:
                 return
@@ -224,7 +216,7 @@ class Surfaces(Detection):
         c = self.candidates
         if not self.every_segment and (self.count or self.was_inside):
             if self.count:
-                remember_inside(c.master, c.segment, c.gap, c.inside, c.inside_segment)
+                remember_inside(c)
             else:
                 c.inside.fill(-1)
             self.was_inside = self.count > 0
@@ -232,30 +224,26 @@ class Surfaces(Detection):
     def outputs(self, rows: ContactRows) -> dict[str, AnyArray]:
         """Contact forces of the surface nodes, those of facets shared by their corners."""
         assert isinstance(rows, SurfaceRows)
-        point_forces(
-            rows.count, rows.slave, rows.facet, self.surface.facets, rows.share, rows.turn, rows.lean,
-            rows.normal, rows.force, self.force,
-        )  # fmt: skip
+        point_forces(rows, rows.count, self.outline.facets, rows.places, self.force)
         return {"force": self.force}
 
 
 class SurfaceRows(ContactRows):
-    """Rows with their place on the surfaces."""
+    """Rows with their places on the surfaces."""
 
-    slave: IntArray  #: (n,) surface node of the first side
-    facet: IntArray  #: (n,) facet of the second side
-    share: FloatArray  #: (n, dim) barycentric coordinates on it
-    turn: FloatArray  #: (n, dim, dim) couple of each corner; (0, dim, dim) without friction
-    lean: FloatArray  #: (n, dim, dim) tilt of each corner; (0, dim, dim) where the variation is exact
+    places: Places
 
     def make_room(self, rows: int, entries: int) -> None:
         """Those as well."""
         super().make_room(rows, entries)
         dim = self.dim
-        self.slave, self.facet = (np.zeros(rows, dtype=np.int64) for _ in range(2))
-        self.share = np.zeros((rows, dim))
-        self.turn = np.zeros((rows if self._couples else 0, dim, dim))
-        self.lean = np.zeros((rows if self._tilts else 0, dim, dim))
+        self.places = Places(
+            slave=np.zeros(rows, dtype=np.int64),
+            facet=np.zeros(rows, dtype=np.int64),
+            share=np.zeros((rows, dim)),
+            turn=np.zeros((rows if len(self.couple) else 0, dim, dim)),
+            lean=np.zeros((rows if len(self.tilt) else 0, dim, dim)),
+        )
 
 
 def _ranks(bodies: tuple[Body, ...], master: str | None, owner: str, *, one_pass: bool) -> IntArray:

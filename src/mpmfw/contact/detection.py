@@ -57,7 +57,7 @@ class Detection(PlugIn):
         """Facts of the scene, from ``setup``, and arrays listed under ``owner``."""
         raise NotImplementedError
 
-    def new_rows(self, own: dict[str, int]) -> ContactRows:
+    def new_rows(self, own: dict[str, int | None]) -> ContactRows:
         """Rows without content, with the ``own`` arrays of a law (see :class:`ContactRows`)."""
         raise NotImplementedError
 

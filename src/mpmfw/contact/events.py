@@ -9,6 +9,7 @@ import numpy as np
 from mpmfw.fields import AnyArray, Field, FloatArray
 from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels import kernel
+from mpmfw.kernels.contact import Rows
 from mpmfw.kernels.types import Floats, Ints
 from mpmfw.setup import Setup
 from mpmfw.state import State
@@ -40,28 +41,27 @@ PENETRATION = Field(
 
 @kernel
 def follow_contacts(
-    count: int, pair: Ints, identity: Ints, before: Ints, gap: Floats, force: Floats, age: Floats,
-    old_count: int, old_pair: Ints, old_age: Floats, fewest: Floats, deepest: Floats,
-) -> None:  # fmt: skip
+    rows: Rows, count: int, age: Floats, old_pair: Ints, old_age: Floats, fewest: Floats, deepest: Floats
+) -> None:
     """Count the steps of every place's contact; at its end note the least, and the largest −g_n, of each pair.
 
     ``age`` and ``old_age`` are the steps that contacts of the rows of this step and the last have lasted; the first row of an
-    identity has it. The last step's is used up. ``fewest`` and ``deepest`` are (pair,).
+    identity has it. The last step's is used up, its rows' pairs are ``old_pair``. ``fewest`` and ``deepest`` are (pair,).
     """
     last = -1
     for c in range(count):
         age[c] = 0.0
         touching = False
-        for d in range(force.shape[1]):
-            touching = touching or force[c, d] != 0.0
-        if touching and identity[c] != last:
-            last = identity[c]
-            deepest[pair[c]] = max(deepest[pair[c]], -gap[c])
+        for d in range(rows.force.shape[1]):
+            touching = touching or rows.force[c, d] != 0.0
+        if touching and rows.identity[c] != last:
+            p, last = rows.pair[c], rows.identity[c]
+            deepest[p] = max(deepest[p], -rows.gap[c])
             age[c] = 1.0
-            if before[c] >= 0:
-                age[c] += old_age[before[c]]
-                old_age[before[c]] = 0.0
-    for o in range(old_count):
+            if rows.before[c] >= 0:
+                age[c] += old_age[rows.before[c]]
+                old_age[rows.before[c]] = 0.0
+    for o in range(len(old_pair)):
         if old_age[o] > 0.0:
             fewest[old_pair[o]] = min(fewest[old_pair[o]], old_age[o])
 
@@ -85,7 +85,7 @@ class ContactEvents:
         """Ages of the contacts."""
         self.state, self.cell_size = setup.state, setup.cell_size
         self.age, self.old_age = np.zeros(0), np.zeros(0)
-        self.old_count, self.old_pair = 0, np.zeros(0, dtype=np.int64)
+        self.old_pair = np.zeros(0, dtype=np.int64)
         self.fewest: FloatArray = np.full(len(setup.pairs), np.inf)
         self.deepest: FloatArray = np.zeros(len(setup.pairs))
         self.fewest_ever = self.fewest.copy()
@@ -105,12 +105,9 @@ class ContactEvents:
         rows = self.contact.last_rows
         if len(self.age) < rows.count:
             self.age = np.zeros(2 * rows.count)
-        follow_contacts(
-            rows.count, rows.pair, rows.identity, rows.before, rows.gap, rows.force, self.age,
-            self.old_count, self.old_pair, self.old_age, self.fewest, self.deepest,
-        )  # fmt: skip
+        follow_contacts(rows, rows.count, self.age, self.old_pair, self.old_age, self.fewest, self.deepest)
         self.age, self.old_age = self.old_age, self.age
-        self.old_count, self.old_pair = rows.count, rows.pair[: rows.count].copy()
+        self.old_pair = rows.pair[: rows.count].copy()
 
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:  # noqa: ARG002

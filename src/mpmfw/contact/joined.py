@@ -17,7 +17,6 @@ from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.errors import SceneError
 from mpmfw.fields import AnyArray, Field, FloatArray
 from mpmfw.hookspecs import hookimpl
-from mpmfw.kernels.contact import add_records
 from mpmfw.setup import Setup
 from mpmfw.state import Grid, Pair, Particles, State, Stencil
 
@@ -100,11 +99,7 @@ class RowContact(ContactStrategy):
 
         ``spacing`` is the cell size h, once for each dimension.
         """
-        rows, records = self.rows, self.records
-        add_records(
-            0, rows.count, rows.pair, rows.identity, rows.sign, rows.force, scale,
-            records.impulse, records.count, spacing,
-        )  # fmt: skip
+        self.rows.record(scale, self.records, spacing)
 
     def restart(self) -> None:
         """Forget impulse and work of the settling; contacts stay loaded."""
@@ -177,8 +172,8 @@ class ForceContact(RowContact):
     def advect(self, grid: Grid, dt: float) -> None:
         """How far every row's sides move in the step of ``dt`` [s]; its rows are the history of the next."""
         rows = self.rows
-        if "moved" in rows.own and rows.count:
-            rows.velocity(grid.velocity, dt, rows.own["moved"], grid.spacing)
+        if "moved" in rows.own.member_names and rows.count:
+            rows.velocity(grid.velocity, dt, rows.own.moved, grid.spacing)
         self.detection.keep()
         self.rows, self.old = self.old, rows
 

@@ -37,10 +37,11 @@ class ContactLaw(PlugIn):
 
         return joined(detection, cls)
 
-    def row_arrays(self, *, friction: bool) -> dict[str, int]:  # noqa: ARG002
-        """Own arrays of every row by name, with the number of further dimensions: its history.
+    def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002
+        """Own arrays of every row by name, with the number of further dimensions, or None for one without rows: its history.
 
-        ``friction`` says whether any two bodies have any.
+        ``friction`` says whether any two bodies have any. They are ``rows.own``, one argument of kernels; one called ``moved``
+        is filled with B v Δt at the end of the step.
         """
         return {}
 

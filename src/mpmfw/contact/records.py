@@ -4,39 +4,35 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.fields import CONTACT_SERIES, AnyArray, Field, FloatArray
+from mpmfw.fields import CONTACT_SERIES, AnyArray, Field
+from mpmfw.kernels.contact import Records
 from mpmfw.setup import Setup
 from mpmfw.state import State
 
+_DECLARED = (
+    Field("impulse", ("pair", "axis"), "N s m-1", "impulse on the pair's first body", "contact"),
+    Field("frictional_work", ("pair",), "J m-1", "energy dissipated by friction", "contact"),
+    Field("damping_work", ("pair",), "J m-1", "energy dissipated by dashpots", "contact"),
+    Field("energy", ("pair",), "J m-1", "energy stored in contact springs", "contact"),
+    Field("count", ("pair",), "1", "nodes in contact", "contact"),
+)
 
-class PairRecords:
-    """Accumulators of all pairs, written by kernels and read at outputs.
+
+class PairRecords(Records):
+    """Accumulators of all pairs, written by kernels, which take them as one argument, and read at outputs.
 
     Work and impulse are those since time zero; ``restart`` forgets what happened while the scene settled.
     """
 
     def __init__(self, setup: Setup, owner: str) -> None:
-        def own(name: str, dims: tuple[str, ...], unit: str, meaning: str) -> AnyArray:
-            return setup.allocate(owner, Field(name, dims, unit, meaning, "contact"))
-
-        pair = ("pair",)
-        self.impulse: FloatArray = own(
-            "impulse", ("pair", "axis"), "N s m-1", "impulse on the pair's first body"
-        )
-        self.frictional_work: FloatArray = own(
-            "frictional_work", pair, "J m-1", "energy dissipated by friction"
-        )
-        self.damping_work: FloatArray = own("damping_work", pair, "J m-1", "energy dissipated by dashpots")
-        self.energy: FloatArray = own("energy", pair, "J m-1", "energy stored in contact springs")
-        self.count: FloatArray = own("count", pair, "1", "nodes in contact")
+        super().__init__(**{field.name: setup.allocate(owner, field) for field in _DECLARED})
         self._last_impulse = np.zeros_like(self.impulse)
         self._owner = owner
 
     def add_pairs(self, state: State) -> None:
         """Rows for the pairs that were added to the state's: nothing has acted between them so far."""
         rows = len(state.pairs)
-        for name in ("impulse", "frictional_work", "damping_work", "energy", "count"):
-            setattr(self, name, state.lengthen(f"{self._owner}/{name}", rows))
+        self.set(**{name: state.lengthen(f"{self._owner}/{name}", rows) for name in self.member_names})
         self._last_impulse = np.concatenate([self._last_impulse, self.impulse[len(self._last_impulse) :]])
 
     def restart(self) -> None:

@@ -1,34 +1,36 @@
-"""Rows: the places where two bodies may touch, whichever way they were found."""
+"""Rows: the places where two bodies may touch, whichever way they were detected."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
-from mpmfw.fields import AnyArray, FloatArray, IntArray
-from mpmfw.kernels.contact import add_row_forces, couplings, match_rows, relative_motion, relative_velocity
+from mpmfw.fields import AnyArray, FloatArray
+from mpmfw.kernels import struct
+from mpmfw.kernels.contact import (
+    Records,
+    Rows,
+    add_records,
+    add_row_forces,
+    couplings,
+    match_rows,
+    relative_motion,
+    relative_velocity,
+)
 from mpmfw.state import Grid
 
-#: Arrays of every row: name, further dimensions, type.
-_ROW = (
-    ("pair", 0, "i8"),
-    ("identity", 0, "i8"),
-    ("before", 0, "i8"),
-    ("sign", 0, "f8"),
-    ("gap", 0, "f8"),
-    ("area", 0, "f8"),
-    ("whole", 0, "f8"),
-    ("normal", 1, "f8"),
-    ("motion", 1, "f8"),
-    ("force", 1, "f8"),
-)
+#: Which arrays have a vector in every row, which are of integers, and which have rows for the entries of B.
+_VECTORS = ("normal", "motion", "force", "couple", "tilt")
+_INTEGERS = ("pair", "identity", "before", "start", "dof")
+_OF_ENTRIES = ("dof", "weight", "couple", "tilt")
 
 
-class ContactRows:
+class ContactRows(Rows):
     """The rows of one step. Arrays have room for more than ``count`` rows, the first ``count`` are meant.
 
-    A row has two sides. B v is the velocity of its first side as seen from its second, ``normal`` points from the second to the
-    first: along it the gap grows, and the force on the first side pushes apart. Rows ascend by ``identity``; those of one
-    identity are one place that meets two facets alike.
+    Kernels take them as one argument, ``rows.gap[c]`` (:class:`mpmfw.kernels.contact.Rows`).
 
     Parameters
     ----------
@@ -37,54 +39,44 @@ class ContactRows:
     couples, tilts
         Whether a tangential force acts with a couple across the gap, and whether the normal is varied with the facet.
     own
-        Arrays of the law, by name: the number of their further dimensions, each ``dim`` long. They are the history of the
-        next step, which finds them by :attr:`before`.
+        Arrays of the law, by name: the number of their further dimensions, each ``dim`` long, or None for an array without
+        rows. They are the history of the next step, which finds them by :attr:`before`. :attr:`own` has them as one argument of
+        kernels.
     """
 
-    count: int
-    pair: IntArray  #: (n,) index of the pair
-    identity: IntArray  #: (n,) which place against which body: the key of the row's history
-    before: IntArray  #: (n,) first row of the last step with this identity; −1 without one
-    sign: FloatArray  #: (n,) 1 where the first side is the pair's first body, else −1
-    gap: FloatArray  #: (n,) signed, negative where the bodies overlap [m]; 0 where none is measured
-    area: FloatArray  #: (n,) tributary area across the normal [m^(dim−1)]
-    whole: FloatArray  #: (n,) tributary area of the place, whatever its direction [m^(dim−1)]
-    normal: FloatArray  #: (n, dim) unit vector
-    motion: FloatArray  #: (n, dim) B v Δt over the last step [m]
-    force: FloatArray  #: (n, dim) on the first side, the law's [N m^(dim−3)]; an impulse law's impulse
-    start: IntArray  #: (n + 1,) entries of row c are ``start[c]:start[c + 1]``
-    dof: IntArray  #: (m,) flat grid node
-    weight: FloatArray  #: (m,) weight in B; the sum over a row is 0
-    couple: FloatArray  #: (m, dim) vector c in the tangent plane: a force f acts along the normal by c·f; (0, dim) without
-    tilt: FloatArray  #: (m, dim) by which a normal force of 1 acts along the facet; (0, dim) without
+    count: int  #: rows of the step
+    own: Any  #: the law's arrays, a :class:`mpmfw.kernels.Struct` with its names
 
     def __init__(
-        self, dim: int, *, couples: bool, tilts: bool = False, own: dict[str, int] | None = None
+        self, dim: int, *, couples: bool, tilts: bool = False, own: Mapping[str, int | None] | None = None
     ) -> None:
         self.dim, self.count = dim, 0
-        self.own: dict[str, AnyArray] = {}
-        self._own = own or {}
-        self._couples, self._tilts = couples, tilts
+        self._own = dict(own or {})
+        self._without = [name for name, has in (("couple", couples), ("tilt", tilts)) if not has]
         self.make_room(64, 1024)
 
     def make_room(self, rows: int, entries: int) -> None:
         """Arrays for so many ``rows`` and ``entries``; what was in them is lost."""
-        for name, more, kind in _ROW:
-            setattr(self, name, np.zeros((rows, *(self.dim,) * more), dtype=kind))
-        self.own = {name: np.zeros((rows, *(self.dim,) * more)) for name, more in self._own.items()}
-        self.start = np.zeros(rows + 1, dtype=np.int64)
-        self.dof, self.weight = np.zeros(entries, dtype=np.int64), np.zeros(entries)
-        self.couple = np.zeros((entries if self._couples else 0, self.dim))
-        self.tilt = np.zeros((entries if self._tilts else 0, self.dim))
+        arrays = {}
+        for name in self.member_names:
+            length = entries if name in _OF_ENTRIES else rows + (name == "start")
+            shape = (0 if name in self._without else length, *(self.dim,) * (name in _VECTORS))
+            arrays[name] = np.zeros(shape, dtype="i8" if name in _INTEGERS else "f8")
+        self.set(**arrays)
+        own = {
+            name: (0, self.dim) if more is None else (rows, *(self.dim,) * more)
+            for name, more in self._own.items()
+        }
+        self.own = struct(**{name: np.zeros(shape) for name, shape in own.items()})
 
     def arrays(self) -> dict[str, AnyArray]:
         """All arrays with room for anything, by name."""
-        names = [*(name for name, _, _ in _ROW), "start", "dof", "weight", "couple", "tilt"]
-        return {name: getattr(self, name) for name in names if len(getattr(self, name))} | self.own
+        whole = self.members() | self.own.members()
+        return {name: array for name, array in whole.items() if len(array)}
 
     def match(self, old: ContactRows) -> None:
         """Fill :attr:`before` with the rows of the last step, ``old``."""
-        match_rows(0, self.count, self.identity, old.count, old.identity, self.before)
+        match_rows(self, self.count, old, old.count)
 
     def velocity(
         self, node_velocity: FloatArray, scale: float, out: FloatArray, spacing: tuple[float, ...]
@@ -93,32 +85,29 @@ class ContactRows:
 
         ``node_velocity`` is (n_nodes, dim) [m/s], ``spacing`` the cell size h, once for each dimension.
         """
-        relative_motion(
-            0, self.count, self.start, self.dof, self.weight, self.couple, self.normal, node_velocity, scale, out, spacing
-        )  # fmt: skip
+        relative_motion(0, self.count, self, node_velocity, scale, out, spacing)
 
     def momentary_velocity(self, grid: Grid, out: FloatArray) -> None:
         """B v of the grid's present momentum, into ``out`` (n, dim) [m/s]."""
-        relative_velocity(
-            0, self.count, self.start, self.dof, self.weight, self.couple, self.normal,
-            grid.mass, grid.momentum, out, grid.spacing,
-        )  # fmt: skip
+        relative_velocity(0, self.count, self, grid.mass, grid.momentum, out, grid.spacing)
 
     def add_to(self, nodal: FloatArray, spacing: tuple[float, ...]) -> None:
         """Bᵀ f of :attr:`force`, added to ``nodal``: the grid's forces, or its momenta where it is an impulse (n_nodes, dim).
 
         ``spacing`` is the cell size h [m], once for each dimension.
         """
-        add_row_forces(
-            0, self.count, self.start, self.dof, self.weight, self.couple, self.tilt, self.normal, self.force, nodal, spacing
-        )  # fmt: skip
+        add_row_forces(0, self.count, self, nodal, spacing)
 
     def couplings(self, stiffness: FloatArray, grid: Grid, scratch: FloatArray, out: FloatArray) -> float:
         """Row sums of |B| M⁻¹ |B|ᵀ K into ``out`` (n,), and the largest of them.
 
         ``stiffness`` K is (n,) [N/m^2] in 2D; ``scratch`` (n_nodes,) is zero on entry and on return.
         """
-        bound: float = couplings(
-            0, self.count, self.start, self.dof, self.weight, stiffness, grid.mass, scratch, out
-        )
-        return bound
+        return couplings(0, self.count, self, stiffness, grid.mass, scratch, out)
+
+    def record(self, scale: float, records: Records, spacing: tuple[float, ...]) -> None:
+        """Add ``scale`` times the forces to every pair's impulse in ``records``, and count the places where they act.
+
+        ``scale`` is the time that they act [s]; ``spacing`` is the cell size h [m], once for each dimension.
+        """
+        add_records(0, self.count, self, scale, records, spacing)

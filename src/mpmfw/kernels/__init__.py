@@ -16,6 +16,8 @@ call with :func:`device`, and takes scratch memory from :mod:`mpmfw.kernels.scra
   outward unit normal is (t_y, −t_x)), :func:`signed_distance` (closest point, its direction, inside or outside),
   :func:`squared_distance`, :func:`minimum_gap`, :func:`bounding_boxes`.
 - **Types** of arguments: ``Floats``, ``Ints``, ``Indices`` are arrays of float64, int64 and int32, ``Float`` a compiled scalar.
+- **Structs**: a class derived from :class:`Struct` has arrays that kernels take as one argument, ``rows.gap[c]``; :func:`struct`
+  makes one of named arrays.
 - **Small arithmetic**: :func:`determinant`, :func:`invert`, :func:`add_scaled_row`, :func:`set_scaled_row`.
 
 Kernels check nothing: an index out of range or an array of another shape is not an error but undefined. Those that can
@@ -72,17 +74,13 @@ argument                    shape [unit]             meaning
 ``x2``, ``y2``              [m]                      second end of a segment
 ``following``               (n,) int64               segment s runs from node s to node ``following[s]``
 ``previous``                (n,) int64               the node before: segment ``previous[s]`` ends at node s
-``begin``, ``end``                                   rows of contact that are worked on (``mpmfw.kernels.contact``), n of them
-``start``                   (n + 1,) int64           entries of row c are ``start[c]:start[c + 1]``
-``dof``                     (m,) int64               flat node of an entry of a row
-``couple``, ``tilt``        (m, dim)                 how a tangential force acts along the normal, a normal one along the facet
-``normal``, ``old_normal``  (n, dim)                 unit vector from a row's second side to its first; that of the last step
-``identity``, ``before``    (n,) int64               key of a row's history; the last step's first row with it, or −1
-``old_identity``, ``old``   (n,), (n, dim)           identities of the last step's rows, a vector of theirs
-``old_end``, ``o``, ``c``                            number of the last step's rows, one of them, a row of this step
-``pair``, ``sign``          (n,)                     a row's pair; 1 where its first side is the pair's first body, else −1
+``rows``, ``old``                                    rows of contact (``mpmfw.kernels.contact.Rows``), of this and the last step
+``begin``, ``end``                                   rows that are worked on
+``count``, ``old_count``                             number of rows in ``rows`` and ``old``
+``o``, ``c``                                         a row of the last step, a row of this step
+``vector``                  (n, dim)                 of rows of the last step
 ``stiffness``, ``scale``    (n,) [N/m^2], [1]        of a row; a factor
-``impulse``, ``count``      (pair, dim), (pair,)     impulse on every pair's first body [N s/m], places where a force acts
+``impulse``                 (pair, dim) [N s/m]      impulse on every pair's first body
 ``node_sum``, ``out``                                scratch (N,); where the result is written
 ``first``, ``second``       (pair,) int64            bodies of every pair
 ``pair_of``, ``a``, ``b``                            table of :func:`mpmfw.kernels.pair_table.pair_table`, two bodies
@@ -91,6 +89,7 @@ argument                    shape [unit]             meaning
 
 from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device, kernel
+from mpmfw.kernels._struct import Struct, struct
 from mpmfw.kernels.nodal import add_body_force, integrate_momentum, velocity_of_momentum
 from mpmfw.kernels.packed import FULL, OUTSIDE, fill_domain
 from mpmfw.kernels.polyline import (
@@ -126,6 +125,7 @@ __all__ = [
     "Floats",
     "Indices",
     "Ints",
+    "Struct",
     "add_body_force",
     "add_internal_force",
     "add_scaled_row",
@@ -152,5 +152,6 @@ __all__ = [
     "set_scaled_row",
     "signed_distance",
     "squared_distance",
+    "struct",
     "velocity_of_momentum",
 ]

@@ -1,112 +1,136 @@
 """Operators on rows of contact: B v, Bᵀ f, the bound of B M⁻¹ Bᵀ K, and the sums of every pair.
 
-Row c has the entries ``start[c]:start[c + 1]``: the node ``dof``, its ``weight`` in the relative motion, and ``couple``, a vector
-in the tangent plane by which a tangential force acts along the normal, so that its moment is kept where there is a gap.
-``couple`` and ``tilt`` without entries are no such effect. The rows ``begin:end`` are worked on.
+Kernels take the rows as one argument, and work on the rows ``begin:end``.
 """
 
 from __future__ import annotations
 
 from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device, kernel
+from mpmfw.kernels._struct import Struct
 from mpmfw.kernels.types import Floats, Ints
 
 
+class Rows(Struct):
+    """The rows of a step: n places where two bodies may touch, and the m entries of their operator B.
+
+    B v is the velocity of a row's first side as seen from its second, ``normal`` points from the second to the first: along it
+    the gap grows, and the force on the first side pushes apart. Rows ascend by ``identity``; those of one identity are one
+    place that meets two facets alike.
+    """
+
+    pair: Ints  #: (n,) index of the pair
+    identity: Ints  #: (n,) which place against which body: the key of the row's history
+    before: Ints  #: (n,) first row of the last step with this identity; −1 without one
+    sign: Floats  #: (n,) 1 where the first side is the pair's first body, else −1
+    gap: Floats  #: (n,) signed, negative where the bodies overlap [m]; 0 where none is measured
+    area: Floats  #: (n,) tributary area across the normal [m^(dim−1)]
+    whole: Floats  #: (n,) tributary area of the place, whatever its direction [m^(dim−1)]
+    normal: Floats  #: (n, dim) unit vector
+    motion: Floats  #: (n, dim) B v Δt over the last step [m]
+    force: Floats  #: (n, dim) on the first side, the law's [N m^(dim−3)]; an impulse law's impulse
+    start: Ints  #: (n + 1,) entries of row c are ``start[c]:start[c + 1]``
+    dof: Ints  #: (m,) flat grid node
+    weight: Floats  #: (m,) weight in B; the sum over a row is 0
+    couple: Floats  #: (m, dim) c in the tangent plane: a force f acts along the normal by c·f, for its moment; (0, dim) without
+    tilt: Floats  #: (m, dim) by which a normal force of 1 acts along the facet; (0, dim) without
+
+
+class Records(Struct):
+    """What contact did to every pair, written by kernels and read at outputs; in 2D per metre."""
+
+    impulse: Floats  #: (pair, dim) on the pair's first body [N s], added up
+    frictional_work: Floats  #: (pair,) dissipated by friction [J], added up
+    damping_work: Floats  #: (pair,) dissipated by dashpots [J], added up
+    energy: Floats  #: (pair,) stored in springs [J]
+    count: Floats  #: (pair,) places where a force acts
+
+
 @kernel
-def match_rows(begin: int, end: int, identity: Ints, old_end: int, old_identity: Ints, before: Ints) -> None:
+def match_rows(rows: Rows, count: int, old: Rows, old_count: int) -> None:
     """Index of the first row of the last step with the same identity, −1 without one; both ascend."""
     o = 0
-    for c in range(begin, end):
-        while o < old_end and old_identity[o] < identity[c]:
+    for c in range(count):
+        while o < old_count and old.identity[o] < rows.identity[c]:
             o += 1
-        before[c] = o if o < old_end and old_identity[o] == identity[c] else -1
-
-
-@device
-def motion_of_row(
-    c: int, start: Ints, dof: Ints, weight: Floats, couple: Floats, normal: Floats, velocity: Floats, out: Floats,
-    spacing: tuple[float, ...],
-) -> None:  # fmt: skip
-    """Σ w v + Σ c (n·v) of one row, into ``out`` (dim,)."""
-    dim = len(spacing)
-    for d in range(dim):
-        out[d] = 0.0
-    for k in range(start[c], start[c + 1]):
-        i, along = dof[k], 0.0
-        for d in range(dim):
-            out[d] += weight[k] * velocity[i, d]
-            along += normal[c, d] * velocity[i, d]
-        if len(couple) > 0:
-            for d in range(dim):
-                out[d] += couple[k, d] * along
+        rows.before[c] = o if o < old_count and old.identity[o] == rows.identity[c] else -1
 
 
 @kernel
 def relative_motion(
-    begin: int, end: int, start: Ints, dof: Ints, weight: Floats, couple: Floats, normal: Floats, velocity: Floats,
-    scale: float, out: Floats, spacing: tuple[float, ...],
-) -> None:  # fmt: skip
-    """``scale`` B v of every row, into ``out`` (n, dim)."""
+    begin: int, end: int, rows: Rows, velocity: Floats, scale: float, out: Floats, spacing: tuple[float, ...]
+) -> None:
+    """``scale`` B v = ``scale`` (Σ w v + Σ c (n·v)) of every row, into ``out`` (n, dim)."""
     dim = len(spacing)
     motion = scratch.vector(spacing)
     for c in range(begin, end):
-        motion_of_row(c, start, dof, weight, couple, normal, velocity, motion, spacing)
+        for d in range(dim):
+            motion[d] = 0.0
+        for k in range(rows.start[c], rows.start[c + 1]):
+            i, along = rows.dof[k], 0.0
+            for d in range(dim):
+                motion[d] += rows.weight[k] * velocity[i, d]
+                along += rows.normal[c, d] * velocity[i, d]
+            if len(rows.couple) > 0:
+                for d in range(dim):
+                    motion[d] += rows.couple[k, d] * along
         for d in range(dim):
             out[c, d] = scale * motion[d]
 
 
 @kernel
 def relative_velocity(
-    begin: int, end: int, start: Ints, dof: Ints, weight: Floats, couple: Floats, normal: Floats, node_mass: Floats,
-    node_momentum: Floats, out: Floats, spacing: tuple[float, ...],
-) -> None:  # fmt: skip
+    begin: int,
+    end: int,
+    rows: Rows,
+    node_mass: Floats,
+    node_momentum: Floats,
+    out: Floats,
+    spacing: tuple[float, ...],
+) -> None:
     """B v of every row with v = (m v) / m, into ``out`` (n, dim); nodes without mass stand still."""
     dim = len(spacing)
     for c in range(begin, end):
         for d in range(dim):
             out[c, d] = 0.0
-        for k in range(start[c], start[c + 1]):
-            i, along = dof[k], 0.0
+        for k in range(rows.start[c], rows.start[c + 1]):
+            i, along = rows.dof[k], 0.0
             inverse = 1.0 / node_mass[i] if node_mass[i] > 0.0 else 0.0
             for d in range(dim):
-                out[c, d] += weight[k] * (node_momentum[i, d] * inverse)
-                along += normal[c, d] * (node_momentum[i, d] * inverse)
-            if len(couple) > 0:
+                out[c, d] += rows.weight[k] * (node_momentum[i, d] * inverse)
+                along += rows.normal[c, d] * (node_momentum[i, d] * inverse)
+            if len(rows.couple) > 0:
                 for d in range(dim):
-                    out[c, d] += couple[k, d] * along
+                    out[c, d] += rows.couple[k, d] * along
 
 
 @kernel
-def add_row_forces(
-    begin: int, end: int, start: Ints, dof: Ints, weight: Floats, couple: Floats, tilt: Floats, normal: Floats,
-    force: Floats, node_force: Floats, spacing: tuple[float, ...],
-) -> None:  # fmt: skip
+def add_row_forces(begin: int, end: int, rows: Rows, node_force: Floats, spacing: tuple[float, ...]) -> None:
     """f_i += Σ_c w f_c + (c·f_c) n + (f_c·n) t: Bᵀ f, with the tilt t of the normal where a method varies it (eq. 7 of [H17])."""
     dim = len(spacing)
     for c in range(begin, end):
         along = 0.0
         acts = False
         for d in range(dim):
-            along += force[c, d] * normal[c, d]
-            acts = acts or force[c, d] != 0.0
+            along += rows.force[c, d] * rows.normal[c, d]
+            acts = acts or rows.force[c, d] != 0.0
         if not acts:
             continue
-        for k in range(start[c], start[c + 1]):
-            i, turned = dof[k], 0.0
-            if len(couple) > 0:
+        for k in range(rows.start[c], rows.start[c + 1]):
+            i, turned = rows.dof[k], 0.0
+            if len(rows.couple) > 0:
                 for d in range(dim):
-                    turned += couple[k, d] * force[c, d]
+                    turned += rows.couple[k, d] * rows.force[c, d]
             for d in range(dim):
-                node_force[i, d] += weight[k] * force[c, d] + turned * normal[c, d]
-                if len(tilt) > 0:
-                    node_force[i, d] += along * tilt[k, d]
+                node_force[i, d] += rows.weight[k] * rows.force[c, d] + turned * rows.normal[c, d]
+                if len(rows.tilt) > 0:
+                    node_force[i, d] += along * rows.tilt[k, d]
 
 
 @kernel
 def couplings(
-    begin: int, end: int, start: Ints, dof: Ints, weight: Floats, stiffness: Floats, node_mass: Floats,
-    node_sum: Floats, out: Floats,
-) -> float:  # fmt: skip
+    begin: int, end: int, rows: Rows, stiffness: Floats, node_mass: Floats, node_sum: Floats, out: Floats
+) -> float:
     """Row sums Σ_i |b_ci| (Σ_d k_d |b_di|) / m_i of B M⁻¹ Bᵀ K into ``out`` (n,), and the largest: it bounds λ_max (Gershgorin).
 
     With k = 1 and 0 it is the inverse of the mass that a row has if others share its nodes. ``node_sum`` is scratch, zero on
@@ -114,57 +138,55 @@ def couplings(
     """
     for c in range(begin, end):
         if stiffness[c] != 0.0:
-            for k in range(start[c], start[c + 1]):
-                node_sum[dof[k]] += stiffness[c] * abs(weight[k])
+            for k in range(rows.start[c], rows.start[c + 1]):
+                node_sum[rows.dof[k]] += stiffness[c] * abs(rows.weight[k])
     largest = 0.0
     for c in range(begin, end):
         total = 0.0
-        for k in range(start[c], start[c + 1]):
-            if node_mass[dof[k]] > 0.0:
-                total += abs(weight[k]) * node_sum[dof[k]] / node_mass[dof[k]]
+        for k in range(rows.start[c], rows.start[c + 1]):
+            i = rows.dof[k]
+            if node_mass[i] > 0.0:
+                total += abs(rows.weight[k]) * node_sum[i] / node_mass[i]
         out[c] = total
         largest = max(largest, total)
     for c in range(begin, end):
-        for k in range(start[c], start[c + 1]):
-            node_sum[dof[k]] = 0.0
+        for k in range(rows.start[c], rows.start[c + 1]):
+            node_sum[rows.dof[k]] = 0.0
     return largest
 
 
 @kernel
 def add_records(
-    begin: int, end: int, pair: Ints, identity: Ints, sign: Floats, force: Floats, scale: float,
-    impulse: Floats, count: Floats, spacing: tuple[float, ...],
-) -> None:  # fmt: skip
+    begin: int, end: int, rows: Rows, scale: float, records: Records, spacing: tuple[float, ...]
+) -> None:
     """Impulse ``scale`` Σ f on every pair's first body, added, and the number of places with a force.
 
-    Rows of one identity are one place. ``sign`` is −1 where the row's force acts on the pair's second body.
+    Rows of one identity are one place.
     """
     dim = len(spacing)
-    count[:] = 0.0
+    records.count[:] = 0.0
     last = -1
     for c in range(begin, end):
         acts = False
         for d in range(dim):
-            impulse[pair[c], d] += sign[c] * scale * force[c, d]
-            acts = acts or force[c, d] != 0.0
-        if acts and identity[c] != last:
-            count[pair[c]] += 1.0
-            last = identity[c]
+            records.impulse[rows.pair[c], d] += rows.sign[c] * scale * rows.force[c, d]
+            acts = acts or rows.force[c, d] != 0.0
+        if acts and rows.identity[c] != last:
+            records.count[rows.pair[c]] += 1.0
+            last = rows.identity[c]
 
 
 @device
-def carry_over(
-    old: Floats, o: int, old_normal: Floats, normal: Floats, c: int, out: Floats, dim: int
-) -> None:
-    """Turn the tangential vector of row o of the last step into the tangent plane of row c, and add it to ``out`` (dim,).
+def add_turned(vector: Floats, o: int, old: Rows, c: int, rows: Rows, out: Floats) -> None:
+    """Turn ``vector[o]`` (n, dim) of row o of the last step into the tangent plane of row c, and add it to ``out[c]``.
 
     The turn is the least that takes the old normal into the new: f − (f·n) / (1 + n·n_old) (n + n_old). In the plane the force
     keeps its sign on the tangent, on a triangle its direction within it.
     """
     cosine, along = 0.0, 0.0
-    for d in range(dim):
-        cosine += normal[c, d] * old_normal[o, d]
-        along += normal[c, d] * old[o, d]
+    for d in range(out.shape[1]):
+        cosine += rows.normal[c, d] * old.normal[o, d]
+        along += rows.normal[c, d] * vector[o, d]
     share = along / max(1.0 + cosine, 1e-12)
-    for d in range(dim):
-        out[d] += old[o, d] - share * (normal[c, d] + old_normal[o, d])
+    for d in range(out.shape[1]):
+        out[c, d] += vector[o, d] - share * (rows.normal[c, d] + old.normal[o, d])

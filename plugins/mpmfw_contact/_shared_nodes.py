@@ -1,0 +1,185 @@
+"""Kernels of detection at grid nodes: which nodes two bodies share, and the rows there."""
+
+from __future__ import annotations
+
+import math
+
+from mpmfw.kernels import Struct, device, kernel, scratch
+from mpmfw.kernels.contact import Rows
+from mpmfw.kernels.types import Floats, Indices, Ints
+
+
+class NodePairs(Struct):
+    """Bodies of every pair, and what their volume gradients weigh in its normal."""
+
+    first: Ints  #: (pair,)
+    second: Ints  #: (pair,)
+    weight_first: Floats  #: (pair,)
+    weight_second: Floats  #: (pair,)
+
+
+class GridNodes(Struct):
+    """The bodies' windows of the grid, and what was projected on their nodes."""
+
+    window_lower: Ints  #: (n_bodies, dim) background index of the window's first node
+    window_shape: Ints  #: (n_bodies, dim)
+    offset: Ints  #: (n_bodies + 1,)
+    nodes: Ints  #: (dim,) number of nodes of the background grid
+    mass: Floats  #: (n_nodes,) [kg/m]
+    start_velocity: Floats  #: (n_nodes, dim) [m/s]
+    gradient: Floats  #: (n_nodes, dim) Σ V ∇φ; (0, dim) where it is not asked for
+    mean: Floats  #: (n_nodes, dim) mean position of the points [m]; (0, dim) where it is not asked for
+
+
+class SharedNodes(Struct):
+    """Nodes where both bodies of a pair have mass."""
+
+    pair: Ints  #: (n,)
+    first: Ints  #: (n,) flat node of the first body's window
+    second: Ints  #: (n,) that of the second body's
+
+
+@kernel
+def find_shared_nodes(pairs: NodePairs, grid: GridNodes, shared: SharedNodes) -> int:
+    """List the nodes where both bodies of a pair have mass; return how many there are, stored or not.
+
+    Only the intersection of the two windows is visited: bodies apart cost a comparison.
+    """
+    lower, shape, offset = grid.window_lower, grid.window_shape, grid.offset
+    dim = lower.shape[1]
+    count = 0
+    for p in range(len(pairs.first)):
+        a, b = pairs.first[p], pairs.second[p]
+        total = 1
+        for d in range(dim):
+            low = max(lower[a, d], lower[b, d])
+            high = min(lower[a, d] + shape[a, d], lower[b, d] + shape[b, d])
+            total *= max(high - low, 0)
+        for flat in range(total):
+            rest = flat
+            i, j, stride_a, stride_b = 0, 0, 1, 1
+            for reverse in range(dim):
+                d = dim - 1 - reverse
+                low = max(lower[a, d], lower[b, d])
+                high = min(lower[a, d] + shape[a, d], lower[b, d] + shape[b, d])
+                index = low + rest % (high - low)
+                rest //= high - low
+                i += (index - lower[a, d]) * stride_a
+                j += (index - lower[b, d]) * stride_b
+                stride_a *= shape[a, d]
+                stride_b *= shape[b, d]
+            i, j = offset[a] + i, offset[b] + j
+            if grid.mass[i] > 0.0 and grid.mass[j] > 0.0:
+                if count < len(shared.pair):
+                    shared.pair[count], shared.first[count], shared.second[count] = p, i, j
+                count += 1
+    return count
+
+
+@kernel
+def project_volume_gradient(
+    row: Ints, nodes: Indices, gradient: Floats, volume: Floats, out: Floats, spacing: tuple[float, ...]
+) -> None:
+    """Σ_p V_p ∇φ_ip, which points out of the body."""
+    dim = len(spacing)
+    out[:] = 0.0
+    for p in range(len(volume)):
+        for k in range(row[p], row[p + 1]):
+            for d in range(dim):
+                out[nodes[k], d] += volume[p] * gradient[k, d]
+
+
+@kernel
+def project_position(
+    row: Ints, nodes: Indices, weight: Floats, mass: Floats, position: Floats, node_mass: Floats, out: Floats,
+    spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """Σ_p φ_ip m_p x_p / m_i."""
+    dim = len(spacing)
+    out[:] = 0.0
+    for p in range(len(mass)):
+        for k in range(row[p], row[p + 1]):
+            for d in range(dim):
+                out[nodes[k], d] += weight[k] * mass[p] * position[p, d]
+    for i in range(len(node_mass)):
+        if node_mass[i] > 0.0:
+            for d in range(dim):
+                out[i, d] /= node_mass[i]
+
+
+@device
+def background_index(i: int, body: int, grid: GridNodes) -> int:
+    """Index of a node of a body's window in the background grid."""
+    dim = grid.window_lower.shape[1]
+    index, rest, stride = 0, i - grid.offset[body], 1
+    for reverse in range(dim):
+        d = dim - 1 - reverse
+        index += (grid.window_lower[body, d] + rest % grid.window_shape[body, d]) * stride
+        rest //= grid.window_shape[body, d]
+        stride *= grid.nodes[d]
+    return index
+
+
+@device
+def direction_out(
+    i: int, j: int, p: int, pairs: NodePairs, grid: GridNodes, given: Floats, out: Floats
+) -> bool:
+    """n ∝ w_b g_b − w_a g_a of the outward volume gradients, or the given one, out of the second body; whether there is one."""
+    square = 0.0
+    for d in range(len(given)):
+        out[d] = -given[d]
+        if len(grid.gradient) > 0:
+            out[d] = (
+                pairs.weight_second[p] * grid.gradient[j, d] - pairs.weight_first[p] * grid.gradient[i, d]
+            )
+        square += out[d] * out[d]
+    length = math.sqrt(square)
+    for d in range(len(given)):
+        out[d] = out[d] / length if length > 0.0 else 0.0
+    return length > 0.0
+
+
+@kernel
+def write_rows(
+    found: int, shared: SharedNodes, pairs: NodePairs, grid: GridNodes, given: Floats, cut_off: float, least_mass: float,
+    dt: float, rows: Rows, spacing: tuple[float, ...],
+) -> int:  # fmt: skip
+    """A row for each shared node that has a normal and where the bodies are near; their number.
+
+    The gap is the bodies' extrapolated separation less the cut-off, and the area what both have across the normal,
+    S_i = Σ V ∇φ = ∮ φ n dS.
+    """
+    dim = len(spacing)
+    n = scratch.vector(spacing)
+    size = 1
+    for d in range(dim):
+        size *= grid.nodes[d]
+    c = 0
+    for f in range(found):
+        i, j, p = shared.first[f], shared.second[f], shared.pair[f]
+        if least_mass > 0.0 and min(grid.mass[i], grid.mass[j]) < least_mass:
+            continue
+        if not direction_out(i, j, p, pairs, grid, given, n):
+            continue
+        apart, of_first, of_second = 0.0, 0.0, 0.0
+        for d in range(dim):
+            if len(grid.mean) > 0:
+                apart += (grid.mean[i, d] - grid.mean[j, d]) * n[d]
+            if len(grid.gradient) > 0:
+                of_first -= grid.gradient[i, d] * n[d]
+                of_second += grid.gradient[j, d] * n[d]
+        if len(grid.mean) > 0 and apart >= cut_off:
+            continue
+        rows.pair[c], rows.sign[c] = p, 1.0
+        rows.identity[c] = p * size + background_index(i, pairs.first[p], grid)
+        rows.gap[c] = apart - cut_off if len(grid.mean) > 0 else 0.0
+        rows.area[c], rows.whole[c] = max(min(of_first, of_second), 0.0), spacing[0] ** (dim - 1)
+        for d in range(dim):
+            rows.normal[c, d] = n[d]
+            rows.motion[c, d] = dt * (grid.start_velocity[i, d] - grid.start_velocity[j, d])
+        rows.start[c] = 2 * c
+        rows.dof[2 * c], rows.weight[2 * c] = i, 1.0
+        rows.dof[2 * c + 1], rows.weight[2 * c + 1] = j, -1.0
+        c += 1
+    rows.start[c] = 2 * c
+    return c

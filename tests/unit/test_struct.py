@@ -1,0 +1,98 @@
+"""Structs: arrays that kernels take as one argument."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+from numba.core.errors import TypingError
+
+from mpmfw.kernels import Floats, Ints, Struct, device, kernel, struct
+
+
+class Points(Struct):
+    place: Ints
+    gap: Floats
+    normal: Floats
+
+
+class Named(Points):
+    """A class farther down, with what Python alone sees."""
+
+    label: str
+
+
+@device
+def along(c: int, points: Points, by: Floats) -> float:
+    total = 0.0
+    for d in range(points.normal.shape[1]):
+        total += points.normal[c, d] * by[d]
+    return total
+
+
+@kernel
+def add_gaps(points: Points, by: Floats) -> float:
+    total = 0.0
+    for c in range(len(points.gap)):
+        points.gap[c] += along(c, points, by)
+        total += points.gap[c] * points.place[c]
+    return total
+
+
+def points_of(n, kind=Points):
+    rng = np.random.default_rng(n)
+    return kind(place=np.arange(n), gap=rng.random(n), normal=rng.random((n, 2)))
+
+
+def check(points):
+    """The kernel reads and writes the object's own arrays."""
+    by = np.array([2.0, -1.0])
+    expected = points.gap + points.normal @ by
+    total = add_gaps(points, by)
+    np.testing.assert_allclose(points.gap, expected, rtol=1e-14)
+    assert total == pytest.approx(points.gap @ points.place)
+
+
+def test_a_kernel_reads_and_writes_the_members():
+    check(points_of(5))
+    check(points_of(0))
+
+
+def test_arrays_that_take_others_places_are_seen():
+    points = points_of(5)
+    points.set(**points_of(70).members())
+    check(points)
+    points.gap = np.zeros(70)
+    check(points)
+
+
+def test_a_copy_has_arrays_of_its_own():
+    points = points_of(4, Named)
+    points.label = "a"
+    for other in (copy.deepcopy(points), pickle.loads(pickle.dumps(points))):
+        before = points.gap.copy()
+        check(other)
+        np.testing.assert_array_equal(points.gap, before)
+        assert (other.label, other.member_names) == ("a", ("place", "gap", "normal"))
+
+
+def test_classes_with_the_same_members_are_one_type():
+    assert points_of(3)._numba_type_ == points_of(4, Named)._numba_type_
+    assert points_of(3)._numba_type_ != struct(gap=np.zeros(3))._numba_type_
+
+
+def test_a_member_that_is_not_there_is_an_error_of_the_compilation():
+    with pytest.raises(TypingError, match="normal"):
+        add_gaps(struct(gap=np.zeros(3), place=np.zeros(3, dtype=int)), np.zeros(2))
+
+
+def test_members_of_any_type_and_layout():
+    @kernel
+    def pick(box: Struct) -> float:
+        return box.flags[1] + box.strided[1, 2] + box.small[2]
+
+    whole = np.arange(48.0).reshape(6, 8)
+    box = struct(flags=np.array([True, True]), strided=whole[::2, 1::2], small=np.arange(4, dtype=np.int32))
+    assert pick(box) == 1.0 + whole[2, 5] + 2.0
