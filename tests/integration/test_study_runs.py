@@ -347,3 +347,11 @@ def test_exit_statuses_of_the_command(tmp_path):
     arguments = ["study", str(tmp_path / "good.toml"), "-o", str(tmp_path / "x.nc"), "--jobs", "1"]
     assert runner.invoke(app, arguments).exit_code == 1
     assert (tmp_path / "good.toml").read_text(encoding="utf-8") == good
+
+
+def test_runs_past_the_limits_are_refused_unless_forced(tmp_path, monkeypatch):
+    monkeypatch.setattr("mpmfw.limits.MOST_FRAMES", 1)
+    refused = mpmfw.study(tiny_study(), output=tmp_path / "tiny.nc", jobs=1)
+    assert all("--force" in str(status) for status in refused["status"].values.flat)
+    forced = mpmfw.study(tiny_study(), output=tmp_path / "tiny.nc", jobs=1, force=True)
+    assert (forced["status"] == "ok").all()

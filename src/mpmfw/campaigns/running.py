@@ -102,7 +102,7 @@ def complete(
         costs = counted(outcome, exclusive)
         return max(0, _wanted(repeats, outcome.costs) - len(costs))
 
-    missing = [task for key, task in tasks.items() if store.outcome(key) is None]
+    missing = [task for task in tasks.values() if _is_missing(task, store)]
     timer: Executor = InProcess() if exclusive else executor
     # A result gives a cost as well, unless that one does not count
     for_free = executor.timing == "exclusive" or not exclusive
@@ -121,6 +121,12 @@ def complete(
         if known is not None:
             store.put(_with_repeat(known, finished))
         count(task.name, "repeat")
+
+
+def _is_missing(task: Task, store: Store) -> bool:
+    """Whether there is no outcome, or a refusal of what is forced now."""
+    outcome = store.outcome(task.key)
+    return outcome is None or (task.force and outcome.status.startswith("refused"))
 
 
 def _do(

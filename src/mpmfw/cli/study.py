@@ -92,6 +92,7 @@ def study(
             repeats=repeats,
             under=under,
             progress=progress,
+            force=force,
         )
     _print(dataset)
     for sentence in conclusions(dataset):

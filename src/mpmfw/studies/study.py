@@ -40,6 +40,7 @@ def study(
     repeats: int | None = None,
     under: float | str | None = None,
     progress: Progress | None = None,
+    force: bool = False,
 ) -> xr.Dataset:
     """Run a grid of methods and resolutions, and put error and cost side by side.
 
@@ -68,6 +69,8 @@ def study(
         Stand in for the study's ``cost.repeats`` and ``under``, the relative error: 0.01 or ``"1 %"``.
     progress
         Called with an :class:`mpmfw.campaigns.running.Event` at the start and after every run.
+    force
+        Begin runs that have more steps or frames than the limits in ``mpmfw.limits``.
 
     Returns
     -------
@@ -100,7 +103,8 @@ def study(
     runs = Store(store if store is not None else None if path is None else f"{path}.runs")
     with resumable(runs, "study"):
         try:
-            complete(grid.tasks(), runs, runner, loaded.tables.cost.repeats, exclusive, progress)
+            tasks = {key: replace(task, force=force) for key, task in grid.tasks().items()}
+            complete(tasks, runs, runner, loaded.tables.cost.repeats, exclusive, progress)
         except KeyboardInterrupt:
             if path is not None:  # what is known so far; the next start goes on from there
                 replace_dataset(_dataset(loaded, grid, judge, runs, exclusive, runner.cores), path)
