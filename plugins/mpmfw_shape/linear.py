@@ -11,13 +11,15 @@ from mpmfw_shape._bilinear_surface import LinearSurface
 
 class Linear(LinearSurface):
     """φ_ip = N_i(x_p): 4 nodes in 2D, 8 in 3D. ∇φ jumps at cell faces ("grid-crossing noise"); MUSL is the
-    stable scheme."""
+    stable scheme. The correction of spin by cells would feed the noise (impacts gain up to 20 % of their energy), and with lumped
+    inertia a fast spin gains up to 9 %: a body turns as a whole."""
 
     name = "linear"
     massless_boundary = True
     singular_spread = True
     auto_scheme = "musl"
     auto_transfer = "flip"
+    auto_rotation = "exact"
 
     @hookimpl
     def setup(self, setup: Setup) -> None:

@@ -72,6 +72,8 @@ class ShapeFunction(PlugIn):
     #: What ``auto`` means for scheme and transfer.
     auto_scheme: ClassVar[str] = "usl"
     auto_transfer: ClassVar[str] = "aflip"
+    #: Treatment of a free body's rotational inertia where the scene says none: ``spin``, ``exact`` or ``lumped``.
+    auto_rotation: ClassVar[str] = "spin"
 
 
 class Material(PlugIn):

@@ -275,7 +275,7 @@ def _pressure(made: Build, pressed: list[tuple[Body, Side]]) -> Any:
 
 
 def _rotation(made: Build) -> None:
-    """Local spin for a free body with a velocity field of its own, unless the scene says otherwise."""
+    """Local spin for a free body with a velocity field of its own, unless the shape function or the scene says otherwise."""
     treated: dict[str, list[Body]] = {"spin": [], "exact": [], "local": [], "lumped": []}
     for body in made.state.bodies:
         how, reason = _rotation_of(made, body)
@@ -315,8 +315,13 @@ def _rotation_of(made: Build, body: Body) -> tuple[str, str]:
         return "lumped", "shares its velocity field with other bodies"
     if made.contact is not None and made.contact.adds_mass:
         return "lumped", f"contact '{made.contact.name}' adds inertia of its own to the nodes"
+    if model.rotation is None and _is_held(made, body):
+        return "lumped", "prescribed sides hold it"
     if model.rotation is None:
-        return ("lumped", "prescribed sides hold it") if _is_held(made, body) else ("spin", "free body")
+        how = made.shape.auto_rotation
+        if how == "exact" and not model.geometry.is_connected:
+            return "lumped", "not connected"
+        return how, "free body" if how == "spin" else f"the default of shape function '{made.shape.name}'"
     if model.rotation == "exact" and _is_held(made, body):
         raise SceneError(
             f"bodies.{body.name}.rotation: 'exact' is for a free body, and this one has prescribed sides; "
