@@ -63,6 +63,7 @@ class Springs(ForceLaw):
     options: SpringOptions
     uses_friction = True
     needs_gap = True
+    softness_option = "kappa"
 
     def prepare(self, setup: Setup, owner: str) -> None:
         """Stiffness and friction of the pairs."""

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 import platformdirs
 
 from mpmfw.clock import STEP_STAGES
+from mpmfw.discovery import available, load
 
 if TYPE_CHECKING:
     from mpmfw.simulation import Simulation
@@ -80,8 +81,8 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
     if contact is not None:
         if contact.name not in costs["contact"]:
             unknown.append(contact.name)
-        nearest = "penalty" if contact.needs_surface else "bardenhagen"
-        entry = costs["contact"].get(contact.name, costs["contact"][nearest])["contact"]
+        entry = costs["contact"].get(contact.name) or _relative(contact, costs["contact"])
+        entry = entry["contact"]
         surface = state.surface if contact.needs_surface else None
         times["contact"] = _time(entry, surface.count if surface is not None else state.particles.count)
     steps = _steps(simulation)
@@ -89,6 +90,16 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
     entries = {"linear": 4, "gimp": 9, "bspline": 9}.get(shape, 7) ** (state.grid.dim / 2)
     table_bytes = int(state.particles.count * entries * (4 + 8 + 8 * state.grid.dim))
     return Prediction(steps, stages, sum(arrays) + table_bytes, source, tuple(unknown))
+
+
+def _relative(contact: Any, known: Mapping[str, Any]) -> Any:
+    """Of the measured contacts that work on surfaces as this does, or not as it does not, the costliest; else of all."""
+    alike = [
+        times
+        for name, times in known.items()
+        if name in available("contact") and load("contact", name).needs_surface == contact.needs_surface
+    ]
+    return max(alike or known.values(), key=lambda times: _time(times["contact"], 1000))
 
 
 def _time(cost: list[float], count: int) -> float:
@@ -132,10 +143,11 @@ def own_table() -> Path:
 
 
 def measure(path: Path) -> None:
-    """Measure every bundled shape function and contact strategy, and write the table."""
+    """Measure every installed shape function and contact strategy, and write the table."""
     from mpmfw.benchmark import measure_scene
+    from mpmfw.contact.strategy import NoInteraction
 
-    def line(stages: tuple[str, ...], by_surface: bool, contact: str, shape: str) -> dict[str, list[float]]:
+    def line(stages: tuple[str, ...], by_surface: bool, contact: Any, shape: str) -> dict[str, list[float]]:
         rows = [measure_scene(_touching(cells), 5, steps=40, contact=contact, shape=shape) for cells in SIZES]
         counts = [
             _surface_nodes(cells) if by_surface else row["particles"]
@@ -146,10 +158,12 @@ def measure(path: Path) -> None:
             for stage in stages
         }
 
-    shapes = ("linear", "gimp", "cpdi", "cpdi2", "bspline")
-    contacts = {"none": False, "separate": False, "bardenhagen": False, "penalty": True}
+    contacts = {name: load("contact", name).needs_surface for name in available("contact")}
     costs = {
-        "shape": {name: line(SHAPE_STAGES, False, shape=name, contact="separate") for name in shapes},
+        "shape": {
+            name: line(SHAPE_STAGES, False, shape=name, contact=NoInteraction())
+            for name in available("shape")
+        },
         "contact": {
             name: line(("contact",), by_surface, shape="cpdi", contact=name)
             for name, by_surface in contacts.items()
@@ -182,7 +196,7 @@ def _touching(cells: int) -> dict[str, Any]:
         "grid": {"cell_size": 1.0, "lower": [-cells - 4, -4], "upper": [cells + 4, cells + 4]},
         "time": {"end": 1e3, "output_interval": 1e3},
         "shape": {"method": "cpdi"},
-        "contact": {"method": "penalty", "friction": 0.3},
+        "contact": {"method": next(iter(available("contact"))), "friction": 0.3},  # others take its place
         "output": {"gap": False, "particles": False, "surface": False},
         "materials": {
             "m": {"model": "neo_hookean", "density": 1.0, "bulk_modulus": 1.0, "shear_modulus": 0.5}

@@ -49,7 +49,9 @@ def _ledger(made: Build, strain: StrainEnergies) -> None:
     named = {plugin.name: plugin for plugin in made.plugins}
     declared = [] if contact is None or not hasattr(contact, "declare_fields") else contact.declare_fields()
     accounted = "spring_work" in [field.name for field in declared]
-    guard = None if made.scene.allow_unstable else EnergyGuard.of(made.state)
+    guard = (
+        None if made.scene.allow_unstable else EnergyGuard.of(made.state, getattr(contact, "softer_by", None))
+    )
     ledger = EnergyLedger(
         strain,
         terms=_terms(made, named),

@@ -72,7 +72,7 @@ class TimeStep:
             raise SimulationError(
                 f"the stable time step fell to {limit:.3g} s, set by {owner}; that of the bulk is {self.bulk_limit:.3g} s",
                 time=self.state.time,
-                advice="another surface map (contact.penalty.map), another shape function, or a softer contact",
+                advice="another surface map of the contact, another shape function, or a softer contact",
             )
         return step
 

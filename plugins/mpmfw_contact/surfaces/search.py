@@ -81,9 +81,7 @@ def cells_of(
 def mark_shared_nodes(stamp: int, outline: Outline, grid: SearchGrid, spacing: tuple[float, ...]) -> bool:
     """Step 1: mark the grid nodes that the surfaces of two bodies reach; return whether there are any.
 
-    Only what lies in its body's near box counts (:func:`near_boxes`).
-
-    A segment reaches the nodes of all cells that its bounding box touches. ``owner`` holds stamp * n_bodies +
+    Only what lies in its body's near box counts (:func:`near_boxes`). A segment reaches the nodes of all cells that its bounding box touches. ``owner`` holds stamp * n_bodies +
     body of the first to arrive; since the stamp grows, nothing needs clearing.
     """
     any_shared = False
@@ -120,8 +118,7 @@ def tagged(i: int, j: int, stamp: int, grid: SearchGrid) -> bool:
 
 @kernel
 def list_segments(stamp: int, outline: Outline, grid: SearchGrid, spacing: tuple[float, ...]) -> int:
-    """Step 2: linked lists of the segments in every tagged cell; return the number of entries, stored or
-    not."""
+    """Step 2: linked lists of the segments in every tagged cell; return the number of entries, stored or not."""
     count = 0
     for s in range(len(outline.next)):
         if outside_near(s, outline.next[s], outline, grid):

@@ -131,7 +131,10 @@ def chosen_scene(scene: str, contact: str | None, shape: str | None, set_: list[
     except SceneError as error:
         said: dict[str, str] = {kind: f"--{kind} {name}" for kind, name in choices if name is not None}
         raise SceneError(called(str(error), said)) from error
-    methods = {"contact": [loaded.contact.method] if loaded.contact else [], "shape": [loaded.shape.method]}
+    methods = {
+        "contact": loaded.contact.tables if loaded.contact else (),
+        "shape": (loaded.shape.method,),
+    }
     check_methods_run(assignments(set_), methods, "--set")
     return loaded
 

@@ -127,7 +127,7 @@ class ContactEvents:
         """Contacts that the steps do not resolve."""
         return [
             f"{pair.label}: a contact lasted {steps:.0f} steps, fewer than {FEWEST_STEPS}, and gains energy; try a smaller "
-            f"time.safety or contact.{self.contact.name}.kappa"
+            f"{' or '.join(filter(None, ('time.safety', self.contact.softer_by)))}"
             for pair, steps in zip(self.state.pairs, self.fewest_ever, strict=True)
             if steps < FEWEST_STEPS
         ]

@@ -40,6 +40,8 @@ class RowContact(ContactStrategy):
         self._parts: list[Any] = self.detection.parts(self)
         self.surface_map = self.detection.surface_map
         self.adds_mass = self.detection.adds_mass
+        option = self.Law.softness_option
+        self.softer_by = None if option is None else f"contact.{self.name}.{option}"
 
     def __init_subclass__(cls, **keywords: Any) -> None:
         super().__init_subclass__(**keywords)

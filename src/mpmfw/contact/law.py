@@ -21,6 +21,8 @@ class ContactLaw(PlugIn):
     uses_friction: ClassVar[bool] = False
     #: Whether it needs a signed gap, which not every detection measures.
     needs_gap: ClassVar[bool] = False
+    #: Its option that makes contact softer where it is smaller, for advice; None where there is none.
+    softness_option: ClassVar[str | None] = None
     #: Whether it is written for facets alone.
     needs_facets: ClassVar[bool] = False
 

@@ -28,6 +28,8 @@ class ContactStrategy(PlugIn):
     keeps_apart: ClassVar[bool] = True
     #: Whether the strategy uses the pairs' friction.
     uses_friction: ClassVar[bool] = False
+    #: Dotted key of the scene that makes the strategy softer, for advice; None where nothing does.
+    softer_by: str | None = None
     #: Dimensions that the strategy works in.
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
 
@@ -55,3 +57,11 @@ class ContactStrategy(PlugIn):
 
     def restart(self) -> None:
         """Time zero, after settling: forget accumulated work and impulse, keep the state of contact."""
+
+
+class NoInteraction(ContactStrategy):
+    """Bodies with velocity fields of their own that do not act on each other: what checks and measurements compare with."""
+
+    name = "no-interaction"
+    velocity_fields = "per_body"
+    keeps_apart = False

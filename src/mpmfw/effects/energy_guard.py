@@ -15,7 +15,7 @@ NOTHING = 1e-12
 
 #: Where energy may come from: what it is called, and what helps.
 CAUSES = {
-    "contact": ("contact", "a smaller time.safety, or a softer contact (contact.penalty.kappa)"),
+    "contact": ("contact", "a smaller time.safety, or a softer contact"),
     "inertia": ("the inertia correction", "a smaller time.safety, or rotation = 'lumped'"),
     "transfer": ("the transfer between points and grid", "another stepping.transfer or shape"),
     "strain": ("the strain's integration in time", "a smaller time.safety, or scheme 'usl'"),
@@ -29,18 +29,20 @@ class EnergyGuard:
     ----------
     nothing
         Energy that counts as nothing [J/m].
+    softer_by
+        Key of the scene that makes contact softer, for advice.
     """
 
-    def __init__(self, nothing: float) -> None:
-        self.nothing = nothing
+    def __init__(self, nothing: float, softer_by: str | None = None) -> None:
+        self.nothing, self.softer_by = nothing, softer_by
         self.restart(0.0)
 
     @classmethod
-    def of(cls, state: State) -> EnergyGuard:
+    def of(cls, state: State, softer_by: str | None = None) -> EnergyGuard:
         """The guard of these bodies: nothing is a share of the stiffness that they have."""
         volumes = [state.particles.initial_volume[body.particles].sum() for body in state.bodies]
         stiffness = [body.bulk_modulus + body.shear_modulus for body in state.bodies]
-        return cls(NOTHING * float(np.dot(volumes, stiffness)))
+        return cls(NOTHING * float(np.dot(volumes, stiffness)), softer_by)
 
     def restart(self, start: float) -> None:
         """Begin with bodies that have the energy ``start`` [J/m]."""
@@ -83,6 +85,8 @@ class EnergyGuard:
         amounts = {**terms, "contact": terms["contact"] - (self.loaded or 0.0)}
         largest = max(amounts, key=lambda term: amounts[term])
         cause, advice = CAUSES[largest]
+        if largest == "contact" and self.softer_by is not None:
+            advice += f" ({self.softer_by})"
         return SimulationError(
             f"the energy grew by {self.growth(energy):.4g} J/m without reason, past {GROWTH_LIMIT:g} of the "
             f"{self.allowed:.4g} J/m that there were and were put in; likely cause: {cause}, which added "

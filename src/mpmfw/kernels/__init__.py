@@ -80,7 +80,7 @@ argument                    shape [unit]             meaning
 ``o``, ``c``                                         a row of the last step, a row of this step
 ``vector``                  (n, dim)                 of rows of the last step
 ``stiffness``, ``scale``    (n,) [N/m^2], [1]        of a row; a factor
-``impulse``                 (pair, dim) [N s/m]      impulse on every pair's first body
+``records``                                          sums of every pair (``mpmfw.kernels.contact.Records``)
 ``node_sum``, ``out``                                scratch (N,); where the result is written
 ``first``, ``second``       (pair,) int64            bodies of every pair
 ``pair_of``, ``a``, ``b``                            table of :func:`mpmfw.kernels.pair_table.pair_table`, two bodies

@@ -13,28 +13,31 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from mpmfw.discovery import Kind, available, distribution_of
 from mpmfw.references import Reference, own_attributes, reference_of
 
 #: Width of one panel [inch]: 85 mm, a journal's column.
 PANEL = 85.0 / 25.4
 FONT = 8
 
-_COLOURS = {
-    "penalty": "#0072B2",
-    "hamad2017": "#56B4E9",
-    "bardenhagen": "#D55E00",
-    "none": "#009E73",
-    "separate": "#CC79A7",
-}
+#: Of the installed contacts and shape functions in their order (:func:`installed`): a method looks the same in every figure.
+_COLOURS = ("#D55E00", "#56B4E9", "#009E73", "#0072B2", "#CC79A7")
+_STYLES: tuple[tuple[Any, str], ...] = (
+    ((0, (5, 1, 1, 1, 1, 1)), "v"),
+    ("-", "o"),
+    ("-.", "D"),
+    ("--", "^"),
+    (":", "s"),
+)
+#: Of methods with options, and of those that are more than the looks.
 _SPARE = ("#E69F00", "#7F3C8D", "#B2B200", "#6B6B6B")
-_STYLES: dict[str, tuple[Any, str]] = {
-    "cpdi": ("-", "o"),
-    "gimp": ("--", "^"),
-    "linear": (":", "s"),
-    "cpdi2": ("-.", "D"),
-    "bspline": ((0, (5, 1, 1, 1, 1, 1)), "v"),
-}
 _SPARE_STYLES: tuple[tuple[Any, str], ...] = (((0, (8, 2)), "P"), ((0, (1, 3)), "X"))
+
+
+def installed(kind: Kind) -> list[str]:
+    """Names of the methods of a kind: those that come with mpmfw, then others, each in the order of the alphabet."""
+    found = available(kind)
+    return sorted(found, key=lambda name: (distribution_of(found[name]) != "mpmfw", name))
 
 
 def new_figure(columns: int, rows: int, height: float = 58.0) -> Figure:
@@ -61,8 +64,10 @@ class Look:
         self.contacts = [str(name) for name in dataset["contact"].values] if "contact" in dataset.dims else []
         self.shapes = [str(name) for name in dataset["shape"].values] if "shape" in dataset.dims else []
         spare, spare_styles = itertools.cycle(_SPARE), itertools.cycle(_SPARE_STYLES)
-        self.colours = {name: _COLOURS.get(name) or next(spare) for name in self.contacts}
-        self.styles = {name: _STYLES.get(name) or next(spare_styles) for name in self.shapes}
+        colours = dict(zip(installed("contact"), _COLOURS, strict=False))
+        styles = dict(zip(installed("shape"), _STYLES, strict=False))
+        self.colours = {name: colours.get(name) or next(spare) for name in self.contacts}
+        self.styles = {name: styles.get(name) or next(spare_styles) for name in self.shapes}
 
     def line(self, contact: str, shape: str, points: int, turn: int) -> dict[str, Any]:
         """Keywords of ``Axes.plot``; ``turn`` shifts the markers of coinciding curves apart."""

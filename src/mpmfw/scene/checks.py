@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from mpmfw.discovery import REFERENCES, announced, nearest
+from mpmfw.discovery import REFERENCES, announced, available, nearest
 from mpmfw.scene.complaint import choice_message
 from mpmfw.scene.gravity import ConstantGravity
 from mpmfw.scene.locator import Path
@@ -112,9 +112,7 @@ def _no_such(what: str, path: Path, name: str, valid: Mapping[str, Any]) -> Prob
 def _contact(scene: Tables) -> Iterator[Problem]:
     if scene.contact is None:
         if len(scene.bodies) > 1:
-            message = (
-                "missing: name a method for more than one body (none, separate, bardenhagen, penalty, …)"
-            )
+            message = f"missing: name a method for more than one body ({', '.join(available('contact'))}, …)"
             yield Problem(("contact",), message, "missing")
         return
     seen: dict[frozenset[str], int] = {}

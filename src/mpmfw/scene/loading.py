@@ -18,6 +18,7 @@ from mpmfw.errors import SceneError
 from mpmfw.scene.cells import with_lengths
 from mpmfw.scene.checks import check
 from mpmfw.scene.complaint import problems_of
+from mpmfw.scene.contact_parts import latest_spelling, without_effect
 from mpmfw.scene.content import TOO_DEEP, check_content
 from mpmfw.scene.locator import Locator, dotted
 from mpmfw.scene.locator import Path as KeyPath
@@ -89,8 +90,10 @@ def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
     expanded, said_twice = _expanded(overrides)
     mapping, problems = merge(source.mapping, expanded)
     problems += said_twice
+    paths = origin_of(source, overrides).overrides
+    latest_spelling(mapping, (path for _, path in paths))
     chosen = separate_options(mapping)
-    problems += chosen.problems
+    problems += chosen.problems + without_effect(paths, mapping.get("contact"), chosen.contact_tables)
     scene: Scene | None = None
     core = _with_resolved_paths(chosen.core, source.directory)
     if outside := list(_outside(core, source, overrides)):  # before the models are made, which read the files
@@ -105,7 +108,7 @@ def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
         raise SceneError(_message(problems, source, overrides))
     scene = _with_options(scene, chosen)
     scene._source = replace(source, overrides=overrides)
-    scene._mapping = mapping
+    scene._mapping = chosen.whole
     return scene
 
 
@@ -186,7 +189,9 @@ def _with_options(scene: Scene, chosen: Chosen) -> Scene:
     shape = scene.shape.model_copy(update={"options": options.get(("shape", scene.shape.method))})
     contact = scene.contact
     if contact is not None:
-        contact = contact.model_copy(update={"options": options.get(("contact", contact.method))})
+        own = options.get(("contact", contact.method))
+        tables = chosen.contact_tables or (contact.method,)
+        contact = contact.model_copy(update={"options": own, "tables": tables})
     materials = {
         name: material.model_copy(update={"options": options.get(("materials", name))})
         for name, material in scene.materials.items()

@@ -9,16 +9,17 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from mpmfw.blame import distribution_said
-from mpmfw.discovery import Kind, choices, load
+from mpmfw.discovery import Kind, available, choices, load
 from mpmfw.errors import SceneError
 from mpmfw.scene.complaint import choice_message, problems_of, shown, unknown_key
+from mpmfw.scene.contact_parts import PARTS, parts_of
 from mpmfw.scene.locator import Path
 from mpmfw.scene.problem import Problem
 
 #: Keys of the tables that the core reads itself.
 CORE_KEYS: dict[str, tuple[str, ...]] = {
     "shape": ("method",),
-    "contact": ("method", "friction", "pairs"),
+    "contact": ("method", "detection", "law", "friction", "pairs"),
     "materials": ("model", "density"),
 }
 
@@ -34,17 +35,31 @@ class Chosen:
     """What the scene chose: the core's part of the mapping, options by path, and what is wrong with them."""
 
     core: dict[str, Any]
+    whole: dict[str, Any] = field(default_factory=dict)  #: the mapping, its contact written with a method
     options: dict[Path, BaseModel] = field(default_factory=dict)
     plugins: dict[Path, type[Any]] = field(default_factory=dict)
     problems: list[Problem] = field(default_factory=list)
+    #: Tables of ``[contact]`` whose options run: of its parts, where they are named; else of its method.
+    contact_tables: tuple[str, ...] = ()
 
 
 def separate_options(mapping: Mapping[str, Any]) -> Chosen:
     """Split the plug-ins' options from the core's tables, and validate those of the chosen plug-ins."""
     chosen = Chosen(dict(mapping))
-    for kind in ("shape", "contact"):
-        if isinstance(mapping.get(kind), Mapping):
-            chosen.core[kind] = _method_table(chosen, kind, mapping[kind])
+    contact = mapping.get("contact")
+    if isinstance(contact, Mapping):
+        parts, problems = parts_of(contact)
+        chosen.problems += problems
+        if parts is not None:
+            chosen.core["contact"], chosen.contact_tables = parts.table, parts.names
+        chosen.whole = dict(chosen.core)
+        table = _method_table(chosen, "contact", chosen.core["contact"])
+        # what is wrong with the parts was told
+        chosen.core["contact"] = {**table, "method": ""} if problems and "method" not in table else table
+    else:
+        chosen.whole = dict(chosen.core)
+    if isinstance(mapping.get("shape"), Mapping):
+        chosen.core["shape"] = _method_table(chosen, "shape", mapping["shape"])
     materials = mapping.get("materials")
     if isinstance(materials, Mapping):
         chosen.core["materials"] = {name: _material(chosen, name, table) for name, table in materials.items()}
@@ -54,6 +69,8 @@ def separate_options(mapping: Mapping[str, Any]) -> Chosen:
 def _method_table(chosen: Chosen, kind: Kind, table: Mapping[str, Any]) -> dict[str, Any]:
     """Take the plug-ins' tables out of ``[shape]`` or ``[contact]``."""
     core_keys, installed = CORE_KEYS[kind], choices(kind)
+    if kind == "contact":
+        installed = installed | available("detection") | available("law")
     for key, value in table.items():
         if key in core_keys:
             continue
@@ -75,7 +92,7 @@ def _method_table(chosen: Chosen, kind: Kind, table: Mapping[str, Any]) -> dict[
         options = table.get(name, {})
         if isinstance(options, Mapping):
             _validate(chosen, kind, name, (kind, "method"), (kind, name), options)
-    return {key: value for key, value in table.items() if key in core_keys}
+    return {key: value for key, value in table.items() if key in core_keys and key not in PARTS}
 
 
 def _material(chosen: Chosen, name: str, table: Any) -> Any:

@@ -8,6 +8,7 @@ from typing import Literal
 
 from mpmfw.discovery import choices
 from mpmfw.errors import SceneError
+from mpmfw.scene.contact_parts import PARTS
 from mpmfw.scene.locator import Path
 from mpmfw.scene.options import CORE_KEYS
 from mpmfw.scene.override import parse_path
@@ -36,7 +37,7 @@ def check_requested(
     vary_paths = {key: _path(key, said[1]) for key in varied}
     for name, paths in zip(said, (set_paths, vary_paths), strict=True):
         for key, path in paths.items():
-            if path in [(kind, "method") for kind in _KINDS]:
+            if path in [*((kind, "method") for kind in _KINDS), *(("contact", part) for part in PARTS)]:
                 option = f"--{path[0]} A,B,…" if name.startswith("--") else f"{path[0]}=[…]"
                 raise SceneError(f"{name} {key}: the methods of a comparison are chosen by {option}")
     for (key, path), (other, around) in itertools.product(set_paths.items(), vary_paths.items()):

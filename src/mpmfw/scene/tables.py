@@ -94,12 +94,16 @@ class PairFriction(Table):
 
 
 class Contact(Table):
-    """The contact strategy, its options, and the friction of the pairs."""
+    """The contact strategy, its options, and the friction of the pairs.
+
+    A scene may write ``detection`` and ``law`` in place of a method; ``tables`` are those that its options stand in.
+    """
 
     method: str
     friction: Friction = 0.0
     pairs: Annotated[tuple[PairFriction, ...], Strict(False)] = ()
     options: Options = Field(default=None, exclude=True)
+    tables: SkipJsonSchema[tuple[str, ...]] = Field(default=(), exclude=True)
 
 
 class Material(Table):

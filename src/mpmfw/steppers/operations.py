@@ -184,7 +184,7 @@ def update_deformation(state: State, dt: float) -> None:
             index=bad - body.particles.start,
             position=p.position[bad].tolist(),
             time=state.time,
-            advice="a smaller time.safety; shape 'cpdi' with scheme 'usl'; a softer contact (contact.penalty.kappa)",
+            advice="a smaller time.safety; shape 'cpdi' with scheme 'usl'; a softer contact",
         )
 
 

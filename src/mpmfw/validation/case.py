@@ -5,10 +5,12 @@ from __future__ import annotations
 import itertools
 import math
 import time
+import tomllib
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,10 +23,10 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-#: Classical contact in its plainest form and in its strongest, by the studies: the one alone would be a straw man.
-CLASSICAL = ("bardenhagen", "bardenhagen(criterion=position, normal=master)")
-CONTACTS = ("none", *CLASSICAL, "penalty")
-SHAPES = ("linear", "gimp", "cpdi", "cpdi2", "bspline")
+_METHODS = tomllib.loads((files("mpmfw.validation") / "methods.toml").read_text(encoding="utf-8"))
+_RECOMMENDED = _METHODS["recommended"]
+
+CLASSICAL, CONTACTS, SHAPES = (tuple(_METHODS[name]) for name in ("classical", "contacts", "shapes"))
 
 
 @dataclass(frozen=True)
@@ -48,9 +50,9 @@ class Method:
 
     @property
     def recommended(self) -> bool:
-        """Whether it is the combination that the gates are for: penalty with CPDI or CPDI2, all else as given
-        by the scene."""
-        return self.contact in ("penalty", "") and self.shape in ("cpdi", "cpdi2") and not self.label
+        """Whether it is a combination that the gates are for (``methods.toml``), all else as given by the scene."""
+        contacts = ("", *_RECOMMENDED["contacts"])
+        return self.contact in contacts and self.shape in _RECOMMENDED["shapes"] and not self.label
 
     def __str__(self) -> str:
         return ", ".join(filter(None, (self.contact, self.shape, self.label)))
@@ -92,8 +94,8 @@ class Case:
 
     def methods(
         self,
-        contact: Sequence[str] = ("penalty",),
-        shape: Sequence[str] = ("cpdi",),
+        contact: Sequence[str] = tuple(_RECOMMENDED["contacts"]),
+        shape: Sequence[str] = tuple(_RECOMMENDED["shapes"][:1]),
         settings: Mapping[str, Mapping[str, Any]] | None = None,
     ) -> list[Method]:
         """Every combination; ``settings`` are values by dotted key, under the label that says what they are."""

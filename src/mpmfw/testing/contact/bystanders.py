@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mpmfw.contact.strategy import NoInteraction
 from mpmfw.simulation import Simulation
 from mpmfw.testing.check import Violation
 from mpmfw.testing.contact.bounds import search_meetings
@@ -19,7 +20,7 @@ def one_body(subject: Subject) -> None:
         mapping = meeting.mapping(gravity={"vector": [0.0, -5.0]})
         mapping["bodies"] = {"first": mapping["bodies"]["first"]}
         mapping["materials"] = {"first": mapping["materials"]["first"]}
-        motion, reference = (simulate(contact, mapping, 20) for contact in (subject, "separate"))
+        motion, reference = (simulate(contact, mapping, 20) for contact in (subject, NoInteraction()))
         simulation: Simulation = motion.simulation
         if simulation.contact is not None:
             raise Violation("the law is called though there is nothing to touch")
@@ -41,7 +42,7 @@ def bystander(subject: Subject) -> None:
         mapping["bodies"]["bystander"] = body(far, "first", [-0.2, 0.1])
         for table in mapping["bodies"].values():
             table["rotation"] = "lumped"
-        motion, reference = (simulate(contact, mapping, 40) for contact in (subject, "separate"))
+        motion, reference = (simulate(contact, mapping, 40) for contact in (subject, NoInteraction()))
         same_bits(motion, reference, "a body far from those that meet is disturbed by their contact", body=2)
 
     search_meetings(

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmfw.discovery import available
 from mpmfw.fields import FloatArray
 
 CELL = 0.1  #: h [m]
@@ -175,7 +176,10 @@ def scene(bodies: dict[str, Any], materials: dict[str, Any], friction: float, **
         "grid": {"cell_size": CELL, "lower": [-EXTENT] * dim, "upper": [EXTENT] * dim},
         "time": {"end": 1.0, "output_interval": 1.0},
         "shape": {"method": "cpdi"},
-        "contact": {"method": "separate", "friction": friction},
+        "contact": {
+            "method": next(iter(available("contact"))),
+            "friction": friction,
+        },  # the subject takes its place
         "materials": {
             name: materials[name] for name in dict.fromkeys(b["material"] for b in bodies.values())
         },

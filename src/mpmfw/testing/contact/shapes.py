@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from mpmfw.contact.strategy import NoInteraction
 from mpmfw.discovery import available, distribution_of
 from mpmfw.errors import SceneError
 from mpmfw.simulation import Simulation
@@ -55,12 +56,14 @@ def _works_with(subject: Subject, shape: str) -> bool:
     try:
         motion = simulate(subject, meeting.mapping(), duration=meeting.duration, shape=shape)
     except SceneError:
-        Simulation(meeting.mapping(), contact="separate", shape=shape)  # what this refuses, no law can run
+        Simulation(
+            meeting.mapping(), contact=NoInteraction(), shape=shape
+        )  # what this refuses, no law can run
         return False
     except (Violation, Inapplicable):
         raise
     except Exception as error:
-        start = simulate("separate", meeting.mapping(), 1, shape=shape)
+        start = simulate(NoInteraction(), meeting.mapping(), 1, shape=shape)
         raise Violation(
             f"the law does not run with this shape function: {raised(error).message}", {}, impulses_at(start)
         ) from error

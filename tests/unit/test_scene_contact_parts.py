@@ -1,0 +1,106 @@
+"""``detection`` and ``law`` in a scene: the other spelling of ``method = "DETECTION+LAW"``."""
+
+from __future__ import annotations
+
+import pytest
+
+from mpmfw.campaigns.identity import key_of
+from mpmfw.cli.arguments import chosen_scene
+from mpmfw.errors import SceneError
+from mpmfw.scene import load_scene
+from mpmfw.simulation import Simulation
+from scenes_for_tests import two_blocks
+
+OPTIONS = {"nodes": {"cut_off": 0.7}, "penalty": {"kappa": 2}}
+PARTS = {"detection": "nodes", "law": "penalty", **OPTIONS}
+METHOD = {"method": "nodes+penalty", "nodes+penalty": {"cut_off": 0.7, "kappa": 2}}
+
+
+def scene(contact, **overrides):
+    return load_scene({**two_blocks("none"), "contact": contact}, set=overrides)
+
+
+def refused(contact, **overrides):
+    with pytest.raises(SceneError) as caught:
+        scene(contact, **overrides)
+    return str(caught.value)
+
+
+def test_both_spellings_are_one_scene():
+    one, other = scene(PARTS), scene(METHOD)
+    assert one.contact.method == other.contact.method == "nodes+penalty"
+    assert one.contact.options == other.contact.options
+    assert key_of(one) == key_of(other)
+    labels = [Simulation(each).contact.label for each in (one, other)]
+    assert labels == ["nodes+penalty(cut_off=0.7, kappa=2.0)"] * 2
+
+
+def test_a_scene_written_again_is_the_same():
+    one = scene(PARTS, **{"contact.penalty.kappa": 3})
+    assert one.contact.options.kappa == 3.0
+    assert key_of(load_scene(one.to_mapping())) == key_of(one)
+
+
+@pytest.mark.parametrize(
+    ("contact", "said"),
+    [
+        (
+            {**PARTS, "method": "penalty"},
+            "contact.detection: a method is named beside it; expected either method, or detection and law",
+        ),
+        (
+            {"detection": "nodes"},
+            "contact.law: missing beside detection = 'nodes'; expected one of hamad2017, impulse, penalty",
+        ),
+        ({"law": "penalty"}, "contact.detection: missing beside law = 'penalty'; expected one of nodes, surfaces"),
+        ({"detecton": "nodes", "law": "penalty"}, "contact.detecton: unknown key; did you mean 'detection'?"),
+        ({"detection": "nods", "law": "penalty"}, "contact.detection: no such detection: 'nods' is unknown; did you"),
+        ({"detection": 3, "law": "penalty"}, "contact.detection: expected the name of a detection, not 3"),
+        ({**PARTS, "nodes": 3}, "contact.nodes: expected a table of options of detection 'nodes', not 3"),
+        ({**PARTS, "nodes": {"cutoff": 1}}, "contact.nodes.cutoff: unknown key; did you mean 'cut_off'?"),
+        ({**PARTS, "penalty": {"kappa": -1}}, "contact.penalty.kappa: must be greater than 0, not -1; expected a number"),
+        (
+            {**PARTS, "nodes+penalty": {"kappa": 3}},
+            'contact.penalty.kappa: [contact."nodes+penalty"] gives it too; leave one of them out',
+        ),
+        ({"detection": "nodes", "law": "hamad2017"}, "contact.law: contact 'nodes+hamad2017': law 'hamad2017' acts on"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_gets_one_message(contact, said):
+    message = refused(contact)
+    assert message.startswith(said)
+    assert "\n" not in message
+
+
+def test_a_message_has_file_and_line(tmp_path):
+    path = tmp_path / "slide.toml"
+    text = scene({"method": "none"}).text
+    line = text[: text.index('method = "none"')].count("\n") + 1
+    path.write_text(text.replace('method = "none"', 'detection = "nods"\nlaw = "penalty"'))
+    with pytest.raises(SceneError) as caught:
+        load_scene(path)
+    assert str(caught.value).startswith(f"{path}:{line}: contact.detection: no such detection")
+
+
+def test_what_is_set_takes_the_place_of_the_other_spelling():
+    assert scene(PARTS, **{"contact.method": "bardenhagen"}).contact.method == "bardenhagen"
+    assert (
+        scene(PARTS, **{"contact.method": "nodes+impulse(normal=master)"}).contact.options.normal == "master"
+    )
+    assert scene(PARTS, **{"contact.law": "impulse"}).contact.method == "nodes+impulse"
+    parts = {"contact.detection": "surfaces", "contact.law": "impulse"}
+    assert scene(METHOD, **parts).contact.method == "surfaces+impulse"
+    assert refused(METHOD, **{"contact.law": "impulse"}).startswith(
+        "--set contact.law: a method is named beside it"
+    )
+
+
+def test_options_that_stand_where_nothing_reads_them_are_refused(tmp_path):
+    said = "--set contact.nodes.cut_off: has no effect: the contact is not written with detection = 'nodes'"
+    assert refused(METHOD, **{"contact.nodes.cut_off": 0.5}).startswith(said)
+    path = tmp_path / "slide.toml"
+    path.write_text(scene(METHOD).text)
+    with pytest.raises(SceneError, match=r"contact\.penalty\.kappa: has no effect"):
+        chosen_scene(path, None, None, ["contact.penalty.kappa=2"])
+    parts = ["contact.detection=nodes", "contact.law=penalty", "contact.penalty.kappa=5"]
+    assert chosen_scene(path, None, None, parts).contact.options.kappa == 5.0
