@@ -44,8 +44,8 @@ def package(blocks, tmp_path_factory):
     info.mkdir()
     head = f"Metadata-Version: 2.4\nName: {project['name']}\nVersion: {project['version']}\n"
     (info / "METADATA").write_text(head, encoding="utf-8")
-    lines = [f"{name} = {value}" for name, value in project["entry-points"]["mpmfw.contact"].items()]
-    (info / "entry_points.txt").write_text("\n".join(["[mpmfw.contact]", *lines, ""]), encoding="utf-8")
+    lines = [f"{name} = {value}" for name, value in project["entry-points"]["mpmfw.law"].items()]
+    (info / "entry_points.txt").write_text("\n".join(["[mpmfw.law]", *lines, ""]), encoding="utf-8")
     sys.path.insert(0, str(root / "src"))
     importlib.invalidate_caches()
     yield root
@@ -72,6 +72,17 @@ def run_command(words: list[str]) -> None:
     assert app(words[1:], prog_name="mpmfw", standalone_mode=False) in (None, 0), words
 
 
+def test_the_template_is_the_page_s_package(blocks):
+    """Every file of the template that the page quotes is as quoted; it has no other but its README and the mark of its types."""
+    template = PAGE.parents[1] / "plugin-template"
+    quoted = {named[1]: text for _, text in blocks if (named := FILE.match(text))}
+    files = {path.relative_to(template).as_posix(): path for path in template.rglob("*") if path.is_file()}
+    files = {name: path for name, path in files.items() if "__pycache__" not in name}
+    assert set(files) - set(quoted) == {"README.md", "src/mpmfw_film/py.typed"}
+    for name, text in quoted.items():
+        assert files[name].read_text(encoding="utf-8") == text
+
+
 @pytest.mark.filterwarnings(
     "ignore::mpmfw.errors.ResultsWarning"
 )  # averaged normals lean, and the run says so
@@ -94,15 +105,15 @@ def test_the_closed_form_of_its_own_tests_holds(package):
     names: dict = {}
     source = (package / "tests" / "test_film.py").read_text(encoding="utf-8")
     exec(compile(source, "test_film.py", "exec"), names)
-    names["test_the_film_slows_a_block_as_its_closed_form_says"]()
+    names["test_the_film_slows_a_block_as_its_closed_form_says"]("nodes+film(normal=master, resistance=600)")
 
 
 def test_a_film_fails_the_checks_that_it_must_and_no_other(package):
-    Film = importlib.import_module("mpmfw_film").Film
     names: dict = {}
     source = (package / "tests" / "test_film_on.py").read_text(encoding="utf-8")
     exec(compile(source, "test_film_on.py", "exec"), names)
-    outcomes = examine(subject_of(Film(resistance=1e4), "contact"), contact_checks(), names["BY_DESIGN"])
+    film = subject_of("nodes+film(normal=master, resistance=1e4)", "contact")
+    outcomes = examine(film, contact_checks(), names["BY_DESIGN"])
     assert [outcome.report for outcome in outcomes if outcome.wrong] == []
     failed = {outcome.check for outcome in outcomes if outcome.status == "expected failure"}
     assert failed == set(names["BY_DESIGN"])

@@ -1,0 +1,12 @@
+# tests/test_film_on.py
+from mpmfw.testing import contact_conformance
+
+BY_DESIGN = {
+    "coulomb-cone": "the film drags beside friction, in proportion to speed and area",
+    "frictionless": "the film drags without friction, in proportion to speed and area",
+}
+
+
+@contact_conformance("nodes+film(normal=master, resistance=1e4)", expected_failures=BY_DESIGN)
+def test_conformance_with_a_film(check):
+    check()
