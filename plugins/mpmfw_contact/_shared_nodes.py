@@ -43,7 +43,7 @@ class SharedNodes(Struct):
 def find_shared_nodes(pairs: NodePairs, grid: GridNodes, shared: SharedNodes) -> int:
     """List the nodes where both bodies of a pair have mass; return how many there are, stored or not.
 
-    Only the intersection of the two windows is visited: bodies apart cost a comparison.
+    Only the intersection of the two windows is visited: bodies that are apart cost a comparison.
     """
     lower, shape, offset = grid.window_lower, grid.window_shape, grid.offset
     dim = lower.shape[1]
@@ -141,7 +141,7 @@ def direction_out(
 
 @kernel
 def write_rows(
-    found: int, shared: SharedNodes, pairs: NodePairs, grid: GridNodes, given: Floats, cut_off: float, least_mass: float,
+    listed: int, shared: SharedNodes, pairs: NodePairs, grid: GridNodes, given: Floats, cut_off: float, least_mass: float,
     dt: float, rows: Rows, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """A row for each shared node that has a normal and where the bodies are near; their number.
@@ -155,24 +155,24 @@ def write_rows(
     for d in range(dim):
         size *= grid.nodes[d]
     c = 0
-    for f in range(found):
+    for f in range(listed):
         i, j, p = shared.first[f], shared.second[f], shared.pair[f]
         if least_mass > 0.0 and min(grid.mass[i], grid.mass[j]) < least_mass:
             continue
         if not direction_out(i, j, p, pairs, grid, given, n):
             continue
-        apart, of_first, of_second = 0.0, 0.0, 0.0
+        separation, of_first, of_second = 0.0, 0.0, 0.0
         for d in range(dim):
             if len(grid.mean) > 0:
-                apart += (grid.mean[i, d] - grid.mean[j, d]) * n[d]
+                separation += (grid.mean[i, d] - grid.mean[j, d]) * n[d]
             if len(grid.gradient) > 0:
                 of_first -= grid.gradient[i, d] * n[d]
                 of_second += grid.gradient[j, d] * n[d]
-        if len(grid.mean) > 0 and apart >= cut_off:
+        if len(grid.mean) > 0 and separation >= cut_off:
             continue
         rows.pair[c], rows.sign[c] = p, 1.0
         rows.identity[c] = p * size + background_index(i, pairs.first[p], grid)
-        rows.gap[c] = apart - cut_off if len(grid.mean) > 0 else 0.0
+        rows.gap[c] = separation - cut_off if len(grid.mean) > 0 else 0.0
         rows.area[c], rows.whole[c] = max(min(of_first, of_second), 0.0), spacing[0] ** (dim - 1)
         for d in range(dim):
             rows.normal[c, d] = n[d]

@@ -169,9 +169,9 @@ class Nodes(Detection):
     def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:
         """Find the shared nodes, project what normals and gaps are made of, and write the rows."""
         nodes = self._nodes(grid)
-        found = self._find(nodes)
+        listed = self._find(nodes)
         rows.count = 0
-        if found == 0:
+        if listed == 0:
             return
         if len(nodes.gradient):
             project_volume_gradient(
@@ -181,16 +181,16 @@ class Nodes(Detection):
             project_position(
                 phi.row, phi.nodes, phi.weight, particles.mass, particles.position, grid.mass, nodes.mean, grid.spacing
             )  # fmt: skip
-        if len(rows.pair) < found:
-            rows.make_room(2 * found, 4 * found)
+        if len(rows.pair) < listed:
+            rows.make_room(2 * listed, 4 * listed)
         rows.count = write_rows(
-            found, self.shared, self.pairs, nodes, self.given, self.cut_off, self.least_mass, self.state.dt, rows,
+            listed, self.shared, self.pairs, nodes, self.given, self.cut_off, self.least_mass, self.state.dt, rows,
             grid.spacing,
         )  # fmt: skip
 
     def _find(self, nodes: GridNodes) -> int:
-        found = find_shared_nodes(self.pairs, nodes, self.shared)
-        if found > len(self.shared.pair):
-            self.make_room(2 * found)
+        listed = find_shared_nodes(self.pairs, nodes, self.shared)
+        if listed > len(self.shared.pair):
+            self.make_room(2 * listed)
             find_shared_nodes(self.pairs, nodes, self.shared)
-        return found
+        return listed

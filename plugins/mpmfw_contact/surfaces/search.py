@@ -15,11 +15,11 @@ from mpmfw_contact.surfaces.outline import Outline, distance_to
 @device
 def boxes_apart(a: int, b: int, lower: Floats, upper: Floats, reach: Float) -> bool:
     """Whether the bounding boxes of bodies a and b are farther apart than ``reach`` [m] along an axis."""
-    apart = False
+    beyond = False
     for d in range(2):
         if lower[a, d] - upper[b, d] > reach or lower[b, d] - upper[a, d] > reach:
-            apart = True
-    return apart
+            beyond = True
+    return beyond
 
 
 @kernel
@@ -81,8 +81,8 @@ def cells_of(
 def mark_shared_nodes(stamp: int, outline: Outline, grid: SearchGrid, spacing: tuple[float, ...]) -> bool:
     """Step 1: mark the grid nodes that the surfaces of two bodies reach; return whether there are any.
 
-    Only what lies in its body's near box counts (:func:`near_boxes`). A segment reaches the nodes of all cells that its bounding box touches. ``owner`` holds stamp * n_bodies +
-    body of the first to arrive; since the stamp grows, nothing needs clearing.
+    Only what lies in its body's near box counts (:func:`near_boxes`). A segment reaches the nodes of all
+    cells that its bounding box touches. ``owner`` holds stamp * n_bodies + body of the first to arrive.
     """
     any_shared = False
     base = stamp * (len(outline.body_first) - 1)

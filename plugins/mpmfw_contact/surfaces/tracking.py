@@ -15,7 +15,7 @@ from mpmfw_contact.surfaces.outline import Outline, distance_to
 from mpmfw_contact.surfaces.search import boxes_apart
 
 #: Least cosine between a slave node's normal and the direction out of a body by which the node has gone through it: one
-#: that leaves the way it came, or round a corner, has an angle of 90° or more, or little less.
+#: that leaves the way it entered, or round a corner, has an angle of 90° or more, or little less.
 THROUGH = 0.7
 
 #: How far beyond the far side of a body, in cells, a node may be before the bodies count as crossed.

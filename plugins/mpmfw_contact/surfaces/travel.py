@@ -27,13 +27,13 @@ def fewest_steps(
     steps = math.inf
     for c in range(len(first)):
         a, b = first[c], second[c]
-        apart, motion = 0.0, 0.0
+        distance, motion = 0.0, 0.0
         for d in range(2):
-            apart = max(apart, lower[a, d] - upper[b, d], lower[b, d] - upper[a, d])
+            distance = max(distance, lower[a, d] - upper[b, d], lower[b, d] - upper[a, d])
             most = max(abs(fastest[a, d] - slowest[b, d]), abs(fastest[b, d] - slowest[a, d]))
             motion += most * most
         if motion > 0.0:
-            steps = min(steps, (apart + band) / math.sqrt(motion))
+            steps = min(steps, (distance + band) / math.sqrt(motion))
     return steps
 
 
