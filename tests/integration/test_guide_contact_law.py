@@ -112,7 +112,7 @@ def test_a_film_fails_the_checks_that_it_must_and_no_other(package):
     names: dict = {}
     source = (package / "tests" / "test_film_on.py").read_text(encoding="utf-8")
     exec(compile(source, "test_film_on.py", "exec"), names)
-    film = subject_of("nodes+film(normal=master, resistance=1e4)", "contact")
+    film = subject_of("nodes+film(resistance=1e4)", "contact")
     outcomes = examine(film, contact_checks(), names["BY_DESIGN"])
     assert [outcome.report for outcome in outcomes if outcome.wrong] == []
     failed = {outcome.check for outcome in outcomes if outcome.status == "expected failure"}

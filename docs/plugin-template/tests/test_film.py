@@ -6,7 +6,7 @@ import mpmfw
 from mpmfw.testing import contact_conformance
 
 
-@contact_conformance("nodes+film(normal=master)")
+@contact_conformance("nodes+film")
 def test_conformance(check):
     check()
 

@@ -7,6 +7,6 @@ BY_DESIGN = {
 }
 
 
-@contact_conformance("nodes+film(normal=master, resistance=1e4)", expected_failures=BY_DESIGN)
+@contact_conformance("nodes+film(resistance=1e4)", expected_failures=BY_DESIGN)
 def test_conformance_with_a_film(check):
     check()
