@@ -328,7 +328,7 @@ def test_a_full_disk_loses_the_checkpoint_and_not_the_run(tmp_path, monkeypatch)
     def full(*_: Any) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("mpmfw.snapshot.os.replace", full)
+    monkeypatch.setattr("mpmfw.snapshot.archive.os.replace", full)
     with pytest.warns(
         ResultsWarning, match="no checkpoints are written: cannot write '.*checkpoint': No space left"
     ) as said:

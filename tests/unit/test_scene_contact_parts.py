@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-
 from mpmfw.campaigns.identity import key_of
+
 from mpmfw.cli.arguments import chosen_scene
 from mpmfw.errors import SceneError
 from mpmfw.scene import load_scene

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 import itertools
+import json
+import re
 import sys
 from collections import Counter, OrderedDict, defaultdict, deque
 from dataclasses import dataclass, field
@@ -48,7 +50,7 @@ def moved(values: dict[str, Any], into: dict[str, Any] | None = None) -> dict[st
 VALUES = [
     None, True, -7, 2**200, 0.1 + 0.2, float("inf"), "tëxt\ud800", 1 + 2j, b"\0x", slice(1, None, 2), range(3),
     np.float64(0.1), np.int32(4), np.bool_(True), (1, (2, 3)), [1, [2]], {"a": {1: 2}}, {3, 1}, frozenset({2}),
-    deque([1, 2], maxlen=3), OrderedDict(b=1, a=2), Counter("aab"), Pair(1, [2]), Fact("x"), Slotted(3.0), float, len,
+    deque([1, 2], maxlen=3), OrderedDict(b=1, a=2), Counter("aab"), Pair(1, [2]), Fact("x"), Slotted(3.0), float, np.zeros,
 ]  # fmt: skip
 
 
@@ -197,5 +199,26 @@ def test_a_class_that_is_not_there_is_named():
     snapshot = take({"thing": Thing({"it": Fact("x")})})
     text = str(snapshot.nodes).replace("Fact", "Fiction")
     snapshot.nodes[:] = eval(text)
-    with pytest.raises(NotSaved, match=r"there is no class test_snapshot.Fiction here"):
+    with pytest.raises(NotSaved, match=r"the plug-ins have no class test_snapshot.Fiction here"):
+        put(snapshot, {"thing": Thing()})
+
+
+@pytest.mark.parametrize(
+    "name", ["os:system", "builtins:eval", "subprocess:run", "mpmfw.snapshot.archive:os.system"]
+)
+def test_a_file_names_no_function_of_others(name):
+    snapshot = take({"thing": Thing({"it": np.zeros})})
+    assert '{"code": "numpy' in json.dumps(snapshot.nodes)
+    snapshot.nodes[:] = json.loads(
+        re.sub('{"code": "numpy[^"]*"}', f'{{"code": "{name}"}}', json.dumps(snapshot.nodes))
+    )
+    with pytest.raises(NotSaved, match=r"which a run that is built anew does not have there"):
+        put(snapshot, {"thing": Thing()})
+
+
+@pytest.mark.parametrize("name", ["subprocess:Popen", "pathlib:Path", "test_snapshot:nobody"])
+def test_a_file_names_no_class_of_others(name):
+    snapshot = take({"thing": Thing({"it": Slotted()})})
+    snapshot.nodes[:] = json.loads(json.dumps(snapshot.nodes).replace("test_snapshot:Slotted", name))
+    with pytest.raises(NotSaved, match=r"the plug-ins have no class"):
         put(snapshot, {"thing": Thing()})

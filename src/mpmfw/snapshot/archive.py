@@ -1,0 +1,98 @@
+"""A snapshot, and its file."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from mpmfw.errors import MpmfwError
+from mpmfw.fields import AnyArray
+
+
+class NotSaved(MpmfwError):
+    """An object holds something that cannot be saved, or what was saved does not fit the object."""
+
+
+@dataclass
+class Snapshot:
+    """Values by place.
+
+    Parameters
+    ----------
+    roots
+        What the outermost objects were, by name.
+    nodes
+        Everything that has an identity, each once; others refer to it by its number.
+    arrays
+        Those of the nodes.
+    """
+
+    roots: dict[str, Any]
+    nodes: list[Any]
+    arrays: list[AnyArray]
+
+    def write(self, file: BinaryIO, facts: Mapping[str, Any]) -> None:
+        """Write it, with ``facts`` for whoever reads it, as a zip archive of JSON and NumPy arrays."""
+        with zipfile.ZipFile(file, "w") as archive:
+            for k, array in enumerate(self.arrays):
+                with archive.open(f"{k}.npy", "w", force_zip64=True) as member:
+                    np.lib.format.write_array(member, array, allow_pickle=False)
+            archive.writestr("values.json", json.dumps([self.roots, self.nodes]))
+            archive.writestr("facts.json", json.dumps(facts))
+
+    @classmethod
+    def read(cls, file: BinaryIO) -> tuple[Snapshot, dict[str, Any]]:
+        """Read it, and the facts."""
+        with zipfile.ZipFile(file) as archive:
+            roots, nodes = json.loads(archive.read("values.json"))
+            count = sum(name.endswith(".npy") for name in archive.namelist())
+            arrays = []
+            for k in range(count):
+                with archive.open(f"{k}.npy") as member:
+                    arrays.append(np.lib.format.read_array(member, allow_pickle=False))
+            return cls(roots, nodes, arrays), json.loads(archive.read("facts.json"))
+
+
+def write_snapshot(path: str | os.PathLike[str], snapshot: Snapshot, facts: Mapping[str, Any]) -> None:
+    """Write a snapshot and ``facts`` about it to a file in one step: who reads it sees the one before or this one, whole.
+
+    Raises
+    ------
+    MpmfwError
+        It cannot be written.
+    """
+    growing = f"{os.fspath(path)}.part"
+    try:
+        with open(growing, "wb") as file:
+            snapshot.write(file, facts)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(growing, path)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            os.unlink(growing)
+        raise MpmfwError(f"cannot write '{os.fspath(path)}': {error.strerror or error}") from error
+
+
+def read_snapshot(path: str | os.PathLike[str]) -> tuple[Snapshot, dict[str, Any]]:
+    """The snapshot of a file and the facts about it.
+
+    Raises
+    ------
+    MpmfwError
+        There is no such file, or it is damaged.
+    """
+    try:
+        with open(path, "rb") as file:
+            return Snapshot.read(file)
+    except OSError as error:
+        raise MpmfwError(f"cannot read '{os.fspath(path)}': {error.strerror or error}") from error
+    except (zipfile.BadZipFile, KeyError, ValueError, EOFError) as error:
+        raise MpmfwError(f"'{os.fspath(path)}' was cut short or is damaged") from error

@@ -1,0 +1,111 @@
+"""Surface nodes against quadrature points: stress, corners, sliding, rolling, impacts."""
+
+# cost: 300
+
+from __future__ import annotations
+
+import sys
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from impacts import energy_gained, impact
+from quadrature import PlainSprings, Quadrature
+from questions import BLOCK, STRESS, cost_of, points_of
+from rolling import NO_SLIP, SERIES_ONLY, measures, motion_of
+
+import mpmfw
+from mpmfw.errors import ResultsWarning
+from mpmfw.validation import Case, Method
+
+FOLDER = Path(__file__).parents[1]
+sys.path += [str(FOLDER / "contact-corner"), str(FOLDER / "question-two-pass")]
+from expansion import PLACES, expansion_of, placed  # noqa: E402
+from sliding import acceleration_error  # noqa: E402
+
+from mpmfw_contact.penalty import Penalty  # noqa: E402
+from mpmfw_contact.surfaces import Surfaces  # noqa: E402
+
+OFFSETS = (0.0, 0.23, 0.5, 0.75)  #: of the block's left side past a grid line [cells]
+IMPACTS, OTHERS, FEW = 200, 40, 6  #: random impacts of nodes, of other variants, and in the quick version
+GAIN = 0.3  #: of energy by an impact, at most [%]
+PLAIN = PlainSprings.joined_with(Quadrature)
+VARIANTS: dict[str, Any] = {
+    "nodes": Penalty,
+    "nodes, no rules for changes": PlainSprings.joined_with(Surfaces),
+    "1 point": lambda: PLAIN(points=1),
+    "2 points": lambda: PLAIN(points=2),
+    "3 points": lambda: PLAIN(points=3),
+    "3 points, one pass": lambda: PLAIN(points=3, passes="one"),
+}
+QUICK = ("nodes", "2 points")
+
+
+def check(case: Case) -> None:
+    """Every variant. Forces that are derivatives of an energy must gain none; of nodes the gain is shown."""
+    for name in QUICK if case.quick else VARIANTS:
+        method = Method("penalty", "cpdi", label="" if name == "nodes" else name)
+        _impacts(case, method, name)
+        found = points_of(_run(name, STRESS)).oscillation()
+        case.show("contact-stress: largest departure of σ_yy", found, unit="%", reference=0.0, method=method)
+        if not case.quick:
+            _corner(case, method, name)
+            _motions(case, method, name)
+
+
+def _run(name: str, scene: Any, values: dict[str, Any] | None = None) -> Any:
+    place = (
+        str(FOLDER / "question-two-pass" / scene)
+        if isinstance(scene, str) and scene.startswith("..")
+        else scene
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResultsWarning)
+        return mpmfw.run(place, contact=VARIANTS[name](), set=values)
+
+
+def _impacts(case: Case, method: Method, name: str) -> None:
+    count = FEW if case.quick else IMPACTS if name == "nodes" else OTHERS
+    gained = np.array([energy_gained(_run(name, impact(seed))) for seed in range(count)])
+    met = gained[np.isfinite(gained)]
+    case.show("impacts: pairs that met", float(len(met)), method=method)
+    case.show("impacts: pairs that gain more", float((met > GAIN).sum()), method=method)
+    gains = {
+        "within": (-100.0, GAIN),
+        "unit": "%",
+        "method": method,
+        "binds": name.endswith(("points", "point")),
+    }
+    case.gate("impacts: largest gain of energy", float(met.max()), **gains)
+
+
+def _corner(case: Case, method: Method, name: str) -> None:
+    for offset in OFFSETS:
+        tree = _run(name, str(FOLDER / "contact-corner" / "scene.toml"), placed(0.5e-3, offset))
+        expansion = expansion_of(tree)
+        worst = max((expansion.slope_error(height) for height in PLACES.values()), key=abs)
+        case.show(
+            f"contact-corner, side at {offset:g} h: worst slope, error",
+            worst,
+            within=(-5.0, 5.0),
+            unit="%",
+            reference=0.0,
+            method=method,
+        )
+
+
+def _motions(case: Case, method: Method, name: str) -> None:
+    series = _run(name, BLOCK, {"output.particles": False})["series"].to_dataset()
+    error = acceleration_error(series)
+    case.show("sliding block: fitted acceleration, error", error, unit="%", reference=0.0, method=method)
+    tree = _run(name, NO_SLIP.scene, SERIES_ONLY)
+    found = measures(motion_of(tree), NO_SLIP)
+    for quantity in ("displacement", "spin"):
+        case.show(
+            f"rolling, no slip: {quantity}, error", found[quantity], unit="%", reference=0.0, method=method
+        )
+    cost = cost_of(tree)
+    case.show(
+        "rolling, no slip: CPU time of a step", 1e3 * cost["cpu"] / cost["steps"], unit="ms", method=method
+    )

@@ -1,0 +1,159 @@
+"""Detection at quadrature points of the segments, and springs without rules: the experiment that the case compares with."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from pydantic import Field
+
+from mpmfw.api import AnyArray, ContactRows, FloatArray, Grid, Particles, Setup, Stencil
+from mpmfw.kernels import device, kernel
+from mpmfw.kernels.contact import Rows
+from mpmfw.kernels.pair_table import pair_index
+from mpmfw.kernels.polyline import bounding_boxes, box_distance, signed_distance, squared_distance
+from mpmfw.kernels.types import Float, Floats, Ints
+from mpmfw_contact import _springs as springs
+from mpmfw_contact.penalty import PenaltyLaw
+from mpmfw_contact.surfaces import Surfaces, SurfacesOptions
+from mpmfw_contact.surfaces.assembly import Places, Table, add_point, along_segment, write_geometry
+from mpmfw_contact.surfaces.candidates import SearchGrid
+from mpmfw_contact.surfaces.detection import SurfaceRows
+from mpmfw_contact.surfaces.outline import Outline
+
+
+@device
+def closest_of(x: Float, y: Float, b: int, radius: Float, outline: Outline) -> int:
+    """The segment of body b that is closest to a point, −1 if none is within ``radius`` [m]."""
+    nearest, closest = radius * radius, -1
+    for m in range(outline.body_first[b], outline.body_first[b + 1]):
+        square = squared_distance(x, y, m, outline.position, outline.next)
+        if square < nearest:
+            nearest, closest = square, m
+    return closest
+
+
+@device
+def motion_between(c: int, s: int, share: Float, outline: Outline, rows: Rows, places: Places) -> None:
+    """B v Δt of row c, whose slave is the point ``share`` of segment s."""
+    for d in range(rows.motion.shape[1]):
+        start, end = outline.displacement[s, d], outline.displacement[outline.next[s], d]
+        rows.motion[c, d] = (1.0 - share) * start + share * end
+    for corner in range(2):
+        p, along = outline.facets[places.facet[c], corner], 0.0
+        for d in range(2):
+            rows.motion[c, d] -= places.share[c, corner] * outline.displacement[p, d]
+            along += rows.normal[c, d] * outline.displacement[p, d]
+        if len(places.turn) > 0:
+            for d in range(2):
+                rows.motion[c, d] += places.turn[c, corner, d] * along
+
+
+@kernel
+def rows_of_points(
+    points: Floats, parts: Floats, radius: float, length: Floats, outline: Outline, rank: Ints, lists: SearchGrid,
+    pair_of: Ints, pair_first: Ints, table: Table, rows: Rows, places: Places,
+) -> int:  # fmt: skip
+    """A row for every point within ``radius`` of another body, against its closest segment; −1 where there is no room.
+
+    ``points`` are ξ of the points of a segment, ``parts`` their share of its ``length`` (n_s,) [m] at the start: the area of a
+    row is constant, so that all forces are derivatives of Σ k g² / 2, g the distance.
+    """
+    c, top, n_bodies, body = 0, 0, len(outline.body_first) - 1, outline.body
+    for s in range(len(body)):
+        t_x, t_y = along_segment(s, outline)
+        for q in range(len(points)):
+            x, y = outline.position[s, 0] + points[q] * t_x, outline.position[s, 1] + points[q] * t_y
+            for b in range(n_bodies):
+                lower, upper = lists.box_lower[b], lists.box_upper[b]
+                beyond = box_distance(x, y, lower[0], upper[0], lower[1], upper[1]) > radius * radius
+                if b == body[s] or rank[body[s]] > rank[b] or beyond:
+                    continue
+                m = closest_of(x, y, b, radius, outline)
+                if m < 0:
+                    continue
+                if c >= len(rows.pair) or top + 64 > len(rows.dof):
+                    return -1
+                g, xi, e_x, e_y = signed_distance(x, y, m, outline.position, outline.next, outline.previous)
+                p = pair_index(pair_of, body[s], b)
+                rows.pair[c], rows.identity[c], rows.gap[c] = p, (s * len(points) + q) * n_bodies + b, g
+                rows.sign[c] = 1.0 if pair_first[p] == body[s] else -1.0
+                rows.whole[c] = parts[q] * length[s]
+                rows.area[c] = rows.whole[c]
+                places.slave[c], places.facet[c] = s, m
+                write_geometry(c, xi, e_x, e_y, outline, rows, places)
+                motion_between(c, s, points[q], outline, rows, places)
+                rows.start[c] = top
+                top = add_point(s, 1.0 - points[q], c, -1, top, table, rows, places)
+                top = add_point(outline.next[s], points[q], c, -1, top, table, rows, places)
+                for corner in range(2):
+                    node = outline.facets[m, corner]
+                    top = add_point(node, -places.share[c, corner], c, corner, top, table, rows, places)
+                c += 1
+                rows.start[c] = top
+    return c
+
+
+class QuadratureOptions(SurfacesOptions):
+    """Those of surfaces, and the number of Gauss points on a segment."""
+
+    points: int = Field(2, ge=1, le=6, description="Gauss points of a segment")
+
+
+class Quadrature(Surfaces):
+    """Gauss points of every segment against the closest segment of each other body: no rule for corners, ties or sides."""
+
+    name = "quadrature"
+    Options = QuadratureOptions
+
+    def prepare(self, setup: Setup, owner: str) -> None:
+        """Points and weights, and the segments' lengths."""
+        super().prepare(setup, owner)
+        points, weights = np.polynomial.legendre.leggauss(self.options.points)
+        self.points, self.parts = 0.5 * (points + 1.0), 0.5 * weights / (2.0 if self.two_passes else 1.0)
+        ends = self.surface.position[self.surface.next]
+        self.length: FloatArray = np.linalg.norm(ends - self.surface.position, axis=1)
+
+    def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:  # noqa: ARG002
+        """Every point against every body whose box is near."""
+        assert isinstance(rows, SurfaceRows)
+        stencil = self.surface.stencil
+        assert stencil is not None
+        table = Table(row=stencil.row, nodes=stencil.nodes, weight=stencil.weight)
+        bounding_boxes(
+            self.outline.body_first, self.outline.position, self.lists.box_lower, self.lists.box_upper
+        )
+        while True:
+            rows.count = rows_of_points(
+                self.points, self.parts, self.radius, self.length, self.outline, self.rank, self.lists,
+                self.pair_of, self.first, table, rows, rows.places,
+            )  # fmt: skip
+            if rows.count >= 0:
+                return
+            rows.make_room(2 * len(rows.pair), 2 * len(rows.dof))
+
+    def keep(self) -> None:
+        """Nothing is followed from step to step."""
+
+    def outputs(self, rows: ContactRows) -> dict[str, AnyArray]:  # noqa: ARG002
+        """No forces of surface nodes: they are of points."""
+        return {"force": np.zeros_like(self.force)}
+
+
+class PlainSprings(PenaltyLaw):
+    """Penalty springs of the area that detection gives, without the rules for areas that change while loaded."""
+
+    name = "plain"
+
+    def stiffness(self, rows: ContactRows, old: ContactRows) -> FloatArray:  # noqa: ARG002
+        """k = κ M A / h."""
+        own: Any = rows.own
+        n = slice(rows.count)
+        own.bears[n], own.rest[n] = rows.area[n], 0.0
+        own.k[n] = self.modulus[rows.pair[n]] * rows.area[n]
+        own.tangent_k[n] = self.stiffest * own.k[n]
+        deep = np.flatnonzero(-rows.gap[n] > self.linear_to)
+        grown = 2.0 * springs.GROWTH * springs.LINEAR_TO * (-rows.gap[deep] / self.linear_to - 1.0)
+        own.tangent_k[deep] *= 1.0 + grown
+        tangent: FloatArray = own.tangent_k
+        return tangent
