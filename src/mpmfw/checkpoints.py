@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import platform
 import time
@@ -44,7 +45,7 @@ class Checkpoints:
     signals
         Those that stop the run: after a checkpoint.
     every
-        Seconds of wall time between two.
+        Seconds of wall time between two; infinite for none at all.
     objects
         Strategy objects in place of the scene's methods, by kind.
     resumed
@@ -63,9 +64,11 @@ class Checkpoints:
         self.simulation, self.writer, self.signals = simulation, writer, signals
         self.path = None if writer.path is None else checkpoint_path(writer.path)
         self.every, self.objects, self.resumed = every, objects, resumed
-        self._began = self._last = time.monotonic()
+        self._wanted = self.path is not None and every < math.inf
         self._code: dict[str, str] = {}
-        self._broken = False
+        self._next = time.monotonic() + every
+        #: When there is something to do: to ask for the code, or to write.
+        self._due = min(self._next, time.monotonic() + ASKED_AFTER) if self._wanted else math.inf
 
     def __call__(self) -> None:
         """A step is complete.
@@ -75,18 +78,21 @@ class Checkpoints:
         Interrupted
             A signal waited.
         """
-        now = time.monotonic()
         if self.signals.waiting is not None:
             self.write()
             self.signals.check()
-        if not self._code and now - self._began >= ASKED_AFTER:
-            self._ask_for_code()
-        if now - self._last >= self.every:
+        now = time.monotonic()
+        if now < self._due:
+            return
+        if now >= self._next:
             self.write()
+        elif not self._code:
+            self._ask_for_code()
+        self._due = self._next
 
     def write(self) -> None:
         """Write one in place of the last; where that cannot be, a warning says so once and the run goes on without."""
-        if self.path is None or self._broken:
+        if self.path is None or not self._wanted:
             return
         if not self._code:
             self._ask_for_code()
@@ -95,9 +101,9 @@ class Checkpoints:
             self.writer.make_lasting()
             write_snapshot(self.path, self.simulation.snapshot(), self._facts())
         except MpmfwError as error:
-            self._broken = True
+            self._wanted = False
             warnings.warn(f"no checkpoints are written: {error}", ResultsWarning, stacklevel=2)
-        self._last = time.monotonic()
+        self._next = time.monotonic() + self.every
 
     def forget(self) -> None:
         """Remove it, and what one that was cut short has left."""

@@ -347,6 +347,11 @@ def test_the_option_is_judged(tmp_path):
         resume(tmp_path / "run.nc", checkpoint=math.nan)
 
 
+def test_none_are_written_where_none_are_wanted(tmp_path):
+    assert "run it again for the rest" in str(stopped(BLOCKS, tmp_path / "run.nc", 9, checkpoint=math.inf))
+    assert [file.name for file in tmp_path.iterdir()] == ["run.nc"]
+
+
 def test_short_runs_write_no_checkpoint(tmp_path, monkeypatch):
     monkeypatch.setattr("mpmfw.checkpoints.write_snapshot", lambda *_: pytest.fail("a checkpoint"))
     monkeypatch.setattr("mpmfw.checkpoints.code_of", lambda *_: pytest.fail("sources are read"))
