@@ -38,7 +38,7 @@ def option_models() -> dict[str, type[BaseModel]]:
             found[model.__name__] = model
             for field in model.model_fields.values():
                 todo += models_of(field.rebuild_annotation())
-    for kind in set(KINDS) - {"detection", "law"}:
+    for kind in [kind for kind in KINDS if kind not in ("detection", "law")]:
         for name, entry in available(kind).items():
             options = getattr(load(kind, name), "Options", None)
             if distribution_of(entry) == "mpmfw" and options is not None:

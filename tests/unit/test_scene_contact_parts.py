@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from mpmfw.campaigns.identity import key_of
 
 from mpmfw.cli.arguments import chosen_scene
 from mpmfw.errors import SceneError
+from mpmfw.identity import key_of
 from mpmfw.scene import load_scene
 from mpmfw.simulation import Simulation
 from scenes_for_tests import two_blocks
