@@ -243,7 +243,11 @@ def _apart(scene: dict[str, Any]) -> dict[str, Any]:
 
 
 def _two(method: str, **changes: Any) -> dict[str, Any]:
-    return two_blocks(method, **{"shape__method": "linear", "output": {"gap": False}, **changes})
+    spin = {
+        "bodies__left__rotation": "spin",
+        "bodies__right__rotation": "spin",
+    }  # not the default of linear functions
+    return two_blocks(method, **{"shape__method": "linear", "output": {"gap": False}, **spin, **changes})
 
 
 ONE = block(shape__method="linear", bodies__solid__rotation="lumped")
