@@ -95,9 +95,8 @@ def write_geometry(
     places.share[c, 0], places.share[c, 1] = 1.0 - xi, xi
     if len(turn) > 0:
         lever = -e_y * t_x + e_x * t_y
-        over = (
-            g / lever if lever > 0.0 else 0.0
-        )  # beyond an end, in the segment's direction, there is no couple
+        # beyond an end, in the segment's direction, there is no couple
+        over = g / lever if lever > 0.0 else 0.0
         turn[c, 1, 0], turn[c, 1, 1] = -over * e_y, over * e_x
         turn[c, 0, 0], turn[c, 0, 1] = over * e_y, -over * e_x
     if len(lean) > 0:
