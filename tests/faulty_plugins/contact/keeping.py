@@ -130,7 +130,7 @@ class ForgetsSprings(Penalty):
 
     def restart(self) -> None:
         super().restart()
-        self.old.own["tangential"].fill(0.0)
+        self.old.own.tangential.fill(0.0)
 
 
 class WorkOfOneInterval(Bardenhagen):
