@@ -23,20 +23,20 @@ from pydantic import BaseModel, field_validator
 from mpmfw.api import ContactStrategy, Field, ShapeFunction, hookimpl
 
 class Law(ContactStrategy):
-    name = "law"
+    name = "oddity"
 """
 
 
 @pytest.fixture
 def install(tmp_path, monkeypatch):
-    """Make the distribution ``strange`` with a contact plug-in ``law``; returns nothing."""
+    """Make the distribution ``strange`` with a contact plug-in ``oddity``; returns nothing."""
 
     def make(body, head=HEAD):
         folder = tmp_path / "site"
         info = folder / "strange-1.0.dist-info"
         info.mkdir(parents=True)
         (info / "METADATA").write_text("Metadata-Version: 2.1\nName: strange\nVersion: 1.0\n")
-        (info / "entry_points.txt").write_text("[mpmfw.contact]\nlaw = strange_law:Law\n")
+        (info / "entry_points.txt").write_text("[mpmfw.contact]\noddity = strange_law:Law\n")
         (folder / "strange_law.py").write_text(head + textwrap.indent(textwrap.dedent(body), "    "))
         monkeypatch.syspath_prepend(str(folder))
         monkeypatch.setattr(sys, "dont_write_bytecode", True)
@@ -48,12 +48,12 @@ def install(tmp_path, monkeypatch):
 
 def run(**further):
     scene = two_blocks(
-        "law", time={"end": 0.1, "output_interval": 0.05}, output={"gap": False, "particles": False}
+        "oddity", time={"end": 0.1, "output_interval": 0.05}, output={"gap": False, "particles": False}
     )
     return mpmfw.run(scene, **further)
 
 
-WHO = "plug-in 'law' of distribution strange"
+WHO = "plug-in 'oddity' of distribution strange"
 
 #: Body of the class, the error, its message.
 BEFORE = {
@@ -73,11 +73,11 @@ BEFORE = {
             @classmethod
             def check(cls, value): return {}[value]
         """,
-        "contact.law: Options of plug-in 'law' of distribution strange cannot judge them: KeyError: 2.0",
+        "contact.oddity: Options of plug-in 'oddity' of distribution strange cannot judge them: KeyError: 2.0",
     ),
     "options that are no model": (
         "Options = dict",
-        "contact.law: Options of plug-in 'law' of distribution strange: expected a pydantic model, found <class",
+        "contact.oddity: Options of plug-in 'oddity' of distribution strange: expected a pydantic model, found <class",
     ),
     "exit in setup": (
         "@hookimpl\ndef setup(self, setup): sys.exit(0)",
@@ -185,7 +185,7 @@ DURING = {
 def test_a_plugin_that_fails_before_the_run_is_named(case, install):
     body, message = BEFORE[case]
     install(body)
-    further = {"set": {"contact.law.a": 2.0}} if "validator" in case else {}
+    further = {"set": {"contact.oddity.a": 2.0}} if "validator" in case else {}
     with pytest.raises(SceneError) as caught:
         run(**further)
     assert message in str(caught.value)
@@ -216,9 +216,9 @@ def test_a_plugin_that_fails_in_the_run_is_named_and_what_was_written_stays(case
             "import os\nos.chdir('/')\nraise KeyError('k')\n",
             "cannot be imported from strange_law:Law: KeyError: 'k'",
         ),
-        ("class Law:\n    name = 'law'\n", "expected a class derived from mpmfw.api.ContactStrategy"),
+        ("class Law:\n    name = 'oddity'\n", "expected a class derived from mpmfw.api.ContactStrategy"),
         (
-            "from mpmfw.api import ShapeFunction\nclass Law(ShapeFunction):\n    name = 'law'\n",
+            "from mpmfw.api import ShapeFunction\nclass Law(ShapeFunction):\n    name = 'oddity'\n",
             "expected a class derived from mpmfw.api.ContactStrategy",
         ),
     ],
@@ -252,12 +252,12 @@ def test_no_plugin_brings_down_the_others_of_a_comparison(does, message, install
         monkeypatch.setattr("mpmfw.apart.PATIENCE", 30.0)
     install(f"@hookimpl\ndef end_step(self, state):\n    if state.time > 0.06: {does}")
     scene = two_blocks("separate", time={"end": 0.1, "output_interval": 0.05}, output={"gap": False})
-    dataset = mpmfw.compare(scene, ["law", "separate"], ["cpdi"])
+    dataset = mpmfw.compare(scene, ["oddity", "separate"], ["cpdi"])
     status = dataset.status.values.ravel()
     assert status[0].startswith(message)
     assert status[1] == "ok"
     # What it wrote before is there; on a busy machine one that is given 30 s may not have got so far
-    assert "sleep" in does or np.isfinite(dataset.kinetic_energy.sel(contact="law").isel(time=1)).all()
+    assert "sleep" in does or np.isfinite(dataset.kinetic_energy.sel(contact="oddity").isel(time=1)).all()
 
 
 class Named(ContactStrategy):
