@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import pickle
 import warnings
 
 import numpy as np
 import pytest
 
 from contact_scenes import impact, run
+from mpmfw.contact.joined import joined
 from mpmfw.discovery import available, choices
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.scene import load_scene
 from mpmfw.simulation import Simulation
+from mpmfw_contact.penalty import PenaltyLaw
+from mpmfw_contact.surfaces import Surfaces
 from scenes_for_tests import two_blocks
 
 REFUSED = {"nodes+hamad2017": "law 'hamad2017' acts on facets of surfaces, and detection 'nodes' lists none"}
@@ -103,3 +107,15 @@ def test_what_a_law_needs_of_its_detection_is_asked_for():
         Simulation(impact(), contact="nodes+penalty(criterion=velocity)")
     with pytest.raises(SceneError, match="measures no area"):
         Simulation(impact(), contact="nodes+penalty(normal=specified, direction=[1, 0])")
+
+
+def test_a_joined_contact_goes_to_another_process():
+    scene = load_scene(
+        "rolling-cylinder-slip",
+        set={"contact.method": "surfaces+penalty", "contact.surfaces+penalty": {"kappa": 2}},
+    )
+    again = pickle.loads(pickle.dumps(scene))
+    assert again.contact.options == scene.contact.options
+    assert again.contact.options.model_fields_set == {"kappa"}
+    contact = joined(Surfaces, PenaltyLaw)(kappa=3.0)
+    assert pickle.loads(pickle.dumps(contact)).options == contact.options

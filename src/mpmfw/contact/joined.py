@@ -254,6 +254,16 @@ def _part(kind: type[Any], options: BaseModel) -> Any:
     return kind(**{name: getattr(options, name) for name in given})
 
 
+def _options_of(detection: type[Detection], law: type[ContactLaw], given: dict[str, Any]) -> BaseModel:
+    """Options of a joined strategy, in another process."""
+    return joined(detection, law).Options(**given)
+
+
+def _strategy_of(detection: type[Detection], law: type[ContactLaw], given: dict[str, Any]) -> RowContact:
+    """A joined strategy that was not set up yet, in another process."""
+    return joined(detection, law)(**given)
+
+
 #: Classes that were joined, each once.
 _JOINED: dict[tuple[type[Any], type[Any]], type[RowContact]] = {}
 
@@ -279,12 +289,22 @@ def joined(detection: type[Detection], law: type[ContactLaw]) -> type[RowContact
             f"detection '{detection.name}' and law '{law.name}' both have an option '{twice[0]}'"
         )
     base = ForceContact if issubclass(law, ForceLaw) else ImpulseContact
-    options = type("Options", (law.Options, detection.Options), {"__module__": law.__module__})
+
+    def options_parts(self: BaseModel) -> tuple[Any, ...]:
+        return _options_of, (detection, law, self.model_dump(exclude_unset=True))
+
+    def strategy_parts(self: RowContact) -> tuple[Any, ...]:
+        return _strategy_of, (detection, law, self.options.model_dump(exclude_unset=True))
+
+    # the classes are in no module, where pickle would look for them
+    own = {"__module__": law.__module__, "__reduce__": options_parts}
+    options = type("Options", (law.Options, detection.Options), own)
     body = {
         "name": name,
         "Detection": detection,
         "Law": law,
         "Options": options,
+        "__reduce__": strategy_parts,
         "__module__": law.__module__,
     }
     _JOINED[detection, law] = type(
