@@ -40,7 +40,7 @@ class ContactRows(Rows):
         Whether a tangential force acts with a couple across the gap, and whether the normal is varied with the facet.
     own
         Arrays of the law, by name: the number of their further dimensions, each ``dim`` long, or None for an array without
-        rows. They are the history of the next step, which finds them by :attr:`before`. :attr:`own` has them as one argument of
+        rows. They are the history of the next step, which finds them by ``before``. ``own`` has them as one argument of
         kernels.
     """
 
@@ -75,7 +75,7 @@ class ContactRows(Rows):
         return {name: array for name, array in whole.items() if len(array)}
 
     def match(self, old: ContactRows) -> None:
-        """Fill :attr:`before` with the rows of the last step, ``old``."""
+        """Fill ``before`` with the rows of the last step, ``old``."""
         match_rows(self, self.count, old, old.count)
 
     def velocity(
@@ -92,14 +92,14 @@ class ContactRows(Rows):
         relative_velocity(0, self.count, self, grid.mass, grid.momentum, out, grid.spacing)
 
     def add_to(self, nodal: FloatArray, spacing: tuple[float, ...]) -> None:
-        """Bᵀ f of :attr:`force`, added to ``nodal``: the grid's forces, or its momenta where it is an impulse (n_nodes, dim).
+        """Bᵀ f of ``force``, added to ``nodal``: the grid's forces, or its momenta where it is an impulse (n_nodes, dim).
 
         ``spacing`` is the cell size h [m], once for each dimension.
         """
         add_row_forces(0, self.count, self, nodal, spacing)
 
     def couplings(self, stiffness: FloatArray, grid: Grid, scratch: FloatArray, out: FloatArray) -> float:
-        """Row sums of |B| M⁻¹ |B|ᵀ K into ``out`` (n,), and the largest of them.
+        """Row sums of ``abs(B) M⁻¹ abs(B)ᵀ K`` into ``out`` (n,), and the largest of them.
 
         ``stiffness`` K is (n,) [N/m^2] in 2D; ``scratch`` (n_nodes,) is zero on entry and on return.
         """

@@ -83,7 +83,7 @@ argument                    shape [unit]             meaning
 ``records``                                          sums of every pair (``mpmfw.kernels.contact.Records``)
 ``node_sum``, ``out``                                scratch (N,); where the result is written
 ``first``, ``second``       (pair,) int64            bodies of every pair
-``pair_of``, ``a``, ``b``                            table of :func:`mpmfw.kernels.pair_table.pair_table`, two bodies
+``pair_of``, ``a``, ``b``                            table of ``mpmfw.kernels.pair_table.pair_table``, two bodies
 =========================== ======================== ==================================================================
 """
 
