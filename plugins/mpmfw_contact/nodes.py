@@ -77,7 +77,7 @@ class Nodes(Detection):
         Raises
         ------
         SceneError
-            The criterion of velocity measures no gap, a given normal no area.
+            The criterion of velocity measures no gap, for a law or a cut-off, and a given normal no area.
         """
         self.forces = forces
         if needs_gap and self.options.criterion == "velocity":
@@ -90,6 +90,11 @@ class Nodes(Detection):
                 '"averaged" or "master"'
             )
         self.by_position = self.by_position or needs_gap
+        if "cut_off" in self.options.model_fields_set and not self.by_position:
+            raise SceneError(
+                "detection 'nodes': 'cut_off' has no effect with the criterion of velocity, which auto is with this law; "
+                'expected criterion = "position"'
+            )
 
     def parts(self, contact: Any) -> list[Any]:
         """What follows averaged normals; the other kinds lean on one body alone."""

@@ -109,6 +109,12 @@ def test_what_a_law_needs_of_its_detection_is_asked_for():
         Simulation(impact(), contact="nodes+penalty(normal=specified, direction=[1, 0])")
 
 
+def test_a_cut_off_that_nothing_is_compared_with_is_refused():
+    with pytest.raises(SceneError, match="'cut_off' has no effect with the criterion of velocity"):
+        Simulation(impact(), contact="nodes+impulse(cut_off=0.5)")
+    Simulation(impact(), contact="nodes+penalty(cut_off=0.5)")  # measures a gap, whose zero it is
+
+
 def test_a_joined_contact_goes_to_another_process():
     scene = load_scene(
         "rolling-cylinder-slip",

@@ -13,7 +13,6 @@ from rich.text import Text
 
 from mpmfw.cli.arguments import (
     ContactOption,
-    ForceOption,
     JobsOption,
     OutputOption,
     SceneArgument,
@@ -58,7 +57,7 @@ def stability(
     set_: SetOption = None,
     jobs: JobsOption = None,
     scheduler: SchedulerOption = None,
-    force: ForceOption = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace a map that is there.")] = False,
 ) -> None:
     """Run SCENE at many stiffnesses and time steps, past the limit too, and map where it stays stable.
 
