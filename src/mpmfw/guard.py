@@ -1,7 +1,8 @@
 """What no hook of a step may change, watched now and then where a plug-in comes from elsewhere.
 
 The material points' masses, initial volumes, positions and velocities, and the clock belong to the step itself. Hooks of plug-ins
-that are not mpmfw's own are watched in the first step after each output: in all others they are called as they are, at no cost.
+that are not mpmfw's own are watched in the first step after each output and in every :data:`WATCH_EVERY`-th: in all others
+they are called as they are, at no cost. What they do to the clock in those is undone by the step.
 """
 
 from __future__ import annotations
@@ -16,6 +17,9 @@ import pluggy
 from mpmfw.blame import bundled, described
 from mpmfw.errors import PluginError
 from mpmfw.state import State
+
+#: Steps between two that are watched: a watched step takes up to twice as long, so that it is about one in a hundred.
+WATCH_EVERY = 100
 
 _OWNED = ("mass", "initial_volume", "position", "velocity")
 _CLOCK = ("time", "steps", "dt")

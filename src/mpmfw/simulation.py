@@ -18,7 +18,7 @@ from mpmfw.effect import Effect
 from mpmfw.errors import PluginError, SceneError, SimulationError
 from mpmfw.fields import Field
 from mpmfw.frames import Recorder
-from mpmfw.guard import Guard
+from mpmfw.guard import WATCH_EVERY, Guard
 from mpmfw.hooks import BoundHooks, hook_names, make_manager
 from mpmfw.pairs import list_near
 from mpmfw.plan import plan
@@ -176,7 +176,7 @@ class Simulation:
         state = self.state
         time, steps = state.time, state.steps
         hook = self.hook
-        if self._watch:
+        if self._watch or steps % WATCH_EVERY == 0:
             hook, self._watch = self._watched_hook, False
         state.dt = self._step(state, hook, self.transfer, self.clock, length)
         state.time, state.steps = time + state.dt, steps + 1

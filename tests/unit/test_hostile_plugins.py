@@ -1,5 +1,6 @@
 """Plug-ins that fail or misbehave are named: plug-in, distribution, place and step; what was written stays."""
 
+import importlib
 import json
 import os
 import re
@@ -11,9 +12,13 @@ import pytest
 
 import mpmfw
 from mpmfw.api import ContactStrategy
+from mpmfw.blame import bundled, described
+from mpmfw.contact.joined import joined
 from mpmfw.errors import MpmfwError, PluginError, ResultsWarning, SceneError
 from mpmfw.report import write_report
 from mpmfw.results.reading import read
+from mpmfw_contact.impulse import Impulse
+from mpmfw_contact.nodes import Nodes
 from scenes_for_tests import two_blocks
 
 HEAD = """
@@ -179,6 +184,34 @@ DURING = {
         f"{WHO} changed the material points' masses since the last output",
     ),
 }  # fmt: skip
+
+
+def test_steps_between_outputs_are_watched_now_and_then(install, monkeypatch):
+    monkeypatch.setattr("mpmfw.simulation.WATCH_EVERY", 5)
+    install(
+        "@hookimpl\ndef end_step(self, state):\n    if state.steps > 2: state.particles.position[0, 0] += 1e-9"
+    )
+    with pytest.raises(
+        PluginError, match="changed the material points' positions in its hook end_step"
+    ) as caught:
+        run()
+    assert caught.value.step == 5
+
+
+@pytest.mark.parametrize("strange", ["detection", "law"])
+def test_a_part_of_a_joined_contact_is_its_own_distribution_s(strange, install):
+    install(
+        "pass",
+        head="from mpmfw.api import ContactStrategy\n"
+        "from mpmfw_contact.impulse import Impulse\nfrom mpmfw_contact.nodes import Nodes\n"
+        "class StrangeNodes(Nodes):\n    name = 'mine'\nclass StrangeImpulse(Impulse):\n    name = 'mine'\n"
+        "class Law(ContactStrategy):\n",
+    )
+    module = importlib.import_module("strange_law")
+    parts = {"detection": (module.StrangeNodes, Impulse), "law": (Nodes, module.StrangeImpulse)}
+    contact = joined(*parts[strange])()
+    assert not bundled(type(contact))
+    assert described(contact).endswith("of distribution strange")
 
 
 @pytest.mark.parametrize("case", BEFORE)

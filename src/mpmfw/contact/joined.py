@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 from pydantic import BaseModel
 
+from mpmfw.blame import bundled
 from mpmfw.contact.detection import Detection
 from mpmfw.contact.law import ContactLaw, ForceLaw, ImpulseLaw
 from mpmfw.contact.records import PairRecords
@@ -296,8 +297,10 @@ def joined(detection: type[Detection], law: type[ContactLaw]) -> type[RowContact
     def strategy_parts(self: RowContact) -> tuple[Any, ...]:
         return _strategy_of, (detection, law, self.options.model_dump(exclude_unset=True))
 
-    # the classes are in no module, where pickle would look for them
-    own = {"__module__": law.__module__, "__reduce__": options_parts}
+    # The classes are in no module, where pickle would look for them. Theirs is that of the part which is not mpmfw's own: what
+    # it does wrong is its distribution's.
+    module = (detection if bundled(law) else law).__module__
+    own = {"__module__": module, "__reduce__": options_parts}
     options = type("Options", (law.Options, detection.Options), own)
     body = {
         "name": name,
@@ -305,7 +308,7 @@ def joined(detection: type[Detection], law: type[ContactLaw]) -> type[RowContact
         "Law": law,
         "Options": options,
         "__reduce__": strategy_parts,
-        "__module__": law.__module__,
+        "__module__": module,
     }
     _JOINED[detection, law] = type(
         name, (base,), {**body, "__doc__": f"Detection '{detection.name}' with law '{law.name}'."}
