@@ -16,7 +16,7 @@ GROWTH = 16.0
 WEAK = 0.1
 
 #: Depth in cells up to which a node that came in by the side of a corner bears at once where a face takes it.
-SHALLOW = 0.02
+SHALLOW = 0.01
 
 #: Relative change of a loaded spring's share that is let be.
 NOISE = 0.02
@@ -60,15 +60,13 @@ def tangent_stiffness(k: Float, depth: Float, limit: Float) -> Float:
 
 
 @device
-def new_rest(gap: Float, approached: Float, cell_size: Float) -> Float:
+def new_rest(gap: Float, approached: Float) -> Float:
     """Rest gap of a new spring, whose node ``approached`` so much in the last step [m].
 
     A node that is deeper than it came in by the face has come in by a side, where no segment faced it; a spring loaded to
     that depth at once would make energy of nothing. It has the force of its approach.
     """
-    if -gap > max(approached, 0.0) + SHALLOW * cell_size:
-        return gap + max(approached, 0.0)
-    return 0.0
+    return min(gap + max(approached, 0.0), 0.0)
 
 
 @device
@@ -146,7 +144,7 @@ def set_springs(
                 bore += old_own.bears[i]
             share, free = changed_spring(share, bore / total, old_own.rest[o], across, gap, cell_size)
         elif not begins:
-            free = new_rest(gap, -along, cell_size)
+            free = new_rest(gap, -along)
         for i in range(c, e):
             own.bears[i] = share * total * (rows.area[i] / part if part > 0.0 else rows.whole[i] / total)
             own.rest[i] = free

@@ -28,6 +28,7 @@ class Fault:
     broken: str
     case: str
     red: tuple[tuple[str, str], ...]
+    long: bool = False  #: whether the case takes more than a minute
 
 
 CPDI = "penalty, cpdi"
@@ -42,6 +43,7 @@ FAULTS = {
         "f_n = normal_force(k, gap, linear_to)",
         "sliding-block",
         ((CPDI, "run"), (CPDI2, "run")),  # the block is pulled into the plane, and the run ends
+        long=True,
     ),
     "friction halved": Fault(
         SPRINGS,
@@ -49,6 +51,7 @@ FAULTS = {
         "return_to_cone(c, 0.5 * friction[p] * f_n, k_t, own.tangential)",
         "sliding-block",
         ((CPDI, SLIDING), (CPDI2, SLIDING)),
+        long=True,
     ),
     "P dropped": Fault(
         "mpmfw_contact/surfaces/assembly.py",
@@ -63,6 +66,7 @@ FAULTS = {
         'self.surface_map = "mass_weighted"',
         "contact-stress",
         ((CPDI, "mean σ_yy, error, at 0.37 h"), (CPDI, "largest departure, at 0.37 h")),
+        long=True,
     ),
     # With an affine transfer MUSL keeps the rotation, and no gate sees it: the fault is MUSL with the transfer that it
     # came with.
@@ -101,7 +105,10 @@ def gates(fault: Fault, folder: Path) -> dict[tuple[str, str], str]:
         return {(row["method"], row["quantity"]): row["verdict"] for row in csv.DictReader(file)}
 
 
-@pytest.mark.parametrize("name", FAULTS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.long) if fault.long else name for name, fault in FAULTS.items()],
+)
 def test_broken_physics_turns_gates_red(name, tmp_path):
     fault = FAULTS[name]
     found = gates(fault, tmp_path)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from contact_scenes import impact, wave_speed
 from mpmfw.simulation import Simulation
-from mpmfw_contact._springs import NOISE, SHALLOW, WEAK, changed_spring, new_rest
+from mpmfw_contact._springs import NOISE, WEAK, changed_spring, new_rest
 
 CELL = 0.1  # m
 shares = st.floats(WEAK, 1.0)
@@ -47,17 +47,13 @@ def test_a_spring_that_grows_keeps_its_force_and_one_that_shrinks_its_rest(part,
 @untimed
 @given(gap=gaps, approached=st.floats(-0.2 * CELL, 0.5 * CELL))
 def test_a_new_spring_has_at_most_the_force_of_what_approached(gap, approached):
-    rest = new_rest(gap, approached, CELL)
-    depth = rest - gap
+    rest = new_rest(gap, approached)
     assert gap <= rest <= 0.0
-    if -gap <= max(approached, 0.0) + SHALLOW * CELL:
-        assert rest == 0.0
-    else:
-        assert depth == pytest.approx(max(approached, 0.0), abs=1e-15)
+    assert rest - gap == pytest.approx(min(max(approached, 0.0), -gap), abs=1e-15)
 
 
 def test_a_node_that_comes_in_by_the_face_has_all_of_its_force():
-    """At a fifth of the wave speed it comes far deeper in a step than what passes for shallow."""
+    """At a fifth of the wave speed it comes far deeper in a step than bodies at rest ever lie."""
     mapping = impact(gap=0.0481, speed=0.2 * wave_speed("soft"), slide=0.0)
     mapping["contact"] = {"method": "penalty", "friction": 0.0}
     simulation = Simulation(mapping, shape="cpdi")
@@ -66,5 +62,20 @@ def test_a_node_that_comes_in_by_the_face_has_all_of_its_force():
         simulation.advance(1)
         rows = simulation.contact.old
     loaded = np.flatnonzero(rows.gap[: rows.count] < 0.0)
-    assert -rows.gap[loaded].min() > SHALLOW * CELL
+    depth = -rows.gap[loaded]
+    assert depth.min() > 0.015 * CELL
     assert (rows.own.rest[loaded] == 0.0).all()
+
+
+def test_the_step_of_the_first_touch_is_no_longer_than_that_of_equal_bodies_in_contact():
+    """With the depth that it leaves springs begin, and with its square grows the energy that nothing paid for."""
+    simulation = Simulation(impact(gap=0.0481, speed=0.02 * wave_speed("soft"), slide=0.0), shape="bspline")
+    contact = simulation.contact
+    while True:
+        simulation.advance(1)
+        rows = contact.old
+        if (rows.gap[: rows.count] < 0.0).any():
+            break
+        assert rows.count
+        assert contact.omega_squared >= contact.law.expected(contact.bulk_frequency)
+    assert simulation.state.steps > 10

@@ -157,6 +157,10 @@ class ForceContact(RowContact):
             rows.match(old)
             stiffness = self.law.stiffness(rows, old)
             self.omega_squared = rows.couplings(stiffness, grid, self.scratch(grid), stiffness)
+            if rows.gap[: rows.count].min() > 0.0:
+                # The step in which they touch must not be longer than the next: springs begin with the depth that it leaves,
+                # and with its square the energy that nothing paid for
+                self.omega_squared = max(self.omega_squared, self.law.expected(self.bulk_frequency))
 
     @hookimpl
     def add_nodal_force(self, grid: Grid, dt: float) -> None:
