@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mpmfw.effects.local_spin import correct_spin
+from mpmfw.effects.local_spin import correct_spin, find_excess
 from mpmfw.fields import FloatArray
 from mpmfw.simulation import Simulation
 from mpmfw.steppers.operations import project_mass_momentum
@@ -55,14 +55,16 @@ def linearised(scene: dict[str, Any]) -> Linear:
         + SHEAR * np.einsum("ij,de->idje", trace, np.eye(dim))
     )
     carried = np.repeat(g.mass > 1e-12 * g.mass.max(), dim)
-    rows = []
+    rows, excess = [], np.zeros((3, 3))
+    edges = sim.manager.get_plugin("local_spin").half_edges
+    own = (p.mass, p.position, p.deformation_gradient, edges, g.position, g.mass)
+    total = find_excess(0, p.count, 0, n, *own, excess, g.spacing)
+    assert total > 0.0
     for k in range(n * dim):
         momentum = (np.eye(1, n * dim, k).reshape(n, dim)) * g.mass[:, None]
         corrected = momentum.copy()
-        edges = sim.manager.get_plugin("local_spin").half_edges
         correct_spin(
-            *(0, p.count, 0, n, g.window_shape[0]),
-            *(p.mass, p.position, p.deformation_gradient, edges, g.position, g.mass),
+            *(0, n, g.window_shape[0], total, excess, g.mass),
             *(np.zeros((n, dim)), momentum, corrected, np.zeros((n, dim)), np.zeros(n), g.spacing),
         )
         rows.append((corrected - momentum).ravel())

@@ -10,7 +10,7 @@ import pytest
 from mpmfw.effects.local_inertia import correct_locally
 from mpmfw.effects.pressure import add_pressure
 from mpmfw.effects.rotation import correct_rotation
-from mpmfw.effects.side_rows import add_rows, meet, quadrature, splines
+from mpmfw.effects.side_rows import PlaneSide, SideTable, add_rows, meet, quadrature, splines
 from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, move_points, weigh_by_mass, weigh_plain
 from mpmfw.settling import damp_locally
 from mpmfw_shape.cpdi2 import fill_cpdi2, move_corners
@@ -80,24 +80,32 @@ def test_rows_are_met_by_the_least_change_of_momentum(dim):
     v = momentum.ravel() / m
     v = v + (a / m).T @ np.linalg.solve(a @ (a / m).T, np.array(wanted) - a @ v)
     met = momentum.copy()
-    passes = meet(
-        6, row, nodes.astype(np.int64), weights, target, side, np.zeros(6), directions, velocity, 2000, 1e-13,
-        mass, met, spacing,
-    )  # fmt: skip
+    conditions = side_table(6, 1).set(
+        row=row, nodes=nodes.astype(np.int64), weights=weights, target=target, side=side
+    )
+    passes = meet(6, conditions, directions, velocity, 2000, 1e-13, mass, met, spacing)
     assert passes < 2000
     np.testing.assert_allclose(met, (m * v).reshape(NODES, dim), atol=1e-10)
+
+
+def side_table(rows, entries):
+    """An empty table."""
+    whole = {name: np.zeros(rows, dtype=np.int64) for name in ("row", "side")}
+    real = {name: np.zeros(rows) for name in ("target", "compliance", "c", "distance")}
+    return SideTable(nodes=np.zeros(entries, dtype=np.int64), weights=np.zeros(entries), **whole, **real)
 
 
 def side_rows(place, mass):
     """Rows of the side y = ``place`` of a body below it, in a field of 3 × 8 nodes."""
     x, y = np.meshgrid(np.arange(3.0), np.arange(8.0), indexing="ij")
     position = np.column_stack([x.ravel(), y.ravel()])
-    row, nodes, weights, target = np.zeros(40, int), np.zeros(200, int), np.zeros(200), np.zeros(40)
-    wide = np.full(2, np.inf)
+    table = side_table(40, 200)
+    wide, normal = np.full(2, np.inf), np.array([0.0, 1.0])
+    side = PlaneSide(normal=normal, box_lower=-wide, box_upper=wide, shift=np.zeros(1), share=np.ones(1))
     count = add_rows(
-        0, 0, 24, 1, 8, 1, np.array([0.0, 1.0]), place, -wide, wide, 1, np.zeros(1), np.ones(1), True, 1.0,
-        position, np.tile(mass, 3), np.zeros((2, 8)), row, nodes, weights, target, (1.0, 1.0),
-    )  # fmt: skip
+        0, 0, 24, 1, 8, 1, place, 1, True, 1.0, side, position, np.tile(mass, 3), table, (1.0, 1.0)
+    )
+    row, nodes, weights, target = table.row, table.nodes, table.weights, table.target
     return [
         (target[r], dict(zip(nodes[row[r] : row[r + 1]].tolist(), weights[row[r] : row[r + 1]], strict=True)))
         for r in range(count)

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mpmfw.effects.local_spin import LEAST_SHARE, correct_spin
+from mpmfw.effects.local_spin import LEAST_SHARE, correct_spin, find_excess
 from mpmfw.fields import FloatArray
 
 H, FIRST = 0.3, 5  #: cell size, and nodes of another window before this one
@@ -40,12 +40,14 @@ class Window:
         """Momenta after the kernel."""
         out = momentum.copy()
         change, common = np.zeros_like(out), np.zeros(len(out))
-        own = (self.mass, self.position, self.deformation, self.edges)
-        correct_spin(
-            *(0, len(self.mass), FIRST, len(out), np.array(self.shape)),
-            *(*own, self.node, self.node_mass, start, momentum if held is None else held, out),
-            *(change, common, (H,) * self.dim),
-        )
+        excess, spacing = np.zeros((3, 3)), (H,) * self.dim
+        own = (self.mass, self.position, self.deformation, self.edges, self.node, self.node_mass)
+        total = find_excess(0, len(self.mass), FIRST, len(out), *own, excess, spacing)
+        if total > 0.0:
+            correct_spin(
+                *(FIRST, len(out), np.array(self.shape), total, excess, self.node_mass),
+                *(start, momentum if held is None else held, out, change, common, spacing),
+            )
         return out
 
     def operator(self) -> FloatArray:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpmfw.effects.side_rows import add_rows, meet, quadrature
+from mpmfw.effects.side_rows import PlaneSide, SideTable, add_rows, meet, quadrature
 from mpmfw.fields import FloatArray
 from mpmfw.hookspecs import hookimpl
 from mpmfw.setup import Setup
@@ -78,8 +78,7 @@ class Constraint:
         self.speeds = np.array([side.speed for side in self.sides])
         self.free = np.flatnonzero(np.isnan(self.speeds)).tolist()
         self.motions = np.zeros(len(self.sides))
-        self.boxes = [side.box(h) for side in self.sides]
-        self.points = [quadrature(side.normal, side.axis, self.degree) for side in self.sides]
+        self.planes = [_plane(side, h, self.degree) for side in self.sides]
         self.directions = np.array([side.directions for side in self.sides])
         self.velocity = np.array([side.velocity for side in self.sides])
         self.cell_mass = [side.body.density * h**setup.dim for side in self.sides]
@@ -99,30 +98,18 @@ class Constraint:
         for index in range(len(self.sides)):
             before = self.rows
             self.rows = self._add_rows(index, grid)
-            self.side[before : self.rows] = index
+            self.table.side[before : self.rows] = index
+        velocity = 0.0 * self.velocity if self.at_rest else self.velocity
         self.passes = meet(
-            self.rows,
-            self.row,
-            self.nodes,
-            self.weights,
-            self.target,
-            self.side,
-            self.compliance,
-            self.directions,
-            0.0 * self.velocity if self.at_rest else self.velocity,
-            PASSES,
-            self.agreed,
-            grid.mass,
-            grid.momentum,
-            grid.spacing,
-        )
+            self.rows, self.table, self.directions, velocity, PASSES, self.agreed, grid.mass, grid.momentum, grid.spacing
+        )  # fmt: skip
 
     def _fit(self, grid: Grid) -> None:
         """Make room for the table, and find each side's columns, whenever the windows were laid anew."""
         if self.frame == grid.frame:
             return
         self.frame = grid.frame
-        width = 2 + max(int(self.degree + 1 + 2.0 * np.abs(shift).max()) for shift, _ in self.points)
+        width = 2 + max(int(self.degree + 1 + 2.0 * np.abs(plane.shift).max()) for plane in self.planes)
         self.columns = []  # of each side: first and last node, step along a column, its nodes and axis
         rows, longest = 0, 0
         for side in self.sides:
@@ -135,36 +122,24 @@ class Constraint:
             self.columns.append((nodes.start, nodes.stop, int(np.prod(shape[axis + 1 :])), count, axis))
             rows += (width + 1) * (nodes.stop - nodes.start) // count
             longest = max(longest, count)
-        self.row = np.zeros(rows + 1, dtype=np.int64)
-        self.side = np.zeros(rows, dtype=np.int64)
-        self.target, self.compliance = np.zeros(rows), np.zeros(rows)
-        self.nodes = np.zeros(rows * width, dtype=np.int64)
-        self.weights = np.zeros(rows * width)
-        self.scratch = np.zeros((2, longest))
+        self.table = SideTable(
+            row=np.zeros(rows + 1, dtype=np.int64),
+            nodes=np.zeros(rows * width, dtype=np.int64),
+            weights=np.zeros(rows * width),
+            target=np.zeros(rows),
+            side=np.zeros(rows, dtype=np.int64),
+            compliance=np.zeros(rows),
+            c=np.zeros(longest),
+            distance=np.zeros(longest),
+        )
 
     def _add_rows(self, index: int, grid: Grid) -> int:
         """Add a side's rows to the table; return their number then."""
-        side = self.sides[index]
-        rows: int = add_rows(
-            self.rows,
-            *self.columns[index],
-            side.normal,
-            float(self.places[index]),
-            *self.boxes[index],
-            self.degree,
-            *self.points[index],
-            side.alone,
-            self.cell_mass[index],
-            grid.position,
-            grid.mass,
-            self.scratch,
-            self.row,
-            self.nodes,
-            self.weights,
-            self.target,
-            grid.spacing,
-        )
-        return rows
+        alone, place = self.sides[index].alone, float(self.places[index])
+        return add_rows(
+            self.rows, *self.columns[index], place, self.degree, alone, self.cell_mass[index], self.planes[index],
+            grid.position, grid.mass, self.table, grid.spacing,
+        )  # fmt: skip
 
     @hookimpl
     def advect(self, grid: Grid, dt: float) -> None:
@@ -177,13 +152,20 @@ class Constraint:
         """Mean velocity of the body along a side's normal, over its columns [m/s]."""
         if self.rows == 0:
             return 0.0
-        entries = slice(0, int(self.row[self.rows]))
-        parts = self.weights[entries] * (velocity[self.nodes[entries]] @ self.sides[index].normal)
-        at_side = np.add.reduceat(parts, self.row[: self.rows])
-        own = (self.side[: self.rows] == index) & (self.target[: self.rows] > 0.0)
+        table = self.table
+        entries = slice(0, int(table.row[self.rows]))
+        parts = table.weights[entries] * (velocity[table.nodes[entries]] @ self.sides[index].normal)
+        at_side = np.add.reduceat(parts, table.row[: self.rows])
+        own = (table.side[: self.rows] == index) & (table.target[: self.rows] > 0.0)
         return float(at_side[own].mean()) if own.any() else 0.0
 
     @hookimpl
     def end_step(self) -> None:
         """Move the sides, now that nobody asks for their place at the beginning of the step."""
         self.places += self.motions
+
+
+def _plane(side: PrescribedSide, cell_size: float, degree: int) -> PlaneSide:
+    lower, upper = side.box(cell_size)
+    shift, share = quadrature(side.normal, side.axis, degree)
+    return PlaneSide(normal=side.normal, box_lower=lower, box_upper=upper, shift=shift, share=share)

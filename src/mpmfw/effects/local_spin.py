@@ -149,50 +149,35 @@ def turn_cell(
 
 
 @kernel
-def correct_spin(
-    first_particle: int,
-    last_particle: int,
-    first_node: int,
-    last_node: int,
-    shape: Ints,
-    mass: Floats,
-    position: Floats,
-    deformation_gradient: Floats,
-    half_edges: Floats,
-    node_position: Floats,
-    node_mass: Floats,
-    node_start_velocity: Floats,
-    held_momentum: Floats,
-    node_momentum: Floats,
-    change: Floats,
-    common: Floats,
+def find_excess(
+    first_particle: int, last_particle: int, first_node: int, last_node: int, mass: Floats, position: Floats,
+    deformation_gradient: Floats, half_edges: Floats, node_position: Floats, node_mass: Floats, excess: Floats,
     spacing: tuple[float, ...],
-) -> None:
+) -> float:  # fmt: skip
+    """:func:`excess_inertia` of a body to ``excess`` (3, 3); return its mass [kg/m], or 0 where it is not positive definite."""
+    centre = scratch.vector(spacing)
+    lumped = scratch.matrix(spacing, spacing)
+    true = scratch.matrix(spacing, spacing)
+    total = moments_of_nodes(first_node, last_node, node_position, node_mass, centre, lumped, spacing)
+    moments_of_domains(
+        first_particle, last_particle, mass, position, deformation_gradient, half_edges, centre, true, spacing
+    )
+    return total if excess_inertia(true, lumped, excess, spacing) else 0.0
+
+
+@kernel
+def correct_spin(
+    first_node: int, last_node: int, shape: Ints, total: float, excess: Floats, node_mass: Floats, node_start_velocity: Floats,
+    held_momentum: Floats, node_momentum: Floats, change: Floats, common: Floats, spacing: tuple[float, ...],
+) -> None:  # fmt: skip
     """(m v)_i += Σ_c (H_c / H) (X w_c) × q_i / (n A), over the cells c of node i.
 
     q_i is the place of a node about the middle of the cell, n = 2^dim, A = h²/2, and w_c = Σ_i q_i × Δv_i / (n A) the spin
     that the step has given to the cell. H_c is the harmonic mean of the masses of its nodes and H the sum of all H_c, at
-    least :data:`LEAST_SHARE` of the body's mass. Δv_i is that of ``held_momentum``, in which boundary conditions are met.
+    least :data:`LEAST_SHARE` of the body's mass ``total``. Δv_i is that of ``held_momentum``, in which boundary conditions
+    are met.
     """
     dim = len(spacing)
-    centre = scratch.vector(spacing)
-    lumped = scratch.matrix(spacing, spacing)
-    true = scratch.matrix(spacing, spacing)
-    excess = scratch.matrix((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-    total = moments_of_nodes(first_node, last_node, node_position, node_mass, centre, lumped, spacing)
-    moments_of_domains(
-        first_particle,
-        last_particle,
-        mass,
-        position,
-        deformation_gradient,
-        half_edges,
-        centre,
-        true,
-        spacing,
-    )
-    if not excess_inertia(true, lumped, excess, spacing):
-        return
     extent = scratch.integers(spacing)
     stride = scratch.integers(spacing)
     step = 1
@@ -239,6 +224,7 @@ class LocalSpin:
     def setup(self, setup: Setup) -> None:
         """Take the domains from the layout; know where arrays are listed."""
         self.state, self.half_edges = setup.state, setup.half_edges
+        self.excess = np.zeros((3, 3))  #: X of a body, between its two kernels
 
     def _fit(self, grid: Grid) -> None:
         """Fit the nodal array to the windows whenever these were laid anew."""
@@ -257,23 +243,13 @@ class LocalSpin:
         if self.constraint is not None:
             held = self.constraint.held_momentum(grid)
         for body in self.bodies:
-            nodes = grid.field_nodes(body.field)
-            correct_spin(
-                body.particles.start,
-                body.particles.stop,
-                nodes.start,
-                nodes.stop,
-                grid.window_shape[body.field],
-                particles.mass,
-                particles.position,
-                particles.deformation_gradient,
-                self.half_edges,
-                grid.position,
-                grid.mass,
-                grid.start_velocity,
-                held,
-                grid.momentum,
-                self.change,
-                self.common,
-                grid.spacing,
-            )
+            nodes, points = grid.field_nodes(body.field), body.particles
+            total = find_excess(
+                points.start, points.stop, nodes.start, nodes.stop, particles.mass, particles.position,
+                particles.deformation_gradient, self.half_edges, grid.position, grid.mass, self.excess, grid.spacing,
+            )  # fmt: skip
+            if total > 0.0:
+                correct_spin(
+                    nodes.start, nodes.stop, grid.window_shape[body.field], total, self.excess, grid.mass,
+                    grid.start_velocity, held, grid.momentum, self.change, self.common, grid.spacing,
+                )  # fmt: skip

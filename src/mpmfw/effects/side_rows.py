@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from mpmfw.fields import FloatArray
-from mpmfw.kernels import device, kernel
+from mpmfw.kernels import Struct, device, kernel
 from mpmfw.kernels.types import Float, Floats, Ints
 
 #: Share of c² m, m the mass of a full cell, below which a node counts as empty: under a straight side it has c² m / 2.
@@ -24,6 +24,29 @@ THIN = 0.05
 
 #: Points of quadrature in a cell along an oblique side.
 QUADRATURE = 16
+
+
+class PlaneSide(Struct):
+    """What of a side n·x = place does not change."""
+
+    normal: Floats  #: n, (dim,), outwards
+    box_lower: Floats  #: columns outside of the box are another body's, (dim,) [m]
+    box_upper: Floats
+    shift: Floats  #: of its :func:`quadrature`, (n_q,) [cells]
+    share: Floats  #: (n_q,)
+
+
+class SideTable(Struct):
+    """Rows of all sides: entries of row r are ``row[r]:row[r + 1]``, and V is ``target[r]`` times the side's velocity."""
+
+    row: Ints  #: (n_rows + 1,)
+    nodes: Ints  #: (n_entries,)
+    weights: Floats  #: A_rk, (n_entries,)
+    target: Floats  #: (n_rows,)
+    side: Ints  #: of each row, (n_rows,)
+    compliance: Floats  #: Σ A_rk² / m_k, (n_rows,)
+    c: Floats  #: weights of a column, as many as the longest has nodes
+    distance: Floats  #: of its nodes from the side, outwards [cells]
 
 
 @device
@@ -82,60 +105,34 @@ def quadrature(normal: FloatArray, axis: int, degree: int) -> tuple[FloatArray, 
 
 @device
 def weigh_column(
-    first: int,
-    stride: int,
-    count: int,
-    axis: int,
-    inward: int,
-    crossing: Float,
-    reach: Float,
-    degree: int,
-    shift: Floats,
-    share: Floats,
-    node_position: Floats,
-    node_mass: Floats,
-    c: Floats,
-    distance: Floats,
-    h: Float,
-) -> Float:
+    first: int, stride: int, count: int, axis: int, inward: int, crossing: Float, reach: Float, degree: int, side: PlaneSide,
+    node_position: Floats, node_mass: Floats, table: SideTable, h: Float,
+) -> Float:  # fmt: skip
     """Weights c_k of a column and distances of its nodes, outwards [cells]; return the heaviest mass that has a weight."""
     heaviest = 0.0
     for k in range(count):
         i = first + k * stride
-        distance[k] = inward * (crossing - node_position[i, axis]) / h
-        c[k] = 0.0
-        if abs(distance[k]) < reach:
-            for q in range(len(shift)):
-                c[k] += share[q] * cardinal_spline(distance[k] - shift[q], degree)
+        table.distance[k] = inward * (crossing - node_position[i, axis]) / h
+        table.c[k] = 0.0
+        if abs(table.distance[k]) < reach:
+            for q in range(len(side.shift)):
+                table.c[k] += side.share[q] * cardinal_spline(table.distance[k] - side.shift[q], degree)
             heaviest = max(heaviest, node_mass[i])
     return heaviest
 
 
 @device
 def add_column(
-    rows: int,
-    first: int,
-    stride: int,
-    count: int,
-    inward: int,
-    reach: Float,
-    oblique: bool,
-    alone: bool,
-    light: Float,
-    node_mass: Floats,
-    c: Floats,
-    distance: Floats,
-    row: Ints,
-    nodes: Ints,
-    weights: Floats,
-    target: Floats,
-) -> int:
+    rows: int, first: int, stride: int, count: int, inward: int, reach: Float, oblique: bool, alone: bool, light: Float,
+    node_mass: Floats, table: SideTable,
+) -> int:  # fmt: skip
     """Add the rows of one column, none if the body does not reach the side there; return the number of rows then.
 
     An empty node outside is read by linear extrapolation, which keeps Σ c_k = 1 and Σ c_k d_k = 0. So is, outwards, a node
     without mass inside of an oblique side, at whose ends columns leave the body.
     """
     begin = rows
+    c, distance, row = table.c, table.distance, table.row
     for step in range(2, count):
         k = step - 2 if inward < 0 else count + 1 - step
         if oblique and distance[k] <= 0.0 and c[k] != 0.0 and node_mass[first + k * stride] == 0.0:
@@ -160,78 +157,45 @@ def add_column(
         lightest = min(mass, node_mass[first + one * stride], node_mass[first + two * stride])
         if in_line and lightest > 0.0:
             for j in range(3):
-                nodes[row[rows] + j] = first + (k + j * inward) * stride
-                weights[row[rows] + j] = -2.0 if j == 1 else 1.0
+                table.nodes[row[rows] + j] = first + (k + j * inward) * stride
+                table.weights[row[rows] + j] = -2.0 if j == 1 else 1.0
             row[rows + 1] = row[rows] + 3
-            target[rows] = 0.0
+            table.target[rows] = 0.0
             rows += 1
     entry = row[rows]
     for k in range(count):
         if c[k] != 0.0:
-            nodes[entry] = first + k * stride
-            weights[entry] = c[k]
+            table.nodes[entry] = first + k * stride
+            table.weights[entry] = c[k]
             entry += 1
     row[rows + 1] = entry
-    target[rows] = 1.0
+    table.target[rows] = 1.0
     return rows + 1
 
 
 @kernel
 def add_rows(
-    rows: int,
-    start: int,
-    stop: int,
-    stride: int,
-    count: int,
-    axis: int,
-    normal: Floats,
-    place: float,
-    box_lower: Floats,
-    box_upper: Floats,
-    degree: int,
-    shift: Floats,
-    share: Floats,
-    alone: bool,
-    cell_mass: float,
-    node_position: Floats,
-    node_mass: Floats,
-    scratch: Floats,
-    row: Ints,
-    nodes: Ints,
-    weights: Floats,
-    target: Floats,
-    spacing: tuple[float, ...],
-) -> int:
-    """Add the rows of the side n·x = ``place`` to the table; return the number of rows then.
+    rows: int, start: int, stop: int, stride: int, count: int, axis: int, place: float, degree: int, alone: bool,
+    cell_mass: float, side: PlaneSide, node_position: Floats, node_mass: Floats, table: SideTable, spacing: tuple[float, ...],
+) -> int:  # fmt: skip
+    """Add the rows of the side n·x = ``place`` [m] to the table; return the number of rows then.
 
     Parameters
     ----------
     rows
         Number of rows so far.
-    start, stop, stride, count
-        Nodes of the velocity field; step and number of those along ``axis``.
-    axis
-        Of the columns.
-    normal, place
-        n, (dim,), outwards, and n·x on the side [m].
-    box_lower, box_upper
-        Columns outside of it are another body's, (dim,) [m].
-    degree, shift, share
-        Of the boundary basis, and its :func:`quadrature`.
+    start, stop, stride, count, axis
+        Nodes of the velocity field; step and number of those along ``axis``, which the columns are along.
+    degree
+        Of the boundary basis.
     alone
         Whether no other body shares the velocity field.
     cell_mass
         ρ h^dim [kg/m].
-    scratch
-        (2, count or more).
-    row, nodes, weights, target
-        The table, filled: entries of row r are ``row[r]:row[r + 1]``, and V is ``target[r]`` times the side's velocity.
     """
-    dim, h = len(spacing), spacing[0]
+    dim, h, normal = len(spacing), spacing[0], side.normal
     inward = -1 if normal[axis] > 0.0 else 1
-    reach = 0.5 * (degree + 1) + np.abs(shift).max()
-    oblique = len(shift) > 1
-    c, distance = scratch[0], scratch[1]
+    reach = 0.5 * (degree + 1) + np.abs(side.shift).max()
     for column in range((stop - start) // count):
         first = start + column // stride * stride * count + column % stride
         inside = True
@@ -239,7 +203,7 @@ def add_rows(
         for d in range(dim):
             if d != axis:
                 crossing -= normal[d] * node_position[first, d]
-                inside = inside and box_lower[d] <= node_position[first, d] <= box_upper[d]
+                inside = inside and side.box_lower[d] <= node_position[first, d] <= side.box_upper[d]
         if not inside:
             continue
         crossing /= normal[axis]
@@ -249,62 +213,21 @@ def add_rows(
         high = min(count, int(np.ceil(middle + reach + (1.0 if inward < 0 else 3.0))) + 1)
         first += low * stride
         heaviest = weigh_column(
-            first,
-            stride,
-            high - low,
-            axis,
-            inward,
-            crossing,
-            reach,
-            degree,
-            shift,
-            share,
-            node_position,
-            node_mass,
-            c,
-            distance,
-            h,
-        )
+            first, stride, high - low, axis, inward, crossing, reach, degree, side, node_position, node_mass, table, h
+        )  # fmt: skip
         if heaviest > 0.0:
-            light = LIGHT * min(cell_mass, 4.0 * heaviest)
+            light, oblique = LIGHT * min(cell_mass, 4.0 * heaviest), len(side.shift) > 1
             rows = add_column(
-                rows,
-                first,
-                stride,
-                high - low,
-                inward,
-                reach,
-                oblique,
-                alone,
-                light,
-                node_mass,
-                c,
-                distance,
-                row,
-                nodes,
-                weights,
-                target,
+                rows, first, stride, high - low, inward, reach, oblique, alone, light, node_mass, table
             )
     return rows
 
 
 @kernel
 def meet(
-    rows: int,
-    row: Ints,
-    nodes: Ints,
-    weights: Floats,
-    target: Floats,
-    side: Ints,
-    compliance: Floats,
-    directions: Floats,
-    velocity: Floats,
-    passes: int,
-    agreed: float,
-    node_mass: Floats,
-    node_momentum: Floats,
-    spacing: tuple[float, ...],
-) -> int:
+    rows: int, table: SideTable, directions: Floats, velocity: Floats, passes: int, agreed: float, node_mass: Floats,
+    node_momentum: Floats, spacing: tuple[float, ...],
+) -> int:  # fmt: skip
     """Give every row in turn the impulse that meets it, again and again until all are met; return the number of passes.
 
     (m v)_k += λ A_rk e with λ = (V − Σ A_rk v_k·e) / Σ (A_rk² / m_k), along each prescribed direction e of the row's side. It is
@@ -314,12 +237,8 @@ def meet(
 
     Parameters
     ----------
-    rows, row, nodes, weights, target
-        The table, as :func:`add_rows` fills it.
-    side
-        Of each row.
-    compliance
-        Scratch, (rows or more,).
+    rows
+        Number of rows in the table.
     directions, velocity
         e, (n_sides, dim, dim), one a row, and V, (n_sides, dim) [m/s]; NaN leaves a component free.
     passes
@@ -328,6 +247,8 @@ def meet(
         Change at the sides [m/s] that ends them.
     """
     dim = len(spacing)
+    row, nodes, weights, target, side = table.row, table.nodes, table.weights, table.target, table.side
+    compliance = table.compliance
     for r in range(rows):
         compliance[r] = 0.0
         for a in range(row[r], row[r + 1]):
