@@ -28,9 +28,9 @@ from typing import ClassVar
 import numpy as np
 
 from mpmfw.contact.detection import Detection
-from mpmfw.contact.joined import ForceContact, ImpulseContact
 from mpmfw.contact.law import ContactLaw, ForceLaw, ImpulseLaw
 from mpmfw.contact.records import PairRecords
+from mpmfw.contact.row_contact import ForceContact, ImpulseContact
 from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.errors import SceneError, SimulationError

@@ -15,7 +15,7 @@ from mpmfw.setup import Setup
 from mpmfw.state import State
 
 if TYPE_CHECKING:
-    from mpmfw.contact.joined import RowContact
+    from mpmfw.contact.row_contact import RowContact
 
 #: Steps per contact below which a free impact gains 18 % of its energy (in the worst phase).
 FEWEST_STEPS = 3

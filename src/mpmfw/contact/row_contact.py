@@ -1,0 +1,257 @@
+"""Contact strategies of a detection and a law: what acts on the grid, the stable step, the records."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+from pydantic import BaseModel
+
+from mpmfw.contact.detection import Detection
+from mpmfw.contact.law import ContactLaw, ForceLaw, ImpulseLaw
+from mpmfw.contact.records import PairRecords
+from mpmfw.contact.rows import ContactRows
+from mpmfw.contact.strategy import ContactStrategy
+from mpmfw.fields import AnyArray, Field, FloatArray
+from mpmfw.hookspecs import hookimpl
+from mpmfw.setup import Setup
+from mpmfw.state import Grid, Pair, Particles, State, Stencil
+
+
+class RowContact(ContactStrategy):
+    """Base of strategies that name a detection and a law; its options are those of both.
+
+    Subclasses are :class:`ForceContact` and :class:`ImpulseContact`, after what the law gives.
+    """
+
+    Detection: ClassVar[type[Detection]]
+    Law: ClassVar[type[ContactLaw]]
+    velocity_fields = "per_body"
+    stage = "contact"
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self.detection: Detection = _part(self.Detection, self.options)
+        self.law: Any = _part(self.Law, self.options)
+        self.detection.for_law(needs_gap=self.Law.needs_gap, forces=issubclass(self.Law, ForceLaw))
+        self._parts: list[Any] = self.detection.parts(self)
+        self.surface_map = self.detection.surface_map
+        self.adds_mass = self.detection.adds_mass
+        option = self.Law.softness_option
+        self.softer_by = None if option is None else f"contact.{self.name}.{option}"
+
+    def __init_subclass__(cls, **keywords: Any) -> None:
+        super().__init_subclass__(**keywords)
+        if hasattr(cls, "Detection"):
+            cls.needs_surface = cls.Detection.needs_surface
+            cls.dimensions = cls.Detection.dimensions
+            cls.uses_friction = cls.Law.uses_friction
+
+    def parts(self) -> list[Any]:
+        """Those of the detection."""
+        return self._parts
+
+    def reach(self, cell_size: float) -> float | None:
+        """That of the detection."""
+        return self.detection.reach(cell_size)
+
+    def unused(self, pairs: Sequence[Pair]) -> list[str]:
+        """What the law does not look at."""
+        return self.law.unused(pairs)  # type: ignore[no-any-return]
+
+    @hookimpl
+    def declare_fields(self) -> list[Field]:
+        """The pairs' series, and what detection and law have beside them."""
+        return [*PairRecords.declarations(), *self.law.fields()]
+
+    @hookimpl
+    def setup(self, setup: Setup) -> None:
+        """Detection, law, records, and rows of this step and the last."""
+        self.state, self.friction = setup.state, setup.has_friction
+        self.records = PairRecords(setup, self.name)
+        self.detection.prepare(setup, self.name)
+        self.law.prepare(setup, self.name)
+        own = self.law.row_arrays(friction=setup.has_friction)
+        self.rows, self.old = self.detection.new_rows(own), self.detection.new_rows(own)
+        self.node_sum = np.zeros(0)
+
+    @hookimpl
+    def add_pairs(self, state: State) -> None:
+        """Facts and records of bodies that have come near."""
+        self.detection.list_pairs(state)
+        self.law.list_pairs(state)
+        self.records.add_pairs(state)
+
+    @property
+    def last_rows(self) -> ContactRows:
+        """The rows of the last step, with what acted on them."""
+        return self.rows
+
+    def scratch(self, grid: Grid) -> FloatArray:
+        """A number for every node of the grid, all zero."""
+        if len(self.node_sum) != len(grid.mass):
+            self.node_sum = np.zeros(len(grid.mass))
+        return self.node_sum
+
+    def record(self, scale: float, spacing: tuple[float, ...]) -> None:
+        """Add the rows' forces times ``scale`` [s] to the pairs' impulses, and count the places where they act.
+
+        ``spacing`` is the cell size h, once for each dimension.
+        """
+        self.rows.record(scale, self.records, spacing)
+
+    def restart(self) -> None:
+        """Forget impulse and work of the settling; contacts stay loaded."""
+        self.records.restart()
+        for each in (self.law, *self._parts):
+            if hasattr(each, "restart"):
+                each.restart()
+
+    @hookimpl
+    def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:  # noqa: ARG002
+        """The series, and the detection's output fields."""
+        return {**self.records.series(interval), **self.law.series()}
+
+
+class ForceContact(RowContact):
+    """Forces on rows act beside the internal ones (eq. 12 of [H17]), and the step must resolve them."""
+
+    Law: ClassVar[type[ForceLaw]]
+
+    def monitors(self) -> list[Any]:
+        """Steps per contact and deepest penetration."""
+        from mpmfw.contact.events import ContactEvents
+
+        return [ContactEvents(self)]
+
+    @hookimpl
+    def declare_fields(self) -> list[Field]:
+        """Those, and the detection's output fields."""
+        return [*self.detection.fields(), *super().declare_fields()]
+
+    @hookimpl
+    def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
+        """Those, and the detection's output fields, from the rows of the last step; ``interval`` [s] is since the last output."""
+        return {**self.detection.outputs(self.old), **super().diagnostics(state, interval)}
+
+    @hookimpl
+    def setup(self, setup: Setup) -> None:
+        """As before, and the frequency of the bulk."""
+        super().setup(setup)
+        self.bulk_frequency = setup.bulk_frequency
+        self.omega_squared: float | None = (
+            None  #: of the rows of this step [1/s²]; None before any was detected
+        )
+
+    @hookimpl
+    def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
+        """The rows where the bodies are now, their stiffness, and the highest frequency that they give the grid."""
+        rows, old = self.rows, self.old
+        self.detection.find(grid, phi, particles, rows)
+        self.omega_squared = 0.0
+        if rows.count:
+            rows.match(old)
+            stiffness = self.law.stiffness(rows, old)
+            self.omega_squared = rows.couplings(stiffness, grid, self.scratch(grid), stiffness)
+            if rows.gap[: rows.count].min() > 0.0:
+                # The step in which they touch must not be longer than the next: springs begin with the depth that it leaves,
+                # and with its square the energy that nothing paid for
+                self.omega_squared = max(self.omega_squared, self.law.expected(self.bulk_frequency))
+
+    @hookimpl
+    def add_nodal_force(self, grid: Grid, dt: float) -> None:
+        """The law's forces on the rows, mapped by Bᵀ (eq. 9, 11); ``dt`` [s] is the length of the step."""
+        rows, old = self.rows, self.old
+        if rows.count == 0 and old.count == 0:
+            return
+        period = math.sqrt(self.omega_squared or 0.0) * self.state.dt
+        # c = ζ 2 sqrt(k m) with the mass k / ω² that goes with the highest frequency; per length of the last step
+        dashpot = 2.0 * self.law.damping / period if period > 0.0 else 0.0
+        self.law.forces(rows, old, dashpot, self.records)
+        rows.add_to(grid.force, grid.spacing)
+        self.record(dt, grid.spacing)
+
+    @hookimpl
+    def advect(self, grid: Grid, dt: float) -> None:
+        """How far every row's sides move in the step of ``dt`` [s]; its rows are the history of the next."""
+        rows = self.rows
+        if "moved" in rows.own.member_names and rows.count:
+            rows.velocity(grid.velocity, dt, rows.own.moved, grid.spacing)
+        self.detection.keep()
+        self.rows, self.old = self.old, rows
+
+    @property
+    def last_rows(self) -> ContactRows:
+        """The rows of the last step, with their forces."""
+        return self.old
+
+    @hookimpl
+    def stable_timestep(self) -> tuple[float, str] | None:
+        """2 / sqrt(ω_bulk² + ω²) [s]: bulk and springs act together. Before the first detection, ω² is that of equal bodies."""
+        omega_squared = self.omega_squared
+        if omega_squared is None:
+            omega_squared = self.law.expected(self.bulk_frequency)
+        if omega_squared == 0.0:
+            return None
+        zeta = self.law.damping
+        # A dashpot that lags by a step takes away from the limit of its spring: 2 (√(1 + ζ²) − ζ) / ω.
+        omega_squared /= (math.sqrt(1.0 + zeta * zeta) - zeta) ** 2
+        return 2.0 / math.sqrt(self.bulk_frequency**2 + omega_squared), f"{self.law.name} springs and bulk"
+
+
+class ImpulseContact(RowContact):
+    """Impulses on rows correct the grid's momentum: the projected and the updated one, and MUSL's second."""
+
+    Law: ClassVar[type[ImpulseLaw]]
+
+    @hookimpl
+    def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
+        """The rows where the bodies are now."""
+        self.detection.find(grid, phi, particles, self.rows)
+        self.scratch(grid)
+
+    @hookimpl
+    def after_momentum_projection(self, grid: Grid) -> None:
+        """Correct the projected momentum."""
+        self._correct(grid, projected=True)
+
+    @hookimpl
+    def after_momentum_update(self, grid: Grid) -> None:
+        """Correct the updated momentum, at the same rows."""
+        self._correct(grid, projected=False)
+
+    @hookimpl
+    def after_second_projection(self, grid: Grid) -> None:
+        """Correct MUSL's second momentum, from which the strain is taken, at the same rows.
+
+        Else bodies that no longer approach are strained as if they did, and what the strain takes up has no work
+        against it. No point moves with this momentum: its impulse and work are in no record.
+        """
+        if self.rows.count:
+            self.law.impulses(self.rows, grid, self.node_sum, None, projected=False)
+            self.rows.add_to(grid.momentum, grid.spacing)
+
+    def _correct(self, grid: Grid, *, projected: bool) -> None:
+        rows, records = self.rows, self.records
+        if rows.count == 0:
+            records.count.fill(0.0)
+            return
+        self.law.impulses(rows, grid, self.node_sum, records.frictional_work, projected=projected)
+        rows.add_to(grid.momentum, grid.spacing)
+        self.record(1.0, grid.spacing)
+
+    @hookimpl
+    def advect(self) -> None:
+        """What was detected is the past."""
+        self.detection.keep()
+
+
+def _part(kind: type[Any], options: BaseModel) -> Any:
+    """A detection or law from the options of the whole: those that were set, and those with a default of the whole's own."""
+    own, whole = kind.Options.model_fields, type(options).model_fields
+    given = [
+        name for name in own if name in options.model_fields_set or whole[name].default != own[name].default
+    ]
+    return kind(**{name: getattr(options, name) for name in given})
