@@ -82,13 +82,10 @@ def reason(case: str, contact: str, shape: str) -> str | None:
     return KNOWN.get((case, contact, shape))
 
 
-COARSE = "the step is coarse for this impact: 1.0055 at the default one, 1.0012 at a half and 1.0008 at a quarter of it"
-
 #: Failures at places that the tests do not visit; only the page of the documentation has them all.
 _ELSEWHERE: dict[tuple[str, str, str], str] = {
     ("stack", "bardenhagen", "cpdi2"): LEANS,
     ("stack", "bardenhagen", "bspline"): LEANS,
-    ("gap-0.9", "penalty", "bspline"): COARSE,
 }
 
 
