@@ -9,6 +9,7 @@ import typer
 
 from mpmfw.cli.arguments import OutputOption
 from mpmfw.cli.errors import check_writable
+from mpmfw.cli.progress import outputs_progress
 from mpmfw.cli.result_files import (
     ArrowsOption,
     BodiesOption,
@@ -17,7 +18,6 @@ from mpmfw.cli.result_files import (
     LimitsOption,
     check_files,
     limits_of,
-    outputs_progress,
 )
 
 

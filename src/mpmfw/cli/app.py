@@ -29,7 +29,7 @@ app = typer.Typer(
     help="Contact algorithms of the Material Point Method, side by side: error, noise and cost.",
     no_args_is_help=True,
     add_completion=False,
-    rich_markup_mode="markdown",
+    rich_markup_mode=None,  # what draws boxes takes longer to import than the help may take
     pretty_exceptions_enable=False,
 )
 
@@ -49,8 +49,8 @@ for command in (
     validate,
     check,
 ):
-    app.command()(exit_status(command))
-
+    first = (command.__doc__ or "").partition("\n\n")[0]  # in the list of commands as a whole, else it is cut
+    app.command(short_help=first)(exit_status(command))
 
 app.add_typer(store)
 
@@ -70,6 +70,6 @@ def _options(
     """Contact algorithms of the Material Point Method, side by side: error, noise and cost."""
 
 
-def main() -> None:
-    """Run the command line; the entry point of the script ``mpmfw``."""
-    app(prog_name="mpmfw")
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line; the entry point of the script ``mpmfw``, which takes the process's own arguments."""
+    app(arguments, prog_name="mpmfw")

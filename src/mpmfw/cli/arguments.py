@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from mpmfw.discovery import Kind
 from mpmfw.errors import SceneError
 
 if TYPE_CHECKING:
+    from mpmfw.discovery import Kind
     from mpmfw.scene import Scene
 
 SceneArgument: TypeAlias = Annotated[

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 
 from mpmfw.errors import SceneError
 
@@ -36,6 +35,8 @@ def benchmark(
     (C++ where a compiler is found). The second steps whole scenes; its ratio is to the plain loop of the scene's shape
     function at the nearest number of points.
     """
+    from rich.console import Console
+
     from mpmfw.benchmark import measure_kernels, measure_scene, table
     from mpmfw.scene import load_scene
 

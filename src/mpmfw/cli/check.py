@@ -10,14 +10,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
-from rich.console import Console
 
 from mpmfw.cli.arguments import assignments
 from mpmfw.cli.tables import print_rows
-from mpmfw.discovery import Kind, available, choices, did_you_mean
 from mpmfw.errors import MpmfwError, SceneError
 
 if TYPE_CHECKING:
+    from mpmfw.discovery import Kind
     from mpmfw.testing import Check, Outcome
 
 #: Kinds of plug-ins that there are checks for.
@@ -110,6 +109,8 @@ def _kind_of(plugin: str, kind: str | None) -> Kind:
     SceneError
         No plug-in or several have the name, or it is a material's.
     """
+    from mpmfw.discovery import available, choices, did_you_mean
+
     if kind == "material":
         raise SceneError("--kind material: there are no checks for materials; expected contact or shape")
     for asked in CHECKED:
@@ -164,6 +165,8 @@ def _table(path: Path) -> dict[str, str]:
 @contextmanager
 def _progress(total: int) -> Iterator[Callable[[Check], None] | None]:
     """Name of the check that runs, on a terminal; nothing in a pipe."""
+    from rich.console import Console
+
     console = Console(stderr=True)
     if not console.is_terminal:
         yield None

@@ -21,7 +21,6 @@ from mpmfw.cli.arguments import (
 )
 from mpmfw.cli.errors import check_apart, check_result, check_writable
 from mpmfw.cli.progress import campaign_progress
-from mpmfw.cli.summary import print_comparison
 
 
 def compare(
@@ -86,6 +85,7 @@ def compare(
     }
     for option, keys in (("--set", shared), ("--vary", varied)):
         check_methods_run(keys, run, option)
+    from mpmfw.cli.summary import print_comparison
     from mpmfw.comparison import compare as run_all
     from mpmfw.report import write_report
 

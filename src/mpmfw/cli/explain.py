@@ -6,8 +6,6 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
-from rich.text import Text
 
 from mpmfw.cli.arguments import ContactOption, SceneArgument, SetOption, ShapeOption, chosen_scene
 from mpmfw.cli.tables import print_rows
@@ -123,6 +121,9 @@ def _print_cost(simulation: Simulation, measure: bool) -> None:
 
 
 def _print_unused(simulation: Simulation) -> None:
+    from rich.console import Console
+    from rich.text import Text
+
     unused = unused_facts(simulation)
     console = Console()
     console.print(Text("Facts of the scene that are not used", style="bold"))

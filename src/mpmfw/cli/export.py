@@ -8,7 +8,8 @@ from typing import Annotated
 import typer
 
 from mpmfw.cli.errors import check_writable
-from mpmfw.cli.result_files import BodiesOption, EveryOption, check_files, outputs_progress
+from mpmfw.cli.progress import outputs_progress
+from mpmfw.cli.result_files import BodiesOption, EveryOption, check_files
 from mpmfw.errors import SceneError
 
 

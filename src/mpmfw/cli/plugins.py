@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
-from importlib.metadata import EntryPoint
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mpmfw.cli.tables import print_rows
-from mpmfw.discovery import KINDS, Kind, available, distribution_of, load
 from mpmfw.errors import SceneError
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+    from mpmfw.discovery import Kind
 
 
 def plugins() -> None:
     """List the installed plug-ins: name, kind, distribution, version and what each is."""
+    from mpmfw.discovery import KINDS, available
+
     print_rows([_row(kind, name, entry) for kind in KINDS for name, entry in available(kind).items()])
 
 
 def _row(kind: Kind, name: str, entry: EntryPoint) -> dict[str, Any]:
+    from mpmfw.discovery import distribution_of, load
+
     version = "" if entry.dist is None else entry.dist.version
     try:
         about = (load(kind, name).__doc__ or "").strip().partition("\n")[0]

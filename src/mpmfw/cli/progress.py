@@ -6,17 +6,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, TypeAlias
 
-from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
-
 if TYPE_CHECKING:
+    from rich.progress import Progress
+
     from mpmfw.campaigns.running import Event
 
 #: Called with the simulated time [s] and the number of steps done.
@@ -27,23 +19,49 @@ PREPARING = "compiling, settling"
 
 
 @contextmanager
-def run_progress(end: float) -> Iterator[RunReport | None]:
-    """Report of one run until ``end`` [s]: steps, simulated time, time left; None without a terminal."""
+def _bar(*columns: str) -> Iterator[Progress | None]:
+    """A bar between columns of text, or those of rich that are named; None without a terminal."""
+    from rich import progress
+    from rich.console import Console
+
     console = Console(stderr=True)
     if not console.is_terminal:
         yield None
         return
+    shown = [getattr(progress, name)() if name.endswith("Column") else name for name in columns]
+    with progress.Progress(*shown, console=console, transient=True) as bar:
+        yield bar
+
+
+@contextmanager
+def run_progress(end: float) -> Iterator[RunReport | None]:
+    """Report of one run until ``end`` [s]: steps, simulated time, time left; None without a terminal."""
+    simulated = "{task.completed:.4g} of {task.total:.4g} s simulated"
     columns = (
-        TextColumn("{task.fields[done]}"),
-        BarColumn(),
-        TextColumn("{task.completed:.4g} of {task.total:.4g} s simulated"),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
+        "{task.fields[done]}",
+        "BarColumn",
+        simulated,
+        "TimeElapsedColumn",
+        "left",
+        "TimeRemainingColumn",
     )
-    with Progress(*columns, console=console, transient=True) as bar:
+    with _bar(*columns) as bar:
+        if bar is None:
+            yield None
+            return
         task = bar.add_task("run", total=end, done=PREPARING)
         yield lambda time, steps: bar.update(task, completed=time, done=f"{steps} steps")
+
+
+@contextmanager
+def outputs_progress(doing: str) -> Iterator[Callable[[int, int], None] | None]:
+    """How many outputs are done; None without a terminal."""
+    with _bar("{task.description}", "BarColumn", "MofNCompleteColumn", "left", "TimeRemainingColumn") as bar:
+        if bar is None:
+            yield None
+            return
+        task = bar.add_task(doing, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
 @contextmanager
@@ -51,13 +69,11 @@ def campaign_progress(
     what: str = "runs",
 ) -> Iterator[tuple[Callable[[Event], None] | None, RunReport | None]]:
     """How many runs of a campaign are done, and how far the one is that runs in this process; None in a pipe."""
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield None, None
-        return
-    columns = (TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("left"))
-    last = (TimeRemainingColumn(), TextColumn("{task.description}"), TextColumn("{task.fields[inner]}"))
-    with Progress(*columns, *last, console=console, transient=True) as bar:
+    counts = (what, "BarColumn", "MofNCompleteColumn", "TimeElapsedColumn", "left", "TimeRemainingColumn")
+    with _bar(*counts, "{task.description}", "{task.fields[inner]}") as bar:
+        if bar is None:
+            yield None, None
+            return
         task = bar.add_task(PREPARING, total=None, inner="")
 
         def tell(event: Event) -> None:

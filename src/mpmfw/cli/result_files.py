@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, TypeAlias
 
 import typer
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from mpmfw.errors import SceneError
 
@@ -74,22 +71,3 @@ def limits_of(text: str | None) -> tuple[float, float] | None:
     if not low < high:
         raise SceneError(f"--limits {text}: expected the lower number first")
     return low, high
-
-
-@contextmanager
-def outputs_progress(doing: str) -> Iterator[Callable[[int, int], None] | None]:
-    """How many outputs are done, on a terminal; None in a pipe."""
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield None
-        return
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task(doing, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)

@@ -6,10 +6,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich import box
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
 from mpmfw.cli.arguments import (
     ContactOption,
@@ -103,16 +99,14 @@ def _numbers(option: str, text: str | None) -> list[float] | None:
 
 def _print(dataset: xr.Dataset) -> None:
     """Largest stable Courant number at every stiffness, beside those of the theory, and one letter for every point."""
+    from rich.console import Console
+    from rich.text import Text
+
+    from mpmfw.cli.tables import plain_table
     from mpmfw.stability.chart import largest_stable
 
     axis, cfl = str(dataset["class"].dims[0]), dataset["cfl"].values
-    table = Table(
-        title=dataset.attrs["title"],
-        title_justify="left",
-        box=box.SIMPLE_HEAD,
-        padding=(0, 1, 0, 0),
-        pad_edge=False,
-    )
+    table = plain_table(dataset.attrs["title"])
     for head in (axis, "largest\nstable", "closed\nform", "Gershgorin\nbound"):
         table.add_column(Text(head), justify="right", no_wrap=True)
     table.add_column(Text("at " + " ".join(f"{value:g}" for value in cfl)))

@@ -8,10 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich import box
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
 from mpmfw.cli.arguments import ForceOption, JobsOption, SchedulerOption, jobs_of
 from mpmfw.cli.errors import check_result
@@ -109,18 +105,15 @@ def _check_apart(study: Study, path: Path) -> None:
 
 def _print(dataset: xr.Dataset) -> None:
     """One line a combination; those without a result say why below the table."""
+    from rich.console import Console
+    from rich.text import Text
+
+    from mpmfw.cli.tables import plain_table
     from mpmfw.studies.conclusion import rows
 
     dims = [str(dim) for dim in dataset["status"].dims]
     found = list(rows(dataset))
-    table = Table(
-        title=dataset.attrs["title"],
-        title_justify="left",
-        box=box.SIMPLE_HEAD,
-        padding=(0, 1, 0, 0),
-        pad_edge=False,
-        show_edge=False,
-    )
+    table = plain_table(dataset.attrs["title"])
     chosen = [name for name in ("scheme", "transfer") if name not in dims and name in dataset]
     for dim in (*dims, *chosen):
         table.add_column(dim.replace("_", " "), overflow="fold")

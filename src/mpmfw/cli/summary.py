@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from rich import box
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
+
+from mpmfw.cli.tables import plain_table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -90,7 +91,7 @@ def _table(
     cells: Sequence[Mapping[str, str]],
     words: Sequence[str],
 ) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
+    table = plain_table()
     for name in (*labels, *columns):
         text = Text("\n".join(part for part in heads[name] if part))
         left = name in labels or name in words

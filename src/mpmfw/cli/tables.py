@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from numbers import Integral
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from rich import box
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
 
 #: Narrowest column that words may be wrapped into.
 LEAST_WRAPPED = 24
@@ -27,6 +26,9 @@ def formatted(value: Any) -> str:
 
 def print_rows(rows: Sequence[Mapping[str, Any]], title: str | None = None) -> None:
     """Print rows as a table, its last column wrapped if need be; one that is still too wide as blocks."""
+    from rich.console import Console
+    from rich.text import Text
+
     console = Console()
     if not rows:
         return
@@ -45,7 +47,26 @@ def print_rows(rows: Sequence[Mapping[str, Any]], title: str | None = None) -> N
         _print_blocks(console, keys, cells)
 
 
+def plain_table(title: str | None = None) -> Table:
+    """A table without columns yet, a line under its heads and nothing around it."""
+    from rich import box
+    from rich.table import Table
+
+    return Table(
+        title=title,
+        title_justify="left",
+        box=box.SIMPLE_HEAD,
+        padding=(0, 1, 0, 0),
+        pad_edge=False,
+        show_edge=False,
+    )
+
+
 def _table(keys: list[str], cells: list[list[str]], numeric: list[bool], wrap_last: bool) -> Table:
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1), pad_edge=False)
     for k, key in enumerate(keys):
         wrapped = wrap_last and k == len(keys) - 1
@@ -59,6 +80,9 @@ def _table(keys: list[str], cells: list[list[str]], numeric: list[bool], wrap_la
 
 def _print_blocks(console: Console, keys: list[str], cells: list[list[str]]) -> None:
     """One block for each row, its first cell as the heading; long text wraps under itself."""
+    from rich.table import Table
+    from rich.text import Text
+
     width = max(len(key) for key in keys)
     for row in cells:
         grid = Table.grid(padding=(0, 2))

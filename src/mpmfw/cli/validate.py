@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
 from mpmfw.cli.arguments import JobsOption, SchedulerOption, jobs_of
 from mpmfw.cli.progress import campaign_progress
@@ -55,6 +54,8 @@ def validate(
     whose results, made by the code of today, lie in the output folder, so that cases may be run one by one. Such a case is
     not run again.
     """
+    from rich.console import Console
+
     from mpmfw.validation import find_cases, run_cases
     from mpmfw.validation.known import departures, read_known_red
     from mpmfw.validation.report import summary, terminal_table, write_csv, write_page
