@@ -11,6 +11,23 @@ STAGES = ("shape", "projection", "force", "contact", "gather", "material", "gap"
 #: ``output`` do not.
 STEP_STAGES = STAGES[:6]
 
+#: Root attributes of a run that are its costs: name, unit, meaning.
+COSTS: tuple[tuple[str, str, str], ...] = (
+    ("steps", "1", "time steps"),
+    ("material_points", "1", "material points"),
+    ("cpu_time", "s", "CPU time of the steps, without compilation, settling, gap diagnostic and output"),
+    ("wall_time", "s", "wall time of the steps"),
+    (
+        "peak_memory",
+        "B",
+        "largest resident memory of a process that did this run alone; NaN where it had done others before",
+    ),
+    ("settle_time", "s", "CPU time of settling"),
+    ("output_time", "s", "CPU time of output"),
+    ("gap_time", "s", "CPU time of the gap diagnostic"),
+    ("compile_time", "s", "time of compilation or of loading compiled code"),
+)
+
 
 class Clock:
     """Attributes time to the stage that is running.

@@ -9,26 +9,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from mpmfw.clock import STAGES
+from mpmfw.clock import COSTS, STAGES
 from mpmfw.fields import AnyArray, FloatArray, IntArray
 from mpmfw.results.resampling import series_at_outputs
-
-#: Root attributes of a run that become variables: name, unit, meaning.
-COSTS: tuple[tuple[str, str, str], ...] = (
-    ("steps", "1", "time steps"),
-    ("material_points", "1", "material points"),
-    ("cpu_time", "s", "CPU time of the steps, without compilation, settling, gap diagnostic and output"),
-    ("wall_time", "s", "wall time of the steps"),
-    (
-        "peak_memory",
-        "B",
-        "largest resident memory of a process that did this run alone; NaN where it had done others before",
-    ),
-    ("settle_time", "s", "CPU time of settling"),
-    ("output_time", "s", "CPU time of output"),
-    ("gap_time", "s", "CPU time of the gap diagnostic"),
-    ("compile_time", "s", "time of compilation or of loading compiled code"),
-)
 
 #: Root attributes of a run that say how it was computed, where ``auto`` leaves that to the shape function.
 STEPPING: tuple[tuple[str, str], ...] = (

@@ -2,8 +2,10 @@
 
 import csv
 import math
+import os
 import signal
 import tomllib
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -11,9 +13,9 @@ from typer.testing import CliRunner
 
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
-from mpmfw.validation import Case, Method, Row, Verdict, find_cases, run_cases
+from mpmfw.validation import Case, Method, Row, Verdict
 from mpmfw.validation.known import KnownRed, departures, read_known_red
-from mpmfw.validation.suite import kept, shipped_suite
+from mpmfw.validation.suite import find_cases, kept, run_cases, shipped_suite
 
 GREEN = """
 from measures import SIX
@@ -23,7 +25,11 @@ def check(case):
 """
 RED = "def check(case): case.gate('six', 8.0, within=(5.0, 7.0), method='by hand')"
 BROKEN = "def check(case):\n    case.show('before', 1.0)\n    raise ZeroDivisionError('no reference')"
-DEADLY = "import os, signal\ndef check(case): os.kill(os.getpid(), signal.SIGKILL)"
+DEADLY = {
+    "killed": "import os, signal\ndef check(case): os.kill(os.getpid(), signal.SIGKILL)",
+    "left": "import os\ndef check(case): os._exit(0)",
+    "segfault": "import ctypes\ndef check(case): ctypes.string_at(0)",
+}
 FIGURE = """
 from mpmfw.plots.style import new_figure
 def check(case):
@@ -241,12 +247,36 @@ def test_a_case_that_is_done_is_not_run_again_unless_forced(suite, tmp_path):
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this platform")
-def test_a_case_that_dies_takes_no_other_with_it(suite, tmp_path):
-    folder = suite(a=GREEN, b=DEADLY, c=GREEN)
-    a, b, c = run_cases(find_cases(folder), tmp_path / "out", jobs=2)
+@pytest.mark.parametrize(("jobs", "how"), [(2, "killed"), (1, "killed"), (1, "left"), (1, "segfault")])
+def test_a_case_that_dies_takes_no_other_with_it(suite, tmp_path, jobs, how):
+    folder, events = suite(a=GREEN, b=DEADLY[how], c=GREEN), []
+    a, b, c = run_cases(find_cases(folder), tmp_path / "out", jobs=jobs)
     assert a.holds
     assert c.holds
     assert "its process ended abruptly" in b.error
+    run_cases(find_cases(folder), tmp_path / "out", jobs=jobs, progress=events.append)
+    assert events[-1].total == 1  # the others are kept, and it is tried again
+
+
+def test_each_case_has_a_process_of_its_own(suite, tmp_path):
+    """What one leaves behind in its process, or an end of it by ``sys.exit``, is no other's business."""
+    leave = "import os, sys\ndef check(case):\n    case.show('process', os.getpid())\n    sys.exit()"
+    a, b = outcomes(suite(a=leave, b=leave), tmp_path)
+    assert len({row.value for one in (a, b) for row in one.rows} | {float(os.getpid())}) == 3
+    assert "SystemExit" in a.error
+
+
+def test_ctrl_c_says_what_is_kept_and_the_same_command_goes_on(suite, tmp_path, monkeypatch):
+    def stop(event):
+        if event.done == 1:
+            raise KeyboardInterrupt
+
+    folder, events = suite(a=GREEN, b=GREEN), []
+    with pytest.raises(KeyboardInterrupt, match=r"runs keeps the 1 runs that were done; the same validation"):
+        outcomes(folder, tmp_path, progress=stop)
+    monkeypatch.setattr("mpmfw.cli.validate.campaign_progress", lambda _: nullcontext((events.append, None)))
+    assert command(folder, tmp_path).exit_code == 0
+    assert events[-1].total == 1
 
 
 def test_the_page_says_what_was_run_and_on_how_many_cores(suite, tmp_path):

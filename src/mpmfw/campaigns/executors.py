@@ -103,36 +103,74 @@ class InProcess:
 
 
 class Pool:
-    """Processes of one thread each, started afresh.
+    """Processes of one thread each, started afresh; one that dies takes nothing with it but what it was doing.
 
     Parameters
     ----------
     jobs
         Processes at a time; None is one for each core that this process may use.
+    fresh
+        Whether each task has a process of its own, else a process goes on with the next one.
     """
 
-    def __init__(self, jobs: int | None = None) -> None:
-        self.jobs = jobs or cores()
+    def __init__(self, jobs: int | None = None, fresh: bool = False) -> None:
+        self.jobs, self.fresh = jobs or cores(), fresh
         self.timing = "exclusive" if self.jobs == 1 else "shared cores"
         self.cores = "one core" if self.jobs == 1 else f"{self.jobs} processes on {cores()} cores"
 
     def outcomes(self, work: Callable[[T], R], tasks: Sequence[T]) -> Iterator[tuple[T, R | None]]:
-        """Do all tasks; those whose process may have died are done again, each alone, before they are given up.
+        """Do all tasks; those whose process died are done again, one at a time, before they are given up.
 
         What cannot leave this process, such as the object of a notebook's class, is done here at the end.
         """
-        waiting = deque(task for task in tasks if _leaves(task))
-        here = [task for task in tasks if not _leaves(task)]
-        suspects: list[T] = []
+        leaving, here, died, dead = (deque[T]() for _ in range(4))
+        for task in tasks:
+            (leaving if _leaves(task) else here).append(task)
         with _one_thread():
-            while waiting:
-                yield from _until_broken(work, waiting, suspects, self.jobs)
-            alone, dead = deque(suspects), list[T]()
-            while alone:
-                yield from _until_broken(work, alone, dead, 1)
-            for task in dead:
-                yield task, None
+            yield from self._done(work, leaving, self.jobs, died)
+            yield from self._done(work, died, 1, dead)
+        for task in dead:
+            yield task, None
         yield from InProcess().outcomes(work, here)
+
+    def _done(
+        self, work: Callable[[T], R], waiting: deque[T], jobs: int, died: deque[T]
+    ) -> Iterator[tuple[T, R]]:
+        """Do the tasks that wait, so many at a time, and add to ``died`` those whose process did."""
+        idle: list[ProcessPoolExecutor] = []
+        under_way: dict[Future[R], tuple[T, ProcessPoolExecutor]] = {}
+        try:
+            while waiting or under_way:
+                while waiting and len(under_way) < jobs:
+                    process = idle.pop() if idle else _process()
+                    try:
+                        under_way[process.submit(work, waiting[0])] = waiting[0], process
+                    except BrokenExecutor:  # it died while nobody needed it
+                        continue
+                    waiting.popleft()
+                done, _ = wait(under_way, return_when=FIRST_COMPLETED)
+                for future in done:
+                    task, process = under_way.pop(future)
+                    if isinstance(future.exception(), BrokenExecutor):
+                        died.append(task)
+                        continue
+                    if self.fresh:
+                        process.shutdown(wait=False)
+                    else:
+                        idle.append(process)
+                    yield task, future.result()
+        finally:
+            for _, process in under_way.values():  # an interruption: nobody would take what they are doing
+                for one in list((getattr(process, "_processes", None) or {}).values()):
+                    one.kill()
+            for process in (*idle, *(process for _, process in under_way.values())):
+                process.shutdown(wait=False, cancel_futures=True)
+
+
+def _process() -> ProcessPoolExecutor:
+    """One process, started afresh, not forked: threads of this process's libraries do not survive a fork."""
+    context = multiprocessing.get_context("spawn")
+    return ProcessPoolExecutor(1, mp_context=context, initializer=_begin_worker)
 
 
 def _leaves(task: Any) -> bool:
@@ -177,38 +215,6 @@ class Futures:
         finally:
             for future in under_way:
                 future.cancel()
-
-
-def _until_broken(
-    work: Callable[[T], R], waiting: deque[T], suspects: list[T], jobs: int
-) -> Iterator[tuple[T, R | None]]:
-    """Do the tasks that wait; if a process dies, all that were under way become suspects."""
-    # Started afresh, not forked: threads of this process's libraries do not survive a fork
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(min(jobs, len(waiting)), mp_context=context, initializer=_begin_worker)
-    under_way: dict[Future[R], T] = {}
-    try:
-        while waiting or under_way:
-            while waiting and len(under_way) < jobs:
-                task = waiting.popleft()
-                try:
-                    under_way[pool.submit(work, task)] = task
-                except BrokenExecutor:
-                    suspects.extend((task, *under_way.values()))
-                    return
-            done, _ = wait(under_way, return_when=FIRST_COMPLETED)
-            for future in done:
-                try:
-                    finished = future.result()
-                except BrokenExecutor:
-                    suspects.extend(under_way.values())
-                    return
-                yield under_way.pop(future), finished
-    finally:
-        if under_way:  # an interruption: nobody would take what they are doing
-            for process in list((getattr(pool, "_processes", None) or {}).values()):
-                process.kill()
-        pool.shutdown(wait=False, cancel_futures=True)
 
 
 def _begin_worker() -> None:

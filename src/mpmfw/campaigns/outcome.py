@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from mpmfw.joining import COSTS as RUN_COSTS
+from mpmfw.clock import COSTS as RUN_COSTS
 
 #: Root attributes of a run that are its costs: name, unit, meaning.
 COSTS: tuple[tuple[str, str, str], ...] = (*RUN_COSTS, ("settle_steps", "1", "time steps of settling"))
@@ -76,3 +76,11 @@ class Outcome:
     values: Mapping[str, Any] = field(default_factory=dict)
     code: Mapping[str, str] = field(default_factory=dict)
     lasting: bool = field(default=True, compare=False)
+
+
+@dataclass(frozen=True)
+class Finished:
+    """What came of a task: its outcome, and the file that it wrote, if any."""
+
+    outcome: Outcome
+    results: bytes | None = None

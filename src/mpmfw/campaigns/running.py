@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from mpmfw.campaigns.executors import Executor, InProcess
-from mpmfw.campaigns.outcome import Cost, Outcome
+from mpmfw.campaigns.outcome import Cost, Finished, Outcome
 from mpmfw.campaigns.store import Store
-from mpmfw.campaigns.work import Finished, Task, run_once, time_once
+from mpmfw.campaigns.work import Task, run_once, time_once
 from mpmfw.errors import Interrupted
 from mpmfw.interruption import interruptible
 

@@ -19,7 +19,7 @@ from typing import Any
 import xarray as xr
 
 from mpmfw.campaigns.machine import Load, processor
-from mpmfw.campaigns.outcome import COSTS, Cost, Outcome
+from mpmfw.campaigns.outcome import COSTS, Cost, Finished, Outcome
 from mpmfw.clock import STEP_STAGES
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.identity import code_of
@@ -66,14 +66,6 @@ class Task:
     timing: str = ""
     apart: bool = False
     force: bool = False
-
-
-@dataclass(frozen=True)
-class Finished:
-    """What came of a task: its outcome, and the file that it wrote, if any."""
-
-    outcome: Outcome
-    results: bytes | None = None
 
 
 def run_once(task: Task, progress: Callable[[float, int], None] | None = None) -> Finished:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from mpmfw.cli.arguments import JobsOption, SchedulerOption, jobs_of
+from mpmfw.cli.arguments import SchedulerOption, jobs_of
 from mpmfw.cli.progress import campaign_progress
 
 #: Terminal width below which the table would be cut.
@@ -42,7 +42,16 @@ def validate(
             metavar="FILE", help="Gates known not to hold (TOML): end with 0 if these and no others are red."
         ),
     ] = None,
-    jobs: JobsOption = None,
+    jobs: Annotated[
+        int | None,
+        typer.Option(
+            "-j",
+            "--jobs",
+            min=1,
+            help="Cases at a time, each in a process of its own; one for each core if left out.",
+            show_default=False,
+        ),
+    ] = None,
     scheduler: SchedulerOption = None,
     force: Annotated[
         bool, typer.Option("--force", help="Run cases again whose results lie in the output folder.")
@@ -56,10 +65,9 @@ def validate(
     """
     from rich.console import Console
 
-    from mpmfw.validation import find_cases, run_cases
     from mpmfw.validation.known import departures, read_known_red
     from mpmfw.validation.report import summary, terminal_table, write_csv, write_page
-    from mpmfw.validation.suite import kept, shipped_suite
+    from mpmfw.validation.suite import find_cases, kept, run_cases, shipped_suite
 
     suite = shipped_suite() if suite is None else suite
     found = find_cases(suite, cases or ())

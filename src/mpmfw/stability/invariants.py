@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.campaigns.outcome import Outcome
-from mpmfw.campaigns.work import Finished
+from mpmfw.campaigns.outcome import Finished, Outcome
 from mpmfw.errors import ResultsWarning, SceneError, SimulationError
 from mpmfw.fields import FloatArray
 from mpmfw.scene import Scene

@@ -6,17 +6,13 @@ defines ``check(case)``, which runs scenes and records rows and figures with the
 
 from mpmfw.validation.case import CLASSICAL, CONTACTS, SHAPES, Case, Method
 from mpmfw.validation.rows import Row, Verdict
-from mpmfw.validation.suite import CaseResult, find_cases, run_cases
 
 __all__ = [
     "CLASSICAL",
     "CONTACTS",
     "SHAPES",
     "Case",
-    "CaseResult",
     "Method",
     "Row",
     "Verdict",
-    "find_cases",
-    "run_cases",
 ]

@@ -1,27 +1,20 @@
-"""Find the cases of a suite and run them, several at a time."""
+"""Find the cases of a suite and run them, each in a process of its own."""
 
 from __future__ import annotations
 
-import importlib.util
-import sys
-import time
-import traceback
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 from mpmfw.campaigns.executors import Pool, executor_of
 from mpmfw.campaigns.outcome import Outcome
 from mpmfw.campaigns.running import Progress, do, resumable
 from mpmfw.campaigns.store import Store
-from mpmfw.campaigns.work import Finished
 from mpmfw.errors import SceneError
 from mpmfw.identity import code_of_plugins, digest, package, sources
-from mpmfw.validation.case import Case
+from mpmfw.validation.checking import CaseTask, check_once
 from mpmfw.validation.rows import Row, Verdict
 
 
@@ -88,20 +81,6 @@ def find_cases(suite: Path, names: Sequence[str] = ()) -> list[Path]:
     return [known[name] for name in names] if names else list(known.values())
 
 
-@dataclass(frozen=True)
-class CaseTask:
-    """One case to run; as :class:`mpmfw.campaigns.work.Task`."""
-
-    key: str
-    name: str
-    folder: Path
-    output: Path
-    quick: bool
-    command: str
-    cores: str
-    code: Mapping[str, str]
-
-
 def run_cases(
     cases: Sequence[Path],
     output: Path,
@@ -113,7 +92,7 @@ def run_cases(
     command: str = "mpmfw.validation.run_cases",
     force: bool = False,
 ) -> list[CaseResult]:
-    """Run cases, each in one process, and save their figures; those that are done, by the code of today, are not run again.
+    """Run cases, each in a process of its own, and save their figures; those that are done, by today's code, are not run again.
 
     Parameters
     ----------
@@ -124,8 +103,8 @@ def run_cases(
     quick
         Run the reduced versions.
     jobs, executor
-        As :func:`mpmfw.campaign` takes them; jobs of None is one process for each core. A process that dies takes no other
-        case with it, but with jobs of 1, where it is this one.
+        As :func:`mpmfw.campaign` takes them, but that no case runs in this process: one that brings down its own takes no
+        other with it.
     progress
         Called with an :class:`mpmfw.campaigns.running.Event` after each case.
     command
@@ -139,7 +118,7 @@ def run_cases(
         In the order of ``cases``.
     """
     output.mkdir(parents=True, exist_ok=True)
-    runner = executor_of(executor, jobs) if executor is not None or jobs == 1 else Pool(jobs)
+    runner = executor_of(executor, jobs) if executor is not None else Pool(jobs, fresh=True)
     store, code = Store(output / "runs"), code_of_plugins()
     tasks = {
         folder: CaseTask(_key(folder, quick), folder.name, folder, output, quick, command, runner.cores, code)
@@ -149,7 +128,7 @@ def run_cases(
         if force or not _drawn(store, task.key, output):
             store.forget(task.key)
     with resumable(store, "validation"):
-        do(case_once, tasks.values(), store, runner, progress)
+        do(check_once, tasks.values(), store, runner, progress)
     return [_result(folder, output, store.outcome(tasks[folder].key)) for folder in cases]
 
 
@@ -176,21 +155,6 @@ def _key(folder: Path, quick: bool) -> str:
     return digest(folder.name, str(quick), sources([*inner, *shared]), package("mpmfw"), *parts)
 
 
-def case_once(task: CaseTask) -> Finished:
-    """Run a case and return its rows."""
-    found = run_case(task.folder, task.output, task.quick)
-    values = {
-        "rows": [asdict(row) for row in found.rows],
-        "figures": [figure.name for figure in found.figures],
-        "error": found.error,
-        "seconds": found.seconds,
-        "command": task.command,
-        "cores": task.cores,
-    }
-    status = "ok" if found.holds else "failed: it went wrong" if found.error else "failed: a gate is red"
-    return Finished(Outcome(task.key, status, task.name, values=values, code=task.code))
-
-
 def _result(folder: Path, output: Path, outcome: Outcome | None) -> CaseResult:
     if outcome is None or not outcome.values:
         error = "it was not run" if outcome is None else outcome.status
@@ -212,43 +176,3 @@ def _cost(folder: Path) -> float:
         if line.startswith("# cost:"):
             return float(line.removeprefix("# cost:").split()[0])
     return 10.0
-
-
-def run_case(folder: Path, output: Path, quick: bool = False) -> CaseResult:
-    """Run the ``check`` of one case and save its figures; an error in it is part of the outcome."""
-    start = time.perf_counter()
-    case, error = Case(folder, quick), ""
-    try:
-        with _loaded(folder) as module:
-            module.check(case)
-        figures = []
-        for name, figure in case.figures.items():
-            path = output / f"{name}.png"
-            figure.savefig(path)
-            figures.append(path)
-    except Exception:
-        error, figures = traceback.format_exc(), []
-    return CaseResult(folder, tuple(case.rows), tuple(figures), error, time.perf_counter() - start)
-
-
-@contextmanager
-def _loaded(folder: Path) -> Iterator[ModuleType]:
-    """Import ``check.py`` with its folder and the suite's on the path; afterwards both are forgotten, so that
-    cases may name their modules alike."""
-    folder = folder.resolve()
-    before, path = set(sys.modules), list(sys.path)
-    sys.path[:0] = [str(folder), str(folder.parent)]
-    spec = importlib.util.spec_from_file_location("check", folder / "check.py")
-    if spec is None or spec.loader is None:
-        raise SceneError(f"{folder / 'check.py'} cannot be imported")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["check"] = module  # dataclasses look their module up
-    try:
-        spec.loader.exec_module(module)
-        yield module
-    finally:
-        sys.path[:] = path
-        for name in set(sys.modules) - before:
-            origin = getattr(sys.modules[name], "__file__", None)
-            if name == "check" or (origin and Path(origin).is_relative_to(folder.parent)):
-                del sys.modules[name]
