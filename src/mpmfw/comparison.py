@@ -9,10 +9,11 @@ from typing import Any
 
 import xarray as xr
 
-from mpmfw.campaigns.campaign import campaign, store_of
+from mpmfw.campaigns.campaign import campaign
 from mpmfw.campaigns.grid import label_of
 from mpmfw.campaigns.measures import About, exact_of, known_measures, measure_of
 from mpmfw.campaigns.running import Progress, Repeats
+from mpmfw.campaigns.store import store_of
 from mpmfw.discovery import Kind
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.references import reference_of

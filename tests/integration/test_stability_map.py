@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -9,13 +11,16 @@ from typer.testing import CliRunner
 
 from contact_scenes import impact
 from mpmfw import open as open_results
-from mpmfw.api import SceneError
+from mpmfw.api import SceneError, hookimpl
+from mpmfw.campaigns.executors import Pool
 from mpmfw.cli.app import app
 from mpmfw.discovery import load
+from mpmfw.errors import ResultsWarning
 from mpmfw.plots import figures_of, plot_file
 from mpmfw.scene.toml_text import toml_text
 from mpmfw.stability import CLASSES, probe, stability_map
 from mpmfw.stability.chart import CFL, KAPPA, largest_stable
+from mpmfw_contact.penalty import Penalty
 
 #: Steps at a Courant number of 0.2 after which the blocks have parted.
 REBOUND = 200
@@ -198,6 +203,34 @@ def test_an_object_and_a_subclass_have_their_kappa(chart):
     made = stability_map(blocks(), law(), kappa=[0.5, 4.0], cfl=[0.2, 0.6], steps=60)
     xr.testing.assert_equal(made.drop_attrs(), chart.drop_attrs())
     assert made.attrs["contact"] == "mypenalty"
+
+
+class Deadly(Penalty):
+    """A law whose stiff form brings down its process, or raises an error that no law should raise."""
+
+    @hookimpl
+    def add_nodal_force(self):
+        if self.options.kappa == 4.0:
+            os._exit(1)
+        if self.options.kappa == 2.0:
+            raise TypeError("a stranger's mistake")
+
+
+@pytest.mark.filterwarnings("default::mpmfw.errors.ResultsWarning")
+def test_a_run_that_dies_loses_only_itself(tmp_path):
+    request = {"kappa": [0.5, 2.0, 4.0], "cfl": [0.2], "steps": 5, "output": tmp_path / "map.nc"}
+    with pytest.warns(ResultsWarning) as told:
+        made = stability_map(blocks(), Deadly(), executor=Pool(1), **request)
+    said = sorted(str(one.message) for one in told if one.category is ResultsWarning)
+    assert "TypeError: a stranger's mistake (test_stability_map.py, line " in said[0]
+    assert said[1] == "kappa 4, cfl 0.2: failed: its process ended abruptly, perhaps for want of memory"
+    assert made["class"].values.ravel().tolist() == [
+        CLASSES.index("no contact"),
+        -1,
+        -1,
+    ]  # what died did not diverge
+    assert len(list((tmp_path / "map.nc.runs").glob("*.json"))) == 2  # the third is tried again
+    assert [p.stat().st_size > 5000 for p in plot_file(tmp_path / "map.nc")] == [True]
 
 
 def test_a_file_that_is_no_map_is_not_replaced(tmp_path):

@@ -6,20 +6,18 @@ import os
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
 from mpmfw.campaigns.costs import LOAD, REPEATS, conditions, costs_of, spread_of
 from mpmfw.campaigns.executors import Executor, InProcess, executor_of
-from mpmfw.campaigns.grid import Grid, Index, make_grid
+from mpmfw.campaigns.grid import Grid, Index, is_strange, make_grid
 from mpmfw.campaigns.judging import judge_all
 from mpmfw.campaigns.outcome import COSTS, Outcome
 from mpmfw.campaigns.running import Event, Progress, Repeats, complete, resumable
 from mpmfw.campaigns.store import Store
 from mpmfw.campaigns.work import Task
-from mpmfw.discovery import available, choices, distribution_of
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.joining import join
 
@@ -120,15 +118,7 @@ def campaign(
 def _equipped(task: Task, here: bool, force: bool) -> Task:
     """The task with what this request adds; a stranger's code gets a process of its own where it would run in this one."""
     named = task.contact is None and task.shape is None
-    return replace(task, apart=here and named and _is_strange(task), force=force)
-
-
-def _is_strange(task: Task) -> bool:
-    """Whether a plug-in that is not mpmfw's own runs, which may bring down its process."""
-    contact = task.scene.contact
-    entries = [available("shape").get(task.scene.shape.method)]
-    entries += [choices("contact").get(contact.method)] if contact is not None else []
-    return any(entry is not None and distribution_of(entry) != "mpmfw" for entry in entries)
+    return replace(task, apart=here and named and is_strange(task.scene), force=force)
 
 
 def dataset_of(grid: Grid, store: Store, executor: Executor) -> xr.Dataset:
@@ -161,8 +151,3 @@ def dataset_of(grid: Grid, store: Store, executor: Executor) -> xr.Dataset:
         )
         .assign_attrs(conditions(costs, executor.cores))
     )
-
-
-def store_of(output: str | os.PathLike[str] | None) -> Path | None:
-    """The folder of finished runs beside an output."""
-    return None if output is None else Path(f"{os.fspath(output)}.runs")

@@ -18,7 +18,7 @@ from mpmfw.campaigns.keys import (
     written_alike,
 )
 from mpmfw.campaigns.work import Task
-from mpmfw.discovery import load
+from mpmfw.discovery import available, choices, distribution_of, load
 from mpmfw.errors import SceneError
 from mpmfw.identity import code_of, key_of
 from mpmfw.scene import Scene, load_scene
@@ -43,6 +43,8 @@ class Combination:
         Why it is refused, as the scene says it.
     contact, shape
         Strategy objects in place of the scene's methods.
+    what
+        What is done with the scene, where it is not simply run.
     """
 
     labels: Mapping[str, Any]
@@ -50,6 +52,7 @@ class Combination:
     refusal: str = ""
     contact: Any = None
     shape: Any = None
+    what: str = ""
 
     @property
     def name(self) -> str:
@@ -67,7 +70,7 @@ class Combination:
     @functools.cached_property
     def key(self) -> str:
         """Of its run; empty if it is refused."""
-        return "" if self.scene is None else key_of(self.scene, self.contact, self.shape)
+        return "" if self.scene is None else key_of(self.scene, self.contact, self.shape, self.what)
 
     @property
     def why(self) -> str:
@@ -109,6 +112,14 @@ def _task(one: Combination) -> Task:
     assert one.scene is not None
     code = code_of(one.scene, one.contact, one.shape)
     return Task(one.key, one.name, one.scene, one.contact, one.shape, code)
+
+
+def is_strange(scene: Scene) -> bool:
+    """Whether a plug-in that is not mpmfw's own runs, which may bring down its process."""
+    contact = scene.contact
+    entries = [available("shape").get(scene.shape.method)]
+    entries += [choices("contact").get(contact.method)] if contact is not None else []
+    return any(entry is not None and distribution_of(entry) != "mpmfw" for entry in entries)
 
 
 def make_grid(

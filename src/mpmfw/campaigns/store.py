@@ -144,3 +144,8 @@ class Store:
             with contextlib.suppress(OSError):
                 growing.unlink()
             raise MpmfwError(f"cannot write '{path}': {error.strerror or error}") from error
+
+
+def store_of(output: str | os.PathLike[str] | None) -> Path | None:
+    """The folder of finished runs beside an output; none without."""
+    return None if output is None else Path(f"{os.fspath(output)}.runs")

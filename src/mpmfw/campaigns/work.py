@@ -8,7 +8,6 @@ import logging
 import math
 import tempfile
 import threading
-import traceback
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -18,6 +17,7 @@ from typing import Any
 
 import xarray as xr
 
+from mpmfw.blame import cause
 from mpmfw.campaigns.machine import Load, processor
 from mpmfw.campaigns.outcome import COSTS, Cost, Finished, Outcome
 from mpmfw.clock import STEP_STAGES
@@ -134,9 +134,7 @@ def _try(
         BaseException
     ) as error:  # a stranger's method may raise anything; it may have been the machine as well
         _log.exception("%s failed", task.name)
-        where = traceback.extract_tb(error.__traceback__)[-1]
-        said = f"{type(error).__name__}: {error} ({Path(where.filename).name}, line {where.lineno})"
-        return f"failed: {said}", False, None, None
+        return f"failed: {cause(error)}", False, None, None
     cost = _cost(tree, task.timing, load.others(), first)
     return str(tree.attrs.get("status", "ok")), True, tree, cost
 

@@ -110,14 +110,13 @@ def _print(dataset: xr.Dataset) -> None:
     for head in (axis, "largest\nstable", "closed\nform", "Gershgorin\nbound"):
         table.add_column(Text(head), justify="right", no_wrap=True)
     table.add_column(Text("at " + " ".join(f"{value:g}" for value in cfl)))
-    held, letters = largest_stable(dataset), dataset.attrs["classes"].split(", ")
+    held = largest_stable(dataset)
+    letters = [name[0].upper() for name in dataset.attrs["classes"].split(", ")] + ["?"]  # -1 is not known
     for k, value in enumerate(dataset[axis].values):
         row = dataset.isel({axis: k})
         said = [f"{value:g}", "–" if held[k] != held[k] else f"{held[k]:g}"]
         said += [f"{float(row[name]):.3g}" for name in ("closed_form", "limit")]
-        marks = " ".join(
-            letters[int(c)][0].upper().ljust(len(f"{v:g}")) for c, v in zip(row["class"], cfl, strict=True)
-        )
+        marks = " ".join(letters[int(c)].ljust(len(f"{v:g}")) for c, v in zip(row["class"], cfl, strict=True))
         table.add_row(*map(Text, said), Text("   " + marks))
     Console().print(table)
     typer.echo("N no contact, S stable, B bounded, D diverged: " + dataset.attrs["bounds"])

@@ -48,7 +48,7 @@ def stability_chart(dataset: xr.Dataset) -> Figure:
     axes.pcolormesh(
         _edges(x),
         _edges(y),
-        dataset["class"].sortby([axis, "cfl"]).transpose("cfl", axis).values,
+        np.ma.masked_less(dataset["class"].sortby([axis, "cfl"]).transpose("cfl", axis).values, 0),
         cmap=ListedColormap(COLOURS),
         norm=BoundaryNorm(np.arange(len(COLOURS) + 1) - 0.5, len(COLOURS)),
         edgecolors="white",

@@ -3,29 +3,32 @@
 from __future__ import annotations
 
 import copy
+import functools
 import itertools
 import math
 import os
+import warnings
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from mpmfw._version import __version__
-from mpmfw.campaigns.executors import executor_of
-from mpmfw.campaigns.grid import with_option
+from mpmfw.campaigns.executors import InProcess, Pool, executor_of
+from mpmfw.campaigns.grid import Combination, Grid, Index, is_strange, make_grid
 from mpmfw.campaigns.running import Progress, do, resumable
-from mpmfw.campaigns.store import Store
+from mpmfw.campaigns.store import Store, store_of
 from mpmfw.discovery import load
-from mpmfw.errors import SceneError
+from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.fields import FloatArray
-from mpmfw.identity import code_of, key_of, package
+from mpmfw.identity import package
 from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene import Scene, load_scene, located
 from mpmfw.scene.specification import specification_of
 from mpmfw.simulation import Simulation, chosen_methods
-from mpmfw.stability.invariants import Invariants, Probe, probe_once
+from mpmfw.stability.invariants import Invariants, probe_once
 from mpmfw.stability.ratio import stiffness_ratio
 from mpmfw.stability.request import Axis, axis_of, check_overrides, check_values
 
@@ -100,93 +103,108 @@ def stability_map(
         Ctrl-C or SIGTERM; the points that are done are kept.
     """
     loaded = load_scene(scene, set={**(set or {}), **chosen_methods(contact, shape)})
-    objects = {
-        kind: one
-        for kind, one in (("contact", contact), ("shape", shape))
-        if one is not None and not isinstance(one, str)
-    }
+    chosen = {"contact": contact, "shape": shape}
+    objects = {kind: one for kind, one in chosen.items() if one is not None and not isinstance(one, str)}
     axis = axis_of(loaded, objects.get("contact"), kappa, ratio)
     values: Sequence[float] = (KAPPA if kappa is None else kappa) if ratio is None else ratio
     check_values(values, cfl, steps)
     check_overrides(loaded, axis)
     if output is not None:
         check_replaceable(output, "stability", "map of stability")
-    points = [_at(loaded, objects, axis, value) for value in values]
-    ticks, closed = np.array([_theory(*point) for point in points]).T
-    tasks = {
-        (i, j): _task(*points[i], courant * float(ticks[i]), steps, f"{axis} {value:g}, cfl {courant:g}")
-        for (i, value), (j, courant) in itertools.product(enumerate(values), enumerate(cfl))
-    }
-    runs = Store(store if store is not None else None if output is None else f"{os.fspath(output)}.runs")
+    points = _points(loaded, objects, axis, values)
+    ticks, closed = np.array([_theory(point) for point in points]).T
+    grid = _grid(points, ticks, axis, values, cfl, steps)
+    runs = Store(store if store is not None else store_of(output))
+    runner = executor_of(executor, None if executor is not None else jobs)
+    if isinstance(runner, InProcess) and is_strange(loaded):
+        runner = Pool(1)
     with resumable(runs, "map of stability"):
-        do(
-            probe_once,
-            tasks.values(),
-            runs,
-            executor_of(executor, None if executor is not None else jobs),
-            progress,
-        )
-    found = {index: _found(runs, task) for index, task in tasks.items()}
+        do(functools.partial(probe_once, steps=steps), grid.tasks().values(), runs, runner, progress)
+    found = {index: _found(runs, one) for index, one in grid.combinations.items()}
     least = int(np.argmin(cfl))
     limits = np.array([found[i, least].limit for i in range(len(values))]) / ticks
-    dataset = _dataset(loaded, axis, values, cfl, steps, found, (limits, closed))
-    dataset.attrs |= {kind: _without(one, axis) for kind, one in objects.items()}
+    dataset = _dataset(grid, found, {"limit": limits, "closed_form": closed})
+    dataset.attrs = _attributes(loaded, objects, steps, axis)
     if output is not None:
         replace_dataset(dataset, output)
     return dataset
 
 
-def _at(
-    scene: Scene, objects: Mapping[str, Any], axis: Axis, value: float
-) -> tuple[Scene, Mapping[str, Any]]:
-    """The scene and the strategy objects at one stiffness."""
-    if axis == "kappa" and "contact" in objects:
-        return _scene_at(scene, {}), {**objects, "contact": with_option(objects["contact"], "kappa", value)}
-    if axis == "ratio":
-        return _scene_at(scene, stiffness_ratio(scene, value)), objects
-    assert scene.contact is not None
-    return _scene_at(scene, {f"contact.{scene.contact.method}.kappa": value}), objects
+def _points(
+    scene: Scene, objects: Mapping[str, Any], axis: Axis, values: Sequence[float]
+) -> list[Combination]:
+    """The scene and the strategy objects at each stiffness, allowed to go past the limit; a safety factor of its own gives way.
+
+    Raises
+    ------
+    SceneError
+        A stiffness is refused.
+    """
+    time = {"end": scene.time.end, "output_interval": scene.time.output_interval}
+    base = scene.with_overrides({"allow_unstable": True, "time": time})
+    vary: dict[str, list[Any]] = {kind: [one] for kind, one in objects.items()}
+    scenes = {"": base}
+    if axis == "kappa":
+        vary["kappa"] = [*values]
+    else:
+        scenes = {str(value): base.with_overrides(stiffness_ratio(base, value)) for value in values}
+    points = list(make_grid(scenes, vary, {}).combinations.values())
+    refused = next((point for point in points if point.scene is None), None)
+    if refused is not None:
+        raise SceneError(refused.refusal)
+    return points
 
 
-def _task(scene: Scene, objects: Mapping[str, Any], step: float, steps: int, name: str) -> Probe:
-    """The probe of one point; the code that judges it is part of what it is."""
-    fixed = scene.with_overrides({"time.step": step})
-    key = key_of(fixed, **objects, what=f"{steps} steps judged by {package('mpmfw.stability')}")
-    return Probe(key, name, fixed, steps, **objects, code=code_of(fixed, **objects))
+def _grid(
+    points: Sequence[Combination],
+    ticks: FloatArray,
+    axis: Axis,
+    values: Sequence[float],
+    cfl: Sequence[float],
+    steps: int,
+) -> Grid:
+    """All points at all Courant numbers of a step of fixed length; the code that judges a run is part of what it is."""
+    what = f"{steps} steps judged by {package('mpmfw.stability')}"
+    combinations: dict[Index, Combination] = {}
+    for (i, value), (j, courant) in itertools.product(enumerate(values), enumerate(cfl)):
+        scene = points[i].scene
+        assert scene is not None
+        fixed = scene.with_overrides({"time.step": courant * float(ticks[i])})
+        combinations[i, j] = replace(
+            points[i], labels={axis: f"{value:g}", "cfl": f"{courant:g}"}, scene=fixed, what=what
+        )
+    return Grid({axis: [*values], "cfl": [*cfl]}, {axis: axis, "cfl": "time.step"}, combinations)
 
 
-def _found(runs: Store, task: Probe) -> Invariants:
-    """What came of a point.
+def _found(runs: Store, one: Combination) -> Invariants:
+    """What came of a run; of one that died, or whose method raised an error, nothing is known but that.
 
     Raises
     ------
     SceneError
         It is refused.
     """
-    outcome = runs.outcome(task.key)
-    if outcome is None or not outcome.values:  # its process died
-        return Invariants("failed", "" if outcome is None else outcome.status)
-    found = Invariants(**outcome.values)
+    outcome = runs.outcome(one.key)
+    if outcome is not None and outcome.values:
+        found = Invariants(**outcome.values)
+    else:
+        found = Invariants("broken", "it was not run" if outcome is None else outcome.status)
     if found.status == "refused":
         raise SceneError(found.message)
+    if found.status == "broken":
+        warnings.warn(f"{one.name}: {found.message}", ResultsWarning, stacklevel=3)
     return found
 
 
-def _without(plugin: Any, axis: str) -> str:
-    """Name and options of a strategy object, but for what the map varies."""
-    given = plugin.options.model_fields_set - {axis}
-    return specification_of(plugin.name, {key: getattr(plugin.options, key) for key in given})
-
-
-def _scene_at(scene: Scene, changes: Mapping[str, Any]) -> Scene:
-    """The scene with changes, allowed to go past its limit; a safety factor of its own gives way."""
-    time = {"end": scene.time.end, "output_interval": scene.time.output_interval}
-    return scene.with_overrides({**changes, "allow_unstable": True, "time": time})
-
-
-def _theory(scene: Scene, objects: Mapping[str, Any]) -> tuple[float, float]:
+def _theory(point: Combination) -> tuple[float, float]:
     """h / c of the fastest body [s], and the Courant number of the closed form."""
-    simulation = _simulation(scene, objects)
+    assert point.scene is not None
+    try:
+        simulation = Simulation(
+            point.scene, contact=copy.deepcopy(point.contact), shape=copy.deepcopy(point.shape)
+        )
+    except SceneError as error:
+        raise located(error, point.scene) from error
     bulk, bodies = simulation.limits()[0][0], simulation.state.bodies
     kappa = getattr(getattr(simulation.contact, "options", None), "kappa", 0.0)
     # ω² = 2 κ M (1/ρ_1 + 1/ρ_2) / h², ω_bulk = 2 c / h
@@ -197,26 +215,24 @@ def _theory(scene: Scene, objects: Mapping[str, Any]) -> tuple[float, float]:
     return bulk, 1.0 / math.sqrt(1.0 + kappa * softness / fastest**2)
 
 
-def _simulation(scene: Scene, objects: Mapping[str, Any]) -> Simulation:
-    try:
-        return Simulation(scene, **copy.deepcopy(dict(objects)))
-    except SceneError as error:
-        raise located(error, scene) from error
-
-
-_AXES = {
+#: Variables and coordinates: what they mean. All are numbers without a unit.
+_MEANINGS = {
     "kappa": "stiffness factor of the contact springs",
     "ratio": "stiffness of the second body over that of the first",
+    "cfl": "Courant number of the fixed step",
+    "class": "index into the attribute classes; -1 of a run that died",
+    "energy": "largest energy plus dissipation over the energy at the start",
+    "steps_per_contact": "fewest steps that a contact lasted",
+    "steps": "steps that were run",
+    "limit": "Courant number of the least limit met at the smallest step (Gershgorin's bound of springs and bulk)",
+    "closed_form": "Courant number of the closed form of two bodies in line",
 }
 
 
-def _said(meaning: str) -> dict[str, str]:
-    """Attributes of a variable; all are numbers without a unit."""
-    return {"units": "1", "long_name": meaning}
-
-
 def classed(found: Invariants) -> int:
-    """Index into :data:`CLASSES` of a run."""
+    """Index into :data:`CLASSES` of a run; -1 of one that is broken."""
+    if found.status == "broken":
+        return -1
     if found.status == "failed" or not found.energy <= BOUNDED:
         return 3
     if not found.touched:
@@ -224,48 +240,34 @@ def classed(found: Invariants) -> int:
     return 1 if found.energy <= STABLE else 2
 
 
-def _dataset(
-    scene: Scene,
-    axis: str,
-    values: Sequence[float],
-    cfl: Sequence[float],
-    steps: int,
-    found: Mapping[tuple[int, int], Invariants],
-    limits: Sequence[FloatArray],
-) -> xr.Dataset:
-    def table(pick: Callable[[Invariants], float], kind: type = float) -> Any:
-        return np.array([[pick(found[i, j]) for j in range(len(cfl))] for i in range(len(values))], kind)
-
-    picks: dict[str, tuple[Callable[[Invariants], float], type, str]] = {
-        "class": (classed, int, "index into the attribute classes"),
-        "energy": (lambda o: o.energy, float, "largest energy plus dissipation over the energy at the start"),
-        "steps_per_contact": (lambda o: o.contact_steps, float, "fewest steps that a contact lasted"),
-        "steps": (lambda o: o.steps, int, "steps that were run"),
+def _dataset(grid: Grid, found: Mapping[Index, Invariants], lines: Mapping[str, FloatArray]) -> xr.Dataset:
+    axis, shape = next(iter(grid.coords)), tuple(len(labels) for labels in grid.coords.values())
+    picks: dict[str, tuple[Callable[[Invariants], float], type]] = {
+        "class": (classed, int),
+        "energy": (lambda one: one.energy, float),
+        "steps_per_contact": (lambda one: one.contact_steps, float),
+        "steps": (lambda one: one.steps, int),
     }
-    lines = {
-        "limit": "Courant number of the least limit met at the smallest step (Gershgorin's bound of springs and bulk)",
-        "closed_form": "Courant number of the closed form of two bodies in line",
+    tables: dict[str, Any] = {
+        name: ((axis, "cfl"), np.array([pick(one) for one in found.values()], kind).reshape(shape))
+        for name, (pick, kind) in picks.items()
     }
-    dataset = xr.Dataset(
-        {
-            **{n: ((axis, "cfl"), table(pick, kind), _said(text)) for n, (pick, kind, text) in picks.items()},
-            **{n: (axis, line, _said(text)) for (n, text), line in zip(lines.items(), limits, strict=True)},
-        },
-        {
-            axis: (axis, list(values), _said(_AXES[axis])),
-            "cfl": ("cfl", list(cfl), _said("Courant number of the fixed step")),
-        },
-    )
-    dataset.attrs = _attributes(scene, steps, axis)
+    dataset = xr.Dataset({**tables, **{name: (axis, line) for name, line in lines.items()}}, grid.coords)
+    for name in dataset.variables:
+        dataset[name].attrs = {"units": "1", "long_name": _MEANINGS[str(name)]}
     return dataset
 
 
-def _attributes(scene: Scene, steps: int, axis: str) -> dict[str, Any]:
+def _attributes(scene: Scene, objects: Mapping[str, Any], steps: int, axis: str) -> dict[str, Any]:
+    tables = {"contact": scene.contact, "shape": scene.shape}
+    named = {
+        kind: "" if table is None else _named(table.method, table, axis) for kind, table in tables.items()
+    }
     return {
         "kind": "stability",
         "title": scene.title or scene.name,
-        "contact": "" if scene.contact is None else _named(scene.contact, axis),
-        "shape": _named(scene.shape, axis),
+        **named,
+        **{kind: _named(one.name, one, axis) for kind, one in objects.items()},
         "classes": ", ".join(CLASSES),
         "courant": float(load("shape", scene.shape.method).courant),
         "bounds": f"stable up to {STABLE}, bounded up to {BOUNDED} of the energy at the start",
@@ -275,11 +277,11 @@ def _attributes(scene: Scene, steps: int, axis: str) -> dict[str, Any]:
     }
 
 
-def _named(table: Any, axis: str) -> str:
-    """A method with the options that the scene sets, but for what the map varies."""
-    options = table.options
+def _named(name: str, holder: Any, axis: str) -> str:
+    """A method with the options that are set, but for what the map varies."""
+    options = holder.options
     given = set() if options is None else options.model_fields_set - {axis}
-    return specification_of(table.method, {key: getattr(options, key) for key in given})
+    return specification_of(name, {key: getattr(options, key) for key in given})
 
 
 def largest_stable(dataset: xr.Dataset) -> FloatArray:

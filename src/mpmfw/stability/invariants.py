@@ -6,15 +6,17 @@ import copy
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
+from mpmfw.blame import cause
 from mpmfw.campaigns.outcome import Finished, Outcome
-from mpmfw.errors import ResultsWarning, SceneError, SimulationError
+from mpmfw.campaigns.work import Task
+from mpmfw.errors import PluginError, ResultsWarning, SceneError, SimulationError
 from mpmfw.fields import FloatArray
-from mpmfw.scene import Scene
+from mpmfw.scene import load_scene
 from mpmfw.simulation import Simulation
 from mpmfw.stability.record import Hopeless, Record
 from mpmfw.state import State
@@ -30,6 +32,10 @@ OUTPUT = {
 }
 
 
+#: What numbers that run away end in; another error of a method is its mistake.
+_RUN_AWAY = (ArithmeticError, ValueError, np.linalg.LinAlgError)
+
+
 @dataclass(frozen=True)
 class Invariants:
     """What became of a run.
@@ -37,9 +43,9 @@ class Invariants:
     Attributes
     ----------
     status
-        ``ok``, ``refused`` or ``failed``.
+        ``ok``, ``refused``, ``failed`` if numbers ran away, ``broken`` if a method raised an error or its process died.
     message
-        Why it was refused or failed.
+        Why it is not ``ok``.
     steps
         Steps taken after time zero.
     time
@@ -107,8 +113,6 @@ def probe(
     """
     with _quiet():
         try:
-            from mpmfw.scene import load_scene
-
             loaded = load_scene(scene, set={**(set or {}), **OUTPUT})
             simulation = Simulation(loaded, contact=contact, shape=shape)
         except SceneError as error:
@@ -123,30 +127,21 @@ def probe(
         except SimulationError as error:
             message = str(error)
             status = "refused" if "past the stability limit" in message else "failed"
+            if isinstance(error, PluginError) and not isinstance(error.__cause__, _RUN_AWAY):
+                status = "broken"
         except Hopeless:
             status, message = "failed", "the energy grew beyond all bounds"
-        except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
+        except _RUN_AWAY as error:
             status, message = "failed", f"numbers ran away ({error})"
         return _judged(simulation, record, begun, status, message)
 
 
-@dataclass(frozen=True)
-class Probe:
-    """One probe to do in a campaign; as :class:`mpmfw.campaigns.work.Task`."""
-
-    key: str
-    name: str
-    scene: Scene
-    steps: int
-    contact: Any = None
-    shape: Any = None
-    code: Mapping[str, str] = field(default_factory=dict)
-
-
-def probe_once(task: Probe) -> Finished:
-    """Probe a scene and return its invariants."""
-    contact, shape = copy.deepcopy(task.contact), copy.deepcopy(task.shape)
-    found = asdict(probe(task.scene, contact, shape, steps=task.steps))
+def probe_once(task: Task, steps: int) -> Finished:
+    """Probe the scene of a task and return its invariants; without any of a method that raises an error."""
+    try:
+        found = asdict(probe(task.scene, copy.deepcopy(task.contact), copy.deepcopy(task.shape), steps=steps))
+    except Exception as error:
+        return Finished(Outcome(task.key, f"failed: {cause(error)}", task.name, lasting=False))
     found.pop("travel")
     outcome = Outcome(task.key, found["status"], task.name, task.scene.text, values=found, code=task.code)
     return Finished(outcome)

@@ -16,7 +16,7 @@ from mpmfw.campaigns.judging import Judge
 from mpmfw.campaigns.measures import About, measure_of
 from mpmfw.campaigns.outcome import Outcome
 from mpmfw.campaigns.running import Progress, complete, resumable
-from mpmfw.campaigns.store import Store
+from mpmfw.campaigns.store import Store, store_of
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
 from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene.override import parse_value
@@ -100,7 +100,7 @@ def study(
         raise SceneError("jobs and executor: have no effect with a scheduler, whose workers run the study")
     runner = executor_of(scheduler if scheduler is not None else executor, jobs)
     exclusive = timing == "exclusive"
-    runs = Store(store if store is not None else None if path is None else f"{path}.runs")
+    runs = Store(store if store is not None else store_of(path))
     with resumable(runs, "study"):
         try:
             tasks = {key: replace(task, force=force) for key, task in grid.tasks().items()}
