@@ -341,11 +341,11 @@ def test_a_comparison_knows_the_references_that_a_study_knows(scene, column, cap
 
 # -- kills
 
-KILLS = int(os.environ.get("MPMFW_KILLS", "2"))
-#: Forty points in the long form, else eight.
+KILLS = int(os.environ.get("MPMFW_KILLS", "3"))
+#: Forty points in the long form, else ten.
 POINTS = {
     "contact": ["separate", "penalty"],
-    "safety": [round(0.5 - 0.02 * k, 2) for k in range(20 if KILLS >= 20 else 4)],
+    "safety": [round(0.5 - 0.02 * k, 2) for k in range(20 if KILLS >= 20 else 5)],
 }
 PROGRAM = """
 import sys
@@ -358,23 +358,27 @@ if __name__ == "__main__":
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this platform")
 def test_a_campaign_that_is_killed_again_and_again_ends_with_the_same_dataset(tmp_path):
-    """The process itself and a worker of it in turn, at random moments; ``MPMFW_KILLS=20`` is the long form."""
+    """The process itself and its workers, at random moments of their work; ``MPMFW_KILLS=20`` is the long form."""
     (tmp_path / "program.py").write_text(PROGRAM, encoding="utf-8")
     environment = {
         **os.environ,
         "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *filter(None, sys.path)]),
     }
     chance, runs, count = random.Random(7), tmp_path / "runs", 2 * len(POINTS["safety"])
-    for kill in range(KILLS):
-        before, jobs = len(list(runs.glob("*.json"))), 1 + kill % 2
-        command = [sys.executable, "program.py", str(jobs)]
+    kills, starts = [], 0
+    while len(kills) < KILLS:
+        starts += 1
+        command, more = [sys.executable, "program.py", str(1 + starts % 2)], 1
         with subprocess.Popen(command, cwd=tmp_path, env=environment) as process:
-            while len(list(runs.glob("*.json"))) <= before and process.poll() is None:
-                time.sleep(0.002)
-            time.sleep(chance.uniform(0.0, 0.3))
-            victim = chance.choice(children_of(process.pid)) if jobs > 1 else process.pid
-            os.kill(victim, signal.SIGKILL)
-            time.sleep(chance.uniform(0.0, 1.0) if jobs > 1 else 0.0)
+            while len(kills) < KILLS and process.pid not in kills:
+                before = len(list(runs.glob("*.json")))
+                while len(list(runs.glob("*.json"))) < before + more and process.poll() is None:
+                    time.sleep(0.002)
+                time.sleep(chance.uniform(0.0, 0.02))
+                assert process.poll() is None, "it came to its end before all kills"
+                kills.append(chance.choice([process.pid, *children_of(process.pid)]))
+                os.kill(kills[-1], signal.SIGKILL)
+                more = chance.choice((0, 0, 1))
             process.kill()
     assert 0 < len(list(runs.glob("*.json"))) <= count
     data = mpmfw.campaign(SLIDING, POINTS, store=runs, repeats=1)
@@ -383,9 +387,9 @@ def test_a_campaign_that_is_killed_again_and_again_ends_with_the_same_dataset(tm
 
 
 def children_of(process):
-    """Processes that were started by another one (Linux); itself where it has none."""
+    """Processes that were started by another one (Linux); none elsewhere."""
     listed = Path(f"/proc/{process}/task/{process}/children")
-    return [int(pid) for pid in listed.read_text().split()] or [process] if listed.exists() else [process]
+    return [int(pid) for pid in listed.read_text().split()] if listed.exists() else []
 
 
 def test_ctrl_c_says_what_is_kept_and_how_to_go_on(tmp_path):

@@ -1,6 +1,8 @@
 """A study on a Dask cluster: a scheduler and two workers, processes of their own, one of which is killed."""
 
 import json
+import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -8,6 +10,7 @@ import time
 
 import pytest
 import xarray as xr
+from test_campaign import POINTS, same
 
 import mpmfw
 from mpmfw.errors import SceneError
@@ -100,16 +103,19 @@ def test_the_command_ends_with_one_message_about_a_bad_address(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["s.toml"]
 
 
+#: Of a cluster of two workers of one thread each.
+OPTIONS = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}
+
+
 @pytest.mark.filterwarnings("ignore::UserWarning")
-@pytest.mark.parametrize("what", ["client", "cluster", "in process"])
+@pytest.mark.parametrize("what", ["client", "cluster", "address in process", "client in process"])
 def test_a_client_and_a_cluster_are_executors_as_they_are(what):
     study = tiny_study(vary={"contact": ["separate", "penalty"]})
     here = mpmfw.study(study, jobs=1)
-    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}
-    with distributed.LocalCluster(**options, processes=what != "in process") as cluster:
+    with distributed.LocalCluster(**OPTIONS, processes="in process" not in what) as cluster:
         if what == "cluster":
             dataset = mpmfw.study(study, executor=cluster)
-        elif what == "client":
+        elif what.startswith("client"):
             with distributed.Client(cluster, set_as_default=False) as client:
                 dataset = mpmfw.study(study, executor=client)
                 assert client.status == "running"  # it is the caller's own
@@ -117,3 +123,51 @@ def test_a_client_and_a_cluster_are_executors_as_they_are(what):
             dataset = mpmfw.study(study, scheduler=cluster.scheduler_address)
     xr.testing.assert_equal(dataset["error"], here["error"])
     assert dataset.attrs["cores"] == "2 workers of a Dask cluster"
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_a_local_cluster_that_loses_a_worker_ends_with_the_same_dataset(tmp_path):
+    """``MPMFW_KILLS=20`` has forty runs here too."""
+    victims = []
+
+    def kill_one(event):
+        if event.done == 2 and not victims:
+            victims.append(cluster.workers[0].pid)
+            os.kill(victims[0], signal.SIGKILL)
+
+    with distributed.LocalCluster(**OPTIONS) as cluster:
+        data = mpmfw.campaign(SLIDING, POINTS, executor=cluster, store=tmp_path, repeats=1, progress=kill_one)
+    assert len(victims) == 1
+    same(data, mpmfw.campaign(SLIDING, POINTS, repeats=1))
+
+
+@pytest.fixture
+def security(tmp_path):
+    """A certificate of this test's own, for scheduler, workers and clients."""
+    key, certificate = tmp_path / "key.pem", tmp_path / "certificate.pem"
+    request = ["req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=localhost"]
+    made = ["-keyout", str(key), "-out", str(certificate)]
+    subprocess.run(["openssl", *request, *made], check=True, capture_output=True)
+    roles = ("scheduler", "worker", "client")
+    files = {f"tls_{role}_key": str(key) for role in roles} | {
+        f"tls_{role}_cert": str(certificate) for role in roles
+    }
+    return distributed.Security(tls_ca_file=str(certificate), require_encryption=True, **files)
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="no openssl, which makes the certificate")
+def test_a_cluster_and_a_client_bring_their_certificates(security):
+    study = tiny_study(vary={"contact": ["separate"]})
+    options = {**OPTIONS, "processes": False, "protocol": "tls://", "security": security}
+    with distributed.LocalCluster(**options) as cluster:
+        address = cluster.scheduler_address
+        with distributed.Client(address, security=security, set_as_default=False) as client:
+            of_client = mpmfw.study(study, executor=client)
+        of_cluster = mpmfw.study(study, executor=cluster)
+        with pytest.raises(
+            SceneError, match="expected its certificates in Dask's own configuration, or a Client"
+        ):
+            mpmfw.study(study, scheduler=address)
+    assert address.startswith("tls://")
+    assert of_client["status"].item() == of_cluster["status"].item() == "ok"

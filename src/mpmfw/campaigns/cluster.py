@@ -81,6 +81,11 @@ class Cluster:
             )
         except (OSError, ValueError) as error:  # it went away in between
             raise self._silent(error) from error
+        except TypeError as error:  # a tls:// address without certificates
+            raise SceneError(
+                f"--scheduler {self.said}: {error}; expected its certificates in Dask's own configuration, or a Client or "
+                "cluster that knows them"
+            ) from error
         return client
 
     def outcomes(self, work: Callable[[T], R], tasks: Sequence[T]) -> Iterator[tuple[T, R | None]]:
