@@ -15,11 +15,12 @@ from mpmfw.campaigns.measures import About, exact_of, known_measures, measure_of
 from mpmfw.campaigns.running import Progress, Repeats
 from mpmfw.campaigns.store import store_of
 from mpmfw.discovery import Kind
-from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.errors import SceneError
 from mpmfw.references import reference_of
 from mpmfw.results.replacing import check_replaceable, replace_dataset
-from mpmfw.scene.loading import load_scene, plain
+from mpmfw.scene.loading import load_scene
 from mpmfw.scene.requested import check_methods_run, check_requested
+from mpmfw.scene.sources import plain
 from mpmfw.scene.specification import called, known_specification, parse_specification
 from mpmfw.scene.toml_text import value_text
 
@@ -57,15 +58,10 @@ def compare(
     output
         NetCDF file to write, brought up to date after every run; it replaces nothing but another comparison. Finished runs
         are kept in the folder ``<output>.runs`` beside it: one that was broken off, or is changed, takes what still applies.
-    progress, report
-        Called with an :class:`mpmfw.campaigns.running.Event` after every run, and as ``mpmfw.run`` calls its ``progress``
-        within runs that take place in this process.
     set
         Scene keys that all runs share. Particle frames are off unless ``output.particles`` is set here: a
         comparison keeps the series and the first and last outlines.
-    force
-        Begin runs past the limits of steps and frames, as ``mpmfw.run`` does.
-    jobs, executor, store, repeats, measures
+    jobs, executor, store, repeats, measures, progress, report, force
         As :func:`mpmfw.campaign` takes them; without measures those of which the scene has a closed form or a reference.
 
     Returns
@@ -89,8 +85,9 @@ def compare(
     methods = {"contact": _methods("contact", contact), "shape": _methods("shape", shape)}
     varied = dict(vary or {})
     _check(methods, set or {}, varied)
-    path = None if output is None else os.path.abspath(_writable(os.fspath(output)))
-
+    if output is not None:
+        check_replaceable(output, "compare", "comparison")
+    path = None if output is None else os.path.abspath(output)
     known = _known_measures(scene, methods, set or {}) if measures is None else list(measures)
     particles = any(measure_of(name).particles for name in known)
 
@@ -215,14 +212,3 @@ def _check_values(key: str, values: Sequence[Any]) -> None:
             raise SceneError(
                 f"vary {key}: {value if isinstance(value, str) else value_text(value)} is given twice"
             )
-
-
-def _writable(path: str) -> str:
-    """Say before the first run that a file cannot be written."""
-    folder = os.path.dirname(path) or "."
-    if not os.path.isdir(folder):
-        raise MpmfwError(f"cannot create '{path}': there is no folder '{folder}'")
-    if not os.access(folder, os.W_OK) or os.path.isdir(path):
-        raise MpmfwError(f"cannot create '{path}': not writable")
-    check_replaceable(path, "compare", "comparison")
-    return path

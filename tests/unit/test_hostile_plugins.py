@@ -293,6 +293,15 @@ def test_no_plugin_brings_down_the_others_of_a_comparison(does, message, install
     assert "sleep" in does or np.isfinite(dataset.kinetic_energy.sel(contact="oddity").isel(time=1)).all()
 
 
+def test_no_plugin_brings_down_a_study(install):
+    install("@hookimpl\ndef end_step(self, state): os._exit(0)")
+    scene = two_blocks("separate", time={"end": 0.1, "output_interval": 0.05}, output={"gap": False})
+    study = {"scene": scene, "vary": {"contact": ["oddity", "separate"]}, "cost": {"repeats": 1}}
+    error = {"quantity": "end-displacement", "kind": "reference", "value": 1.0}
+    status = mpmfw.study({**study, "error": error}, jobs=1).status.values.tolist()
+    assert status == ["failed: its process ended: exit status 0", "ok"]
+
+
 class Named(ContactStrategy):
     """A strategy whose label is what its author wrote, or an attacker."""
 

@@ -5,19 +5,17 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import xarray as xr
 
-from mpmfw.campaigns.costs import LOAD, REPEATS, conditions, costs_of, spread_of
+from mpmfw.campaigns.costs import conditions, costs_of, over_repeats
 from mpmfw.campaigns.executors import Executor, InProcess, executor_of
-from mpmfw.campaigns.grid import Grid, Index, is_strange, make_grid
+from mpmfw.campaigns.grid import Grid, Index, make_grid
 from mpmfw.campaigns.judging import judge_all
 from mpmfw.campaigns.outcome import COSTS, Outcome
 from mpmfw.campaigns.running import Event, Progress, Repeats, complete, resumable
 from mpmfw.campaigns.store import Store
-from mpmfw.campaigns.work import Task
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.joining import join
 
@@ -89,8 +87,7 @@ def campaign(
         raise SceneError(next(iter(grid.combinations.values())).refusal)
     judges = judge_all(grid, tuple(measures), reference)
     runner, runs = executor_of(executor, None if executor is not None else jobs), Store(store)
-    here = isinstance(runner, InProcess)
-    tasks = {key: _equipped(task, here, force) for key, task in grid.tasks().items()}
+    tasks = grid.tasks(isinstance(runner, InProcess), force)
 
     def tell(event: Event) -> None:
         if progress is not None:
@@ -115,12 +112,6 @@ def campaign(
     return dataset
 
 
-def _equipped(task: Task, here: bool, force: bool) -> Task:
-    """The task with what this request adds; a stranger's code gets a process of its own where it would run in this one."""
-    named = task.contact is None and task.shape is None
-    return replace(task, apart=here and named and is_strange(task.scene), force=force)
-
-
 def dataset_of(grid: Grid, store: Store, executor: Executor) -> xr.Dataset:
     """Join what the store knows of a grid: series, status, costs and the conditions that they were measured under."""
     known: dict[Index, Outcome] = {}
@@ -141,13 +132,5 @@ def dataset_of(grid: Grid, store: Store, executor: Executor) -> xr.Dataset:
     medians = each.median("repeat")
     own = {name: medians[name].assign_attrs(dataset[name].attrs) for name, _, _ in COSTS if name in dataset}
     times = each["cpu_time"].assign_attrs(units="s", long_name="CPU time of each repeat")
-    return (
-        dataset.assign(own)
-        .assign(
-            cpu_time_repeat=times,
-            cpu_time_spread=spread_of(times),
-            repeats=times.count("repeat").astype(float).assign_attrs(REPEATS),
-            load=each["load"].mean("repeat").assign_attrs(LOAD),
-        )
-        .assign_attrs(conditions(costs, executor.cores))
-    )
+    dataset = dataset.assign({**own, "cpu_time_repeat": times, **over_repeats(each)})
+    return dataset.assign_attrs(conditions(costs, executor.cores))

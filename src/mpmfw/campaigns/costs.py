@@ -13,9 +13,9 @@ from mpmfw.campaigns.machine import LOADED
 from mpmfw.campaigns.outcome import COSTS, Cost
 from mpmfw.clock import STEP_STAGES
 
-SPREAD = {"units": "s", "long_name": "half the range of the repeats; NaN of a single one"}
-REPEATS = {"units": "1", "long_name": "runs of the cost"}
-LOAD = {"units": "1", "long_name": "cores that other processes kept busy meanwhile"}
+_SPREAD = {"units": "s", "long_name": "half the range of the repeats; NaN of a single one"}
+_REPEATS = {"units": "1", "long_name": "runs of the cost"}
+_LOAD = {"units": "1", "long_name": "cores that other processes kept busy meanwhile"}
 
 
 def costs_of(coords: Mapping[str, Sequence[Any]], costs: Mapping[Index, Sequence[Cost]]) -> xr.Dataset:
@@ -44,12 +44,16 @@ def costs_of(coords: Mapping[str, Sequence[Any]], costs: Mapping[Index, Sequence
     return xr.Dataset({**found, **by_stage}, {**named, "stage": list(STEP_STAGES)})
 
 
-def spread_of(times: xr.DataArray) -> xr.DataArray:
-    """Half the range over the repeats; NaN of a single one, or of none."""
-    if times.sizes["repeat"] == 0:
-        return xr.full_like(times.sum("repeat"), np.nan).assign_attrs(SPREAD)
-    spread = 0.5 * (times.max("repeat") - times.min("repeat"))
-    return spread.where(times.count("repeat") > 1).assign_attrs(SPREAD)
+def over_repeats(each: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Spread of the CPU time (half the range, NaN of a single one), number of repeats, and load in the mean."""
+    times = each["cpu_time"]
+    count = times.count("repeat")
+    spread = 0.5 * (times.max("repeat") - times.min("repeat")) if times.sizes["repeat"] else np.nan * count
+    return {
+        "cpu_time_spread": spread.where(count > 1).assign_attrs(_SPREAD),
+        "repeats": count.astype(float).assign_attrs(_REPEATS),
+        "load": each["load"].mean("repeat").assign_attrs(_LOAD),
+    }
 
 
 def conditions(costs: Mapping[Index, Sequence[Cost]], cores: str) -> dict[str, str]:

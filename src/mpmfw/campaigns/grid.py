@@ -9,6 +9,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+import xarray as xr
+
 from mpmfw.campaigns.keys import (
     OWN_OPTION,
     dimension_names,
@@ -22,7 +25,7 @@ from mpmfw.discovery import available, choices, distribution_of, load
 from mpmfw.errors import SceneError
 from mpmfw.identity import code_of, key_of
 from mpmfw.scene import Scene, load_scene
-from mpmfw.scene.loading import plain
+from mpmfw.scene.sources import plain
 from mpmfw.scene.specification import parse_specification
 from mpmfw.scene.toml_text import value_text
 
@@ -102,16 +105,39 @@ class Grid:
         """Dimensions that change the problem: errors and costs under their values are not compared."""
         return [dim for dim in self.coords if dim == "scene" or not is_numerical(self.keys[dim])]
 
-    def tasks(self) -> dict[str, Task]:
-        """The different runs by key."""
-        found = (one for one in self.combinations.values() if one.scene is not None)
-        return {one.key: _task(one) for one in found}
+    def array(
+        self, values: Mapping[Index, Any], meaning: str, unit: str | None = None, **attributes: str
+    ) -> xr.DataArray:
+        """A variable over all combinations: numbers with a unit, NaN where there is none, or words without one."""
+        kind, empty = (object, "") if unit is None else (float, np.nan)
+        filled = np.full([len(labels) for labels in self.coords.values()], empty, dtype=kind)
+        for index, value in values.items():
+            filled[index] = value
+        said = {"long_name": meaning, **attributes}
+        return xr.DataArray(
+            filled, dims=tuple(self.coords), attrs=said if unit is None else {"units": unit, **said}
+        )
 
+    def tasks(self, here: bool = False, force: bool = False) -> dict[str, Task]:
+        """The different runs by key.
 
-def _task(one: Combination) -> Task:
-    assert one.scene is not None
-    code = code_of(one.scene, one.contact, one.shape)
-    return Task(one.key, one.name, one.scene, one.contact, one.shape, code)
+        Parameters
+        ----------
+        here
+            Whether they take place in this process, where a stranger's code, which may bring it down, gets one of its own.
+        force
+            Whether they may be past the limits of steps and frames.
+        """
+        found = {}
+        for one in self.combinations.values():
+            if one.scene is not None:
+                code = code_of(one.scene, one.contact, one.shape)
+                apart = here and one.contact is None and one.shape is None and is_strange(one.scene)
+                task = Task(
+                    one.key, one.name, one.scene, one.contact, one.shape, code, apart=apart, force=force
+                )
+                found[one.key] = task
+        return found
 
 
 def is_strange(scene: Scene) -> bool:

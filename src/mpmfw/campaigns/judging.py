@@ -184,19 +184,15 @@ class Judge:
 
     def judge(self, results: Results, succeeded: Mapping[Index, bool]) -> dict[Index, Judgement]:
         """Errors of all runs that went through; NaN for the others, and for a run that is the reference."""
-        found: dict[Index, Measured] = {}
-        for index, one in self.grid.combinations.items():
-            tree = results(index) if succeeded.get(index) else None
-            if tree is not None and one.scene is not None:
-                found[index] = self.measure.of(tree, one.scene, self.about)
+        found = measured(self.measure, self.grid, results, succeeded, self.about)
         judged = dict.fromkeys(self.grid.combinations, Judgement())
-        for index, measured in found.items():
+        for index, one in found.items():
             if self.table.kind == "finest":
                 other = self.finest(index)
                 if other in found and other != index:
-                    judged[index] = self._compare(measured, _interpolated(found[other], measured))
+                    judged[index] = self._compare(one, _interpolated(found[other], one))
             else:
-                judged[index] = self._compare(measured, self.exact[index].at(measured.time))
+                judged[index] = self._compare(one, self.exact[index].at(one.time))
         return judged
 
     def finest(self, index: Index) -> Index:
@@ -234,6 +230,22 @@ class Judge:
         if self.measure.kind == "curve":
             return Judgement(relative_l2(measured.time, values, wanted))
         return Judgement(float(np.sqrt(np.mean((values - wanted) ** 2) / np.mean(wanted**2))))
+
+
+def measured(
+    measure: Measure,
+    grid: Grid,
+    results: Results,
+    succeeded: Mapping[Index, bool],
+    about: About = About(),  # noqa: B008
+) -> dict[Index, Measured]:
+    """Read a measure off all runs that went through."""
+    found = {}
+    for index, one in grid.combinations.items():
+        tree = results(index) if succeeded.get(index) else None
+        if tree is not None and one.scene is not None:
+            found[index] = measure.of(tree, one.scene, about)
+    return found
 
 
 def _interpolated(reference: Measured, at: Measured) -> FloatArray:
@@ -279,24 +291,12 @@ def _measured(
     name = measure.name.replace("-", "_")
     ok = {index: str(status.values[index]) == "ok" for index in grid.combinations}
     if measure.kind == "number":
-        values = np.full(status.shape, np.nan)
-        for index, one in grid.combinations.items():
-            tree = results(index) if ok[index] else None
-            if tree is not None and one.scene is not None:
-                values[index] = float(measure.of(tree, one.scene, About()).values[0])
-        found[name] = xr.DataArray(
-            values, dims=status.dims, attrs={"units": measure.unit, "long_name": measure.meaning}
-        )
+        values = {index: float(one.values[0]) for index, one in measured(measure, grid, results, ok).items()}
+        found[name] = grid.array(values, measure.meaning, measure.unit)
     if judge is not None:
-        errors = np.full(status.shape, np.nan)
-        for index, judgement in judge.judge(results, ok).items():
-            errors[index] = judgement.error
-        attributes = {
-            "units": "1",
-            "long_name": f"relative error of: {measure.meaning}",
-            "against": judge.describe(),
-        }
-        found[f"{name}_error"] = xr.DataArray(errors, dims=status.dims, attrs=attributes)
+        errors = {index: judgement.error for index, judgement in judge.judge(results, ok).items()}
+        meaning = f"relative error of: {measure.meaning}"
+        found[f"{name}_error"] = grid.array(errors, meaning, "1", against=judge.describe())
     return found
 
 

@@ -66,6 +66,15 @@ JobsOption: TypeAlias = Annotated[
         show_default=False,
     ),
 ]
+RepeatsOption: TypeAlias = Annotated[
+    int | None,
+    typer.Option(
+        "--repeats",
+        min=1,
+        help="Runs of each combination; if left out short ones are repeated, or as a study says.",
+        show_default=False,
+    ),
+]
 SchedulerOption: TypeAlias = Annotated[
     str | None,
     typer.Option("--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers run it instead."),

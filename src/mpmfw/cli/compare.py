@@ -11,6 +11,7 @@ from mpmfw.cli.arguments import (
     ForceOption,
     JobsOption,
     OutputOption,
+    RepeatsOption,
     SceneArgument,
     SchedulerOption,
     SetOption,
@@ -49,12 +50,7 @@ def compare(
     force: ForceOption = False,
     jobs: JobsOption = None,
     scheduler: SchedulerOption = None,
-    repeats: Annotated[
-        int | None,
-        typer.Option(
-            min=1, help="Runs of each combination; short ones are repeated if left out.", show_default=False
-        ),
-    ] = None,
+    repeats: RepeatsOption = None,
 ) -> None:
     """Run SCENE with every combination of methods and join the results, by default in a file named as the scene.
 

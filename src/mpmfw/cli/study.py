@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mpmfw.cli.arguments import ForceOption, JobsOption, SchedulerOption, jobs_of
+from mpmfw.cli.arguments import (
+    ForceOption,
+    JobsOption,
+    OutputOption,
+    RepeatsOption,
+    SchedulerOption,
+    jobs_of,
+)
 from mpmfw.cli.errors import check_result
 from mpmfw.cli.progress import campaign_progress
 from mpmfw.errors import SceneError
@@ -34,26 +41,14 @@ def study(
             metavar="STUDY", help="A TOML file, or the name of a shipped study.", show_default=False
         ),
     ],
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            metavar="FILE",
-            help="File to write; named as the study if left out.",
-            show_default=False,
-        ),
-    ] = None,
+    output: OutputOption = None,
     timing: Annotated[
         Timing,
         typer.Option(help="Take costs as runs come, or one run at a time after all results are there."),
     ] = Timing.shared,
     jobs: JobsOption = None,
     scheduler: SchedulerOption = None,
-    repeats: Annotated[
-        int | None,
-        typer.Option(min=1, help="Runs of each combination, instead of the study's.", show_default=False),
-    ] = None,
+    repeats: RepeatsOption = None,
     under: Annotated[
         str | None,
         typer.Option(
@@ -66,7 +61,8 @@ def study(
 ) -> None:
     """Run all combinations of STUDY, and say what accuracy costs in time.
 
-    Finished runs are kept in the folder FILE.runs: a study that was broken off goes on from there.
+    The results are written to a file, by default named as the study. Finished runs are kept in the folder FILE.runs: a
+    study that was broken off goes on from there.
     """
     from mpmfw.studies.conclusion import conclusions
     from mpmfw.studies.loading import load_study

@@ -13,7 +13,7 @@ from mpmfw.errors import MpmfwError, SceneError
 
 
 def check_replaceable(path: str | os.PathLike[str], kind: str, what: str) -> None:
-    """Ask that a file to be written takes the place of none, of an empty one, or of one of its own kind.
+    """Ask, before long work, that a file can be written and takes the place of none, of an empty one, or of one of its own kind.
 
     Parameters
     ----------
@@ -26,8 +26,14 @@ def check_replaceable(path: str | os.PathLike[str], kind: str, what: str) -> Non
     ------
     SceneError
         There is another file.
+    MpmfwError
+        None can be written there.
     """
     path = Path(path)
+    if not path.parent.is_dir():
+        raise MpmfwError(f"cannot create '{path}': there is no folder '{path.parent}'")
+    if not os.access(path.parent, os.W_OK) or path.is_dir():
+        raise MpmfwError(f"cannot create '{path}': not writable")
     if path.is_file() and path.stat().st_size and _kind(path) != kind:
         raise SceneError(
             f"{path}: is there already and is no {what}, so it is not replaced; give another name"

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import difflib
 import os
-import re
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -19,23 +15,20 @@ from mpmfw.scene.cells import with_lengths
 from mpmfw.scene.checks import check
 from mpmfw.scene.complaint import problems_of
 from mpmfw.scene.contact_parts import latest_spelling, without_effect
-from mpmfw.scene.content import TOO_DEEP, check_content
+from mpmfw.scene.content import check_content
 from mpmfw.scene.locator import Locator, dotted
 from mpmfw.scene.locator import Path as KeyPath
 from mpmfw.scene.options import Chosen, separate_options
 from mpmfw.scene.override import merge, parse_path, parse_value
 from mpmfw.scene.problem import Origin, Problem, distinct
 from mpmfw.scene.scene import Scene, Source
+from mpmfw.scene.sources import plain, read_source, shipped_texts
 from mpmfw.scene.specification import keys_of
 
 
 def shipped_scenes() -> dict[str, str]:
     """TOML texts of the scenes inside the package, by name."""
-    folder = resources.files("mpmfw") / "scenes"
-    files = sorted(
-        (entry for entry in folder.iterdir() if entry.name.endswith(".toml")), key=lambda e: e.name
-    )
-    return {entry.name.removesuffix(".toml"): entry.read_text(encoding="utf-8") for entry in files}
+    return shipped_texts("scenes")
 
 
 def load_scene(
@@ -59,18 +52,7 @@ def load_scene(
     overrides = {k: parse_value(v) if isinstance(v, str) else v for k, v in (set or {}).items()}
     if isinstance(scene, Scene):
         return scene.with_overrides(overrides) if overrides else scene
-    if isinstance(scene, Mapping):
-        try:
-            source = Source(plain(scene))
-        except RecursionError:
-            raise SceneError(TOO_DEEP) from None
-        return scene_from(source, overrides)
-    if not isinstance(scene, str | os.PathLike):
-        raise SceneError(
-            f"{scene!r} is no scene; expected a TOML file, the name of a shipped scene "
-            f"({', '.join(shipped_scenes())}), a mapping or a Scene"
-        )
-    return scene_from(_read(scene), overrides)
+    return scene_from(read_source(scene, "scene", shipped_scenes()), overrides)
 
 
 def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
@@ -110,17 +92,6 @@ def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
     scene._source = replace(source, overrides=overrides)
     scene._mapping = chosen.whole
     return scene
-
-
-def plain(value: Any) -> Any:
-    """The value in terms of dict, list and scalars: mappings, tuples, arrays and paths are converted."""
-    if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if hasattr(value, "tolist"):  # NumPy arrays and scalars
-        return value.tolist()
-    return os.fspath(value) if isinstance(value, os.PathLike) else value
 
 
 def _expanded(overrides: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
@@ -216,39 +187,3 @@ def _message(problems: list[Problem], source: Source, overrides: Mapping[str, An
     return "\n".join(
         origin.describe(problem) for problem in sorted(distinct(problems), key=origin.line_number)
     )
-
-
-def _read(scene: str | os.PathLike[str]) -> Source:
-    """Read a file, or else a shipped scene of that name."""
-    path = Path(scene)
-    if "\0" in os.fspath(path):
-        raise SceneError(f"{os.fspath(path)!r}: has the character NUL, as the name of no file has")
-    if path.is_file():
-        try:
-            return _parse(path.read_text(encoding="utf-8-sig"), os.fspath(scene), path.parent)
-        except UnicodeDecodeError as error:
-            raise SceneError(
-                f"{path}: not UTF-8 text, as TOML must be ({error.reason} at byte {error.start})"
-            ) from error
-        except OSError as error:
-            raise SceneError(f"{path}: cannot be read: {error.strerror}") from error
-    shipped = shipped_scenes()
-    name = os.fspath(scene)
-    if name in shipped:
-        return _parse(shipped[name], f"{name}.toml", None)
-    close = difflib.get_close_matches(name.removesuffix(".toml"), shipped, n=1)
-    hint = f"; did you mean '{close[0]}'?" if close else ""
-    raise SceneError(f"{name}: no such file, and no shipped scene{hint} (shipped: {', '.join(shipped)})")
-
-
-def _parse(text: str, name: str, directory: Path | None) -> Source:
-    try:
-        mapping = tomllib.loads(text)
-    except RecursionError:
-        raise SceneError(f"{name}: {TOO_DEEP}") from None
-    except tomllib.TOMLDecodeError as error:
-        found = re.search(r" \(at (?:line (\d+), column \d+|end of document)\)$", str(error))
-        what = str(error)[: found.start()] if found else str(error)
-        line = found.group(1) if found and found.group(1) else max(1, len(text.splitlines()))
-        raise SceneError(f"{name}:{line}: not valid TOML: {what}") from error
-    return Source(mapping, text, name, directory)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from mpmfw.campaigns.costs import LOAD, REPEATS, conditions, costs_of, spread_of, timing_of
+from mpmfw.campaigns.costs import conditions, costs_of, over_repeats, timing_of
 from mpmfw.campaigns.judging import Judge, Judgement
 from mpmfw.campaigns.measures import measure_of
 from mpmfw.campaigns.outcome import COSTS, Cost, Outcome
@@ -61,31 +61,13 @@ def assemble(
     dataset = dataset.assign(_errors(grid, judge, judgements))
     dataset = dataset.assign(_costs(grid, costs, study.tables.cost.settling))
     dataset = dataset.assign(_stepping(grid))
-    dataset["noise"] = _numbers(grid, noise, "1", measure_of("force-noise").meaning)
-    dataset["status"] = _words(grid, {i: _status(grid, i, r) for i, r in records.items()}, "ok, or why not")
+    dataset["noise"] = grid.array(noise, measure_of("force-noise").meaning, "1")
+    dataset["status"] = grid.array({i: _status(grid, i, r) for i, r in records.items()}, "ok, or why not")
     marks = {i: timing_of(costs[i]) for i in grid.combinations}
-    dataset["timing"] = _words(grid, marks, "whether other runs of the study shared the cores meanwhile")
+    dataset["timing"] = grid.array(marks, "whether other runs of the study shared the cores meanwhile")
     dataset["pareto"] = _front(grid, dataset)
     dataset.attrs = _attributes(study, grid, judge, records) | conditions(costs, cores)
     return dataset
-
-
-def _filled(grid: Grid, values: Mapping[Index, Any], dtype: Any, empty: Any) -> Any:
-    array = np.full(tuple(len(labels) for labels in grid.coords.values()), empty, dtype=dtype)
-    for index, value in values.items():
-        array[index] = value
-    return array
-
-
-def _words(grid: Grid, values: Mapping[Index, str], meaning: str) -> xr.DataArray:
-    return xr.DataArray(
-        _filled(grid, values, object, ""), dims=tuple(grid.coords), attrs={"long_name": meaning}
-    )
-
-
-def _numbers(grid: Grid, values: Mapping[Index, float], unit: str, meaning: str) -> xr.DataArray:
-    attributes = {"units": unit, "long_name": meaning}
-    return xr.DataArray(_filled(grid, values, float, np.nan), dims=tuple(grid.coords), attrs=attributes)
 
 
 def _methods(grid: Grid) -> dict[str, Any]:
@@ -109,7 +91,7 @@ def _stepping(grid: Grid) -> dict[str, xr.DataArray]:
         if one.scene is not None
     }
     return {
-        name: _words(grid, {index: both[k] for index, both in chosen.items()}, meaning)
+        name: grid.array({index: both[k] for index, both in chosen.items()}, meaning)
         for k, (name, meaning) in enumerate(STEPPING)
         if name not in grid.coords
     }
@@ -122,11 +104,11 @@ def _contact(scene: Scene) -> str:
 def _errors(grid: Grid, judge: Judge, judgements: Mapping[Index, Judgement]) -> dict[str, xr.DataArray]:
     measure = judge.measure
     errors = {i: one.error for i, one in judgements.items()}
-    found = {"error": _numbers(grid, errors, "1", f"relative error of: {measure.meaning}")}
+    found = {"error": grid.array(errors, f"relative error of: {measure.meaning}", "1")}
     if measure.kind == "number":
         for name, meaning in (("value", measure.meaning), ("expected", "what it is judged by")):
             values = {i: getattr(one, name) for i, one in judgements.items()}
-            found[name] = _numbers(grid, values, measure.unit, meaning)
+            found[name] = grid.array(values, meaning, measure.unit)
     return found
 
 
@@ -151,9 +133,7 @@ def _costs(grid: Grid, costs: Mapping[Index, list[Cost]], settling: bool) -> dic
     return {
         **{name: medians[name].assign_attrs(attributes) for name, attributes in said.items()},
         **{name: medians[of].assign_attrs(units="s", long_name=text) for name, (of, text) in stages.items()},
-        "cpu_time_spread": spread_of(each["cpu_time"]),
-        "repeats": each["cpu_time"].count("repeat").astype(float).assign_attrs(REPEATS),
-        "load": each["load"].mean("repeat").assign_attrs(LOAD),
+        **over_repeats(each),
     }
 
 

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import os
 import re
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -15,14 +13,14 @@ from pydantic import ValidationError
 
 from mpmfw.campaigns.keys import SHORT, full_key, written_alike
 from mpmfw.campaigns.measures import measure_of
-from mpmfw.discovery import nearest
 from mpmfw.errors import SceneError
 from mpmfw.scene import Scene, Source
 from mpmfw.scene.complaint import problems_of, unknown_key
-from mpmfw.scene.loading import origin_of, plain
+from mpmfw.scene.loading import origin_of
 from mpmfw.scene.locator import Path as KeyPath
 from mpmfw.scene.override import parse_path
 from mpmfw.scene.problem import Problem, distinct
+from mpmfw.scene.sources import read_source, shipped_texts
 from mpmfw.studies.tables import StudyTables
 
 
@@ -66,9 +64,7 @@ class Study:
 
 def shipped_studies() -> dict[str, str]:
     """TOML texts of the studies inside the package, by name."""
-    folder = resources.files("mpmfw") / "studies"
-    files = sorted((one for one in folder.iterdir() if one.name.endswith(".toml")), key=lambda one: one.name)
-    return {one.name.removesuffix(".toml"): one.read_text(encoding="utf-8") for one in files}
+    return shipped_texts("studies")
 
 
 def load_study(study: str | os.PathLike[str] | Mapping[str, Any] | Study) -> Study:
@@ -87,12 +83,7 @@ def load_study(study: str | os.PathLike[str] | Mapping[str, Any] | Study) -> Stu
     """
     if isinstance(study, Study):
         return study
-    if not isinstance(study, str | os.PathLike | Mapping):
-        raise SceneError(
-            f"{study!r} is no study; expected a TOML file, the name of a shipped study ({', '.join(shipped_studies())}) "
-            "or a mapping"
-        )
-    source = Source(plain(study)) if isinstance(study, Mapping) else _read(study)
+    source = read_source(study, "study", shipped_studies())
     data, problems, tables = dict(source.mapping), [], None
     try:
         tables = StudyTables.model_validate(data)
@@ -181,32 +172,3 @@ def _error(tables: StudyTables) -> Iterator[Problem]:
             yield Problem(
                 ("error", "finest", key), f"is not varied; expected one of {', '.join(tables.vary)}"
             )
-
-
-def _read(study: str | os.PathLike[str]) -> Source:
-    """Read a file, or else a shipped study of that name."""
-    path, name, shipped = Path(study), os.fspath(study), shipped_studies()
-    if path.is_file():
-        try:
-            return _parse(path.read_text(encoding="utf-8-sig"), name, path.parent)
-        except (UnicodeDecodeError, OSError) as error:
-            raise SceneError(f"{path}: cannot be read as UTF-8 text: {error}") from error
-    if name in shipped:
-        return _parse(shipped[name], f"{name}.toml", None)
-    if path.is_dir():
-        raise SceneError(
-            f"{name}: is a folder; expected a TOML file or a shipped study ({', '.join(shipped)})"
-        )
-    close = nearest(name.removesuffix(".toml"), shipped)
-    hint = f"; did you mean '{close}'?" if close else ""
-    raise SceneError(f"{name}: no such file, and no shipped study{hint} (shipped: {', '.join(shipped)})")
-
-
-def _parse(text: str, name: str, directory: Path | None) -> Source:
-    try:
-        return Source(tomllib.loads(text), text, name, directory)
-    except tomllib.TOMLDecodeError as error:
-        found = re.search(r"^(.*) \(at (?:line (\d+), column \d+|end of document)\)$", str(error))
-        what, line = (found.group(1), found.group(2)) if found else (str(error), None)
-        at = line or max(1, len(text.splitlines()))
-        raise SceneError(f"{name}:{at}: not valid TOML: {what}") from error

@@ -11,13 +11,13 @@ from typing import Any, Literal, get_args
 
 import xarray as xr
 
-from mpmfw.campaigns.executors import executor_of
-from mpmfw.campaigns.judging import Judge
-from mpmfw.campaigns.measures import About, measure_of
+from mpmfw.campaigns.executors import InProcess, executor_of
+from mpmfw.campaigns.judging import Judge, measured
+from mpmfw.campaigns.measures import measure_of
 from mpmfw.campaigns.outcome import Outcome
 from mpmfw.campaigns.running import Progress, complete, resumable
 from mpmfw.campaigns.store import Store, store_of
-from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
+from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene.override import parse_value
 from mpmfw.studies.dataset import assemble
@@ -55,22 +55,13 @@ def study(
     timing
         ``exclusive`` measures costs one run at a time in this process, after all results are there; ``shared`` takes
         the cost of every run as it comes.
-    jobs
-        Processes at a time, one thread each: 1 is this process itself, None one for each core. A script that starts
-        processes needs its ``if __name__ == "__main__":``.
+    jobs, executor, store, progress, force
+        As :func:`mpmfw.campaign` takes them, but that jobs are one for each core by default and the store ``<output>.runs``.
+        A script that starts processes needs its ``if __name__ == "__main__":``.
     scheduler
         Address of a Dask scheduler, such as ``tcp://127.0.0.1:8786``, whose workers run the study instead.
-    executor
-        What runs the study instead: a ``concurrent.futures.Executor``, or a ``Client`` or cluster of
-        ``dask.distributed``.
-    store
-        Folder of finished runs, which several campaigns may share; ``<output>.runs`` by default.
     repeats, under
         Stand in for the study's ``cost.repeats`` and ``under``, the relative error: 0.01 or ``"1 %"``.
-    progress
-        Called with an :class:`mpmfw.campaigns.running.Event` at the start and after every run.
-    force
-        Begin runs that have more steps or frames than the limits in ``mpmfw.limits``.
 
     Returns
     -------
@@ -93,7 +84,9 @@ def study(
     loaded = _with(load_study(study), repeats, under)
     if timing not in get_args(Timing):
         raise SceneError(f"timing: '{timing}' is unknown; expected one of {', '.join(get_args(Timing))}")
-    path = None if output is None else _writable(Path(output))
+    path = None if output is None else Path(output)
+    if path is not None:
+        check_replaceable(path, "study", "study's results")
     grid = make_grid(loaded)
     judge = Judge(loaded.tables.error, grid, loaded.at, loaded.beside)
     if scheduler is not None and (executor is not None or jobs is not None):
@@ -103,7 +96,7 @@ def study(
     runs = Store(store if store is not None else store_of(path))
     with resumable(runs, "study"):
         try:
-            tasks = {key: replace(task, force=force) for key, task in grid.tasks().items()}
+            tasks = grid.tasks(isinstance(runner, InProcess), force)
             complete(tasks, runs, runner, loaded.tables.cost.repeats, exclusive, progress)
         except KeyboardInterrupt:
             if path is not None:  # what is known so far; the next start goes on from there
@@ -132,21 +125,17 @@ def _dataset(study: Study, grid: Grid, judge: Judge, store: Store, exclusive: bo
         index: store.outcome(keys[index]) if index in keys else None for index in grid.combinations
     }
     succeeded = {index: one is not None and one.status == "ok" for index, one in outcomes.items()}
-    judgements = judge.judge(lambda index: store.results(keys[index]), succeeded)
+
+    def results(index: Index) -> xr.DataTree | None:
+        return store.results(keys[index])
+
+    judgements = judge.judge(results, succeeded)
+    noises = measured(measure_of("force-noise"), grid, results, succeeded)
     for index, one in outcomes.items():
         for note in one.notes if one is not None else ():
             warnings.warn(f"{grid.combinations[index].name}: {note}", ResultsWarning, stacklevel=3)
-    noise = {index: _noise(store, grid, index) for index, ok in succeeded.items() if ok}
+    noise = {index: float(one.values[0]) for index, one in noises.items()}
     return assemble(study, grid, judge, outcomes, judgements, noise, exclusive, cores)
-
-
-def _noise(store: Store, grid: Grid, index: Index) -> float:
-    """Noise of the contact force of a run; NaN of a scene without."""
-    one = grid.combinations[index]
-    tree = store.results(one.key)
-    if tree is None or one.scene is None or not one.scene.pairs:
-        return float("nan")
-    return float(measure_of("force-noise").of(tree, one.scene, About()).values[0])
 
 
 def relative_error(given: float | str) -> float:
@@ -171,14 +160,3 @@ def relative_error(given: float | str) -> float:
             f"under {given}: is an error of {100.0 * limit:g} %; expected '{given} %' or {limit / 100.0:g}"
         )
     return limit
-
-
-def _writable(path: Path) -> Path:
-    """Say before the first run that the output cannot be written."""
-    folder = path.parent
-    if not folder.is_dir():
-        raise MpmfwError(f"cannot create '{path}': there is no folder '{folder}'")
-    if not os.access(folder, os.W_OK) or path.is_dir():
-        raise MpmfwError(f"cannot create '{path}': not writable")
-    check_replaceable(path, "study", "study's results")
-    return path

@@ -69,29 +69,28 @@ def summary(outcomes: Sequence[CaseResult]) -> str:
     return said + (f"; broken cases: {', '.join(broken)}" if broken else "")
 
 
+#: Columns of the CSV file: attributes of a row, but for the last heading but one, which says the unit.
+_COLUMNS = (
+    "case",
+    "method",
+    "quantity",
+    "reference",
+    "value",
+    "unit",
+    "least",
+    "most",
+    "verdict",
+    "cpu_time",
+    "note",
+)
+
+
 def write_csv(outcomes: Iterable[CaseResult], path: Path) -> None:
     """Write every row with its full digits."""
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(
-            [
-                "case",
-                "method",
-                "quantity",
-                "reference",
-                "value",
-                "unit",
-                "least",
-                "most",
-                "verdict",
-                "cpu_s",
-                "note",
-            ]
-        )
-        for outcome in outcomes:
-            for r in outcome.rows:
-                values = (r.case, r.method, r.quantity, r.reference, r.value, r.unit, r.least, r.most)
-                writer.writerow([*values, r.verdict.value, r.cpu_time, r.note])
+        writer.writerow(name.replace("cpu_time", "cpu_s") for name in _COLUMNS)
+        writer.writerows([getattr(row, name) for name in _COLUMNS] for one in outcomes for row in one.rows)
 
 
 def write_page(

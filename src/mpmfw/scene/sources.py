@@ -1,0 +1,97 @@
+"""TOML texts by name: a file, or one of those that ship inside the package."""
+
+from __future__ import annotations
+
+import os
+import re
+import tomllib
+from collections.abc import Mapping
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from mpmfw.discovery import nearest
+from mpmfw.errors import SceneError
+from mpmfw.scene.content import TOO_DEEP
+from mpmfw.scene.scene import Source
+
+
+def shipped_texts(folder: str) -> dict[str, str]:
+    """TOML texts in a folder of the package, by name."""
+    inside = (resources.files("mpmfw") / folder).iterdir()
+    files = sorted((one for one in inside if one.name.endswith(".toml")), key=lambda one: one.name)
+    return {one.name.removesuffix(".toml"): one.read_text(encoding="utf-8") for one in files}
+
+
+def plain(value: Any) -> Any:
+    """The value in terms of dict, list and scalars: mappings, tuples, arrays and paths are converted."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if hasattr(value, "tolist"):  # NumPy arrays and scalars
+        return value.tolist()
+    return os.fspath(value) if isinstance(value, os.PathLike) else value
+
+
+def read_source(
+    given: str | os.PathLike[str] | Mapping[str, Any], kind: str, shipped: Mapping[str, str]
+) -> Source:
+    """Read a file, or else what ships under that name; nested mappings are taken as they are.
+
+    Parameters
+    ----------
+    given
+        Path of a file, a name, or mappings.
+    kind
+        What it is to be, such as ``scene``.
+    shipped
+        Texts by name.
+
+    Raises
+    ------
+    SceneError
+        It is nothing of this, there is no such file and no such name, or it is not TOML.
+    """
+    if isinstance(given, Mapping):
+        try:
+            return Source(plain(given))
+        except RecursionError:
+            raise SceneError(TOO_DEEP) from None
+    listed = ", ".join(shipped)
+    if not isinstance(given, str | os.PathLike):
+        raise SceneError(
+            f"{given!r} is no {kind}; expected a TOML file, the name of a shipped {kind} ({listed}) or a mapping"
+        )
+    name, path = os.fspath(given), Path(given)
+    if "\0" in name:
+        raise SceneError(f"{name!r}: has the character NUL, as the name of no file has")
+    if path.is_file():
+        try:
+            return _parse(path.read_text(encoding="utf-8-sig"), name, path.parent)
+        except UnicodeDecodeError as error:
+            raise SceneError(
+                f"{path}: not UTF-8 text, as TOML must be ({error.reason} at byte {error.start})"
+            ) from error
+        except OSError as error:
+            raise SceneError(f"{path}: cannot be read: {error.strerror}") from error
+    if name in shipped:
+        return _parse(shipped[name], f"{name}.toml", None)
+    if path.is_dir():
+        raise SceneError(f"{name}: is a folder; expected a TOML file or a shipped {kind} ({listed})")
+    close = nearest(name.removesuffix(".toml"), shipped)
+    hint = f"; did you mean '{close}'?" if close else ""
+    raise SceneError(f"{name}: no such file, and no shipped {kind}{hint} (shipped: {listed})")
+
+
+def _parse(text: str, name: str, directory: Path | None) -> Source:
+    try:
+        mapping = tomllib.loads(text)
+    except RecursionError:
+        raise SceneError(f"{name}: {TOO_DEEP}") from None
+    except tomllib.TOMLDecodeError as error:
+        found = re.search(r" \(at (?:line (\d+), column \d+|end of document)\)$", str(error))
+        what = str(error)[: found.start()] if found else str(error)
+        line = found.group(1) if found and found.group(1) else max(1, len(text.splitlines()))
+        raise SceneError(f"{name}:{line}: not valid TOML: {what}") from error
+    return Source(mapping, text, name, directory)
