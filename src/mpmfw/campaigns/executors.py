@@ -23,6 +23,7 @@ from multiprocessing import connection
 from typing import Any, Protocol, TypeVar
 
 from mpmfw.errors import SceneError
+from mpmfw.interruption import unbroken
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -144,7 +145,8 @@ class Pool:
                 while waiting and len(under_way) < jobs:
                     process = idle.pop() if idle else _process()
                     try:
-                        under_way[process.submit(work, waiting[0])] = waiting[0], process
+                        with unbroken():  # a process whose start is broken off complains
+                            under_way[process.submit(work, waiting[0])] = waiting[0], process
                     except BrokenExecutor:  # it died while nobody needed it
                         continue
                     waiting.popleft()
