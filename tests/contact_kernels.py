@@ -6,15 +6,19 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from mpmfw.geometry.facets import neighbours_of, stars_of, tributaries_of
 from mpmfw.kernels.contact import Records
+from mpmfw.kernels.facets import bounding_boxes, signed_distance
 from mpmfw.kernels.pair_table import pair_table as pair_of_bodies
-from mpmfw.kernels.polyline import bounding_boxes, signed_distance
 from mpmfw_contact import _springs
 from mpmfw_contact.surfaces import search
 from mpmfw_contact.surfaces.assembly import Table, assemble
 from mpmfw_contact.surfaces.candidates import Candidates, SearchGrid
 from mpmfw_contact.surfaces.detection import SurfaceRows
 from mpmfw_contact.surfaces.outline import Outline
+
+#: Tells kernels that they work in the plane.
+PLANE = (1.0, 1.0)
 
 
 @dataclass
@@ -41,16 +45,19 @@ class Loops:
     @property
     def outline(self):
         """All that as kernels take it, with the facets and every node's tributary length."""
-        length = np.linalg.norm(self.position[self.following] - self.position, axis=1)
+        facets = np.stack([np.arange(len(self.body)), self.following], axis=1)
+        first, star = stars_of(facets, len(self.body))
         return Outline(
             position=self.position,
             displacement=self.displacement,
-            tributary=0.5 * (length + length[self.previous]),
-            next=self.following,
-            previous=self.previous,
+            tributary=tributaries_of(self.position, facets),
             body=self.body,
             body_first=self.body_first,
-            facets=np.stack([np.arange(len(self.body)), self.following], axis=1),
+            facet_first=self.body_first,
+            facets=facets,
+            neighbours=neighbours_of(facets),
+            star_first=first,
+            star=star,
         )
 
 
@@ -93,12 +100,12 @@ def empty_candidates(n, slots):
     whole, real = np.full((n, slots), -1), np.zeros((n, slots))
     return Found(
         master=whole.copy(),
-        segment=whole.copy(),
-        coordinate=real.copy(),
+        facet=whole.copy(),
+        share=np.zeros((n, slots, 2)),
         gap=real.copy(),
         normal=np.zeros((n, slots, 2)),
         inside=whole[:0],
-        inside_segment=whole[:0],
+        inside_facet=whole[:0],
     )
 
 
@@ -109,7 +116,7 @@ def search_grid(loops, radius, lower=(-3.0, -3.0), nodes=(25, 25)):
         lower=np.array(lower),
         nodes=np.array(nodes),
         **{name: np.zeros(size, dtype=np.int64) for name in ("owner", "shared", "head", "head_stamp")},
-        **{name: np.zeros(64 * len(loops.body), dtype=np.int32) for name in ("link", "link_segment")},
+        **{name: np.zeros(64 * len(loops.body), dtype=np.int32) for name in ("link", "link_facet")},
         **{
             f"{kind}_{end}": np.zeros((n_bodies, 2)) for kind in ("box", "near") for end in ("lower", "upper")
         },
@@ -126,7 +133,7 @@ def find(loops, *, h=0.25, radius=None, literal=False, slots=3, lower=(-3.0, -3.
     grid, outline = search_grid(loops, radius, lower, nodes), loops.outline
     if not search.mark_shared_nodes(1, outline, grid, (h, h)):
         return found
-    assert search.list_segments(1, outline, grid, (h, h)) <= len(grid.link)
+    assert search.list_facets(1, outline, grid, (h, h)) <= len(grid.link)
     alike = np.zeros(loops.n_bodies, dtype=np.int64)
     found.count = search.find_pairs(1, radius, literal, outline, alike, grid, found, (h, h))
     return found
@@ -168,11 +175,20 @@ def rows_of(loops, found, *, across=False, ties=True, friction=True, tilts=False
     n = len(loops.body)
     own = dict.fromkeys(("bears", "rest", "k", "tangent_k"), 0) | {"tangential": 1, "moved": 1}
     rows = SurfaceRows(2, couples=friction, tilts=tilts, own=own)
-    rows.make_room(2 * found.segment.size, 400 * n)
+    rows.make_room(2 * found.facet.size, 400 * n)
     table = (np.arange(n + 1), np.arange(n, dtype=np.int32), np.ones(n)) if table is None else table
     table = Table(**dict(zip(Table.member_names, table, strict=True)))
     rows.count = assemble(
-        passes, across, ties, found, loops.outline, *pair_table(loops.n_bodies), table, rows, rows.places
+        passes,
+        across,
+        ties,
+        found,
+        loops.outline,
+        *pair_table(loops.n_bodies),
+        table,
+        rows,
+        rows.places,
+        PLANE,
     )
     assert rows.count >= 0
     return rows
@@ -183,7 +199,7 @@ def history_of(loops, found, old_master=None, old_tangential=None):
     old = rows_of(loops, empty_candidates(len(loops.body), 1))
     kept = []
     for s, j in zip(*np.nonzero([] if old_master is None else old_master >= 0), strict=True):
-        slot = np.flatnonzero((found.segment[s] >= 0) & (found.master[s] == old_master[s, j]))
+        slot = np.flatnonzero((found.facet[s] >= 0) & (found.master[s] == old_master[s, j]))
         e = found.normal[s, slot[0]] if len(slot) else np.array([1.0, 0.0])
         kept.append(
             (s * loops.n_bodies + old_master[s, j], e, old_tangential[s, j] * np.array([-e[1], e[0]]))
@@ -203,7 +219,7 @@ def no_records(n_pairs):
 
 def forces(loops, found, law, old_master=None, old_tangential=None):
     """The law's forces, alike for all nodes and pairs, on the surface nodes."""
-    n, slots = found.segment.shape
+    n, slots = found.facet.shape
     n_pairs = len(pair_table(loops.n_bodies)[1])
     rows = rows_of(loops, found, tilts=law.keep_q)
     old = history_of(loops, found, old_master, old_tangential)
@@ -221,7 +237,7 @@ def forces(loops, found, law, old_master=None, old_tangential=None):
         if rows.gap[c] < 0.0:
             s, e = rows.places.slave[c], rows.normal[c]
             j = np.flatnonzero(
-                (found.segment[s] >= 0) & (found.master[s] == rows.identity[c] % loops.n_bodies)
+                (found.facet[s] >= 0) & (found.master[s] == rows.identity[c] % loops.n_bodies)
             )[0]
             tangential[s, j] += own.tangential[c] @ (-e[1], e[0])
     return Result(
@@ -254,12 +270,11 @@ class OneNode:
         found = empty_candidates(len(loops.body), 1)
         best = np.inf
         for m in np.flatnonzero(loops.body == 1):
-            gap, xi, *normal = signed_distance(
-                *loops.position[0], m, loops.position, loops.following, loops.previous
-            )
+            share, normal = np.zeros(2), np.zeros(2)
+            gap = signed_distance(loops.position[0], m, loops.outline, share, normal, PLANE)
             if abs(gap) < best:
                 best = abs(gap)
-                found.master[0, 0], found.segment[0, 0], found.coordinate[0, 0] = 1, m, xi
+                found.master[0, 0], found.facet[0, 0], found.share[0, 0] = 1, m, share
                 found.gap[0, 0], found.normal[0, 0] = gap, normal
         result = forces(loops, found, self.law, self.old_master, self.old_tangential)
         self.old_master, self.old_tangential = found.master, result.tangential

@@ -126,7 +126,7 @@ EFFECTS = {
     "surfaces": brings(
         "surface",
         hooks="setup detect advect",
-        arrays="position displacement tributary next previous facets body first body_first cell_mass",
+        arrays="position displacement tributary facets neighbours star_first star body first body_first facet_first cell_mass",
         modules="mpmfw.effects.surface",
         surface="position next",
     ),
@@ -169,8 +169,8 @@ EFFECTS = {
     "penalty": brings(
         "penalty",
         hooks="declare_fields setup add_pairs detect add_nodal_force advect stable_timestep diagnostics",
-        arrays="impulse frictional_work damping_work spring_work energy count force master segment coordinate gap normal "
-        "inside inside_segment owner shared head head_stamp link link_segment box_lower box_upper near_lower near_upper",
+        arrays="impulse frictional_work damping_work spring_work energy count force master facet share gap normal "
+        "inside inside_facet owner shared head head_stamp link link_facet box_lower box_upper near_lower near_upper",
         modules=f"mpmfw_contact.penalty mpmfw_contact._springs {_SURFACES}",
         series="contact_force contact_count frictional_work contact_energy damping_work spring_work",
         surface="force",

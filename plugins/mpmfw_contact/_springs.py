@@ -63,7 +63,7 @@ def tangent_stiffness(k: Float, depth: Float, limit: Float) -> Float:
 def new_rest(gap: Float, approached: Float) -> Float:
     """Rest gap of a new spring, whose node ``approached`` so much in the last step [m].
 
-    A node that is deeper than it came in by the face has come in by a side, where no segment faced it; a spring loaded to
+    A node that is deeper than it came in by the face has come in by a side, where no facet faced it; a spring loaded to
     that depth at once would make energy of nothing. It has the force of its approach.
     """
     return min(gap + max(approached, 0.0), 0.0)

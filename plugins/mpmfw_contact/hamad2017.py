@@ -1,4 +1,4 @@
-"""[H17] by its equations: springs between surface nodes and every segment that they penetrate.
+"""[H17] by its equations: springs between surface nodes and every facet that they penetrate.
 
 Source: F. Hamad, S. Giridharan, C. Moormann (2017), A penalty function method for modelling frictional contact in MPM,
 Procedia Engineering 175, 116-123. What it leaves open is friction: μ is in none of its equations, and the tangential gap of
@@ -116,11 +116,11 @@ class Hamad2017Law(Springs):
         )  # fmt: skip
 
 
-class EverySegment(Surfaces):
-    """One body of a pair is master; its segments meet every node that they find behind them (eq. 10), normals varied (eq. 7)."""
+class EveryFacet(Surfaces):
+    """One body of a pair is master; its facets meet every node that they find behind them (eq. 10), normals varied (eq. 7)."""
 
     Options: ClassVar[type[FacetOptions]] = FacetOptions
-    every_segment = True
+    every_facet = True
 
 
 class Hamad2017Options(Hamad2017LawOptions, FacetOptions):
@@ -132,10 +132,10 @@ class Hamad2017Options(Hamad2017LawOptions, FacetOptions):
 
 
 class Hamad2017(ForceContact):
-    """One body of a pair is master; its segments repel every node that they find behind them (eq. 10), by eq. 7-11."""
+    """One body of a pair is master; its facets repel every node that they find behind them (eq. 10), by eq. 7-11."""
 
     name = "hamad2017"
-    Detection = EverySegment
+    Detection = EveryFacet
     Law = Hamad2017Law
     Options = Hamad2017Options
 

@@ -159,7 +159,7 @@ class PenaltyOptions(PenaltyLawOptions, SurfacesOptions):
 
 
 class Penalty(ForceContact):
-    """Springs between surfaces: both bodies slaves, the closest facing segment, friction with a history."""
+    """Springs between surfaces: both bodies slaves, the closest facing facet, friction with a history."""
 
     name = "penalty"
     Detection = Surfaces

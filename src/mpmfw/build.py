@@ -242,6 +242,7 @@ def _bodies(
                 lower=tuple(lower.tolist()),
                 upper=tuple(upper.tolist()),
                 outlines=layout.outlines,
+                facets=layout.facets,
             )
         )
         start += count

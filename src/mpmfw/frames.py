@@ -63,7 +63,8 @@ class Recorder:
             for body in state.bodies:
                 own = surface.of(body.index)
                 counts[body.name] = own.stop - own.start
-                following[body.name] = surface.next[own] - own.start
+                if state.grid.dim == 2:
+                    following[body.name] = surface.facets[surface.facets_of(body.index), 1] - own.start
         return RunHeader(
             dim=state.grid.dim,
             bodies=names,

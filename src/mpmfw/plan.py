@@ -235,7 +235,8 @@ def _prescribed(made: Build, body: Body, side: Side) -> PrescribedSide:
     normal, place = _face(made, body, side)
     tolerance = FLAT * made.state.grid.cell_size
     at_side = [np.abs(loop @ normal - place) <= tolerance for loop in body.outlines]
-    if body.outlines and not any((on & np.roll(on, -1)).any() for on in at_side):
+    along = (on[corners].all(axis=1).any() for on, corners in zip(at_side, body.facets, strict=True))
+    if body.outlines and not any(along):
         raise SceneError(
             f"bodies.{body.name}.sides: no part of the outline lies along the side '{side.side}'"
         )
@@ -257,7 +258,7 @@ def _velocity(side: Side, dim: int) -> Any:
 
 
 def _pressure(made: Build, pressed: list[tuple[Body, Side]]) -> Any:
-    from mpmfw.effects.pressure import Pressure, segments_on_side
+    from mpmfw.effects.pressure import Pressure, facets_on_side
 
     surface = made.state.surface
     if surface is None:
@@ -266,11 +267,11 @@ def _pressure(made: Build, pressed: list[tuple[Body, Side]]) -> Any:
     for body, side in pressed:
         normal, place = _face(made, body, side)
         tolerance = FLAT * made.state.grid.cell_size
-        own = surface.of(body.index)
-        segments = segments_on_side(surface.position, surface.next, own, normal, place, tolerance)
-        if len(segments) == 0:
-            raise SceneError(f"bodies.{body.name}.sides: no surface segment lies on the side '{side.side}'")
-        loads.append((float(side.pressure or 0.0), segments))
+        own = surface.facets_of(body.index)
+        loaded = facets_on_side(surface.position, surface.facets, own, normal, place, tolerance)
+        if len(loaded) == 0:
+            raise SceneError(f"bodies.{body.name}.sides: no surface facet lies on the side '{side.side}'")
+        loads.append((float(side.pressure or 0.0), loaded))
     return Pressure(tuple(loads))
 
 

@@ -43,7 +43,8 @@ class Body:
     shear_modulus: float  #: G [Pa]
     lower: tuple[float, ...]  #: lower corner of its bounding box at the start [m]
     upper: tuple[float, ...]  #: upper corner of its bounding box at the start [m]
-    outlines: tuple[FloatArray, ...]  #: closed polylines (m, 2) [m], material on the left; () without surface
+    outlines: tuple[FloatArray, ...]  #: nodes (m, dim) [m] of its closed surfaces; () without surface
+    facets: tuple[IntArray, ...] = ()  #: of each of them the facets' nodes (k, dim), material on the left
 
     @property
     def p_wave_modulus(self) -> float:
@@ -157,29 +158,35 @@ class Grid:
 
 @dataclass(slots=True)
 class Surface:
-    """Outlines of all bodies as closed polylines of two-node segments, moved by their own velocity field
-    (2D)."""
+    """Closed surfaces of all bodies, moved by their own velocity field: two-node segments in the plane, triangles in
+    space."""
 
-    position: FloatArray  #: (n_s, 2) x_s [m]
-    displacement: FloatArray  #: (n_s, 2) motion over the last step [m]
-    tributary: FloatArray  #: (n_s,) [m]
-    next: IntArray  #: (n_s,) segment s runs from node s to node next[s]
-    previous: IntArray  #: (n_s,)
-    facets: IntArray  #: (n_f, dim) surface nodes of every facet, in the plane of segment s
+    position: FloatArray  #: (n_s, dim) x_s [m]
+    displacement: FloatArray  #: (n_s, dim) motion over the last step [m]
+    tributary: FloatArray  #: (n_s,) [m^(dim−1)]
+    facets: IntArray  #: (n_f, dim) surface nodes of every facet; in the plane facet s runs from node s
+    neighbours: IntArray  #: (n_f, dim) facet across the side that is opposite each corner
+    star_first: IntArray  #: (n_s + 1,) facets round node s are star[star_first[s]:star_first[s + 1]]
+    star: IntArray  #: (n_f dim,) in the plane the segment that ends there, then the one that starts
     body: IntArray  #: (n_s,) index of the body
     first: IntArray  #: (n_fields + 1,) surface nodes of velocity field f
     body_first: IntArray  #: (n_bodies + 1,) surface nodes of body b
+    facet_first: IntArray  #: (n_bodies + 1,) facets of body b
     stage: str = "contact"  #: stage of the clock that pays for it: ``gap`` if only the diagnostic uses it
     stencil: Stencil | None = None  #: N_i(x_s) of this step
 
     @property
     def count(self) -> int:
-        """Number of surface nodes, which is that of segments."""
+        """Number of surface nodes."""
         return len(self.tributary)
 
     def of(self, body: int) -> slice:
         """Surface nodes of one body."""
         return slice(int(self.body_first[body]), int(self.body_first[body + 1]))
+
+    def facets_of(self, body: int) -> slice:
+        """Facets of one body."""
+        return slice(int(self.facet_first[body]), int(self.facet_first[body + 1]))
 
 
 @dataclass(slots=True)

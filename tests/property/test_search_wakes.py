@@ -61,7 +61,7 @@ def check_step(sim: Simulation) -> tuple[float, bool]:
         gaps = signed_gaps(outlines[body], outlines[other])
         deepest = min(deepest, gaps.min())
         for node, gap in zip(range(*surface.of(body).indices(surface.count)), gaps, strict=True):
-            found = contact.candidates.gap[node][contact.candidates.segment[node] >= 0] if awake else []
+            found = contact.candidates.gap[node][contact.candidates.facet[node] >= 0] if awake else []
             if gap < 0.0 and faces(sim, node, outlines[other]):
                 assert awake
                 assert np.isclose(found, gap, rtol=1e-9, atol=1e-12).any(), (node, gap, found)
@@ -87,7 +87,7 @@ def test_no_contact_is_missed_by_bodies_slower_than_a_segment_a_step(
     surface, rng = sim.state.surface, np.random.default_rng(seed)
     start = surface.position.copy()
     left, right = surface.of(0), surface.of(1)
-    step = share * np.linalg.norm(start - start[surface.next], axis=1).min()
+    step = share * np.linalg.norm(start - start[surface.facets[:, 1]], axis=1).min()
     sim.contact.detection.candidates.inside.fill(-1)
     sim.contact.detection.was_inside, awake = False, False
     turn, centre = rng.uniform(0.0, 2.0 * np.pi), start[right].mean(axis=0)

@@ -140,11 +140,11 @@ def test_pressure_is_that_of_the_outward_normals():
     position = np.column_stack([np.cos(angle), np.sin(angle)])
     following = np.roll(np.arange(POINTS), -1)
     t = table()
-    segments = np.array([0, 1, 2, 7])
+    facets, loaded = np.stack([np.arange(POINTS), following], axis=1), np.array([0, 1, 2, 7])
     force = np.zeros((NODES, 2))
-    add_pressure(5.0, segments, following, position, *t, force)
+    add_pressure(5.0, loaded, facets, position, *t, force, (1.0, 1.0))
     on_nodes = np.zeros((POINTS, 2))
-    for a in segments:
+    for a in loaded:
         tangent = position[following[a]] - position[a]
         load = -5.0 * np.array([tangent[1], -tangent[0]])
         assert load @ (position[a] + position[following[a]]) < 0.0  # pushes inwards

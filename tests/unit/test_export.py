@@ -21,7 +21,8 @@ from mpmfw.build import build
 from mpmfw.cli import app
 from mpmfw.domains import domains_of
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
-from mpmfw.kernels.polyline import minimum_gap
+from mpmfw.geometry.facets import neighbours_of, stars_of
+from mpmfw.kernels import Facets, minimum_gap
 from mpmfw.paraview.gaps import signed_distances
 from mpmfw.scene import load_scene
 from scenes_for_tests import box
@@ -260,10 +261,14 @@ def test_signed_distances_are_those_of_the_kernel():
     inner = 0.3 * np.stack([np.cos(-angle[::3]), np.sin(-angle[::3])], axis=1)
     position = np.concatenate([outer, inner])
     following = np.concatenate([np.roll(np.arange(23), -1), 23 + np.roll(np.arange(8), -1)])
-    previous = np.argsort(following)
+    facets = np.stack([np.arange(31), following], axis=1)
+    first, star = stars_of(facets, 31)
     points = random.uniform(-1.6, 1.6, (300, 2))
     together = np.concatenate([position, points])
-    least = [minimum_gap(k, k + 1, 0, 31, together, following, previous) for k in range(31, len(together))]
+    surface = Facets(
+        position=together, facets=facets, neighbours=neighbours_of(facets), star_first=first, star=star
+    )
+    least = [minimum_gap(k, k + 1, 0, 31, surface, (1.0, 1.0)) for k in range(31, len(together))]
     found = signed_distances(points, position, following)
     np.testing.assert_allclose(found, least, atol=1e-14)
     assert (found < 0.0).any()

@@ -74,8 +74,8 @@ def test_forces_are_eq_9_of_every_segment_that_eq_10_names():
     actual, found = Surfaces(loops, literal=True, ratio=0.7).force()
     expected = np.zeros_like(actual)
     x, u = loops.position, loops.displacement
-    for s, j in zip(*np.nonzero(found.segment >= 0), strict=True):
-        m = found.segment[s, j]
+    for s, j in zip(*np.nonzero(found.facet >= 0), strict=True):
+        m = found.facet[s, j]
         nodes = [s, m, loops.following[m]]
         t = x[nodes[2]] - x[m]
         length = np.hypot(*t)
@@ -87,7 +87,7 @@ def test_forces_are_eq_9_of_every_segment_that_eq_10_names():
         c_t = np.outer(weights, e_t) + g_n / length * np.outer(ends, e_n)
         g_t = (c_t * u[nodes]).sum()
         expected[nodes] -= K * g_n * c_n + 0.7 * K * g_t * c_t
-    assert (found.segment >= 0).sum() > 3
+    assert (found.facet >= 0).sum() > 3
     np.testing.assert_allclose(actual, expected, atol=1e-12 * np.abs(expected).max())
 
 
@@ -143,7 +143,7 @@ def test_a_node_above_the_end_of_two_segments_shares_what_it_carried():
     tip.loops.position[0, 0] = 0.25
     tip.loops.displacement[:] = 0.0
     _, found = tip.force()
-    assert (found.segment[0] >= 0).sum() == 2
+    assert (found.facet[0] >= 0).sum() == 2
     assert before == pytest.approx(K * 5e-5)
     assert tip.tangential[0, :2] == pytest.approx(0.5 * before)
 

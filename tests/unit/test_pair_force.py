@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from contact_kernels import Law, OneNode, empty_candidates, find, forces, join, rows_of, star
-from mpmfw.kernels.polyline import segment_coordinate
+from mpmfw.kernels.facets import segment_coordinate
 
 LAW = Law()
 K, MU = LAW.stiffness, LAW.friction
@@ -37,10 +37,10 @@ def analytic(points):
     )
     found = empty_candidates(len(loops.body), 1)
     xi, gap, length, (tx, ty) = projection(points)
-    found.master[0], found.segment[0], found.coordinate[0], found.gap[0], found.normal[0] = (
+    found.master[0], found.facet[0], found.share[0, 0], found.gap[0], found.normal[0] = (
         1,
         3,
-        xi,
+        (1.0 - xi, xi),
         gap,
         (ty, -tx),
     )
@@ -120,7 +120,7 @@ def test_forces_of_two_outlines_balance_at_vertices_too(seed, keep_q):
     loops = join([star(rng, (-0.93, 0.1), 1.0), star(rng, (0.93, -0.1), 1.0)])
     loops.displacement[:] = 1e-3 * rng.normal(size=loops.displacement.shape)
     found = find(loops, slots=1)
-    touching = (found.segment >= 0) & (found.gap < 0.0)
+    touching = (found.facet >= 0) & (found.gap < 0.0)
     force = forces(loops, found, Law(keep_q=keep_q)).force
     scale = np.abs(force).sum()
     assert touching.any()
@@ -134,8 +134,8 @@ def test_some_of_those_contacts_are_at_vertices():
     for seed in range(8):
         rng = np.random.default_rng(seed)
         found = find(join([star(rng, (-0.93, 0.1), 1.0), star(rng, (0.93, -0.1), 1.0)]), slots=1)
-        ends = (found.coordinate == 0.0) | (found.coordinate == 1.0)
-        at_vertex += ((found.segment >= 0) & (found.gap < 0.0) & ends).sum()
+        ends = (found.share == 0.0).any(axis=2)
+        at_vertex += ((found.facet >= 0) & (found.gap < 0.0) & ends).sum()
     assert at_vertex > 0
 
 
@@ -260,10 +260,10 @@ def test_a_candidate_ahead_of_a_segment_s_end_has_finite_rows():
     plate = np.array([[-1.0, 0.0], [0.0, 0.0], [0.0, 1.0]])
     loops = join([tip, plate])
     found = empty_candidates(len(loops.body), 1)
-    found.master[0], found.segment[0], found.coordinate[0], found.gap[0], found.normal[0] = (
+    found.master[0], found.facet[0], found.share[0, 0], found.gap[0], found.normal[0] = (
         1,
         3,
-        1.0,
+        (0.0, 1.0),
         0.1,
         (1, 0),
     )

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import shapely
 
-from contact_kernels import Law, find, flat, forces, join, rows_of, search_grid, star
+from contact_kernels import PLANE, Law, find, flat, forces, join, rows_of, search_grid, star
 from mpmfw.kernels.contact import couplings
-from mpmfw.kernels.polyline import bounding_boxes, minimum_gap
+from mpmfw.kernels.facets import bounding_boxes, minimum_gap
 from mpmfw_contact.surfaces.layer import gather_layer, project_layer
 from mpmfw_contact.surfaces.search import near_boxes
 
@@ -68,21 +68,21 @@ def test_search_finds_the_closest_point_of_every_other_body(name):
     for s in range(len(loops.body)):
         for other in set(range(loops.n_bodies)) - {int(loops.body[s])}:
             gap, point = closest(loops, s, other)
-            slot = np.flatnonzero((found.segment[s] >= 0) & (found.master[s] == other))
+            slot = np.flatnonzero((found.facet[s] >= 0) & (found.master[s] == other))
             if abs(gap) >= H * (1.0 + 1e-12):
                 assert len(slot) == 0
                 continue
             if not faces(loops, s, segment_at(loops, point, other)):
-                assert all(faces(loops, s, found.segment[s, j]) for j in slot)
+                assert all(faces(loops, s, found.facet[s, j]) for j in slot)
                 expected += len(slot)
                 continue
             expected += 1
             (j,) = slot
-            start = found.segment[s, j]
+            start = found.facet[s, j]
             ends = loops.position[[start, loops.following[start]]]
             np.testing.assert_allclose(found.gap[s, j], gap, atol=1e-12)
             np.testing.assert_allclose(
-                ends[0] + found.coordinate[s, j] * (ends[1] - ends[0]), point, atol=1e-12
+                ends[0] + found.share[s, j, 1] * (ends[1] - ends[0]), point, atol=1e-12
             )
             if abs(gap) > 1e-9:
                 np.testing.assert_allclose(found.normal[s, j], (loops.position[s] - point) / gap, atol=1e-6)
@@ -121,15 +121,14 @@ def test_literal_detection_takes_every_segment_that_eq_10_names():
             near = min(np.linalg.norm(r), np.linalg.norm(loops.position[s] - b)) < H
             if near and gap < 0.0 and 0.0 <= xi <= 1.0:
                 expected.add(int(m))
-        assert set(found.segment[s][found.segment[s] >= 0].tolist()) == expected
+        assert set(found.facet[s][found.facet[s] >= 0].tolist()) == expected
 
 
 @every_scene
 def test_minimum_gap_is_the_least_signed_distance(name):
     loops = join(SCENES[name])
     a, b = np.flatnonzero(loops.body == 0), np.flatnonzero(loops.body == 1)
-    chains = (loops.position, loops.following, loops.previous)
-    actual = minimum_gap(a[0], a[-1] + 1, b[0], b[-1] + 1, *chains)
+    actual = minimum_gap(a[0], a[-1] + 1, b[0], b[-1] + 1, loops.outline, PLANE)
     assert actual == pytest.approx(min(closest(loops, s, 1)[0] for s in a), abs=1e-12)
 
 
@@ -138,13 +137,13 @@ def force_twin(loops, found, law, old_master, old_tangential):
     pairs = list(itertools.combinations(range(loops.n_bodies), 2))
     force, work = np.zeros_like(loops.position), np.zeros(len(pairs))
     x, u = loops.position, loops.displacement
-    for s, j in zip(*np.nonzero((found.segment >= 0) & (found.gap < 0.0)), strict=True):
-        g, e_n, m = found.gap[s, j], found.normal[s, j], found.segment[s, j]
+    for s, j in zip(*np.nonzero((found.facet >= 0) & (found.gap < 0.0)), strict=True):
+        g, e_n, m = found.gap[s, j], found.normal[s, j], found.facet[s, j]
         e_t = np.array([-e_n[1], e_n[0]])
-        point = x[m] + found.coordinate[s, j] * (x[loops.following[m]] - x[m])
+        point = x[m] + found.share[s, j, 1] * (x[loops.following[m]] - x[m])
         masters = [m]
-        if found.coordinate[s, j] in (0.0, 1.0):  # both segments that meet at the vertex
-            vertex = m if found.coordinate[s, j] == 0.0 else loops.following[m]
+        if found.share[s, j, 1] in (0.0, 1.0):  # both segments that meet at the vertex
+            vertex = m if found.share[s, j, 1] == 0.0 else loops.following[m]
             masters = [loops.previous[vertex], vertex]
         along = np.array([max((x[loops.following[k]] - x[k]) @ e_t, 0.0) for k in masters])
         known = old_master[s] == loops.body[m]
@@ -182,8 +181,8 @@ def test_contact_forces_agree_with_numpy(name, damping):
     loops, law = join(SCENES[name]), Law(damping=damping, tangential_ratio=0.7, friction=0.4)
     loops.displacement[:] = 0.01 * rng.normal(size=loops.position.shape)
     found = find(loops, h=H)
-    old_master = np.where(rng.random(found.segment.shape) < 0.5, found.master, -1)
-    old_tangential = 100.0 * rng.normal(size=found.segment.shape)
+    old_master = np.where(rng.random(found.facet.shape) < 0.5, found.master, -1)
+    old_tangential = 100.0 * rng.normal(size=found.facet.shape)
     expected, work = force_twin(loops, found, law, old_master, old_tangential)
     result = forces(loops, found, law, old_master, old_tangential)
     np.testing.assert_allclose(result.force, expected, rtol=1e-10, atol=1e-9)
@@ -241,8 +240,8 @@ def test_frequency_bounds_the_largest_eigenvalue_closely(name):
     assert not scratch.any()
     assert bound == sums.max()
     rows = []
-    for s, j in zip(*np.nonzero(found.segment >= 0), strict=True):
-        m, xi = found.segment[s, j], found.coordinate[s, j]
+    for s, j in zip(*np.nonzero(found.facet >= 0), strict=True):
+        m, xi = found.facet[s, j], found.share[s, j, 1]
         rows.append(matrix[s] - (1.0 - xi) * matrix[m] - xi * matrix[loops.following[m]])
     b = np.array(rows)
     assert len(b) == made.count

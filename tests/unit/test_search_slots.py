@@ -12,15 +12,15 @@ from mpmfw_contact.surfaces.search import keep_nearest
 
 
 @kernel
-def offer(order, gaps, candidates):
+def offer(order, gaps, share, normal, candidates):
     """Offer bodies 1, 2, … with the given gaps to node 0, in the given order."""
     for body in order:
-        keep_nearest(0, body, body, gaps[body], 0.5, 0.0, 1.0, candidates)
+        keep_nearest(0, body, body, gaps[body], share, normal, candidates, (1.0, 1.0))
 
 
 def kept(order, gaps, slots):
     candidates = empty_candidates(1, slots)
-    offer(np.array(order), np.array(gaps), candidates)
+    offer(np.array(order), np.array(gaps), np.array([0.5, 0.5]), np.array([0.0, 1.0]), candidates)
     return {int(body): float(gap) for body, gap in zip(candidates.master[0], candidates.gap[0], strict=True)}
 
 

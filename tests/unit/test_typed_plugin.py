@@ -27,16 +27,16 @@ class LawOptions(BaseModel):
 
 
 @device
-def foot(x: Float, y: Float, a: int, position: Floats, following: Ints) -> Float:
-    b = following[a]
+def foot(x: Float, y: Float, m: int, position: Floats, facets: Ints) -> Float:
+    a, b = facets[m, 0], facets[m, 1]
     xi, _, _, _, _ = segment_coordinate(x, y, position[a, 0], position[a, 1], position[b, 0], position[b, 1])
     return xi
 
 
 @kernel
-def feet(position: Floats, following: Ints, out: Floats) -> None:
+def feet(position: Floats, facets: Ints, out: Floats) -> None:
     for s in range(len(out)):
-        out[s] = foot(position[s, 0], position[s, 1], s, position, following)
+        out[s] = foot(position[s, 0], position[s, 1], s, position, facets)
 
 
 class Law(ContactStrategy):
@@ -57,7 +57,7 @@ class Law(ContactStrategy):
     def add_nodal_force(self, grid: Grid, state: State, dt: float) -> None:
         if state.surface is not None:
             out = np.zeros(state.surface.count)
-            feet(state.surface.position, state.surface.next, out)
+            feet(state.surface.position, state.surface.facets, out)
         grid.force += self.options.reach * dt
 
     @hookimpl

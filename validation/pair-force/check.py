@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 
 from mpmfw.fields import FloatArray
 from mpmfw.kernels.contact import Records
+from mpmfw.kernels.facets import segment_coordinate
 from mpmfw.kernels.pair_table import pair_table
-from mpmfw.kernels.polyline import segment_coordinate
 from mpmfw.plots.style import dress, legend_below, new_figure
 from mpmfw.validation import Case
 from mpmfw_contact._springs import spring_forces
@@ -173,23 +173,24 @@ def row_of(points: FloatArray, moved: FloatArray, *, tilts: bool = False) -> Sur
     gap, xi = gap_and_coordinate(points)
     along = (points[2] - points[1]) / np.hypot(*(points[2] - points[1]))
     body, follow = np.array([0, 1, 1]), np.array([0, 2, 1])
-    segment, master = np.array([[1], [-1], [-1]]), np.array([[1], [-1], [-1]])
+    facet, master = np.array([[1], [-1], [-1]]), np.array([[1], [-1], [-1]])
     normal = np.zeros((3, 1, 2))
     normal[0, 0] = along[1], -along[0]
     none = np.zeros((0, 1), dtype=int)
     candidates = Candidates(
-        master=master, segment=segment, coordinate=np.full((3, 1), xi), gap=np.full((3, 1), gap), normal=normal,
-        inside=none, inside_segment=none,
+        master=master, facet=facet, share=np.full((3, 1, 2), [1.0 - xi, xi]), gap=np.full((3, 1), gap), normal=normal,
+        inside=none, inside_facet=none,
     )  # fmt: skip
     outline = Outline(
-        position=points, displacement=moved, tributary=np.ones(3), next=follow, previous=follow, body=body,
-        body_first=np.array([0, 1, 3]), facets=np.stack([np.arange(3), follow], axis=1),
+        position=points, displacement=moved, tributary=np.ones(3), body=body, body_first=np.array([0, 1, 3]),
+        facet_first=np.array([0, 1, 3]), facets=np.stack([np.arange(3), follow], axis=1),
+        neighbours=np.stack([follow, follow], axis=1), star_first=np.arange(4), star=np.arange(3),
     )  # fmt: skip
     table = Table(row=np.arange(4), nodes=np.arange(3, dtype=np.int32), weight=np.ones(3))
     pair_of = pair_table(np.array([0]), np.array([1]))
     rows = SurfaceRows(2, couples=True, tilts=tilts, own=OWN)
     rows.count = assemble(
-        1.0, False, False, candidates, outline, pair_of, np.array([0]), table, rows, rows.places
+        1.0, False, False, candidates, outline, pair_of, np.array([0]), table, rows, rows.places, (1.0, 1.0)
     )
     return rows
 

@@ -8,26 +8,29 @@ import numpy as np
 from pydantic import Field
 
 from mpmfw.api import AnyArray, ContactRows, FloatArray, Grid, Particles, Setup, Stencil
-from mpmfw.kernels import device, kernel
+from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.contact import Rows
+from mpmfw.kernels.facets import bounding_boxes, read_corners, signed_distance, squared_distance
 from mpmfw.kernels.pair_table import pair_index
-from mpmfw.kernels.polyline import bounding_boxes, box_distance, signed_distance, squared_distance
 from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw_contact import _springs as springs
 from mpmfw_contact.penalty import PenaltyLaw
 from mpmfw_contact.surfaces import Surfaces, SurfacesOptions
-from mpmfw_contact.surfaces.assembly import Places, Table, add_point, along_segment, write_geometry
+from mpmfw_contact.surfaces.assembly import Places, Table, add_point, write_geometry
 from mpmfw_contact.surfaces.candidates import SearchGrid
 from mpmfw_contact.surfaces.detection import SurfaceRows
 from mpmfw_contact.surfaces.outline import Outline
+from mpmfw_contact.surfaces.search import outside_box
 
 
 @device
-def closest_of(x: Float, y: Float, b: int, radius: Float, outline: Outline) -> int:
+def closest_of(x: Floats, b: int, radius: Float, outline: Outline, spacing: tuple[float, ...]) -> int:
     """The segment of body b that is closest to a point, −1 if none is within ``radius`` [m]."""
+    corners = scratch.matrix(spacing, spacing)
     nearest, closest = radius * radius, -1
-    for m in range(outline.body_first[b], outline.body_first[b + 1]):
-        square = squared_distance(x, y, m, outline.position, outline.next)
+    for m in range(outline.facet_first[b], outline.facet_first[b + 1]):
+        read_corners(m, outline.position, outline.facets, corners, spacing)
+        square = squared_distance(x, corners, spacing)
         if square < nearest:
             nearest, closest = square, m
     return closest
@@ -37,7 +40,7 @@ def closest_of(x: Float, y: Float, b: int, radius: Float, outline: Outline) -> i
 def motion_between(c: int, s: int, share: Float, outline: Outline, rows: Rows, places: Places) -> None:
     """B v Δt of row c, whose slave is the point ``share`` of segment s."""
     for d in range(rows.motion.shape[1]):
-        start, end = outline.displacement[s, d], outline.displacement[outline.next[s], d]
+        start, end = outline.displacement[s, d], outline.displacement[outline.facets[s, 1], d]
         rows.motion[c, d] = (1.0 - share) * start + share * end
     for corner in range(2):
         p, along = outline.facets[places.facet[c], corner], 0.0
@@ -52,7 +55,7 @@ def motion_between(c: int, s: int, share: Float, outline: Outline, rows: Rows, p
 @kernel
 def rows_of_points(
     points: Floats, parts: Floats, radius: float, length: Floats, outline: Outline, rank: Ints, lists: SearchGrid,
-    pair_of: Ints, pair_first: Ints, table: Table, rows: Rows, places: Places,
+    pair_of: Ints, pair_first: Ints, table: Table, rows: Rows, places: Places, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """A row for every point within ``radius`` of another body, against its closest segment; −1 where there is no room.
 
@@ -60,32 +63,34 @@ def rows_of_points(
     row is constant, so that all forces are derivatives of Σ k g² / 2, g the distance.
     """
     c, top, n_bodies, body = 0, 0, len(outline.body_first) - 1, outline.body
+    x, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
     for s in range(len(body)):
-        t_x, t_y = along_segment(s, outline)
+        e = outline.facets[s, 1]
         for q in range(len(points)):
-            x, y = outline.position[s, 0] + points[q] * t_x, outline.position[s, 1] + points[q] * t_y
+            for d in range(2):
+                x[d] = outline.position[s, d] + points[q] * (outline.position[e, d] - outline.position[s, d])
             for b in range(n_bodies):
-                lower, upper = lists.box_lower[b], lists.box_upper[b]
-                beyond = box_distance(x, y, lower[0], upper[0], lower[1], upper[1]) > radius * radius
-                if b == body[s] or rank[body[s]] > rank[b] or beyond:
+                if b == body[s] or rank[body[s]] > rank[b]:
                     continue
-                m = closest_of(x, y, b, radius, outline)
+                if outside_box(x, lists.box_lower[b], lists.box_upper[b], radius, spacing):
+                    continue
+                m = closest_of(x, b, radius, outline, spacing)
                 if m < 0:
                     continue
                 if c >= len(rows.pair) or top + 64 > len(rows.dof):
                     return -1
-                g, xi, e_x, e_y = signed_distance(x, y, m, outline.position, outline.next, outline.previous)
+                g = signed_distance(x, m, outline, share, normal, spacing)
                 p = pair_index(pair_of, body[s], b)
                 rows.pair[c], rows.identity[c], rows.gap[c] = p, (s * len(points) + q) * n_bodies + b, g
                 rows.sign[c] = 1.0 if pair_first[p] == body[s] else -1.0
                 rows.whole[c] = parts[q] * length[s]
                 rows.area[c] = rows.whole[c]
                 places.slave[c], places.facet[c] = s, m
-                write_geometry(c, xi, e_x, e_y, outline, rows, places)
+                write_geometry(c, share, normal, outline, rows, places, spacing)
                 motion_between(c, s, points[q], outline, rows, places)
                 rows.start[c] = top
                 top = add_point(s, 1.0 - points[q], c, -1, top, table, rows, places)
-                top = add_point(outline.next[s], points[q], c, -1, top, table, rows, places)
+                top = add_point(e, points[q], c, -1, top, table, rows, places)
                 for corner in range(2):
                     node = outline.facets[m, corner]
                     top = add_point(node, -places.share[c, corner], c, corner, top, table, rows, places)
@@ -111,7 +116,7 @@ class Quadrature(Surfaces):
         super().prepare(setup, owner)
         points, weights = np.polynomial.legendre.leggauss(self.options.points)
         self.points, self.parts = 0.5 * (points + 1.0), 0.5 * weights / (2.0 if self.two_passes else 1.0)
-        ends = self.surface.position[self.surface.next]
+        ends = self.surface.position[self.surface.facets[:, 1]]
         self.length: FloatArray = np.linalg.norm(ends - self.surface.position, axis=1)
 
     def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:  # noqa: ARG002
@@ -126,7 +131,7 @@ class Quadrature(Surfaces):
         while True:
             rows.count = rows_of_points(
                 self.points, self.parts, self.radius, self.length, self.outline, self.rank, self.lists,
-                self.pair_of, self.first, table, rows, rows.places,
+                self.pair_of, self.first, table, rows, rows.places, grid.spacing,
             )  # fmt: skip
             if rows.count >= 0:
                 return

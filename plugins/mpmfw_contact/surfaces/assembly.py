@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
-import math
-
-from mpmfw.kernels import Struct, device, kernel
+from mpmfw.kernels import Struct, device, kernel, scratch
 from mpmfw.kernels.contact import Rows
+from mpmfw.kernels.facets import (
+    at_rim,
+    extent_of,
+    length_of,
+    node_normal,
+    read_corners,
+    write_gradients,
+    write_own_gradients,
+)
 from mpmfw.kernels.pair_table import pair_index
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 from mpmfw_contact.surfaces.candidates import Candidates
-from mpmfw_contact.surfaces.facing import along_segment, faces
-from mpmfw_contact.surfaces.outline import Outline, distance_to
+from mpmfw_contact.surfaces.facing import faces
+from mpmfw_contact.surfaces.outline import Outline, area_of, distance_to
 
-#: Difference of distances, in lengths of a segment, below which two segments are equally close: what rounding leaves.
+#: Difference of distances, in lengths of a facet, below which two facets are equally close: what rounding leaves.
 TIE = 1e-9
 
 
@@ -35,74 +42,95 @@ class Table(Struct):
 
 
 @device
-def length_along(a: int, e_x: Float, e_y: Float, outline: Outline) -> Float:
-    """(x_2 − x_1)·e_t of segment a [m], e_t = (−e_n,y, e_n,x)."""
-    x, y = along_segment(a, outline)
-    along: Float = -e_y * x + e_x * y
-    return along
+def measure_across(m: int, normal: Floats, outline: Outline, spacing: tuple[float, ...]) -> Float:
+    """Measure of facet m as seen along ``normal``, 0 from behind: (x_2 − x_1)·e_t [m] in the plane, twice its area [m^2] in
+    space."""
+    area, across = scratch.vector(spacing), 0.0
+    area_of(m, outline, area, spacing)
+    for d in range(len(spacing)):
+        across += area[d] * normal[d]
+    return max(across, 0.0)
 
 
 @device
 def equally_close(
-    s: int, m: int, xi: Float, gap: Float, e_x: Float, e_y: Float, outline: Outline
-) -> tuple[int, Float, Float, Float, Float]:
-    """The neighbour of segment m to which node s is as close, and the share of the contact that it takes.
+    s: int, m: int, share: Floats, gap: Float, normal: Floats, other_share: Floats, other_normal: Floats,
+    outline: Outline, spacing: tuple[float, ...],
+) -> tuple[int, Float]:  # fmt: skip
+    """The neighbour of facet m to which node s is as close, and the part of the contact that it takes.
 
-    Where a node meets a vertex head-on, or is as deep under both sides of a corner, each of the two segments is as good as
-    the other: the contact is then with both, in shares w_i = L_i² / (L_1² + L_2²) of their lengths along the tangent. Of the
-    distance, which has a ridge there, that is a subgradient, and no index decides.
+    Where a node meets a vertex head-on, or is as deep under both sides of a corner, each of the two facets is as good as
+    the other: the contact is then with both, in parts w_i = L_i² / (L_1² + L_2²) of their lengths along the tangent, or areas
+    across the normal. Of the distance, which has a ridge there, that is a subgradient, and no index decides.
 
     Returns
     -------
-    First node of the neighbour, its share (0 without a tie, 1 if segment m has no length along the tangent), its ξ and e_n.
+    The neighbour, and its part (0 without a tie, 1 if facet m has no measure across the normal). Barycentric coordinates and
+    e_n on the neighbour are written to ``other_share`` and ``other_normal``.
     """
-    own = max(length_along(m, e_x, e_y, outline), 0.0)
-    nearer, farther = outline.previous[m], outline.next[m]
-    if xi > 0.5:
-        nearer, farther = farther, nearer
-    for other in (nearer, farther):
-        g, other_xi, n_x, n_y = distance_to(s, other, outline)
-        along = max(length_along(other, n_x, n_y, outline), 0.0)
-        if abs(g - gap) <= TIE * max(own, along) and along > 0.0:
-            at_vertex = (xi == 0.0 or xi == 1.0) and (other_xi == 0.0 or other_xi == 1.0)
-            if at_vertex or faces(s, other, outline):
-                return other, along * along / (own * own + along * along), other_xi, n_x, n_y
-    return m, 0.0, xi, e_x, e_y
+    dim = len(spacing)
+    own, looked = measure_across(m, normal, outline, spacing), False
+    looks, visited = scratch.vector(spacing), scratch.integers(spacing)
+    for a in range(dim):
+        visited[a] = 0
+    for _ in range(dim):
+        corner = -1  # across the nearest side that is left; of equally near ones the last
+        for a in range(dim):
+            if visited[a] == 0 and (corner < 0 or share[a] <= share[corner]):
+                corner = a
+        visited[corner] = 1
+        other = outline.neighbours[m, corner]
+        g = distance_to(s, other, outline, other_share, other_normal, spacing)
+        across = measure_across(other, other_normal, outline, spacing)
+        if abs(g - gap) <= TIE * extent_of(max(own, across), spacing) and across > 0.0:
+            alike = at_rim(share, spacing) and at_rim(other_share, spacing)
+            if not alike and not looked:
+                node_normal(s, outline, looks, spacing)
+                looked = True
+            if alike or faces(looks, other, outline, spacing):
+                return other, across * across / (own * own + across * across)
+    return m, 0.0
 
 
 @device
-def share_across(s: int, e_x: Float, e_y: Float, outline: Outline) -> Float:
-    """Of a node's two segments, the part of their length that lies across e_n and faces it; 1 on a flat face."""
-    before_x, before_y = along_segment(outline.previous[s], outline)
-    after_x, after_y = along_segment(s, outline)
-    length = math.hypot(before_x, before_y) + math.hypot(after_x, after_y)
-    return (max(before_x * e_y - before_y * e_x, 0.0) + max(after_x * e_y - after_y * e_x, 0.0)) / length
+def share_across(s: int, normal: Floats, outline: Outline, spacing: tuple[float, ...]) -> Float:
+    """Of a node's facets, the part of their measure that lies across e_n and faces it; 1 on a flat face."""
+    area, across, whole = scratch.vector(spacing), 0.0, 0.0
+    for k in range(outline.star_first[s], outline.star_first[s + 1]):
+        area_of(outline.star[k], outline, area, spacing)
+        along = 0.0
+        for d in range(len(spacing)):
+            along += area[d] * normal[d]
+        whole += length_of(area, spacing)
+        across += max(-along, 0.0)
+    return across / whole
 
 
 @device
 def write_geometry(
-    c: int, xi: Float, e_x: Float, e_y: Float, outline: Outline, rows: Rows, places: Places
-) -> None:
-    """Normal, barycentric coordinates, couple and tilt of row c in the plane.
+    c: int, share: Floats, normal: Floats, outline: Outline, rows: Rows, places: Places, spacing: tuple[float, ...]
+) -> None:  # fmt: skip
+    """Normal, barycentric coordinates, couple and tilt of row c.
 
-    The couple of corner a is g ∇ξ_a, ξ_a varied along the tangent e_t = (−e_n,y, e_n,x): by it f_t acts along e_n, and the pair
-    leaves no moment g f_t. At a vertex, where e_n is not the segment's normal, the lever is the length along e_t. The tilt
-    −(g / l) Q of eq. 7, the normal varied with the segment, takes the segment's own tangent: any other would leave a moment.
+    The couple of corner a is g ∇ξ_a, ξ_a varied across the normal: by it f_t acts along e_n, and the pair leaves no moment
+    g f_t. On the rim, where e_n is not the facet's normal, the facet is taken as it is seen along e_n. The tilt −g ∇ξ_a, in the
+    plane −(g / l) Q of eq. 7, the normal varied with the facet, takes the facet's own plane: any other would leave a moment.
     """
-    g, turn, lean = rows.gap[c], places.turn, places.lean
-    t_x, t_y = along_segment(places.facet[c], outline)
-    rows.normal[c, 0], rows.normal[c, 1] = e_x, e_y
-    places.share[c, 0], places.share[c, 1] = 1.0 - xi, xi
+    dim, g, turn, lean = len(spacing), rows.gap[c], places.turn, places.lean
+    corners, gradient = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
+    read_corners(places.facet[c], outline.position, outline.facets, corners, spacing)
+    for d in range(dim):
+        rows.normal[c, d], places.share[c, d] = normal[d], share[d]
     if len(turn) > 0:
-        lever = -e_y * t_x + e_x * t_y
-        # beyond an end, in the segment's direction, there is no couple
-        over = g / lever if lever > 0.0 else 0.0
-        turn[c, 1, 0], turn[c, 1, 1] = -over * e_y, over * e_x
-        turn[c, 0, 0], turn[c, 0, 1] = over * e_y, -over * e_x
+        write_gradients(corners, normal, g, gradient, spacing)
+        for a in range(dim):
+            for d in range(dim):
+                turn[c, a, d] = gradient[a, d]
     if len(lean) > 0:
-        over = g / (t_x * t_x + t_y * t_y)
-        lean[c, 0, 0], lean[c, 0, 1] = over * t_x, over * t_y
-        lean[c, 1, 0], lean[c, 1, 1] = -over * t_x, -over * t_y
+        write_own_gradients(corners, -g, gradient, spacing)
+        for a in range(dim):
+            for d in range(dim):
+                lean[c, a, d] = gradient[a, d]
 
 
 @device
@@ -166,20 +194,20 @@ def width_of(s: int, m: int, facets: Ints, row: Ints) -> int:
 
 @device
 def next_candidate(s: int, last: int, candidates: Candidates) -> int:
-    """Slot of the candidate of node s that follows ``last`` (−1: the first), by body and segment; −1 after all."""
-    master, segment = candidates.master, candidates.segment
+    """Slot of the candidate of node s that follows ``last`` (−1: the first), by body and facet; −1 after all."""
+    master, facet = candidates.master, candidates.facet
     following = -1
-    for j in range(segment.shape[1]):
-        if segment[s, j] < 0:
+    for j in range(facet.shape[1]):
+        if facet[s, j] < 0:
             continue
         if last >= 0 and not (
             master[s, j] > master[s, last]
-            or (master[s, j] == master[s, last] and segment[s, j] > segment[s, last])
+            or (master[s, j] == master[s, last] and facet[s, j] > facet[s, last])
         ):
             continue
         if following < 0 or (
             master[s, j] < master[s, following]
-            or (master[s, j] == master[s, following] and segment[s, j] < segment[s, following])
+            or (master[s, j] == master[s, following] and facet[s, j] < facet[s, following])
         ):
             following = j
     slot: int = following
@@ -189,44 +217,51 @@ def next_candidate(s: int, last: int, candidates: Candidates) -> int:
 @kernel
 def assemble(
     passes: float, across: bool, ties: bool, candidates: Candidates, outline: Outline, pair_of: Ints, pair_first: Ints,
-    table: Table, rows: Rows, places: Places,
+    table: Table, rows: Rows, places: Places, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """A row for each candidate, two where it meets two facets alike; their number, or −1 where there is no room for all.
 
-    ``passes`` is the part of a node's tributary length that counts in one pass. ``across`` says whether only what
-    lies across the normal is a row's area, ``ties`` whether of two equally close segments both count.
+    ``passes`` is the part of a node's tributary area that counts in one pass. ``across`` says whether only what
+    lies across the normal is a row's area, ``ties`` whether of two equally close facets both count.
     """
-    c, top, body = 0, 0, outline.body
+    c, top, body, dim = 0, 0, outline.body, len(spacing)
+    share, normal = scratch.vector(spacing), scratch.vector(spacing)
+    other_share, other_normal = scratch.vector(spacing), scratch.vector(spacing)
     n_bodies = len(outline.body_first) - 1
     for s in range(len(body)):
         j = next_candidate(s, -1, candidates)
         while j >= 0:
-            m, xi, g = candidates.segment[s, j], candidates.coordinate[s, j], candidates.gap[s, j]
-            e_x, e_y = candidates.normal[s, j, 0], candidates.normal[s, j, 1]
-            other, part, other_xi, o_x, o_y = m, 0.0, xi, e_x, e_y
+            m, g, master = candidates.facet[s, j], candidates.gap[s, j], candidates.master[s, j]
+            for d in range(dim):
+                share[d], normal[d] = candidates.share[s, j, d], candidates.normal[s, j, d]
+            other, part = m, 0.0
             if ties and g < 0.0:
-                other, part, other_xi, o_x, o_y = equally_close(s, m, xi, g, e_x, e_y, outline)
+                other, part = equally_close(
+                    s, m, share, g, normal, other_share, other_normal, outline, spacing
+                )
             for visit in range(2):
                 taken = 1.0 - part if visit == 0 else part
                 if taken == 0.0:
                     continue
                 if visit == 1:
-                    m, xi, e_x, e_y = other, other_xi, o_x, o_y
+                    m = other
+                    for d in range(dim):
+                        share[d], normal[d] = other_share[d], other_normal[d]
                 if c >= len(rows.pair) or top + width_of(s, m, outline.facets, table.row) > len(rows.dof):
                     return -1
-                p = pair_index(pair_of, body[s], body[m])
-                rows.pair[c], rows.identity[c], rows.gap[c] = p, s * n_bodies + body[m], g
+                p = pair_index(pair_of, body[s], master)
+                rows.pair[c], rows.identity[c], rows.gap[c] = p, s * n_bodies + master, g
                 rows.sign[c] = 1.0 if pair_first[p] == body[s] else -1.0
                 rows.whole[c] = taken * passes * outline.tributary[s]
                 rows.area[c] = rows.whole[c]
                 if across:
-                    rows.area[c] *= share_across(s, e_x, e_y, outline)
+                    rows.area[c] *= share_across(s, normal, outline, spacing)
                 places.slave[c], places.facet[c] = s, m
-                write_geometry(c, xi, e_x, e_y, outline, rows, places)
+                write_geometry(c, share, normal, outline, rows, places, spacing)
                 write_motion(c, outline, rows, places)
                 rows.start[c] = top
                 top = add_point(s, 1.0, c, -1, top, table, rows, places)
-                for corner in range(outline.facets.shape[1]):
+                for corner in range(dim):
                     node = outline.facets[m, corner]
                     top = add_point(node, -places.share[c, corner], c, corner, top, table, rows, places)
                 c += 1

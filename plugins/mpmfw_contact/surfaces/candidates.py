@@ -10,17 +10,15 @@ from mpmfw.kernels.types import Float, Floats, Indices, Ints
 
 
 class Candidates(Struct):
-    """Up to ``slots`` candidate segments for every surface node, each of another body, and where it was inside a step ago."""
+    """Up to ``slots`` candidate facets for every surface node, each of another body, and where it was inside a step ago."""
 
     master: Ints  #: (n_s, slots) index of the candidate's body
-    segment: Ints  #: (n_s, slots) first node of the segment; −1 if none is near
-    coordinate: Floats  #: (n_s, slots) ξ
+    facet: Ints  #: (n_s, slots) facet; −1 if none is near
+    share: Floats  #: (n_s, slots, dim) barycentric coordinates on it
     gap: Floats  #: (n_s, slots) g_n [m]
-    normal: Floats  #: (n_s, slots, 2) e_n
+    normal: Floats  #: (n_s, slots, dim) e_n
     inside: Ints  #: (n_s, slots) body that the node was inside of in the last step; −1 for none
-    inside_segment: (
-        Ints  #: (n_s, slots) the segment that it was behind; without nodes where nothing is tracked
-    )
+    inside_facet: Ints  #: (n_s, slots) the facet that it was behind; without nodes where nothing is tracked
 
 
 def no_candidates(setup: Setup, owner: str, slots: int, *, tracked: bool) -> Candidates:
@@ -37,26 +35,34 @@ def no_candidates(setup: Setup, owner: str, slots: int, *, tracked: bool) -> Can
 
     candidates = Candidates(
         master=array("master", "1", "body of the candidate"),
-        segment=array("segment", "1", "closest segment"),
-        coordinate=array("coordinate", "1", "natural coordinate on the segment", "f8"),
+        facet=array("facet", "1", "closest facet"),
+        share=array("share", "1", "barycentric coordinates on the facet", "f8", ("axis",)),
         gap=array("gap", "m", "normal gap", "f8"),
         normal=array("normal", "1", "direction of the normal force", "f8", ("axis",)),
         inside=array("inside", "1", "body that the node was inside of") if tracked else none(),
-        inside_segment=array("inside_segment", "1", "segment that it was behind") if tracked else none(),
+        inside_facet=array("inside_facet", "1", "facet that it was behind") if tracked else none(),
     )
-    for each in (candidates.segment, candidates.master, candidates.inside):
+    for each in (candidates.facet, candidates.master, candidates.inside):
         each.fill(-1)
     return candidates
 
 
 @device
 def put(
-    s: int, j: int, master: int, m: int, gap: Float, xi: Float, e_x: Float, e_y: Float, candidates: Candidates
+    s: int,
+    j: int,
+    master: int,
+    m: int,
+    gap: Float,
+    share: Floats,
+    normal: Floats,
+    candidates: Candidates,
+    spacing: tuple[float, ...],
 ) -> None:
-    """Write the candidate in slot j of node s: segment m of body ``master``."""
-    candidates.master[s, j], candidates.segment[s, j] = master, m
-    candidates.coordinate[s, j], candidates.gap[s, j] = xi, gap
-    candidates.normal[s, j, 0], candidates.normal[s, j, 1] = e_x, e_y
+    """Write the candidate in slot j of node s: facet m of body ``master``."""
+    candidates.master[s, j], candidates.facet[s, j], candidates.gap[s, j] = master, m, gap
+    for d in range(len(spacing)):
+        candidates.share[s, j, d], candidates.normal[s, j, d] = share[d], normal[d]
 
 
 class SearchGrid(Struct):
@@ -69,17 +75,20 @@ class SearchGrid(Struct):
     head: Ints  #: (n_nodes,) first entry of the cell's list
     head_stamp: Ints  #: (n_nodes,)
     link: Indices  #: (n_entries,) next entry
-    link_segment: Indices  #: (n_entries,) segment
-    box_lower: Floats  #: (n_bodies, 2) [m]
-    box_upper: Floats  #: (n_bodies, 2) [m]
-    near_lower: Floats  #: (n_bodies, 2) box of what of the body may be near another [m]
-    near_upper: Floats  #: (n_bodies, 2) [m]
+    link_facet: Indices  #: (n_entries,) facet
+    box_lower: Floats  #: (n_bodies, dim) [m]
+    box_upper: Floats  #: (n_bodies, dim) [m]
+    near_lower: Floats  #: (n_bodies, dim) box of what of the body may be near another [m]
+    near_upper: Floats  #: (n_bodies, dim) [m]
 
 
 def no_lists(setup: Setup, owner: str) -> SearchGrid:
     """Allocate and list the arrays of the search, without marks."""
     grid, surface = setup.state.grid, setup.state.surface
-    sizes = {"grid_node": int(np.prod(grid.nodes)), "entry": 4 * (0 if surface is None else surface.count)}
+    sizes = {
+        "grid_node": int(np.prod(grid.nodes)),
+        "entry": 4 * (0 if surface is None else len(surface.facets)),
+    }
 
     def array(name: str, dims: tuple[str, ...], meaning: str, dtype: str, unit: str = "1") -> np.ndarray:
         return setup.allocate(owner, Field(name, dims, unit, meaning, "contact", dtype), **sizes)
@@ -90,10 +99,10 @@ def no_lists(setup: Setup, owner: str) -> SearchGrid:
         nodes=grid.nodes,
         owner=array("owner", node, "first body whose surface reached the node", "i8"),
         shared=array("shared", node, "stamp of nodes reached by two surfaces", "i8"),
-        head=array("head", node, "first entry of the cell's list of segments", "i8"),
+        head=array("head", node, "first entry of the cell's list of facets", "i8"),
         head_stamp=array("head_stamp", node, "stamp of the list", "i8"),
         link=array("link", entry, "next entry of the list", "i4"),
-        link_segment=array("link_segment", entry, "segment of the entry", "i4"),
+        link_facet=array("link_facet", entry, "facet of the entry", "i4"),
         box_lower=array("box_lower", body, "lower corner of the body's bounding box", "f8", "m"),
         box_upper=array("box_upper", body, "upper corner of the body's bounding box", "f8", "m"),
         near_lower=array("near_lower", body, "lower corner of what may be near another body", "f8", "m"),

@@ -23,8 +23,8 @@ from mpmfw.api import (
     Stencil,
 )
 from mpmfw.api import Field as ArrayField
+from mpmfw.kernels.facets import bounding_boxes
 from mpmfw.kernels.pair_table import pair_table
-from mpmfw.kernels.polyline import bounding_boxes
 from mpmfw_contact.surfaces import search
 from mpmfw_contact.surfaces.assembly import Places, Table, assemble, point_forces
 from mpmfw_contact.surfaces.candidates import no_candidates, no_lists
@@ -77,10 +77,11 @@ class SurfacesOptions(FacetOptions):
 
 
 class Surfaces(Detection):
-    """Every node of an outline against the closest segment of each other body that faces it.
+    """Every node of a surface against the closest facet of each other body that faces it.
 
-    The search is [H17]'s, section 3.2. Gap, ξ and normal are those of the closest point; a node inside another body is
-    followed until it is seen to come out. A row's weights are N_i(x_s) in the slave's field and −ξ_a N_i(x_a) in the master's.
+    The search is [H17]'s, section 3.2. Gap, barycentric coordinates ξ_a and normal are those of the closest point; a node
+    inside another body is followed until it is seen to come out. A row's weights are N_i(x_s) in the slave's field and
+    −ξ_a N_i(x_a) in the master's.
     """
 
     name = "surfaces"
@@ -89,8 +90,8 @@ class Surfaces(Detection):
     facets = True
     needs_surface = True
     dimensions = (2,)
-    #: Whether a node meets every segment that it penetrates (eq. 10), and not the closest one of a body.
-    every_segment: bool = False
+    #: Whether a node meets every facet that it penetrates (eq. 10), and not the closest one of a body.
+    every_facet: bool = False
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
@@ -100,7 +101,7 @@ class Surfaces(Detection):
 
     @property
     def tilts(self) -> bool:
-        """Whether the normal is varied with the segment (eq. 7)."""
+        """Whether the normal is varied with the facet (eq. 7)."""
         return getattr(self.options, "normal_variation", "hamad2017") == "hamad2017"
 
     def parts(self, contact: Any) -> list[Any]:  # noqa: ARG002
@@ -126,9 +127,9 @@ class Surfaces(Detection):
             raise SceneError(f"contact '{owner}' needs bodies with outlines")
         self.state, self.surface, self.has_friction = setup.state, setup.state.surface, setup.has_friction
         self.rank = _ranks(setup.bodies, self.options.master, owner, one_pass=not self.two_passes)
-        slots = 8 if self.every_segment else min(max(len(setup.bodies) - 1, 1), 3)
+        slots = 8 if self.every_facet else min(max(len(setup.bodies) - 1, 1), 3)
         self.outline = outline_of(self.surface)
-        self.candidates = no_candidates(setup, owner, slots, tracked=not self.every_segment)
+        self.candidates = no_candidates(setup, owner, slots, tracked=not self.every_facet)
         self.lists, self.stamp = no_lists(setup, owner), 0
         self.force: FloatArray = setup.allocate(owner, FORCE)
         self.radius, self.cell_size = self.reach(setup.cell_size), setup.cell_size
@@ -160,40 +161,41 @@ class Surfaces(Detection):
         outline, lists = self.outline, self.lists
         bounding_boxes(outline.body_first, outline.position, lists.box_lower, lists.box_upper)
         count = 0
-        if search.near_boxes(self.first, self.second, self.radius, lists) and self._list_segments(grid):
+        if search.near_boxes(self.first, self.second, self.radius, lists) and self._list_facets(grid):
             count = search.find_pairs(
-                self.stamp, self.radius, self.every_segment, outline, self.rank, lists, self.candidates, grid.spacing
+                self.stamp, self.radius, self.every_facet, outline, self.rank, lists, self.candidates, grid.spacing
             )  # fmt: skip
         elif not self.was_inside:
             return 0
         else:
-            self.candidates.segment.fill(-1)
-        return count + (0 if self.every_segment else self._track())
+            self.candidates.facet.fill(-1)
+        return count + (0 if self.every_facet else self._track())
 
-    def _list_segments(self, grid: Grid) -> bool:
-        """Lists of the segments in cells that two bodies reach; whether there are such cells."""
+    def _list_facets(self, grid: Grid) -> bool:
+        """Lists of the facets in cells that two bodies reach; whether there are such cells."""
         lists = self.lists
         while True:
             self.stamp += 1
             if not search.mark_shared_nodes(self.stamp, self.outline, lists, grid.spacing):
                 return False
-            entries = search.list_segments(self.stamp, self.outline, lists, grid.spacing)
+            entries = search.list_facets(self.stamp, self.outline, lists, grid.spacing)
             if entries <= len(lists.link):
                 return True
-            room = {name: np.zeros(2 * entries, dtype=np.int32) for name in ("link", "link_segment")}
+            room = {name: np.zeros(2 * entries, dtype=np.int32) for name in ("link", "link_facet")}
             lists.set(**room)
 
     def _track(self) -> int:
         """Nodes inside that the search has lost, or missed; the end of the run where bodies have crossed."""
         added = 0
         if self.was_inside:
-            added = keep_inside(self.outline, self.candidates, self.through)
+            added = keep_inside(self.outline, self.candidates, self.through, self.state.grid.spacing)
             if self.through[0] > CROSSED * self.cell_size:
                 raise crossed(self.state, self.through)
         least = THIN * self.radius
         return added + find_crossings(
-            least, self.outline, self.first, self.second, self.rank, self.lists, self.candidates
-        )
+            least, self.outline, self.first, self.second, self.rank, self.lists, self.candidates,
+            self.state.grid.spacing,
+        )  # fmt: skip
 
     def _assemble(self, rows: SurfaceRows) -> None:
         phi = self.surface.stencil
@@ -201,11 +203,11 @@ class Surfaces(Detection):
             raise RuntimeError("the surface's table was not filled")
         if self.table is None or self.table.weight is not phi.weight:
             self.table = Table(row=phi.row, nodes=phi.nodes, weight=phi.weight)
-        passes, closest = 0.5 if self.two_passes else 1.0, not self.every_segment
+        passes, closest = 0.5 if self.two_passes else 1.0, not self.every_facet
         while True:
             rows.count = assemble(
                 passes, closest, closest, self.candidates, self.outline, self.pair_of, self.first, self.table,
-                rows, rows.places,
+                rows, rows.places, self.state.grid.spacing,
             )  # fmt: skip
             if rows.count >= 0:
                 return
@@ -214,7 +216,7 @@ class Surfaces(Detection):
     def keep(self) -> None:
         """Note which nodes are inside which bodies."""
         c = self.candidates
-        if not self.every_segment and (self.count or self.was_inside):
+        if not self.every_facet and (self.count or self.was_inside):
             if self.count:
                 remember_inside(c)
             else:
@@ -249,7 +251,7 @@ class SurfaceRows(ContactRows):
 def _ranks(bodies: tuple[Body, ...], master: str | None, owner: str, *, one_pass: bool) -> IntArray:
     """All alike where each body is slave once; else the stiffer is master, of equals the first, unless one is named.
 
-    Nodes of a body are slaves to segments of those of the same or a higher rank.
+    Nodes of a body are slaves to facets of those of the same or a higher rank.
     """
     if master is not None and master not in [body.name for body in bodies]:
         names = ", ".join(body.name for body in bodies)

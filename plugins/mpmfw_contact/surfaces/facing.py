@@ -1,97 +1,133 @@
-"""Which of two outlines' segments face each other: at the corners of flush bodies the closest one may not."""
+"""Which facets of two surfaces face each other: at the corners of flush bodies the closest one may not."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from mpmfw.kernels import device
-from mpmfw.kernels.types import Float
+from mpmfw.kernels import device, scratch
+from mpmfw.kernels.facets import extent_of, length_of, node_normal, read_corners, way_across
+from mpmfw.kernels.types import Float, Floats
 from mpmfw_contact.surfaces.candidates import Candidates, put
-from mpmfw_contact.surfaces.outline import Outline, distance_to
+from mpmfw_contact.surfaces.outline import Outline, area_of, distance_to
 
-
-@device
-def along_segment(m: int, outline: Outline) -> tuple[Float, Float]:
-    """x_2 − x_1 of segment m [m]."""
-    position, e = outline.position, outline.next[m]
-    return position[e, 0] - position[m, 0], position[e, 1] - position[m, 1]
-
-
-@device
-def node_normal(s: int, outline: Outline) -> tuple[Float, Float]:
-    """Sum of the outward unit normals of a surface node's two segments."""
-    before_x, before_y = along_segment(outline.previous[s], outline)
-    after_x, after_y = along_segment(s, outline)
-    before, after = math.hypot(before_x, before_y), math.hypot(after_x, after_y)
-    return before_y / before + after_y / after, -before_x / before - after_x / after
-
-
-#: Least cosine between a slave node's reversed normal and that of a segment that faces it: blocks have sides at right angles,
+#: Least cosine between a slave node's reversed normal and that of a facet that faces it: blocks have sides at right angles,
 #: and rounding must not decide.
 LEAST_COSINE = 1e-6
 
 
 @device
-def faces(s: int, m: int, outline: Outline) -> bool:
-    """Whether the outward normals of a slave node and of a segment are against each other."""
-    n_x, n_y = node_normal(s, outline)
-    x, y = along_segment(m, outline)
-    against: bool = n_y * x - n_x * y > LEAST_COSINE * math.hypot(n_x, n_y) * math.hypot(x, y)
-    return against
+def against(looks: Floats, m: int, outline: Outline, spacing: tuple[float, ...]) -> tuple[Float, Float]:
+    """−n·a of a slave node's normal n, ``looks``, and the area vector a of facet m; and their lengths' product."""
+    area = scratch.vector(spacing)
+    area_of(m, outline, area, spacing)
+    along = 0.0
+    for d in range(len(spacing)):
+        along += looks[d] * area[d]
+    return -along, length_of(looks, spacing) * length_of(area, spacing)
 
 
-#: How far along the outline, in search radii, a segment that faces the node may be from the closest point.
+@device
+def faces(looks: Floats, m: int, outline: Outline, spacing: tuple[float, ...]) -> bool:
+    """Whether the outward normals of a slave node, ``looks``, and of a facet are against each other."""
+    along, size = against(looks, m, outline, spacing)
+    facing: bool = along > LEAST_COSINE * size
+    return facing
+
+
+#: How far along the surface, in search radii, a facet that faces the node may be from the closest point.
 ROUND_THE_CORNER = 0.25
 
-#: How far outside, in lengths of the closest segment, a node still counts as flush with it.
+#: How far outside, in lengths of the closest facet, a node still counts as flush with it.
 FLUSH = 0.05
 
-
-@device
-def length_of(m: int, outline: Outline) -> Float:
-    """Length of segment m [m]."""
-    x, y = along_segment(m, outline)
-    return math.hypot(x, y)
+#: As many facets round a corner are looked at, at most.
+ROUND = (0.0,) * 64
 
 
 @device
-def facing_segment(s: int, m: int, xi: Float, reach: Float, outline: Outline) -> Any:
-    """The segment nearest to the point ξ of segment m along the outline that faces node s; −1 if none within ``reach``."""
-    length = length_of(m, outline)
-    ahead, behind = (1.0 - xi) * length, xi * length
-    forward, backward = outline.next[m], outline.previous[m]
-    while min(ahead, behind) <= reach:
-        if ahead <= behind:
-            if faces(s, forward, outline):
-                return forward
-            ahead += length_of(forward, outline)
-            forward = outline.next[forward]
-        else:
-            if faces(s, backward, outline):
-                return backward
-            behind += length_of(backward, outline)
-            backward = outline.previous[backward]
-    return -1
+def measure_of(m: int, outline: Outline, spacing: tuple[float, ...]) -> Float:
+    """A length of facet m [m]."""
+    area = scratch.vector(spacing)
+    area_of(m, outline, area, spacing)
+    return extent_of(length_of(area, spacing), spacing)
 
 
 @device
-def turn_to_facing(s: int, radius: Float, outline: Outline, candidates: Candidates) -> None:
-    """Candidates of node s that do not face it give way to a segment round the corner that does, or are dropped.
+def facing_facet(
+    looks: Floats, m: int, share: Floats, reach: Float, outline: Outline, spacing: tuple[float, ...]
+) -> int:
+    """The facet nearest to a point of facet m along the surface that faces a node; −1 if none within ``reach`` [m].
+
+    ``share`` are the point's barycentric coordinates, ``looks`` is the node's normal. From facet to facet the nearest is looked
+    at first, of equally near ones that on the side of the first corner.
+    """
+    dim = len(spacing)
+    facet, side, way = scratch.integers(ROUND), scratch.integers(ROUND), scratch.vector(ROUND)
+    start, corners = scratch.vector(spacing), scratch.matrix(spacing, spacing)
+    read_corners(m, outline.position, outline.facets, corners, spacing)
+    for d in range(dim):
+        start[d] = 0.0
+        for a in range(dim):
+            start[d] += share[a] * corners[a, d]
+    for a in range(dim):
+        facet[a], side[a] = outline.neighbours[m, a], a
+        way[a] = way_across(0.0, share[a], a, start, corners, spacing)
+    count = dim
+    while True:
+        nearest = -1
+        for k in range(count):
+            if way[k] <= reach and (
+                nearest < 0 or way[k] < way[nearest] or (way[k] == way[nearest] and side[k] < side[nearest])
+            ):
+                nearest = k
+        if nearest < 0:
+            return -1
+        here, far, along = facet[nearest], way[nearest], side[nearest]
+        if faces(looks, here, outline, spacing):
+            found: int = here
+            return found
+        way[nearest] = math.inf
+        read_corners(here, outline.position, outline.facets, corners, spacing)
+        for a in range(dim):
+            other, known = outline.neighbours[here, a], outline.neighbours[here, a] == m
+            for k in range(count):
+                if facet[k] == other:
+                    known = True
+            if not known and count < len(ROUND):
+                facet[count], side[count] = other, along
+                way[count] = way_across(far, 1.0, a, start, corners, spacing)
+                count += 1
+
+
+@device
+def turn_to_facing(
+    s: int, radius: Float, outline: Outline, candidates: Candidates, spacing: tuple[float, ...]
+) -> None:
+    """Candidates of node s that do not face it give way to a facet round the corner that does, or are dropped.
 
     Where two bodies are flush, the node at the corner of one lies on the side of the other, with no gap: it would be held
     there, and its part of the face would carry nothing. A node that is outside is not turned: it may be inside of nothing
-    but the line of a far face.
+    but the plane of a far face.
     """
-    for j in range(candidates.segment.shape[1]):
-        m = candidates.segment[s, j]
-        if m >= 0 and not faces(s, m, outline):
-            flush = candidates.gap[s, j] <= FLUSH * length_of(m, outline)
-            reach = ROUND_THE_CORNER * radius if flush else -1.0
-            m = facing_segment(s, m, candidates.coordinate[s, j], reach, outline)
-            candidates.segment[s, j] = m
-            if m < 0:
-                candidates.master[s, j] = -1
-            else:
-                g, xi, e_x, e_y = distance_to(s, m, outline)
-                put(s, j, outline.body[m], m, g, xi, e_x, e_y, candidates)
+    looks, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
+    looked = False
+    for j in range(candidates.facet.shape[1]):
+        m = candidates.facet[s, j]
+        if m < 0:
+            continue
+        if not looked:
+            node_normal(s, outline, looks, spacing)
+            looked = True
+        if faces(looks, m, outline, spacing):
+            continue
+        flush = candidates.gap[s, j] <= FLUSH * measure_of(m, outline, spacing)
+        reach = ROUND_THE_CORNER * radius if flush else -1.0
+        for a in range(len(spacing)):
+            share[a] = candidates.share[s, j, a]
+        m = facing_facet(looks, m, share, reach, outline, spacing)
+        candidates.facet[s, j] = m
+        if m < 0:
+            candidates.master[s, j] = -1
+        else:
+            g = distance_to(s, m, outline, share, normal, spacing)
+            put(s, j, candidates.master[s, j], m, g, share, normal, candidates, spacing)

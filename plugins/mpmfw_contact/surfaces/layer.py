@@ -30,7 +30,7 @@ def project_layer(
         for k in range(row[s], row[s + 1]):
             if len(node_mass) > 0:
                 node_mass[nodes[k]] += weight[k] * mass[s]
-            for d in range(2):
+            for d in range(velocity.shape[1]):
                 node_momentum[nodes[k], d] += weight[k] * mass[s] * velocity[s, d]
 
 
@@ -46,7 +46,7 @@ def gather_layer(
 ) -> None:
     """v_s ← flip (v_s + Σ N (v_i − v_i⁰)) + (1 − flip) Σ N v_i, as the material points do."""
     for s in range(len(velocity)):
-        for d in range(2):
+        for d in range(velocity.shape[1]):
             new, increment = 0.0, 0.0
             for k in range(row[s], row[s + 1]):
                 v_i = node_velocity[nodes[k], d]

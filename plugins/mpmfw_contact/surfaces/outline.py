@@ -1,24 +1,26 @@
-"""The tracked outlines as one argument of kernels."""
+"""The tracked surfaces as one argument of kernels."""
 
 from __future__ import annotations
 
 from mpmfw.api import Surface
-from mpmfw.kernels import Struct, device
-from mpmfw.kernels.polyline import signed_distance
+from mpmfw.kernels import Struct, device, scratch
+from mpmfw.kernels.facets import area_vector, read_corners, read_point, signed_distance
 from mpmfw.kernels.types import Float, Floats, Ints
 
 
 class Outline(Struct):
-    """Closed polylines of all bodies; segment s runs from node s to node ``next[s]``."""
+    """Closed surfaces of all bodies, with the members of :class:`mpmfw.kernels.Facets`."""
 
-    position: Floats  #: (n_s, 2) [m]
-    displacement: Floats  #: (n_s, 2) motion over the last step [m]
-    tributary: Floats  #: (n_s,) [m]
-    next: Ints  #: (n_s,)
-    previous: Ints  #: (n_s,)
+    position: Floats  #: (n_s, dim) [m]
+    displacement: Floats  #: (n_s, dim) motion over the last step [m]
+    tributary: Floats  #: (n_s,) [m^(dim−1)]
     body: Ints  #: (n_s,)
     body_first: Ints  #: (n_bodies + 1,) surface nodes of body b are ``body_first[b]:body_first[b + 1]``
+    facet_first: Ints  #: (n_bodies + 1,) its facets ``facet_first[b]:facet_first[b + 1]``
     facets: Ints  #: (n_f, dim) surface nodes of every facet
+    neighbours: Ints  #: (n_f, dim) facet across the side opposite each corner
+    star_first: Ints  #: (n_s + 1,) facets round node s are ``star[star_first[s]:star_first[s + 1]]``
+    star: Ints  #: (n_f dim,)
 
 
 def outline_of(surface: Surface) -> Outline:
@@ -27,7 +29,19 @@ def outline_of(surface: Surface) -> Outline:
 
 
 @device
-def distance_to(s: int, m: int, outline: Outline) -> tuple[Float, Float, Float, Float]:
-    """Signed distance of node s from segment m [m], ξ, and the unit direction e_n (:func:`mpmfw.kernels.signed_distance`)."""
-    x, y = outline.position[s, 0], outline.position[s, 1]
-    return signed_distance(x, y, m, outline.position, outline.next, outline.previous)
+def distance_to(
+    s: int, m: int, outline: Outline, share: Floats, normal: Floats, spacing: tuple[float, ...]
+) -> Float:
+    """Signed distance of node s from facet m [m]; barycentric coordinates into ``share``, the unit direction e_n into
+    ``normal`` (:func:`mpmfw.kernels.signed_distance`)."""
+    x = scratch.vector(spacing)
+    read_point(s, outline.position, x, spacing)
+    return signed_distance(x, m, outline, share, normal, spacing)
+
+
+@device
+def area_of(m: int, outline: Outline, out: Floats, spacing: tuple[float, ...]) -> None:
+    """Outward normal of facet m times its measure (:func:`mpmfw.kernels.facets.area_vector`), into ``out``."""
+    corners = scratch.matrix(spacing, spacing)
+    read_corners(m, outline.position, outline.facets, corners, spacing)
+    area_vector(corners, out, spacing)

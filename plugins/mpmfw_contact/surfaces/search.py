@@ -1,11 +1,11 @@
-"""Search of slave nodes and master segments in three steps ([H17] section 3.2)."""
+"""Search of slave nodes and master facets in three steps ([H17] section 3.2)."""
 
 from __future__ import annotations
 
 import math
 
-from mpmfw.kernels import device, kernel
-from mpmfw.kernels.polyline import segment_coordinate
+from mpmfw.kernels import device, kernel, scratch
+from mpmfw.kernels.facets import project, read_corners, read_point
 from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw_contact.surfaces.candidates import Candidates, SearchGrid, put
 from mpmfw_contact.surfaces.facing import turn_to_facing
@@ -16,7 +16,7 @@ from mpmfw_contact.surfaces.outline import Outline, distance_to
 def boxes_apart(a: int, b: int, lower: Floats, upper: Floats, reach: Float) -> bool:
     """Whether the bounding boxes of bodies a and b are farther apart than ``reach`` [m] along an axis."""
     beyond = False
-    for d in range(2):
+    for d in range(lower.shape[1]):
         if lower[a, d] - upper[b, d] > reach or lower[b, d] - upper[a, d] > reach:
             beyond = True
     return beyond
@@ -46,114 +46,172 @@ def near_boxes(first: Ints, second: Ints, reach: float, grid: SearchGrid) -> boo
 
 
 @device
-def outside_near(s: int, e: int, outline: Outline, grid: SearchGrid) -> bool:
-    """Whether the segment from node s to node e has nothing in its body's near box."""
-    outside, b, position = False, outline.body[s], outline.position
-    for d in range(2):
-        low, high = min(position[s, d], position[e, d]), max(position[s, d], position[e, d])
-        if high < grid.near_lower[b, d] or low > grid.near_upper[b, d]:
+def reach_of_facet(
+    m: int, position: Floats, facets: Ints, lower: Floats, upper: Floats, spacing: tuple[float, ...]
+) -> None:
+    """Bounding box of facet m, into ``lower`` and ``upper`` (dim,) [m]."""
+    for d in range(len(spacing)):
+        lower[d] = upper[d] = position[facets[m, 0], d]
+        for a in range(1, len(spacing)):
+            lower[d] = min(lower[d], position[facets[m, a], d])
+            upper[d] = max(upper[d], position[facets[m, a], d])
+
+
+@device
+def outside_near(b: int, lower: Floats, upper: Floats, grid: SearchGrid, spacing: tuple[float, ...]) -> bool:
+    """Whether the box from ``lower`` to ``upper`` has nothing in the near box of body b."""
+    outside = False
+    for d in range(len(spacing)):
+        if upper[d] < grid.near_lower[b, d] or lower[d] > grid.near_upper[b, d]:
             outside = True
     return outside
 
 
 @device
-def cell_of(x: float, d: int, grid: SearchGrid, spacing: tuple[float, ...]) -> int:
+def cell_of(x: Float, d: int, grid: SearchGrid, spacing: tuple[float, ...]) -> int:
     """Index along axis d of the cell that holds x, limited to the grid."""
     cell: int = min(max(math.floor((x - grid.lower[d]) / spacing[0]), 0), grid.nodes[d] - 2)
     return cell
 
 
 @device
+def flat_index(index: Ints, grid: SearchGrid, spacing: tuple[float, ...]) -> int:
+    """Flat index of a grid node, or of the cell whose lowest node it is."""
+    flat: int = index[0]
+    for d in range(1, len(spacing)):
+        flat = flat * grid.nodes[d] + index[d]
+    return flat
+
+
+@device
 def cells_of(
-    s: int, outline: Outline, grid: SearchGrid, spacing: tuple[float, ...]
-) -> tuple[int, int, int, int]:
-    """First and last cell along x, and along y, that the bounding box of segment s touches."""
-    position, e = outline.position, outline.next[s]
-    return (
-        cell_of(min(position[s, 0], position[e, 0]), 0, grid, spacing),
-        cell_of(max(position[s, 0], position[e, 0]), 0, grid, spacing),
-        cell_of(min(position[s, 1], position[e, 1]), 1, grid, spacing),
-        cell_of(max(position[s, 1], position[e, 1]), 1, grid, spacing),
-    )
+    lower: Floats, upper: Floats, first: Ints, last: Ints, grid: SearchGrid, spacing: tuple[float, ...]
+) -> None:
+    """First and last cell along every axis that the box from ``lower`` to ``upper`` touches."""
+    for d in range(len(spacing)):
+        first[d] = cell_of(lower[d], d, grid, spacing)
+        last[d] = cell_of(upper[d], d, grid, spacing)
+
+
+@device
+def number_of(first: Ints, last: Ints, spacing: tuple[float, ...]) -> int:
+    """Number of the cells or nodes from ``first`` to ``last``."""
+    number = 1
+    for d in range(len(spacing)):
+        number *= last[d] - first[d] + 1
+    return number
+
+
+@device
+def advance(index: Ints, first: Ints, last: Ints, spacing: tuple[float, ...]) -> None:
+    """The next of the cells or nodes from ``first`` to ``last``, the last axis fastest."""
+    dim = len(spacing)
+    index[dim - 1] += 1
+    for back in range(1, dim):
+        d = dim - back
+        if index[d] > last[d]:
+            index[d] = first[d]
+            index[d - 1] += 1
 
 
 @kernel
 def mark_shared_nodes(stamp: int, outline: Outline, grid: SearchGrid, spacing: tuple[float, ...]) -> bool:
     """Step 1: mark the grid nodes that the surfaces of two bodies reach; return whether there are any.
 
-    Only what lies in its body's near box counts (:func:`near_boxes`). A segment reaches the nodes of all
+    Only what lies in its body's near box counts (:func:`near_boxes`). A facet reaches the nodes of all
     cells that its bounding box touches. ``owner`` holds stamp * n_bodies + body of the first to arrive.
     """
     any_shared = False
+    lower, upper = scratch.vector(spacing), scratch.vector(spacing)
+    first, last, index = scratch.integers(spacing), scratch.integers(spacing), scratch.integers(spacing)
     base = stamp * (len(outline.body_first) - 1)
-    for s in range(len(outline.body)):
-        if outside_near(s, outline.next[s], outline, grid):
+    for m in range(len(outline.facets)):
+        reach_of_facet(m, outline.position, outline.facets, lower, upper, spacing)
+        body = outline.body[outline.facets[m, 0]]
+        if outside_near(body, lower, upper, grid, spacing):
             continue
-        mine = base + outline.body[s]
-        i0, i1, j0, j1 = cells_of(s, outline, grid, spacing)
-        for i in range(i0, i1 + 2):
-            for j in range(j0, j1 + 2):
-                node = i * grid.nodes[1] + j
-                if grid.owner[node] < base:
-                    grid.owner[node] = mine
-                elif grid.owner[node] != mine:
-                    grid.shared[node] = stamp
-                    any_shared = True
+        mine = base + body
+        cells_of(lower, upper, first, last, grid, spacing)
+        for d in range(len(spacing)):
+            last[d] += 1  # nodes, of which there is one more
+            index[d] = first[d]
+        for _ in range(number_of(first, last, spacing)):
+            node = flat_index(index, grid, spacing)
+            if grid.owner[node] < base:
+                grid.owner[node] = mine
+            elif grid.owner[node] != mine:
+                grid.shared[node] = stamp
+                any_shared = True
+            advance(index, first, last, spacing)
     return any_shared
 
 
 @device
-def tagged(i: int, j: int, stamp: int, grid: SearchGrid) -> bool:
-    """Whether a corner of cell (i, j) is shared."""
-    columns = grid.nodes[1]
-    node = i * columns + j
-    shared_now: bool = (
-        grid.shared[node] == stamp
-        or grid.shared[node + 1] == stamp
-        or grid.shared[node + columns] == stamp
-        or grid.shared[node + columns + 1] == stamp
-    )
+def tagged(cell: int, stamp: int, grid: SearchGrid, spacing: tuple[float, ...]) -> bool:
+    """Whether a corner of a cell, given by its flat index, is shared."""
+    shared_now = False
+    for corner in range(2 ** len(spacing)):
+        step, stride = 0, 1
+        for back in range(len(spacing)):
+            d = len(spacing) - 1 - back
+            step += (corner >> back & 1) * stride
+            stride *= grid.nodes[d]
+        if grid.shared[cell + step] == stamp:
+            shared_now = True
+            break
     return shared_now
 
 
 @kernel
-def list_segments(stamp: int, outline: Outline, grid: SearchGrid, spacing: tuple[float, ...]) -> int:
-    """Step 2: linked lists of the segments in every tagged cell; return the number of entries, stored or not."""
+def list_facets(stamp: int, outline: Outline, grid: SearchGrid, spacing: tuple[float, ...]) -> int:
+    """Step 2: linked lists of the facets in every tagged cell; return the number of entries, stored or not."""
     count = 0
-    for s in range(len(outline.next)):
-        if outside_near(s, outline.next[s], outline, grid):
+    lower, upper = scratch.vector(spacing), scratch.vector(spacing)
+    first, last, index = scratch.integers(spacing), scratch.integers(spacing), scratch.integers(spacing)
+    for m in range(len(outline.facets)):
+        reach_of_facet(m, outline.position, outline.facets, lower, upper, spacing)
+        if outside_near(outline.body[outline.facets[m, 0]], lower, upper, grid, spacing):
             continue
-        i0, i1, j0, j1 = cells_of(s, outline, grid, spacing)
-        for i in range(i0, i1 + 1):
-            for j in range(j0, j1 + 1):
-                if tagged(i, j, stamp, grid):
-                    if count < len(grid.link):
-                        cell = i * grid.nodes[1] + j
-                        grid.link[count] = grid.head[cell] if grid.head_stamp[cell] == stamp else -1
-                        grid.link_segment[count] = s
-                        grid.head[cell] = count
-                        grid.head_stamp[cell] = stamp
-                    count += 1
+        cells_of(lower, upper, first, last, grid, spacing)
+        for d in range(len(spacing)):
+            index[d] = first[d]
+        for _ in range(number_of(first, last, spacing)):
+            cell = flat_index(index, grid, spacing)
+            if tagged(cell, stamp, grid, spacing):
+                if count < len(grid.link):
+                    grid.link[count] = grid.head[cell] if grid.head_stamp[cell] == stamp else -1
+                    grid.link_facet[count] = m
+                    grid.head[cell] = count
+                    grid.head_stamp[cell] = stamp
+                count += 1
+            advance(index, first, last, spacing)
     return count
 
 
 @device
 def keep_nearest(
-    s: int, m: int, other: int, gap: Float, xi: Float, e_x: Float, e_y: Float, candidates: Candidates
+    s: int,
+    m: int,
+    other: int,
+    gap: Float,
+    share: Floats,
+    normal: Floats,
+    candidates: Candidates,
+    spacing: tuple[float, ...],
 ) -> None:
-    """Keep the closest segment of each other body; of equally close ones that with the lower index.
+    """Keep the closest facet of each other body; of equally close ones that with the lower index.
 
     The force is shared by neighbours that are equally close (:func:`.assembly.equally_close`), whichever is kept.
     Where more bodies are near than there are slots, the farthest gives way, so that the order of search does not matter.
     """
-    master, segment, gaps = candidates.master, candidates.segment, candidates.gap
+    master, facet, gaps = candidates.master, candidates.facet, candidates.gap
     farthest = 0
     for j in range(master.shape[1]):
-        free = segment[s, j] < 0
+        free = facet[s, j] < 0
         if free or master[s, j] == other:
-            nearer = abs(gap) < abs(gaps[s, j]) or (abs(gap) == abs(gaps[s, j]) and m < segment[s, j])
+            nearer = abs(gap) < abs(gaps[s, j]) or (abs(gap) == abs(gaps[s, j]) and m < facet[s, j])
             if free or nearer:
-                put(s, j, other, m, gap, xi, e_x, e_y, candidates)
+                put(s, j, other, m, gap, share, normal, candidates, spacing)
             return
         worse = abs(gaps[s, j]) > abs(gaps[s, farthest])
         tie = abs(gaps[s, j]) == abs(gaps[s, farthest]) and master[s, j] > master[s, farthest]
@@ -161,79 +219,65 @@ def keep_nearest(
             farthest = j
     j = farthest
     if abs(gap) < abs(gaps[s, j]) or (abs(gap) == abs(gaps[s, j]) and other < master[s, j]):
-        put(s, j, other, m, gap, xi, e_x, e_y, candidates)
+        put(s, j, other, m, gap, share, normal, candidates, spacing)
 
 
-#: The nine cells round a cell, the own one first: what it holds spares most of the others.
-NEIGHBOURS = (4, 0, 1, 2, 3, 5, 6, 7, 8)
-
-#: Allowance for rounding where boxes are compared with a distance, so that of equally close segments none is lost.
+#: Allowance for rounding where boxes are compared with a distance, so that of equally close facets none is lost.
 ROUNDING = 1.0 + 1e-12
 
 
 @device
 def reach_of(s: int, radius: Float, candidates: Candidates) -> Float:
     """How far a better candidate of node s may be: the radius, or the distance found if there is one slot only."""
-    if candidates.segment.shape[1] == 1 and candidates.segment[s, 0] >= 0:
+    if candidates.facet.shape[1] == 1 and candidates.facet[s, 0] >= 0:
         return abs(candidates.gap[s, 0]) * ROUNDING
     return radius
 
 
 @device
 def reach_towards(s: int, other: int, radius: Float, candidates: Candidates) -> Float:
-    """How far a better segment of body ``other`` may be from node s: the radius, or the distance found if there is one."""
-    for j in range(candidates.segment.shape[1]):
-        if candidates.segment[s, j] >= 0 and candidates.master[s, j] == other:
+    """How far a better facet of body ``other`` may be from node s: the radius, or the distance found if there is one."""
+    for j in range(candidates.facet.shape[1]):
+        if candidates.facet[s, j] >= 0 and candidates.master[s, j] == other:
             return abs(candidates.gap[s, j]) * ROUNDING + (ROUNDING - 1.0) * radius
     return radius
 
 
 @device
-def outside_box(x: Float, y: Float, x0: Float, x1: Float, y0: Float, y1: Float, reach: Float) -> bool:
-    """Whether a point is farther than ``reach`` from the box x0 … x1, y0 … y1."""
-    dx = max(x0 - x, x - x1, 0.0)
-    dy = max(y0 - y, y - y1, 0.0)
-    outside: bool = dx * dx + dy * dy > reach * reach
+def outside_box(x: Floats, lower: Floats, upper: Floats, reach: Float, spacing: tuple[float, ...]) -> bool:
+    """Whether a point is farther than ``reach`` from the box from ``lower`` to ``upper``."""
+    square = 0.0
+    for d in range(len(spacing)):
+        beyond = max(lower[d] - x[d], x[d] - upper[d], 0.0)
+        square += beyond * beyond
+    outside: bool = square > reach * reach
     return outside
 
 
 @device
-def cell_too_far(
-    s: int, i: int, j: int, reach: Float, outline: Outline, grid: SearchGrid, spacing: tuple[float, ...]
-) -> bool:
-    """Whether cell (i, j) is farther than ``reach`` from node s."""
-    x, y = outline.position[s, 0], outline.position[s, 1]
-    x0, y0 = grid.lower[0] + i * spacing[0], grid.lower[1] + j * spacing[1]
-    return outside_box(x, y, x0, x0 + spacing[0], y0, y0 + spacing[1], reach)
-
-
-@device
-def too_far(s: int, m: int, reach: Float, outline: Outline) -> bool:
-    """Whether the bounding box of segment m is farther than ``reach`` from node s: spares most distances."""
-    position, e = outline.position, outline.next[m]
-    x0, x1 = min(position[m, 0], position[e, 0]), max(position[m, 0], position[e, 0])
-    y0, y1 = min(position[m, 1], position[e, 1]), max(position[m, 1], position[e, 1])
-    return outside_box(position[s, 0], position[s, 1], x0, x1, y0, y1, reach)
-
-
-@device
 def search_cell(
-    s: int, first: int, radius: Float, every: bool, outline: Outline, rank: Ints, grid: SearchGrid, candidates: Candidates
+    s: int, entry: int, radius: float, every: bool, outline: Outline, rank: Ints, grid: SearchGrid,
+    candidates: Candidates, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """Compare node s with the segments of a cell's list, from entry ``first`` on."""
-    body, entry = outline.body, first
+    """Compare node s with the facets of a cell's list, from ``entry`` on; most are spared by their bounding boxes."""
+    x, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
+    lower, upper = scratch.vector(spacing), scratch.vector(spacing)
+    read_point(s, outline.position, x, spacing)
+    mine = outline.body[s]
     while entry >= 0:
-        m = grid.link_segment[entry]
+        m = grid.link_facet[entry]
         entry = grid.link[entry]
-        other = body[m]
-        if other == body[s] or rank[body[s]] > rank[other]:
+        other = outline.body[outline.facets[m, 0]]
+        if other == mine or rank[mine] > rank[other]:
             continue
         if every:
-            keep_penetrated(s, m, other, radius, outline, candidates)
-        elif not too_far(s, m, reach_towards(s, other, radius, candidates), outline):
-            g, xi, e_x, e_y = distance_to(s, m, outline)
+            keep_penetrated(s, m, other, radius, outline, candidates, spacing)
+            continue
+        reach_of_facet(m, outline.position, outline.facets, lower, upper, spacing)
+        if not outside_box(x, lower, upper, reach_towards(s, other, radius, candidates), spacing):
+            g = distance_to(s, m, outline, share, normal, spacing)
             if abs(g) < radius:
-                keep_nearest(s, m, other, g, xi, e_x, e_y, candidates)
+                keep_nearest(s, m, other, g, share, normal, candidates, spacing)
 
 
 @kernel
@@ -241,60 +285,82 @@ def find_pairs(
     stamp: int, radius: float, every: bool, outline: Outline, rank: Ints, grid: SearchGrid, candidates: Candidates,
     spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """Step 3: for every slave node in a tagged cell the closest point of each other body within ``radius``, on a segment
+    """Step 3: for every slave node in a tagged cell the closest point of each other body within ``radius``, on a facet
     that faces it.
 
-    ``every`` takes instead, as [H17] writes it, every segment with g_n < 0 and 0 ≤ ξ ≤ 1 one of whose ends
-    lies within the radius, up to the number of slots. Nodes of body a are slaves to segments of b if ``rank[a]`` is no
-    higher than ``rank[b]``. Return the number of candidates.
+    ``every`` takes instead, as [H17] writes it, every facet with g_n < 0 and the foot on it one of whose corners
+    lies within the radius, up to the number of slots. Nodes of body a are slaves to facets of b if ``rank[a]`` is no
+    higher than ``rank[b]``. The cells round a node's own come after it: what that holds spares most of the others. Return
+    the number of candidates.
     """
-    count = 0
-    rows, columns = grid.nodes[0], grid.nodes[1]
-    candidates.segment[:] = -1
+    dim, count = len(spacing), 0
+    x, lower, upper = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
+    own, index = scratch.integers(spacing), scratch.integers(spacing)
+    around = 3**dim
+    centre = around // 2
+    candidates.facet[:] = -1
     for s in range(len(outline.body)):
-        if outside_near(s, s, outline, grid):
+        read_point(s, outline.position, x, spacing)
+        if outside_near(outline.body[s], x, x, grid, spacing):
             continue
-        ci = cell_of(outline.position[s, 0], 0, grid, spacing)
-        cj = cell_of(outline.position[s, 1], 1, grid, spacing)
-        if not tagged(ci, cj, stamp, grid):
+        for d in range(dim):
+            own[d] = cell_of(x[d], d, grid, spacing)
+        if not tagged(flat_index(own, grid, spacing), stamp, grid, spacing):
             continue
-        for visit in range(9):
-            i = ci if visit == 0 else ci - 1 + NEIGHBOURS[visit] // 3
-            j = cj if visit == 0 else cj - 1 + NEIGHBOURS[visit] % 3
-            if i < 0 or j < 0 or i > rows - 2 or j > columns - 2:
+        for visit in range(around):
+            code = centre if visit == 0 else (visit if visit > centre else visit - 1)
+            within = True
+            for back in range(dim):
+                d = dim - 1 - back
+                index[d] = own[d] - 1 + code % 3
+                code //= 3
+                within = within and index[d] >= 0 and index[d] <= grid.nodes[d] - 2
+            if not within:
                 continue
-            cell = i * columns + j
-            first = grid.head[cell] if grid.head_stamp[cell] == stamp else -1
-            if first < 0 or cell_too_far(s, i, j, reach_of(s, radius, candidates), outline, grid, spacing):
+            cell = flat_index(index, grid, spacing)
+            if grid.head_stamp[cell] != stamp:
                 continue
-            search_cell(s, first, radius, every, outline, rank, grid, candidates)
+            for d in range(dim):
+                lower[d] = grid.lower[d] + index[d] * spacing[0]
+                upper[d] = lower[d] + spacing[0]
+            if outside_box(x, lower, upper, reach_of(s, radius, candidates), spacing):
+                continue
+            search_cell(s, grid.head[cell], radius, every, outline, rank, grid, candidates, spacing)
         if not every:
-            turn_to_facing(s, radius, outline, candidates)
-        for j in range(candidates.segment.shape[1]):
-            if candidates.segment[s, j] >= 0:
+            turn_to_facing(s, radius, outline, candidates, spacing)
+        for j in range(candidates.facet.shape[1]):
+            if candidates.facet[s, j] >= 0:
                 count += 1
     return count
 
 
 @device
 def keep_penetrated(
-    s: int, m: int, other: int, radius: Float, outline: Outline, candidates: Candidates
-) -> None:
-    """Eq. 10: g_n < 0 and 0 ≤ ξ ≤ 1, with an end of the segment within the radius; each segment once."""
-    position, e = outline.position, outline.next[m]
-    x, y = position[s, 0], position[s, 1]
-    near_start = (x - position[m, 0]) ** 2 + (y - position[m, 1]) ** 2 < radius * radius
-    near_end = (x - position[e, 0]) ** 2 + (y - position[e, 1]) ** 2 < radius * radius
-    if not (near_start or near_end):
+    s: int, m: int, other: int, radius: Float, outline: Outline, candidates: Candidates, spacing: tuple[float, ...]
+) -> None:  # fmt: skip
+    """Eq. 10: g_n < 0 and the foot on the facet, with a corner of it within the radius; each facet once."""
+    dim = len(spacing)
+    x, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
+    corners = scratch.matrix(spacing, spacing)
+    read_point(s, outline.position, x, spacing)
+    read_corners(m, outline.position, outline.facets, corners, spacing)
+    near = False
+    for a in range(dim):
+        square = 0.0
+        for d in range(dim):
+            square += (x[d] - corners[a, d]) ** 2
+        near = near or square < radius * radius
+    if not near:
         return
-    xi, g, _, tx, ty = segment_coordinate(
-        x, y, position[m, 0], position[m, 1], position[e, 0], position[e, 1]
-    )
-    if g >= 0.0 or xi < 0.0 or xi > 1.0:
+    gap = project(x, corners, share, normal, spacing)
+    on_it = gap < 0.0
+    for a in range(dim):
+        on_it = on_it and share[a] >= 0.0
+    if not on_it:
         return
-    for j in range(candidates.segment.shape[1]):
-        if candidates.segment[s, j] == m:
+    for j in range(candidates.facet.shape[1]):
+        if candidates.facet[s, j] == m:
             return
-        if candidates.segment[s, j] < 0:
-            put(s, j, other, m, g, xi, ty, -tx, candidates)
+        if candidates.facet[s, j] < 0:
+            put(s, j, other, m, gap, share, normal, candidates, spacing)
             return

@@ -6,11 +6,19 @@ import math
 from typing import Any
 
 from mpmfw.api import FloatArray, SimulationError, State
-from mpmfw.kernels import device, kernel
-from mpmfw.kernels.polyline import segment_coordinate, squared_distance
+from mpmfw.kernels import device, kernel, scratch
+from mpmfw.kernels.facets import (
+    at_rim,
+    length_of,
+    node_normal,
+    project,
+    read_corners,
+    read_point,
+    squared_distance,
+)
 from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw_contact.surfaces.candidates import Candidates, SearchGrid, put
-from mpmfw_contact.surfaces.facing import LEAST_COSINE, along_segment, node_normal
+from mpmfw_contact.surfaces.facing import LEAST_COSINE, against
 from mpmfw_contact.surfaces.outline import Outline, distance_to
 from mpmfw_contact.surfaces.search import boxes_apart
 
@@ -23,41 +31,46 @@ CROSSED = 1.0
 
 
 @device
-def nearest_segment(s: int, first: int, last: int, outline: Outline) -> int:
-    """Of the segments ``first:last`` the one nearest to node s; of equally near ones the first."""
-    x, y = outline.position[s, 0], outline.position[s, 1]
+def square_of(s: int, m: int, outline: Outline, spacing: tuple[float, ...]) -> Float:
+    """Squared distance of node s from facet m [m²]."""
+    x, corners = scratch.vector(spacing), scratch.matrix(spacing, spacing)
+    read_point(s, outline.position, x, spacing)
+    read_corners(m, outline.position, outline.facets, corners, spacing)
+    return squared_distance(x, corners, spacing)
+
+
+@device
+def nearest_facet(s: int, first: int, last: int, outline: Outline, spacing: tuple[float, ...]) -> int:
+    """Of the facets ``first:last`` the one nearest to node s; of equally near ones the first."""
     nearest, closest = math.inf, first
     for m in range(first, last):
-        square = squared_distance(x, y, m, outline.position, outline.next)
+        square = square_of(s, m, outline, spacing)
         if square < nearest:
             nearest, closest = square, m
     return closest
 
 
 @device
-def opposition(s: int, m: int, outline: Outline) -> Float:
-    """Cosine between the reversed outward normal of node s and that of segment m."""
-    n_x, n_y = node_normal(s, outline)
-    x, y = along_segment(m, outline)
-    cosine: Float = (n_y * x - n_x * y) / (math.hypot(n_x, n_y) * math.hypot(x, y))
-    return cosine
+def opposition(looks: Floats, m: int, outline: Outline, spacing: tuple[float, ...]) -> Float:
+    """Cosine between the reversed outward normal of a node, ``looks``, and that of facet m."""
+    along, size = against(looks, m, outline, spacing)
+    return along / size
 
 
 @device
-def walk(s: int, m: int, outline: Outline) -> int:
-    """Segment that is locally nearest to node s, reached from segment m along segments that face the node.
+def walk(s: int, m: int, looks: Floats, outline: Outline, spacing: tuple[float, ...]) -> int:
+    """Facet that is locally nearest to node s, reached from facet m along facets that face the node's normal, ``looks``.
 
-    From a segment that does not, the way is free to those that face it more.
+    From a facet that does not, the way is free to those that face it more.
     """
-    position, following = outline.position, outline.next
-    x, y = position[s, 0], position[s, 1]
-    least = squared_distance(x, y, m, position, following)
-    for _ in range(len(following)):
-        bound = min(opposition(s, m, outline), LEAST_COSINE)
+    least = square_of(s, m, outline, spacing)
+    for _ in range(len(outline.facets)):
+        bound = min(opposition(looks, m, outline, spacing), LEAST_COSINE)
         nearer = -1
-        for n in (following[m], outline.previous[m]):
-            square = squared_distance(x, y, n, position, following)
-            if square < least and opposition(s, n, outline) >= bound:
+        for a in range(len(spacing)):
+            n = outline.neighbours[m, a]
+            square = square_of(s, n, outline, spacing)
+            if square < least and opposition(looks, n, outline, spacing) >= bound:
                 nearer, least = n, square
         if nearer < 0:
             break
@@ -66,37 +79,41 @@ def walk(s: int, m: int, outline: Outline) -> int:
 
 
 @device
-def behind(s: int, m: int, outline: Outline) -> tuple[Float, Float, Float, Float]:
-    """Gap, ξ and direction e_n of a node that is behind segment m: the gap is positive if it is in front after all.
+def behind(
+    s: int, m: int, outline: Outline, share: Floats, normal: Floats, spacing: tuple[float, ...]
+) -> Float:
+    """Gap of a node that is behind facet m, positive if it is in front after all; writes barycentric coordinates and e_n.
 
-    Where the closest point is an end, the node is behind it whatever the pseudo-normal there says: a nearer segment may
+    Where the closest point is on the rim, the node is behind it whatever the pseudo-normal there says: a nearer facet may
     be round the corner.
     """
-    g, xi, e_x, e_y = distance_to(s, m, outline)
-    if g > 0.0 and (xi == 0.0 or xi == 1.0):
-        g, e_x, e_y = -g, -e_x, -e_y
-    return g, xi, e_x, e_y
+    g = distance_to(s, m, outline, share, normal, spacing)
+    if g > 0.0 and at_rim(share, spacing):
+        g = -g
+        for d in range(len(spacing)):
+            normal[d] = -normal[d]
+    return g
 
 
 @device
 def place_of(s: int, other: int, candidates: Candidates) -> Any:
     """Slot of node s that has a candidate of body ``other``, else −1; and one for a new candidate: a free one, else that
     of the largest gap."""
-    segment, gap = candidates.segment, candidates.gap
+    facet, gap = candidates.facet, candidates.gap
     slot, place = -1, 0
-    for j in range(segment.shape[1]):
-        if segment[s, j] >= 0 and candidates.master[s, j] == other:
+    for j in range(facet.shape[1]):
+        if facet[s, j] >= 0 and candidates.master[s, j] == other:
             slot = j
-        if segment[s, place] >= 0 and (segment[s, j] < 0 or gap[s, j] > gap[s, place]):
+        if facet[s, place] >= 0 and (facet[s, j] < 0 or gap[s, j] > gap[s, place]):
             place = j
     return slot, place
 
 
 @kernel
-def keep_inside(outline: Outline, candidates: Candidates, through: Floats) -> int:
-    """Give nodes that were inside a body, and that the search has lost, the closest point of its outline that faces them.
+def keep_inside(outline: Outline, candidates: Candidates, through: Floats, spacing: tuple[float, ...]) -> int:
+    """Give nodes that were inside a body, and that the search has lost, the closest point of its surface that faces them.
 
-    The search covers what is within its radius, and facing segments near the closest one. A node that it has lost has come
+    The search covers what is within its radius, and facing facets near the closest one. A node that it has lost has come
     out, round a corner, or it is deeper than that, or it has gone through to the far side; only the first is let go. Of
     those that went through, ``through`` (3,) says how far the farthest is beyond the far side [m], its index, and the body's.
 
@@ -105,6 +122,7 @@ def keep_inside(outline: Outline, candidates: Candidates, through: Floats) -> in
     Number of candidates added.
     """
     added = 0
+    looks, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
     through[0] = 0.0
     for s in range(len(outline.body)):
         for i in range(candidates.inside.shape[1]):
@@ -114,53 +132,65 @@ def keep_inside(outline: Outline, candidates: Candidates, through: Floats) -> in
             slot, place = place_of(s, other, candidates)
             if slot >= 0:
                 continue
-            m = nearest_segment(s, outline.body_first[other], outline.body_first[other + 1], outline)
-            out, _, e_x, e_y = distance_to(s, m, outline)
+            m = nearest_facet(s, outline.facet_first[other], outline.facet_first[other + 1], outline, spacing)
+            out = distance_to(s, m, outline, share, normal, spacing)
+            node_normal(s, outline, looks, spacing)
             if out >= 0.0:
-                n_x, n_y = node_normal(s, outline)
-                if n_x * e_x + n_y * e_y < THROUGH * math.hypot(n_x, n_y):
+                along = 0.0
+                for d in range(len(spacing)):
+                    along += looks[d] * normal[d]
+                if along < THROUGH * length_of(looks, spacing):
                     continue
                 if out > through[0]:
                     through[0], through[1], through[2] = out, float(s), float(other)
-            m = walk(s, candidates.inside_segment[s, i], outline)
-            g, xi, e_x, e_y = behind(s, m, outline)
+            m = walk(s, candidates.inside_facet[s, i], looks, outline, spacing)
+            g = behind(s, m, outline, share, normal, spacing)
             if g < 0.0:
-                added += 1 if candidates.segment[s, place] < 0 else 0
-                put(s, place, other, m, g, xi, e_x, e_y, candidates)
+                added += 1 if candidates.facet[s, place] < 0 else 0
+                put(s, place, other, m, g, share, normal, candidates, spacing)
     return added
 
 
 @device
-def coordinate_then(s: int, m: int, back: Float, outline: Outline) -> tuple[Float, Float]:
-    """ξ of node s on segment m and its gap [m] where they were the part ``back`` of their last displacements ago."""
-    position, moved, e = outline.position, outline.displacement, outline.next[m]
-    xi, gap, _, _, _ = segment_coordinate(
-        position[s, 0] - back * moved[s, 0], position[s, 1] - back * moved[s, 1],
-        position[m, 0] - back * moved[m, 0], position[m, 1] - back * moved[m, 1],
-        position[e, 0] - back * moved[e, 0], position[e, 1] - back * moved[e, 1],
-    )  # fmt: skip
-    return xi, gap
+def foot_then(
+    s: int, m: int, back: Float, outline: Outline, share: Floats, spacing: tuple[float, ...]
+) -> Float:
+    """Gap [m] of node s from facet m where they were the part ``back`` of their last displacements ago, and its foot's
+    barycentric coordinates then."""
+    dim, moved = len(spacing), outline.displacement
+    x, corners, normal = scratch.vector(spacing), scratch.matrix(spacing, spacing), scratch.vector(spacing)
+    for d in range(dim):
+        x[d] = outline.position[s, d] - back * moved[s, d]
+        for a in range(dim):
+            p = outline.facets[m, a]
+            corners[a, d] = outline.position[p, d] - back * moved[p, d]
+    return project(x, corners, share, normal, spacing)
 
 
 @device
-def crosses(s: int, m: int, outline: Outline) -> bool:
-    """Whether node s came through segment m from its front in the last step, both taken to have moved evenly."""
-    _, now = coordinate_then(s, m, 0.0, outline)
+def crosses(s: int, m: int, outline: Outline, spacing: tuple[float, ...]) -> bool:
+    """Whether node s came through facet m from its front in the last step, both taken to have moved evenly."""
+    share = scratch.vector(spacing)
+    now = foot_then(s, m, 0.0, outline, share, spacing)
     if now >= 0.0:
         return False
-    _, before = coordinate_then(s, m, 1.0, outline)
+    before = foot_then(s, m, 1.0, outline, share, spacing)
     if before < 0.0:
         return False
-    xi, _ = coordinate_then(s, m, -now / (before - now), outline)  # at the crossing
-    through: bool = xi >= 0.0 and xi <= 1.0
+    foot_then(s, m, -now / (before - now), outline, share, spacing)  # at the crossing
+    through = True
+    for a in range(len(spacing)):
+        through = through and share[a] >= 0.0
     return through
 
 
 @device
-def outside_body(s: int, b: int, reach: Float, outline: Outline, grid: SearchGrid) -> bool:
+def outside_body(
+    s: int, b: int, reach: Float, outline: Outline, grid: SearchGrid, spacing: tuple[float, ...]
+) -> bool:
     """Whether node s is farther than ``reach`` [m] from the box of body b along an axis."""
     outside = False
-    for d in range(2):
+    for d in range(len(spacing)):
         x = outline.position[s, d]
         if x < grid.box_lower[b, d] - reach or x > grid.box_upper[b, d] + reach:
             outside = True
@@ -169,9 +199,10 @@ def outside_body(s: int, b: int, reach: Float, outline: Outline, grid: SearchGri
 
 @kernel
 def find_crossings(
-    least_travel: float, outline: Outline, first: Ints, second: Ints, rank: Ints, grid: SearchGrid, candidates: Candidates
+    least_travel: float, outline: Outline, first: Ints, second: Ints, rank: Ints, grid: SearchGrid, candidates: Candidates,
+    spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """Add nodes that came in through a segment in the last step, and that the search has not seen: they are nearer to the far
+    """Add nodes that came in through a facet in the last step, and that the search has not seen: they are nearer to the far
     side of a thin body already, or came by a flank that does not face them.
 
     Nothing is looked for where no node has moved by ``least_travel`` [m].
@@ -181,8 +212,9 @@ def find_crossings(
     Number of candidates added.
     """
     added, travel, body_first = 0, 0.0, outline.body_first
+    share, normal = scratch.vector(spacing), scratch.vector(spacing)
     for s in range(body_first[-1]):
-        for d in range(2):
+        for d in range(len(spacing)):
             travel = max(travel, 2.0 * abs(outline.displacement[s, d]))
     if travel < 2.0 * least_travel:
         return 0
@@ -191,15 +223,15 @@ def find_crossings(
         if rank[mine] > rank[other] or boxes_apart(mine, other, grid.box_lower, grid.box_upper, travel):
             continue
         for s in range(body_first[mine], body_first[mine + 1]):
-            if outside_body(s, other, travel, outline, grid):
+            if outside_body(s, other, travel, outline, grid, spacing):
                 continue
             slot, place = place_of(s, other, candidates)
-            if slot >= 0 or candidates.segment[s, place] >= 0:
+            if slot >= 0 or candidates.facet[s, place] >= 0:
                 continue
-            for m in range(body_first[other], body_first[other + 1]):
-                if crosses(s, m, outline):
-                    g, xi, e_x, e_y = behind(s, m, outline)
-                    put(s, place, other, m, g, xi, e_x, e_y, candidates)
+            for m in range(outline.facet_first[other], outline.facet_first[other + 1]):
+                if crosses(s, m, outline, spacing):
+                    g = behind(s, m, outline, share, normal, spacing)
+                    put(s, place, other, m, g, share, normal, candidates, spacing)
                     added += 1
                     break
     return added
@@ -230,9 +262,9 @@ def crossed(state: State, through: FloatArray) -> SimulationError:
 @kernel
 def remember_inside(candidates: Candidates) -> None:
     """Note for the next step which nodes are inside which bodies."""
-    segment = candidates.segment
-    for s in range(len(segment)):
-        for j in range(segment.shape[1]):
-            inside = segment[s, j] >= 0 and candidates.gap[s, j] < 0.0
+    facet = candidates.facet
+    for s in range(len(facet)):
+        for j in range(facet.shape[1]):
+            inside = facet[s, j] >= 0 and candidates.gap[s, j] < 0.0
             candidates.inside[s, j] = candidates.master[s, j] if inside else -1
-            candidates.inside_segment[s, j] = segment[s, j]
+            candidates.inside_facet[s, j] = facet[s, j]

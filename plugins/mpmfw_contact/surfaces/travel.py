@@ -8,7 +8,7 @@ import numpy as np
 
 from mpmfw.api import FloatArray, Pair, Setup, State, Surface, hookimpl
 from mpmfw.kernels import kernel
-from mpmfw.kernels.polyline import bounding_boxes
+from mpmfw.kernels.facets import bounding_boxes
 from mpmfw.kernels.types import Floats, Ints
 
 #: Share of the search radius that bodies near each other may travel in a step, before the safety factor.
@@ -21,14 +21,14 @@ def fewest_steps(
 ) -> float:
     """Least (distance of the boxes + ``band``) / relative motion over all pairs: steps like the last that are left to them.
 
-    ``slowest`` and ``fastest`` are the least and largest components of the nodes' displacements, (n_bodies, 2) [m]: bodies
+    ``slowest`` and ``fastest`` are the least and largest components of the nodes' displacements, (n_bodies, dim) [m]: bodies
     may turn and deform.
     """
     steps = math.inf
     for c in range(len(first)):
         a, b = first[c], second[c]
         distance, motion = 0.0, 0.0
-        for d in range(2):
+        for d in range(lower.shape[1]):
             distance = max(distance, lower[a, d] - upper[b, d], lower[b, d] - upper[a, d])
             most = max(abs(fastest[a, d] - slowest[b, d]), abs(fastest[b, d] - slowest[a, d]))
             motion += most * most
@@ -62,7 +62,7 @@ class TravelLimit:
         self.band = self.share * setup.cell_size
         self.owner = f"travel of {self.share:g} cells towards each other"
         self._list(setup.pairs)
-        self.boxes: tuple[FloatArray, ...] = tuple(np.zeros((len(setup.bodies), 2)) for _ in range(4))
+        self.boxes: tuple[FloatArray, ...] = tuple(np.zeros((len(setup.bodies), setup.dim)) for _ in range(4))
 
     def _list(self, pairs: tuple[Pair, ...]) -> None:
         self.first = np.array([pair.first for pair in pairs], dtype=np.int64)

@@ -1,4 +1,4 @@
-"""Pressure on a side of a body, following its surface (2D)."""
+"""Pressure on a side of a body, following its surface."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import numpy as np
 
 from mpmfw.fields import FloatArray, IntArray
 from mpmfw.hookspecs import hookimpl
-from mpmfw.kernels import kernel
+from mpmfw.kernels import kernel, scratch
+from mpmfw.kernels.facets import area_vector, read_corners
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 from mpmfw.state import Grid, State
 
@@ -14,29 +15,35 @@ from mpmfw.state import Grid, State
 @kernel
 def add_pressure(
     pressure: Float,
-    segments: Ints,
-    following: Ints,
+    loaded: Ints,
+    facets: Ints,
     position: Floats,
     row: Ints,
     nodes: Indices,
     weight: Floats,
     node_force: Floats,
+    spacing: tuple[float, ...],
 ) -> None:
-    """f_i −= p n l / 2 N_i(x_s) from both ends of every loaded segment; n = (t_y, −t_x) / l is the outward
-    normal."""
-    for s in range(len(segments)):
-        a = segments[s]
-        b = following[a]
-        force_x = -0.5 * pressure * (position[b, 1] - position[a, 1])
-        force_y = 0.5 * pressure * (position[b, 0] - position[a, 0])
-        for end in (a, b):
-            for k in range(row[end], row[end + 1]):
-                node_force[nodes[k], 0] += weight[k] * force_x
-                node_force[nodes[k], 1] += weight[k] * force_y
+    """f_i −= p n A / dim N_i(x_s) from every corner of every loaded facet, n its outward normal and A its length or area."""
+    dim = len(spacing)
+    corners, force = scratch.matrix(spacing, spacing), scratch.vector(spacing)
+    share = (
+        -pressure / 2.0 if dim == 2 else -pressure / 6.0
+    )  # the area vector of a triangle is twice its area
+    for m in loaded:
+        read_corners(m, position, facets, corners, spacing)
+        area_vector(corners, force, spacing)
+        for d in range(dim):
+            force[d] *= share
+        for a in range(dim):
+            node = facets[m, a]
+            for k in range(row[node], row[node + 1]):
+                for d in range(dim):
+                    node_force[nodes[k], d] += weight[k] * force[d]
 
 
 class Pressure:
-    """Normal traction −p n on the segments that lie on a side of the body at the start."""
+    """Normal traction −p n on the facets that lie on a side of the body at the start."""
 
     name = "pressure"
 
@@ -51,16 +58,15 @@ class Pressure:
         if surface is None or surface.stencil is None:
             raise RuntimeError("pressure needs tracked surfaces")
         phi = surface.stencil
-        for pressure, segments in self.loads:
+        for pressure, loaded in self.loads:
             add_pressure(
-                pressure, segments, surface.next, surface.position, phi.row, phi.nodes, phi.weight, grid.force
-            )
+                pressure, loaded, surface.facets, surface.position, phi.row, phi.nodes, phi.weight, grid.force, grid.spacing
+            )  # fmt: skip
 
 
-def segments_on_side(
-    position: FloatArray, following: IntArray, own: slice, normal: FloatArray, place: float, tolerance: float
+def facets_on_side(
+    position: FloatArray, facets: IntArray, own: slice, normal: FloatArray, place: float, tolerance: float
 ) -> IntArray:
-    """Segments of one body both of whose ends lie on the side n·x = ``place``, as indices of their first node."""
-    index = np.arange(own.start, own.stop)
+    """Facets of one body, ``own``, all of whose corners lie on the side n·x = ``place``."""
     on_side = np.abs(position @ normal - place) <= tolerance
-    return np.asarray(index[on_side[index] & on_side[following[index]]], dtype=np.int64)
+    return np.asarray(own.start + np.flatnonzero(on_side[facets[own]].all(axis=1)), dtype=np.int64)

@@ -1,4 +1,4 @@
-"""Tracked outlines: polylines whose nodes move with exactly the grid velocity that moves the body's material
+"""Tracked surfaces: facets whose nodes move with exactly the grid velocity that moves the body's material
 points."""
 
 from __future__ import annotations
@@ -8,9 +8,10 @@ from typing import Literal
 import numpy as np
 
 from mpmfw.fields import MIN_GAP, AnyArray, Field
+from mpmfw.geometry.facets import neighbours_of, stars_of, tributaries_of
 from mpmfw.hookspecs import hookimpl
-from mpmfw.kernels import kernel
-from mpmfw.kernels.polyline import minimum_gaps
+from mpmfw.kernels import Facets, kernel
+from mpmfw.kernels.facets import minimum_gaps
 from mpmfw.kernels.types import Floats, Indices, Ints
 from mpmfw.setup import Setup
 from mpmfw.state import Body, Grid, State, Surface
@@ -25,30 +26,32 @@ CRITICAL_MASS = 0.1
 
 
 def make_surface(bodies: tuple[Body, ...], n_fields: int, stage: str) -> Surface:
-    """Join the bodies' outlines; stage ``gap`` marks a surface that serves the diagnostic alone."""
-    loops = [(body, loop) for body in bodies for loop in body.outlines]
-    position = np.ascontiguousarray(np.concatenate([loop for _, loop in loops]))
-    following, previous, owner = [], [], []
+    """Join the bodies' surfaces; stage ``gap`` marks a surface that serves the diagnostic alone."""
+    position, facets, owner, facet_owner = [], [], [], []
     start = 0
-    for body, loop in loops:
-        index = np.arange(len(loop))
-        following.append(start + np.roll(index, -1))
-        previous.append(start + np.roll(index, 1))
-        owner.append(np.full(len(loop), body.index))
-        start += len(loop)
-    after, before, of_body = (np.concatenate(part).astype(np.int64) for part in (following, previous, owner))
-    length = np.linalg.norm(position[after] - position, axis=1)
-    body_first = np.searchsorted(of_body, np.arange(len(bodies) + 1))
+    for body in bodies:
+        for nodes, corners in zip(body.outlines, body.facets, strict=True):
+            position.append(nodes)
+            facets.append(start + corners)
+            owner.append(np.full(len(nodes), body.index))
+            facet_owner.append(np.full(len(corners), body.index))
+            start += len(nodes)
+    places, joined = np.ascontiguousarray(np.concatenate(position)), np.concatenate(facets).astype(np.int64)
+    of_body, index = np.concatenate(owner).astype(np.int64), np.arange(len(bodies) + 1)
+    star_first, star = stars_of(joined, len(places))
+    body_first = np.searchsorted(of_body, index)
     return Surface(
-        position=position,
-        displacement=np.zeros_like(position),
-        tributary=0.5 * (length + length[before]),
-        next=after,
-        previous=before,
-        facets=np.stack([np.arange(len(position)), after], axis=1),
+        position=places,
+        displacement=np.zeros_like(places),
+        tributary=tributaries_of(places, joined),
+        facets=joined,
+        neighbours=neighbours_of(joined),
+        star_first=star_first,
+        star=star,
         body=of_body,
-        first=body_first if n_fields == len(bodies) else np.array([0, len(position)]),
+        first=body_first if n_fields == len(bodies) else np.array([0, len(places)]),
         body_first=body_first,
+        facet_first=np.searchsorted(np.concatenate(facet_owner), index),
         stage=stage,
     )
 
@@ -171,7 +174,7 @@ DEEPEST = 0.15
 
 
 class GapDiagnostic:
-    """``min_gap``: measured between the outlines in the same way for every method, and the warning where it is deep.
+    """``min_gap``: measured between the surfaces in the same way for every method, and the warning where it is deep.
 
     Parameters
     ----------
@@ -193,7 +196,7 @@ class GapDiagnostic:
 
     @hookimpl
     def diagnostics(self, state: State) -> dict[str, AnyArray]:
-        """Least of both bodies' node-to-outline distances, (pair,) [m]."""
+        """Least of both bodies' node-to-facet distances, (pair,) [m]."""
         surface = state.surface
         if surface is None:
             raise RuntimeError("no surface to measure")
@@ -202,8 +205,9 @@ class GapDiagnostic:
             for end in ("first", "second")
         )
         gaps = np.zeros(len(first))
+        geometry = Facets(**{name: getattr(surface, name) for name in Facets.member_names})
         minimum_gaps(
-            first, second, surface.body_first, surface.position, surface.next, surface.previous, gaps
+            first, second, surface.body_first, surface.facet_first, geometry, gaps, state.grid.spacing
         )
         for pair in np.flatnonzero(-gaps > DEEPEST * state.grid.cell_size):
             label, depth = state.pairs[pair].label, -float(gaps[pair]) / state.grid.cell_size

@@ -10,6 +10,7 @@ from pydantic import Field
 from mpmfw.geometry.ball import Ball
 from mpmfw.geometry.box import Box
 from mpmfw.geometry.disc import Disc
+from mpmfw.geometry.facets import closed_loop
 from mpmfw.geometry.layout import Layout
 from mpmfw.geometry.mesh_file import MeshFile
 from mpmfw.geometry.particles import Particles
@@ -46,4 +47,7 @@ def discretise(geometry: Geometry, particles: Particles, segment: float | None) 
         layout = geometry.fitted(particles.size)
     else:
         layout = geometry.lattice(particles.size, particles.offset_in(geometry.dim))
-    return replace(layout, outlines=() if segment is None else geometry.outlines(segment))
+    if segment is None:
+        return layout
+    outlines = geometry.outlines(segment)
+    return replace(layout, outlines=outlines, facets=tuple(closed_loop(len(loop)) for loop in outlines))

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,8 @@ class Layout:
         Closed polylines [m], first point not repeated. The material lies on the left of the direction of
         travel (outer ones counter-clockwise, holes clockwise): a segment with tangent t has the outward
         normal (t_y, -t_x)/abs(t). Empty in 3D, and where none was asked for.
+    facets : tuple of (k, dim)
+        Of each outline the nodes of its facets: of a polyline's segments, each and the next.
     """
 
     position: FloatArray
@@ -36,6 +39,7 @@ class Layout:
     half_edges: FloatArray
     corners: FloatArray | None
     outlines: tuple[FloatArray, ...] = ()
+    facets: tuple[IntArray, ...] = ()
 
     def moved(self, by: FloatArray) -> Layout:
         """The same at another place, ``by`` (dim,) [m] away."""

@@ -12,9 +12,10 @@ call with :func:`device`, and takes scratch memory from :mod:`mpmfw.kernels.scra
   :func:`read_window`, :func:`cell_coordinate`, :func:`linear_weights`, :func:`fits`, :func:`fill_tensor_product`
   are its parts; :func:`fill_domain` writes a row of varying length for the corners of a particle's domain, or returns
   ``OUTSIDE`` (−1) or ``FULL`` (−2). To read them: :func:`entries`.
-- **Geometry** of closed polylines: :func:`segment_coordinate` (foot of a point on a segment, gap, length, tangent; the
-  outward unit normal is (t_y, −t_x)), :func:`signed_distance` (closest point, its direction, inside or outside),
-  :func:`squared_distance`, :func:`minimum_gap`, :func:`bounding_boxes`.
+- **Geometry** of facets, segments in the plane and triangles in space (:class:`Facets`, ``mpmfw.kernels.facets``):
+  :func:`closest_point`, :func:`signed_distance` (with its direction, inside or outside), :func:`squared_distance`,
+  :func:`minimum_gap`, :func:`bounding_boxes`; :func:`segment_coordinate` (foot of a point on a segment of the plane, gap,
+  length, tangent; the outward unit normal is (t_y, −t_x)).
 - **Types** of arguments: ``Floats``, ``Ints``, ``Indices`` are arrays of float64, int64 and int32, ``Float`` a compiled scalar.
 - **Structs**: a class derived from :class:`Struct` has arrays that kernels take as one argument, ``rows.gap[c]``; :func:`struct`
   makes one of named arrays.
@@ -44,7 +45,7 @@ argument                    shape [unit]             meaning
 ``momentum``                (N, dim) [kg/s]          (m v)_i
 ``force``                   (N, dim) [N/m]           f_i
 ``acceleration``            (dim,) [m/s^2]           body force per mass b
-``position``                (n, dim) [m]             x_p; in the geometry nodes of the polylines x_s, (n, 2)
+``position``                (n, dim) [m]             x_p; in the geometry surface nodes x_s
 ``affine``                  (n, dim, dim) [1/s]      C_p, or None
 ``moment``                  (n, dim, dim) [m^2/s]    B_p
 ``velocity_gradient``       (n, dim, dim) [1/s]      L_p
@@ -58,8 +59,8 @@ argument                    shape [unit]             meaning
 ``node_velocity``           (N, dim) [m/s]           v_i, the grid's final velocity
 ``node_start_velocity``     (N, dim) [m/s]           v_i⁰, the grid's velocity as projected, before forces and contact
 ``node_force``              (N, dim) [N/m]           f_i
-``lower``                   (dim,) [m]               first node of the background grid; in ``bounding_boxes`` (B, 2)
-``upper``                   (B, 2) [m]               upper corners of boxes
+``lower``                   (dim,) [m]               first node of the background grid; of boxes (B, dim)
+``upper``                   (B, dim) [m]               upper corners of boxes
 ``window_lower``            (F, dim) int64           background index of the first node of a field's window
 ``window_shape``            (F, dim) int64           number of nodes of a field's window
 ``offset``                  (F + 1,) int64           flat index of the first node of a field's window
@@ -67,13 +68,16 @@ argument                    shape [unit]             meaning
 ``shape``                   (dim,) int64             number of nodes of one window
 ``base``                    (dim,)                   index of the first node that a point touches, within its window
 ``slope``                   (dim, width) [1/m]       derivatives of the weights; in ``fill_domain`` (2**dim, dim), of corners
-``share``                   (2**dim,)                weights of the corners of a particle's domain
+``share``                   (2**dim,) or (dim,)      weights of the corners of a particle's domain; barycentric coordinates
 ``corner``                  (2**dim, dim)            the corners in cells, counted from the window's first node
-``x``, ``y``                [m]                      coordinates of a point; in ``cell_coordinate`` along one axis
+``x``, ``y``                [m]                      a point, (dim,); in ``segment_coordinate`` its coordinates; along one axis
 ``x1``, ``y1``              [m]                      first end of a segment
 ``x2``, ``y2``              [m]                      second end of a segment
-``following``               (n,) int64               segment s runs from node s to node ``following[s]``
-``previous``                (n,) int64               the node before: segment ``previous[s]`` ends at node s
+``surface``                                          facets (``mpmfw.kernels.Facets``)
+``m``, ``s``                                         index of a facet, of a surface node
+``facets``                  (n, dim) int64           surface nodes at the corners of every facet
+``corners``                 (dim, dim) [m]           corners of a facet, one a row
+``normal``                  (dim,)                   e_n
 ``rows``, ``old``                                    rows of contact (``mpmfw.kernels.contact.Rows``), of this and the last step
 ``begin``, ``end``                                   rows that are worked on
 ``count``, ``old_count``                             number of rows in ``rows`` and ``old``
@@ -90,15 +94,17 @@ argument                    shape [unit]             meaning
 from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device, kernel
 from mpmfw.kernels._struct import Struct, struct
-from mpmfw.kernels.nodal import add_body_force, integrate_momentum, velocity_of_momentum
-from mpmfw.kernels.packed import FULL, OUTSIDE, fill_domain
-from mpmfw.kernels.polyline import (
+from mpmfw.kernels.facets import (
+    Facets,
     bounding_boxes,
+    closest_point,
     minimum_gap,
     segment_coordinate,
     signed_distance,
     squared_distance,
 )
+from mpmfw.kernels.nodal import add_body_force, integrate_momentum, velocity_of_momentum
+from mpmfw.kernels.packed import FULL, OUTSIDE, fill_domain
 from mpmfw.kernels.projection import (
     add_internal_force,
     affine_from_moment,
@@ -121,6 +127,7 @@ from mpmfw.kernels.types import Float, Floats, Indices, Ints
 __all__ = [
     "FULL",
     "OUTSIDE",
+    "Facets",
     "Float",
     "Floats",
     "Indices",
@@ -132,6 +139,7 @@ __all__ = [
     "affine_from_moment",
     "bounding_boxes",
     "cell_coordinate",
+    "closest_point",
     "determinant",
     "device",
     "entries",

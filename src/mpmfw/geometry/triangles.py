@@ -1,0 +1,88 @@
+"""Closed surfaces of triangles, corners counter-clockwise as seen from outside."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mpmfw.geometry.layout import FloatArray, IntArray
+from mpmfw.geometry.polylines import number_of_segments
+
+#: Largest stretch of an icosahedron's face that is projected on the sphere: at its centre, the sphere's radius over its distance.
+STRETCH = 1.26
+
+
+def box_surface(lower: FloatArray, upper: FloatArray, edge: float) -> tuple[FloatArray, IntArray]:
+    """Nodes (n, 3) [m] and triangles (k, 3) of a cuboid: rectangles of sides up to ``edge`` [m], each cut in two alike.
+
+    Every diagonal of a face has the same direction, so that all nodes within it have six triangles and an equal area.
+    """
+    count = np.array([number_of_segments(length, edge) for length in upper - lower])
+    lines = [np.linspace(a, b, n + 1) for a, b, n in zip(lower, upper, count, strict=True)]
+    places, triangles = [], []
+    for axis in range(3):
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        i, j = (index.ravel() for index in np.meshgrid(*map(np.arange, count[[u, v]]), indexing="ij"))
+        for side in (0, int(count[axis])):
+            quad = np.zeros((len(i), 4, 3), dtype=np.int64)
+            quad[:, :, axis] = side
+            quad[:, :, u] = np.stack([i, i + 1, i + 1, i], axis=1)
+            quad[:, :, v] = np.stack([j, j, j + 1, j + 1], axis=1)
+            if side == 0:
+                quad = quad[:, ::-1]
+            places.append(quad.reshape(-1, 3))
+            start = 4 * np.arange(len(i))[:, np.newaxis] + sum(map(len, places[:-1]))
+            triangles += [start + np.array(half) for half in ([0, 1, 2], [0, 2, 3])]
+    index, joined = np.unique(np.concatenate(places), axis=0, return_inverse=True)
+    nodes = np.stack([line[index[:, d]] for d, line in enumerate(lines)], axis=1)
+    return nodes, joined.ravel()[np.concatenate(triangles)].astype(np.int64)
+
+
+def sphere_surface(centre: FloatArray, radius: float, edge: float) -> tuple[FloatArray, IntArray]:
+    """Nodes (n, 3) [m], all on the sphere, and triangles (k, 3) of edges up to ``edge`` [m]: an icosahedron's faces, divided.
+
+    The surface has the mirror planes of the axes. Its volume is less than the ball's by a part of the order (edge / radius)².
+    """
+    golden = 0.5 * (1.0 + np.sqrt(5.0))
+    corners = np.array([[0.0, a, b * golden] for a in (-1.0, 1.0) for b in (-1.0, 1.0)])
+    corners = np.concatenate([np.roll(corners, turn, axis=1) for turn in range(3)])
+    apart = np.linalg.norm(corners[:, np.newaxis] - corners, axis=2)
+    near = (apart > 0.0) & (apart < 2.0 + 1e-9)
+    faces = [
+        (a, b, c)
+        for a in range(12)
+        for b in range(a)
+        for c in range(b)
+        if near[a, b] and near[b, c] and near[a, c]
+    ]
+    division = number_of_segments(STRETCH * 2.0 * radius / float(np.linalg.norm(corners[0])), edge)
+    share, pieces = _division(division)
+    points: list[FloatArray] = []
+    triangles: list[IntArray] = []
+    for face in faces:
+        a, b, c = corners[list(face)]
+        outward = np.linalg.det([a, b, c]) > 0.0
+        triangles.append(len(points) * len(share) + (pieces if outward else pieces[:, ::-1]))
+        points.append(share @ np.array([a, b, c]))
+    places = np.concatenate(points)
+    places /= np.linalg.norm(places, axis=1, keepdims=True)
+    _, first, joined = np.unique(np.round(places, 9), axis=0, return_index=True, return_inverse=True)
+    return centre + radius * places[first], joined.ravel()[np.concatenate(triangles)].astype(np.int64)
+
+
+def _division(n: int) -> tuple[FloatArray, IntArray]:
+    """Barycentric coordinates of the nodes, and the triangles, of a triangle divided in n² alike."""
+    index = {(i, j): k for k, (i, j) in enumerate((i, j) for i in range(n + 1) for j in range(n + 1 - i))}
+    share = np.array([[n - i - j, i, j] for i, j in index], dtype=float) / n
+    pieces = [[index[i, j], index[i + 1, j], index[i, j + 1]] for i in range(n) for j in range(n - i)]
+    pieces += [
+        [index[i + 1, j], index[i + 1, j + 1], index[i, j + 1]]
+        for i in range(n - 1)
+        for j in range(n - 1 - i)
+    ]
+    return share, np.array(pieces)
+
+
+def volume_of(nodes: FloatArray, triangles: IntArray) -> float:
+    """Volume [m^3] that a closed surface encloses; negative where it is oriented inwards."""
+    about = nodes - nodes.mean(axis=0)
+    return float(np.linalg.det(about[triangles]).sum() / 6.0)

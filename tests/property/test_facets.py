@@ -1,0 +1,182 @@
+"""Closest points of segments and triangles: against their definition, dense sampling, and rigid motion."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mpmfw.geometry.facets import neighbours_of, stars_of
+from mpmfw.geometry.triangles import box_surface, sphere_surface
+from mpmfw.kernels import Facets, closest_point, kernel, minimum_gap, signed_distance, squared_distance
+from mpmfw.kernels.facets import area_vector, project, write_gradients
+
+both = pytest.mark.parametrize("dim", [2, 3])
+seeds = st.integers(0, 2**32 - 1)
+settled = settings(max_examples=150, deadline=None)
+
+
+@kernel
+def closest(x, corners, share, spacing):
+    closest_point(x, corners, share, spacing)
+    return squared_distance(x, corners, spacing)
+
+
+def facet(dim, rng):
+    """Corners of a facet that is not too thin, and a point: anywhere, or across a side, a corner or the face of it."""
+    while True:
+        corners = rng.normal(size=(dim, dim))
+        edges = corners - np.roll(corners, 1, axis=0)
+        area = np.zeros(dim)
+        area_vector(corners, area, (1.0,) * dim)
+        if np.linalg.norm(area) > 0.05 * np.linalg.norm(edges, axis=1).max() ** (dim - 1):
+            break
+    share = rng.dirichlet(np.ones(dim)) + rng.choice([0.0, 0.0, 1.0]) * rng.normal(size=dim)
+    return corners, share @ corners + rng.normal() * area
+
+
+def found(x, corners):
+    """Barycentric coordinates of the closest point, and the squared distance."""
+    share = np.zeros(len(x))
+    square = closest(x, corners, share, (1.0,) * len(x))
+    return share, square
+
+
+@both
+@settled
+@given(seed=seeds)
+def test_no_point_of_the_facet_is_closer(dim, seed):
+    """Of a convex set c is the closest point to x if and only if (x − c)·(y − c) ≤ 0 for every y of it, so every corner."""
+    rng = np.random.default_rng(seed)
+    corners, x = facet(dim, rng)
+    share, square = found(x, corners)
+    assert share.min() >= 0.0
+    assert share.sum() == pytest.approx(1.0, abs=1e-12)
+    point = share @ corners
+    size = 1.0 + np.abs(corners).max() + np.abs(x).max()
+    assert ((x - point) @ (corners - point).T).max() <= 1e-12 * size**2
+    assert square == pytest.approx((x - point) @ (x - point), rel=1e-9, abs=1e-14 * size**2)
+    samples = rng.dirichlet(np.full(dim, 0.7), size=2000) @ corners
+    assert ((samples - x) ** 2).sum(axis=1).min() >= square - 1e-12 * size**2
+
+
+@both
+@settled
+@given(seed=seeds)
+def test_a_rigid_motion_moves_the_closest_point_along(dim, seed):
+    rng = np.random.default_rng(seed)
+    corners, x = facet(dim, rng)
+    turn, _ = np.linalg.qr(rng.normal(size=(dim, dim)))
+    shift = rng.normal(size=dim)
+    share, square = found(x, corners)
+    moved, moved_square = found(x @ turn + shift, corners @ turn + shift)
+    np.testing.assert_allclose(moved @ corners, share @ corners, atol=1e-10 * (1.0 + np.abs(corners).max()))
+    assert moved_square == pytest.approx(square, rel=1e-9, abs=1e-13)
+
+
+def test_the_regions_of_a_triangle_have_exact_coordinates():
+    corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    cases = {
+        (-1.0, -1.0): (1, 0, 0),
+        (2.0, -0.5): (0, 1, 0),
+        (-0.5, 2.0): (0, 0, 1),
+        (0.25, -1.0): (0.75, 0.25, 0),
+        (-1.0, 0.25): (0.75, 0, 0.25),
+        (1.0, 1.0): (0, 0.5, 0.5),
+        (0.25, 0.25): (0.5, 0.25, 0.25),
+        (0.0, 0.0): (1, 0, 0),
+        (0.5, 0.0): (0.5, 0.5, 0),
+    }
+    for (x, y), expected in cases.items():
+        share, _ = found(np.array([x, y, 0.7]), corners)
+        assert tuple(share) == expected, (x, y)
+
+
+@both
+@settled
+@given(seed=seeds)
+def test_gradients_are_the_differences_of_the_coordinates(dim, seed):
+    rng = np.random.default_rng(seed)
+    corners, x = facet(dim, rng)
+    spacing, normal, share = (1.0,) * dim, np.zeros(dim), np.zeros(dim)
+    project(x, corners, share, normal, spacing)
+    gradient = np.zeros((dim, dim))
+    write_gradients(corners, normal, 1.0, gradient, spacing)
+    for d in range(dim):
+        ahead, behind, step = share.copy(), share.copy(), 1e-5 * np.eye(dim)[d]
+        project(x + step, corners, ahead, np.zeros(dim), spacing)
+        project(x - step, corners, behind, np.zeros(dim), spacing)
+        np.testing.assert_allclose(
+            gradient[:, d], (ahead - behind) / 2e-5, atol=1e-6 * np.abs(gradient).max()
+        )
+
+
+def surface_of(nodes, facets):
+    """The struct that kernels take."""
+    first, star = stars_of(facets, len(nodes))
+    return Facets(
+        position=nodes, facets=facets, neighbours=neighbours_of(facets), star_first=first, star=star
+    )
+
+
+def crumpled(rng):
+    """A closed surface of triangles with bumps and dents, and its nodes."""
+    nodes, facets = sphere_surface(np.zeros(3), 1.0, 0.6)
+    return nodes * rng.uniform(0.7, 1.3, (len(nodes), 1)), facets
+
+
+def winding(x, nodes, facets):
+    """Solid angle of a closed surface as seen from x, over 4 π: 1 inside, 0 outside (Van Oosterom & Strackee, 1983)."""
+    a, b, c = (nodes[facets[:, k]] - x for k in range(3))
+    la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
+    top = np.einsum("nd,nd->n", a, np.cross(b, c))
+    below = la * lb * lc + (a * b).sum(1) * lc + (b * c).sum(1) * la + (c * a).sum(1) * lb
+    return np.arctan2(top, below).sum() / (2.0 * np.pi)
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=seeds)
+def test_the_pseudo_normal_tells_inside_from_outside(seed):
+    """Of the closest facet of a crumpled surface, against the solid angle; many of the closest points are edges and corners."""
+    rng = np.random.default_rng(seed)
+    nodes, facets = crumpled(rng)
+    surface, spacing = surface_of(nodes, facets), (1.0, 1.0, 1.0)
+    for x in rng.uniform(-1.4, 1.4, (60, 3)):
+        squares = [squared_distance(x, nodes[corners], spacing) for corners in facets]
+        share, normal = np.zeros(3), np.zeros(3)
+        m = int(np.argmin(squares))
+        gap = signed_distance(x, m, surface, share, normal, spacing)
+        assert abs(gap) == pytest.approx(np.sqrt(squares[m]), rel=1e-7)
+        assert (gap < 0.0) == (winding(x, nodes, facets) > 0.5)
+        np.testing.assert_allclose(share @ nodes[facets[m]] + gap * normal, x, atol=1e-12)
+
+
+def test_some_of_those_closest_points_are_edges_and_corners():
+    rng = np.random.default_rng(1)
+    nodes, facets = crumpled(rng)
+    zeros = {0: 0, 1: 0, 2: 0}
+    for x in rng.uniform(-1.4, 1.4, (100, 3)):
+        m = int(np.argmin([squared_distance(x, nodes[corners], (1.0,) * 3) for corners in facets]))
+        share, _ = found(x, nodes[facets[m]])
+        zeros[int((share == 0.0).sum())] += 1
+    assert min(zeros.values()) > 0
+
+
+@settings(max_examples=10, deadline=None)
+@given(seed=seeds)
+def test_the_least_gap_of_two_surfaces_is_that_of_all_nodes_and_facets(seed):
+    rng = np.random.default_rng(seed)
+    nodes, facets = crumpled(rng)
+    shift = rng.normal(size=3)
+    other = 0.5 * box_surface(np.zeros(3), np.ones(3), 0.4)[0] + shift * rng.uniform(
+        0.2, 1.5
+    ) / np.linalg.norm(shift)
+    surface = surface_of(nodes, facets)
+    share, normal, least = np.zeros(3), np.zeros(3), np.inf
+    for x in other:
+        m = int(np.argmin([squared_distance(x, nodes[corners], (1.0,) * 3) for corners in facets]))
+        least = min(least, signed_distance(x, m, surface, share, normal, (1.0,) * 3))
+    together = Facets(**{**surface.members(), "position": np.concatenate([nodes, other])})
+    start, stop = len(nodes), len(nodes) + len(other)
+    assert minimum_gap(start, stop, 0, len(facets), together, (1.0,) * 3) == pytest.approx(least, abs=1e-13)
