@@ -14,7 +14,7 @@ from mpmfw.blame import distribution_said, refusing
 from mpmfw.discovery import Kind, full_name, load, refuse_nameless
 from mpmfw.effect import Effect
 from mpmfw.errors import SceneError
-from mpmfw.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, FloatArray
+from mpmfw.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, FloatArray, IntArray
 from mpmfw.geometry import Layout, discretise
 from mpmfw.hookspecs import HookSpecs
 from mpmfw.marks import refuse_dead_hooks
@@ -183,12 +183,6 @@ def _check_methods(scene: Scene, shape: ShapeFunction, contact: ContactStrategy 
         if scene.dim not in plugin.dimensions:
             works = " and ".join(f"{d}D" for d in plugin.dimensions)
             raise SceneError(f"{kind} '{plugin.name}' works in {works}; the scene's grid is {scene.dim}D")
-    if scene.dim == 3:
-        for name, body in scene.bodies.items():
-            if any(side.pressure is not None for side in body.sides):
-                raise SceneError(
-                    f"bodies.{name}.sides: a pressure needs a tracked outline, which exists in 2D only"
-                )
 
 
 def _layouts(scene: Scene) -> tuple[Layout, ...]:
@@ -208,12 +202,12 @@ def _layouts(scene: Scene) -> tuple[Layout, ...]:
     return tuple(made)
 
 
-def _alike(body: Any, scene: Scene) -> tuple[Any, Any, float | None]:
+def _alike(body: Any, scene: Scene) -> tuple[Any, Any, float]:
     """What bodies that differ by their centres alone have in common: the geometry about the origin, None if it has no
     centre, the division into points, and the length of a segment."""
     centre = getattr(body.geometry, "centre", None)
     geometry = None if centre is None else body.geometry.model_copy(update={"centre": (0.0,) * len(centre)})
-    return geometry, body.particles, body.segment_length(scene.grid.cell_size) if scene.dim == 2 else None
+    return geometry, body.particles, body.segment_length(scene.grid.cell_size)
 
 
 def _bodies(
@@ -257,13 +251,16 @@ def _check_inside(scene: Scene, layouts: tuple[Layout, ...], bodies: tuple[Body,
 
 
 def _check_overlap(bodies: tuple[Body, ...]) -> None:
-    """Refuse bodies whose outlines overlap by more than rounding (2D; in 3D no contact exists yet)."""
+    """Refuse bodies whose surfaces overlap by more than rounding."""
     if len(bodies) < 2 or any(not body.outlines for body in bodies):
+        return
+    boxes = (np.array([body.lower for body in bodies]), np.array([body.upper for body in bodies]))
+    first, second = overlapping(*boxes)
+    if boxes[0].shape[1] == 3:
+        _check_depth(bodies, first, second)
         return
     import shapely
 
-    boxes = (np.array([body.lower for body in bodies]), np.array([body.upper for body in bodies]))
-    first, second = overlapping(*boxes)
     near = np.union1d(first, second)
     regions = np.array([_area(bodies[index], shapely) for index in near.tolist()], dtype=object)
     one, other = (regions[np.searchsorted(near, index)] for index in (first, second))
@@ -274,6 +271,20 @@ def _check_overlap(bodies: tuple[Body, ...]) -> None:
             f"bodies.{bodies[first[pair]].name} and bodies.{bodies[second[pair]].name} overlap by {common[pair]:.3g} m² at "
             "the start; move them apart, or say allow_overlap = true"
         )
+
+
+def _check_depth(bodies: tuple[Body, ...], first: IntArray, second: IntArray) -> None:
+    """Refuse bodies in space that have nodes inside each other, by more than 1e-6 of the smaller body's size."""
+    from mpmfw.effects.surface import least_gaps, make_surface
+
+    gaps = least_gaps(make_surface(bodies, 1, "gap"), first, second, (1.0, 1.0, 1.0))
+    size = [min(np.subtract(body.upper, body.lower)) for body in bodies]
+    for a, b, gap in zip(first.tolist(), second.tolist(), gaps, strict=True):
+        if gap < -1e-6 * min(size[a], size[b]):
+            raise SceneError(
+                f"bodies.{bodies[a].name} and bodies.{bodies[b].name} overlap at the start, by {-gap:.3g} m at one node; "
+                "move them apart, or say allow_overlap = true"
+            )
 
 
 def _area(body: Body, shapely: Any) -> Any:

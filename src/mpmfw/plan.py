@@ -159,9 +159,7 @@ def _gap(made: Build) -> bool:
         return made.note("least gap", False, "output.gap = false")
     if len(made.state.bodies) == 1:
         return made.note("least gap", False, "one body")
-    return made.note(
-        "least gap", scene.dim == 2, "output.gap" if scene.dim == 2 else "outlines exist in 2D only"
-    )
+    return made.note("least gap", True, "output.gap")
 
 
 def _gravity(made: Build) -> None:

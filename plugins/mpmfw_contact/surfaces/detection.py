@@ -89,7 +89,6 @@ class Surfaces(Detection):
     options: FacetOptions
     facets = True
     needs_surface = True
-    dimensions = (2,)
     #: Whether a node meets every facet that it penetrates (eq. 10), and not the closest one of a body.
     every_facet: bool = False
 

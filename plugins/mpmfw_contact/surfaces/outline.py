@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mpmfw.api import Surface
 from mpmfw.kernels import Struct, device, scratch
-from mpmfw.kernels.facets import area_vector, read_corners, read_point, signed_distance
+from mpmfw.kernels.facets import area_vector, read_corners, read_point, signed_distance, squared_distance
 from mpmfw.kernels.types import Float, Floats, Ints
 
 
@@ -45,3 +45,12 @@ def area_of(m: int, outline: Outline, out: Floats, spacing: tuple[float, ...]) -
     corners = scratch.matrix(spacing, spacing)
     read_corners(m, outline.position, outline.facets, corners, spacing)
     area_vector(corners, out, spacing)
+
+
+@device
+def square_of(s: int, m: int, outline: Outline, spacing: tuple[float, ...]) -> Float:
+    """Squared distance of node s from facet m [m²]."""
+    x, corners = scratch.vector(spacing), scratch.matrix(spacing, spacing)
+    read_point(s, outline.position, x, spacing)
+    read_corners(m, outline.position, outline.facets, corners, spacing)
+    return squared_distance(x, corners, spacing)

@@ -9,7 +9,7 @@ from mpmfw.kernels.facets import project, read_corners, read_point
 from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw_contact.surfaces.candidates import Candidates, SearchGrid, put
 from mpmfw_contact.surfaces.facing import turn_to_facing
-from mpmfw_contact.surfaces.outline import Outline, distance_to
+from mpmfw_contact.surfaces.outline import Outline, distance_to, square_of
 
 
 @device
@@ -274,7 +274,11 @@ def search_cell(
             keep_penetrated(s, m, other, radius, outline, candidates, spacing)
             continue
         reach_of_facet(m, outline.position, outline.facets, lower, upper, spacing)
-        if not outside_box(x, lower, upper, reach_towards(s, other, radius, candidates), spacing):
+        reach = reach_towards(s, other, radius, candidates)
+        if not outside_box(x, lower, upper, reach, spacing):
+            # in space the normals of edges and corners, which signed distances take, cost more than the distance
+            if len(spacing) == 3 and square_of(s, m, outline, spacing) > reach * reach * ROUNDING:
+                continue
             g = distance_to(s, m, outline, share, normal, spacing)
             if abs(g) < radius:
                 keep_nearest(s, m, other, g, share, normal, candidates, spacing)

@@ -12,14 +12,11 @@ from mpmfw.kernels.facets import (
     length_of,
     node_normal,
     project,
-    read_corners,
-    read_point,
-    squared_distance,
 )
 from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw_contact.surfaces.candidates import Candidates, SearchGrid, put
 from mpmfw_contact.surfaces.facing import LEAST_COSINE, against
-from mpmfw_contact.surfaces.outline import Outline, distance_to
+from mpmfw_contact.surfaces.outline import Outline, distance_to, square_of
 from mpmfw_contact.surfaces.search import boxes_apart
 
 #: Least cosine between a slave node's normal and the direction out of a body by which the node has gone through it: one
@@ -28,15 +25,6 @@ THROUGH = 0.7
 
 #: How far beyond the far side of a body, in cells, a node may be before the bodies count as crossed.
 CROSSED = 1.0
-
-
-@device
-def square_of(s: int, m: int, outline: Outline, spacing: tuple[float, ...]) -> Float:
-    """Squared distance of node s from facet m [m²]."""
-    x, corners = scratch.vector(spacing), scratch.matrix(spacing, spacing)
-    read_point(s, outline.position, x, spacing)
-    read_corners(m, outline.position, outline.facets, corners, spacing)
-    return squared_distance(x, corners, spacing)
 
 
 @device

@@ -60,7 +60,8 @@ class Pressure:
         phi = surface.stencil
         for pressure, loaded in self.loads:
             add_pressure(
-                pressure, loaded, surface.facets, surface.position, phi.row, phi.nodes, phi.weight, grid.force, grid.spacing
+                pressure, loaded, surface.facets, surface.position, phi.row, phi.nodes, phi.weight, grid.force,
+                state.grid.spacing,
             )  # fmt: skip
 
 

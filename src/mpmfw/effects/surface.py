@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from mpmfw.fields import MIN_GAP, AnyArray, Field
+from mpmfw.fields import MIN_GAP, AnyArray, Field, FloatArray, IntArray
 from mpmfw.geometry.facets import neighbours_of, stars_of, tributaries_of
 from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels import Facets, kernel
@@ -54,6 +54,14 @@ def make_surface(bodies: tuple[Body, ...], n_fields: int, stage: str) -> Surface
         facet_first=np.searchsorted(np.concatenate(facet_owner), index),
         stage=stage,
     )
+
+
+def least_gaps(surface: Surface, first: IntArray, second: IntArray, spacing: tuple[float, ...]) -> FloatArray:
+    """Least of both bodies' node-to-facet distances of every two bodies ``first`` and ``second``, (n,) [m]."""
+    gaps = np.zeros(len(first))
+    geometry = Facets(**{name: getattr(surface, name) for name in Facets.member_names})
+    minimum_gaps(first, second, surface.body_first, surface.facet_first, geometry, gaps, spacing)
+    return gaps
 
 
 @kernel
@@ -204,11 +212,7 @@ class GapDiagnostic:
             np.array([getattr(pair, end) for pair in state.pairs], dtype=np.int64)
             for end in ("first", "second")
         )
-        gaps = np.zeros(len(first))
-        geometry = Facets(**{name: getattr(surface, name) for name in Facets.member_names})
-        minimum_gaps(
-            first, second, surface.body_first, surface.facet_first, geometry, gaps, state.grid.spacing
-        )
+        gaps = least_gaps(surface, first, second, state.grid.spacing)
         for pair in np.flatnonzero(-gaps > DEEPEST * state.grid.cell_size):
             label, depth = state.pairs[pair].label, -float(gaps[pair]) / state.grid.cell_size
             if depth > self.deepest.get(label, (DEEPEST, 0.0))[0]:

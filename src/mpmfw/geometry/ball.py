@@ -8,8 +8,9 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from mpmfw.geometry.clipped_lattice import SMALLEST_PIECE
-from mpmfw.geometry.layout import FloatArray, Layout, layout_of_boxes
+from mpmfw.geometry.layout import FloatArray, IntArray, Layout, layout_of_boxes
 from mpmfw.geometry.plane import Point3D, PositiveLength
+from mpmfw.geometry.triangles import sphere_surface
 
 # Sub-cells along each edge of a cell that the sphere cuts: the fraction inside is counted on them
 SUBCELLS = 8
@@ -47,9 +48,9 @@ class Ball(BaseModel):
         """Those of the grid, one a row (3, 3)."""
         return np.eye(3)
 
-    def outlines(self, segment: float) -> tuple[FloatArray, ...]:  # noqa: ARG002
-        """None: surfaces are polylines, and those exist in 2D only."""
-        return ()
+    def surfaces(self, edge: float) -> tuple[tuple[FloatArray, IntArray], ...]:
+        """Nodes (n, 3) [m] on the sphere and triangles (k, 3) of edges up to ``edge`` [m]."""
+        return (sphere_surface(self.centroid, self.radius, edge),)
 
     def lattice(self, size: float, offset: tuple[float, ...]) -> Layout:
         """Cubic cells clipped by the sphere; those below a quarter are left out, all volumes scaled alike.

@@ -7,9 +7,10 @@ from typing import ClassVar, Literal, Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict, model_validator
 
-from mpmfw.geometry.layout import FloatArray, Layout
+from mpmfw.geometry.layout import FloatArray, IntArray, Layout
 from mpmfw.geometry.plane import Point3D
 from mpmfw.geometry.tiling import tiling
+from mpmfw.geometry.triangles import box_surface
 
 
 class Box(BaseModel):
@@ -50,9 +51,9 @@ class Box(BaseModel):
         """Lower and upper corner (2, 3) [m]."""
         return np.array([self.lower, self.upper])
 
-    def outlines(self, segment: float) -> tuple[FloatArray, ...]:  # noqa: ARG002
-        """None: surfaces are polylines, and those exist in 2D only."""
-        return ()
+    def surfaces(self, edge: float) -> tuple[tuple[FloatArray, IntArray], ...]:
+        """Nodes (n, 3) [m] and triangles (k, 3), halves of rectangles of sides up to ``edge`` [m]."""
+        return (box_surface(*self.bounds, edge),)
 
     def lattice(self, size: float, offset: tuple[float, ...]) -> Layout:
         """The tiling, shifted by ``offset`` (fractions of a cell)."""

@@ -10,7 +10,6 @@ from pydantic import Field
 from mpmfw.geometry.ball import Ball
 from mpmfw.geometry.box import Box
 from mpmfw.geometry.disc import Disc
-from mpmfw.geometry.facets import closed_loop
 from mpmfw.geometry.layout import Layout
 from mpmfw.geometry.mesh_file import MeshFile
 from mpmfw.geometry.particles import Particles
@@ -25,7 +24,7 @@ Geometry = Annotated[
 
 
 def discretise(geometry: Geometry, particles: Particles, segment: float | None) -> Layout:
-    """Divide a body into material points, and its outline into surface segments.
+    """Divide a body into material points, and its surface into facets.
 
     Parameters
     ----------
@@ -34,7 +33,7 @@ def discretise(geometry: Geometry, particles: Particles, segment: float | None) 
     particles
         Kind and size of the layout.
     segment
-        Largest length of a surface segment [m]; None where no outline is wanted.
+        Largest length of a surface segment [m], in 3D of the sides of its triangles; None where no surface is wanted.
 
     Raises
     ------
@@ -49,5 +48,7 @@ def discretise(geometry: Geometry, particles: Particles, segment: float | None) 
         layout = geometry.lattice(particles.size, particles.offset_in(geometry.dim))
     if segment is None:
         return layout
-    outlines = geometry.outlines(segment)
-    return replace(layout, outlines=outlines, facets=tuple(closed_loop(len(loop)) for loop in outlines))
+    surfaces = geometry.surfaces(segment)
+    return replace(
+        layout, outlines=tuple(nodes for nodes, _ in surfaces), facets=tuple(facets for _, facets in surfaces)
+    )

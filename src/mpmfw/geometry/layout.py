@@ -26,12 +26,13 @@ class Layout:
         det(2 r) > 0 and equals the volume.
     corners : (n, 4, 2) or None
         Counter-clockwise quadrilateral domains [m]; None in 3D.
-    outlines : tuple of (m, 2)
-        Closed polylines [m], first point not repeated. The material lies on the left of the direction of
-        travel (outer ones counter-clockwise, holes clockwise): a segment with tangent t has the outward
-        normal (t_y, -t_x)/abs(t). Empty in 3D, and where none was asked for.
+    outlines : tuple of (m, dim)
+        Nodes of the closed surfaces [m]; none where none was asked for. In 2D they are polylines, first point not repeated:
+        the material lies on the left of the direction of travel (outer ones counter-clockwise, holes clockwise), and a
+        segment with tangent t has the outward normal (t_y, -t_x)/abs(t).
     facets : tuple of (k, dim)
-        Of each outline the nodes of its facets: of a polyline's segments, each and the next.
+        Of each surface the nodes of its facets: of a polyline's segments each and the next, of triangles
+        counter-clockwise as seen from outside.
     """
 
     position: FloatArray

@@ -9,7 +9,8 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from mpmfw.geometry.clipped_lattice import clipped_lattice
-from mpmfw.geometry.layout import FloatArray, Layout
+from mpmfw.geometry.facets import closed_loop
+from mpmfw.geometry.layout import FloatArray, IntArray, Layout
 from mpmfw.units import Length
 
 PositiveLength = Annotated[Length, Field(gt=0)]
@@ -52,6 +53,10 @@ class PlaneGeometry(BaseModel):
     @abstractmethod
     def outlines(self, segment: float) -> tuple[FloatArray, ...]:
         """Closed polylines (m, 2) [m] on the true outline, with segments no longer than ``segment`` [m]."""
+
+    def surfaces(self, edge: float) -> tuple[tuple[FloatArray, IntArray], ...]:
+        """Nodes (m, 2) [m] and segments (m, 2) of every outline, the segments no longer than ``edge`` [m]."""
+        return tuple((loop, closed_loop(len(loop))) for loop in self.outlines(edge))
 
     @abstractmethod
     def fitted(self, size: float) -> Layout:

@@ -12,29 +12,29 @@ STRETCH = 1.26
 
 
 def box_surface(lower: FloatArray, upper: FloatArray, edge: float) -> tuple[FloatArray, IntArray]:
-    """Nodes (n, 3) [m] and triangles (k, 3) of a cuboid: rectangles of sides up to ``edge`` [m], each cut in two alike.
+    """Nodes (n, 3) [m] and triangles (k, 3) of a cuboid: rectangles of sides up to ``edge`` [m], cut in four from the centre.
 
-    Every diagonal of a face has the same direction, so that all nodes within it have six triangles and an equal area.
+    The surface has the cuboid's mirror planes, and a load shared equally by every triangle's corners is that of bilinear
+    functions on a rectangle, exactly: cut in two, its corners would have unequal shares, by the direction of the diagonal.
     """
     count = np.array([number_of_segments(length, edge) for length in upper - lower])
-    lines = [np.linspace(a, b, n + 1) for a, b, n in zip(lower, upper, count, strict=True)]
     places, triangles = [], []
     for axis in range(3):
         u, v = (axis + 1) % 3, (axis + 2) % 3
-        i, j = (index.ravel() for index in np.meshgrid(*map(np.arange, count[[u, v]]), indexing="ij"))
-        for side in (0, int(count[axis])):
-            quad = np.zeros((len(i), 4, 3), dtype=np.int64)
-            quad[:, :, axis] = side
-            quad[:, :, u] = np.stack([i, i + 1, i + 1, i], axis=1)
-            quad[:, :, v] = np.stack([j, j, j + 1, j + 1], axis=1)
-            if side == 0:
-                quad = quad[:, ::-1]
+        i, j = (2 * index.ravel() for index in np.meshgrid(*map(np.arange, count[[u, v]]), indexing="ij"))
+        for side in (0, 2 * int(count[axis])):
+            quad = np.full(
+                (len(i), 5, 3), side, dtype=np.int64
+            )  # in halves of a rectangle: four corners, and the centre
+            quad[:, :, u] = np.stack([i, i + 2, i + 2, i, i + 1], axis=1)
+            quad[:, :, v] = np.stack([j, j, j + 2, j + 2, j + 1], axis=1)
+            start = 5 * np.arange(len(i))[:, np.newaxis] + sum(map(len, places))
+            turn = 1 if side else -1
+            triangles += [start + np.array([k, (k + turn) % 4, 4]) for k in range(4)]
             places.append(quad.reshape(-1, 3))
-            start = 4 * np.arange(len(i))[:, np.newaxis] + sum(map(len, places[:-1]))
-            triangles += [start + np.array(half) for half in ([0, 1, 2], [0, 2, 3])]
     index, joined = np.unique(np.concatenate(places), axis=0, return_inverse=True)
-    nodes = np.stack([line[index[:, d]] for d, line in enumerate(lines)], axis=1)
-    return nodes, joined.ravel()[np.concatenate(triangles)].astype(np.int64)
+    share = index / (2 * count)
+    return lower * (1.0 - share) + upper * share, joined.ravel()[np.concatenate(triangles)].astype(np.int64)
 
 
 def sphere_surface(centre: FloatArray, radius: float, edge: float) -> tuple[FloatArray, IntArray]:

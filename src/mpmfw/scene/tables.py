@@ -129,7 +129,8 @@ class Body(Table):
     Attributes
     ----------
     segment
-        Length of the surface's segments [m]; None is a quarter of a cell (see :meth:`segment_length`).
+        Length of the surface's segments [m], in 3D of the sides of its triangles; None is a quarter of a cell, in 3D half of one
+        (see :meth:`segment_length`).
     velocity, angular_velocity
         Initial motion [m/s], and [rad/s] about the centroid.
     rotation
@@ -146,8 +147,9 @@ class Body(Table):
     sides: Annotated[tuple[Side, ...], Strict(False)] = ()
 
     def segment_length(self, cell_size: float) -> float:
-        """Length of the surface's segments [m]: as given, or a quarter of a cell."""
-        return 0.25 * cell_size if self.segment is None else float(self.segment)
+        """Length of the surface's segments [m]: as given, or a quarter of a cell; of triangles half of one."""
+        share = 0.25 if self.geometry.dim == 2 else 0.5
+        return share * cell_size if self.segment is None else float(self.segment)
 
 
 class Settle(Table):

@@ -1,0 +1,168 @@
+"""The force of a slave node and a triangle: its variation on faces, edges and corners, and its balance."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mpmfw.geometry.facets import neighbours_of, stars_of, tributaries_of
+from mpmfw.kernels import signed_distance
+from mpmfw.kernels.facets import project
+from mpmfw.kernels.pair_table import pair_table
+from mpmfw_contact.surfaces.assembly import Table, assemble
+from mpmfw_contact.surfaces.candidates import Candidates
+from mpmfw_contact.surfaces.detection import SurfaceRows
+from mpmfw_contact.surfaces.outline import Outline
+
+SPACE = (1.0, 1.0, 1.0)
+#: Where the foot lies on facet (1, 2, 3) of the master, a tetrahedron of nodes 1 to 4: node 0 is the slave.
+PLACES = {"face": (0.2, 0.3, 0.5), "edge": (0.0, 0.4, 0.6), "corner": (0.0, 0.0, 1.0)}
+FACETS = np.array([[1, 2, 3], [1, 4, 2], [2, 4, 3], [3, 4, 1], [0, 0, 0]])
+
+
+def contact(place, seed):
+    """Positions (5, 3) of a slave node and of a tetrahedron's, the node in front of the place or behind the face."""
+    rng = np.random.default_rng(seed)
+    while True:
+        master = rng.normal(size=(4, 3))
+        a, b, c, top = master
+        normals = [np.cross(b - a, c - a), np.cross(b - top, top - c), np.cross(c - top, top - a)]
+        own, across_a, across_b = (n / np.linalg.norm(n) for n in normals)
+        away = {"face": own, "edge": own + across_a, "corner": own + across_a + across_b}[place]
+        # outward facets; seen from behind along the normal, a facet would have no couple
+        if np.linalg.det(master[1:] - a) < -0.3 and own @ away > 0.1:
+            break
+    gap = rng.choice([-0.05, 0.1]) if place == "face" else 0.1
+    return np.concatenate([[PLACES[place] @ master[:3] + gap * away], master])
+
+
+def outline_of(position, displacement):
+    """Body 0 is a lone node, body 1 the tetrahedron; its facets come first."""
+    neighbours = np.zeros_like(FACETS)
+    neighbours[:4] = neighbours_of(FACETS[:4])
+    first, star = stars_of(FACETS[:4], 5)
+    return Outline(
+        position=position, displacement=displacement, tributary=np.ones(5), body=np.array([0, 1, 1, 1, 1]),
+        body_first=np.array([0, 1, 5]), facet_first=np.array([0, 0, 4]), facets=FACETS, neighbours=neighbours,
+        star_first=first, star=star,
+    )  # fmt: skip
+
+
+def distance(position):
+    """Gap from facet 0, barycentric coordinates and e_n."""
+    share, normal = np.zeros(3), np.zeros(3)
+    gap = signed_distance(position[0], 0, outline_of(position, np.zeros_like(position)), share, normal, SPACE)
+    return gap, share, normal
+
+
+def row_of(position, displacement=None, *, tilts=False):
+    """The row of node 0 and facet 0; its grid's nodes are the surface's."""
+    gap, share, normal = distance(position)
+    facet = np.full((5, 1), -1)
+    facet[0] = 0
+    candidates = Candidates(
+        master=np.ones((5, 1), dtype=int), facet=facet, share=np.tile(share, (5, 1, 1)), gap=np.full((5, 1), gap),
+        normal=np.tile(normal, (5, 1, 1)), inside=facet[:0], inside_facet=facet[:0],
+    )  # fmt: skip
+    moved = np.zeros_like(position) if displacement is None else displacement
+    rows = SurfaceRows(3, couples=True, tilts=tilts, own={})
+    table = Table(row=np.arange(6), nodes=np.arange(5, dtype=np.int32), weight=np.ones(5))
+    pairs = pair_table(np.array([0]), np.array([1]))
+    rows.count = assemble(
+        1.0, False, False, candidates, outline_of(position, moved), pairs, np.array([0]), table, rows, rows.places, SPACE
+    )  # fmt: skip
+    assert rows.count == 1
+    return rows
+
+
+def nodal_forces(rows, force):
+    """Bᵀ f on the five nodes."""
+    rows.force[0] = force
+    out = np.zeros((5, 3))
+    rows.add_to(out, SPACE)
+    return out
+
+
+def differences(value, position, step=1e-6):
+    """Derivative of a function of the nodes' positions by each of them, central differences."""
+    columns = []
+    for index in np.ndindex(position.shape):
+        ahead, behind = position.copy(), position.copy()
+        ahead[index] += step
+        behind[index] -= step
+        columns.append((value(ahead) - value(behind)) / (2.0 * step))
+    return np.moveaxis(np.reshape(columns, (*position.shape, *np.shape(columns[0]))), (0, 1), (-2, -1))
+
+
+every_place = pytest.mark.parametrize("place", PLACES)
+seeds = pytest.mark.parametrize("seed", range(12))
+
+
+@every_place
+@seeds
+def test_the_place_is_what_it_is_called(place, seed):
+    _, share, _ = distance(contact(place, seed))
+    np.testing.assert_allclose(share, PLACES[place], atol=1e-12)
+    assert ((share == 0.0) == (np.array(PLACES[place]) == 0.0)).all()
+
+
+@every_place
+@seeds
+def test_a_normal_force_is_the_variation_of_the_gap(place, seed):
+    """So f = −k g δg is the gradient of the pair's energy k g² / 2."""
+    position = contact(place, seed)
+    gap, _, normal = distance(position)
+    of_gap = differences(lambda x: distance(x)[0], position)
+    np.testing.assert_allclose(nodal_forces(row_of(position), normal), of_gap, atol=1e-8)
+    energy = differences(lambda x: 0.5e4 * distance(x)[0] ** 2, position)
+    np.testing.assert_allclose(nodal_forces(row_of(position), -1e4 * gap * normal), -energy, atol=1e-8 * 1e4)
+
+
+@seeds
+def test_a_tangential_force_is_the_variation_of_the_foot_on_the_face(seed):
+    """t·Σ x_a δξ_a for any t in the face's plane."""
+    position = contact("face", seed)
+    _, _, normal = distance(position)
+
+    def coordinates(x):
+        own, foot = np.zeros(3), np.zeros(3)
+        project(x[0], x[1:4].copy(), foot, own, SPACE)
+        return foot
+
+    of_share = differences(coordinates, position)
+    rows = row_of(position)
+    for along in np.eye(3):
+        tangent = along - along @ normal * normal
+        expected = np.einsum("a,aij->ij", position[1:4] @ tangent, of_share)
+        np.testing.assert_allclose(nodal_forces(rows, tangent), expected, atol=1e-8)
+
+
+@pytest.mark.parametrize("tilts", [False, True])
+@every_place
+@seeds
+def test_no_force_and_no_moment_is_left(place, seed, tilts):
+    position = contact(place, seed)
+    rows = row_of(position, tilts=tilts)
+    force = np.random.default_rng(seed).normal(size=3)
+    out = nodal_forces(rows, force)
+    scale = np.abs(out).sum()
+    assert np.abs(out.sum(axis=0)).max() < 1e-14 * scale
+    assert np.abs(np.cross(position, out).sum(axis=0)).max() < 1e-13 * scale * np.abs(position).max()
+
+
+@every_place
+@seeds
+def test_a_rigid_turn_is_no_motion_of_the_row(place, seed):
+    """Only the part that turns the normal is left, which is none of its gap or slip."""
+    position = contact(place, seed)
+    spin = np.random.default_rng(seed).normal(size=3)
+    rows = row_of(position, np.cross(spin, position))
+    assert np.abs(rows.motion[0]).max() < 1e-13 * np.abs(position).max() * np.abs(spin).max()
+
+
+def test_tributaries_of_a_cuboid_are_its_area():
+    from mpmfw.geometry.triangles import box_surface, volume_of
+
+    nodes, facets = box_surface(np.zeros(3), np.array([1.0, 2.0, 0.5]), 0.3)
+    assert tributaries_of(nodes, facets).sum() == pytest.approx(7.0, rel=1e-14)
+    assert volume_of(nodes, facets) == pytest.approx(1.0, rel=1e-14)
