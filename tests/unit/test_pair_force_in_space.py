@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmfw.geometry.facets import neighbours_of, stars_of, tributaries_of
+from mpmfw.geometry.facets import neighbours_of, stars_of
 from mpmfw.kernels import signed_distance
 from mpmfw.kernels.facets import project
 from mpmfw.kernels.pair_table import pair_table
@@ -158,11 +158,3 @@ def test_a_rigid_turn_is_no_motion_of_the_row(place, seed):
     spin = np.random.default_rng(seed).normal(size=3)
     rows = row_of(position, np.cross(spin, position))
     assert np.abs(rows.motion[0]).max() < 1e-13 * np.abs(position).max() * np.abs(spin).max()
-
-
-def test_tributaries_of_a_cuboid_are_its_area():
-    from mpmfw.geometry.triangles import box_surface, volume_of
-
-    nodes, facets = box_surface(np.zeros(3), np.array([1.0, 2.0, 0.5]), 0.3)
-    assert tributaries_of(nodes, facets).sum() == pytest.approx(7.0, rel=1e-14)
-    assert volume_of(nodes, facets) == pytest.approx(1.0, rel=1e-14)

@@ -53,7 +53,7 @@ class Box(BaseModel):
 
     def surfaces(self, edge: float) -> tuple[tuple[FloatArray, IntArray], ...]:
         """Nodes (n, 3) [m] and triangles (k, 3), halves of rectangles of sides up to ``edge`` [m]."""
-        return (box_surface(*self.bounds, edge),)
+        return (box_surface(self.bounds[0], self.bounds[1], edge),)
 
     def lattice(self, size: float, offset: tuple[float, ...]) -> Layout:
         """The tiling, shifted by ``offset`` (fractions of a cell)."""

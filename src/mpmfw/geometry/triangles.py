@@ -18,7 +18,8 @@ def box_surface(lower: FloatArray, upper: FloatArray, edge: float) -> tuple[Floa
     functions on a rectangle, exactly: cut in two, its corners would have unequal shares, by the direction of the diagonal.
     """
     count = np.array([number_of_segments(length, edge) for length in upper - lower])
-    places, triangles = [], []
+    places: list[IntArray] = []
+    triangles: list[IntArray] = []
     for axis in range(3):
         u, v = (axis + 1) % 3, (axis + 2) % 3
         i, j = (2 * index.ravel() for index in np.meshgrid(*map(np.arange, count[[u, v]]), indexing="ij"))
@@ -28,7 +29,7 @@ def box_surface(lower: FloatArray, upper: FloatArray, edge: float) -> tuple[Floa
             )  # in halves of a rectangle: four corners, and the centre
             quad[:, :, u] = np.stack([i, i + 2, i + 2, i, i + 1], axis=1)
             quad[:, :, v] = np.stack([j, j, j + 2, j + 2, j + 1], axis=1)
-            start = 5 * np.arange(len(i))[:, np.newaxis] + sum(map(len, places))
+            start = 5 * np.arange(len(i))[:, np.newaxis] + sum(len(one) for one in places)
             turn = 1 if side else -1
             triangles += [start + np.array([k, (k + turn) % 4, 4]) for k in range(4)]
             places.append(quad.reshape(-1, 3))

@@ -1,0 +1,115 @@
+"""Penalty contact between surfaces of triangles."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import mpmfw
+from mpmfw.errors import SceneError
+from mpmfw.scene import load_scene
+from mpmfw.simulation import Simulation
+
+CELL = 0.25
+SOFT = {"model": "neo_hookean", "density": 1000.0, "bulk_modulus": 12e6, "shear_modulus": 6e6}
+WALLS = [{"side": s, "fixed": [a]} for s, a in zip(("left", "right", "bottom", "top"), "xxyy", strict=True)]
+
+
+def box(lower, upper, segment, **keys):
+    """A box [cells] with triangles in rectangles of so many cells."""
+    geometry = {"type": "box", "lower": [CELL * x for x in lower], "upper": [CELL * x for x in upper]}
+    particles = {"layout": "fitted", "size": 0.5 * CELL}
+    return {
+        "material": "soft",
+        "geometry": geometry,
+        "particles": particles,
+        "segment": segment * CELL,
+        **keys,
+    }
+
+
+def scene(bodies, upper=(4.0, 4.0, 9.0), **keys):
+    """Bodies in a grid from −2 cells to ``upper`` [cells], 2 beyond."""
+    return {
+        "grid": {"cell_size": CELL, "lower": [-2 * CELL] * 3, "upper": [CELL * (x + 2) for x in upper]},
+        "time": {"end": 1.0, "output_interval": 1.0},
+        "shape": {"method": "cpdi"},
+        "contact": {"method": "penalty", "friction": 0.3},
+        "materials": {"soft": SOFT},
+        "bodies": bodies,
+        **keys,
+    }
+
+
+def stacked(place):
+    """Two blocks between smooth walls under pressure; the interface is ``place`` of a cell above a grid line."""
+    top = 4.0 + place
+    bodies = {
+        "lower": box((0, 0, 0), (4, 4, top), 1 / 3, sides=[{"side": "back", "fixed": ["z"]}, *WALLS]),
+        "upper": box(
+            (0, 0, top), (4, 4, top + 4), 1 / 4, sides=[*WALLS, {"side": "front", "pressure": "0.2 MPa"}]
+        ),
+    }
+    return scene(bodies, settle={"tolerance": 1e-3})
+
+
+@pytest.mark.parametrize("place", [0.37])
+def test_stress_between_blocks_of_other_triangles_is_the_pressure(place):
+    sim = Simulation(load_scene(stacked(place)))
+    sim.start()
+    particles, surface = sim.state.particles, sim.state.surface
+    stress = particles.stress[:, 2, 2] / -0.2e6
+    start = CELL * (4.0 + place)
+    interface = surface.position[np.abs(surface.position[:, 2] - start) < 0.2 * CELL, 2].mean()
+    near = stress[np.abs(particles.position[:, 2] - interface) < 0.5 * CELL]
+    assert len(near) == 128
+    assert near.min() > 0.99
+    assert near.max() < 1.01
+
+
+def impact(method="penalty"):
+    """A ball that spins hits the edge of a free box, both off the grid lines."""
+    ball = {
+        "material": "soft",
+        "geometry": {"type": "ball", "centre": [0.31, 0.47, 1.18], "radius": 0.375},
+        "particles": {"layout": "lattice", "size": 0.5 * CELL},
+        "velocity": [2.0, 1.0, -6.0],
+        "angular_velocity": [5.0, -20.0, 8.0],
+    }
+    bodies = {"ball": ball, "box": box((0.3, 0.2, 0.1), (3.3, 3.2, 3.1), 1 / 2)}
+    # the layer of [H17] would carry momentum of its own
+    layer = {"hamad2017": {"interface_thickness": 0.0}} if method == "hamad2017" else {}
+    return scene(bodies, contact={"method": method, "friction": 0.3, **layer})
+
+
+def momentum(particles):
+    return particles.mass @ particles.velocity
+
+
+@pytest.mark.parametrize("method", ["penalty", "hamad2017", "surfaces+impulse"])
+def test_impact_keeps_momentum_and_pushes_apart(method):
+    sim = Simulation(load_scene(impact(method)))
+    sim.advance(1)
+    particles, ball = sim.state.particles, sim.state.bodies[0].particles
+    before, speed = momentum(particles), particles.velocity[ball].mean(axis=0)
+    touched = 0
+    for _ in range(60):
+        sim.step()
+        touched += int((sim.contact.rows.gap[: sim.contact.rows.count] < 0.0).sum())
+    assert touched > 20
+    assert particles.velocity[ball].mean(axis=0)[2] > speed[2] + 0.3
+    np.testing.assert_allclose(momentum(particles), before, atol=1e-12 * np.abs(before).max())
+
+
+def test_bodies_that_overlap_at_the_start_are_refused():
+    bodies = {"one": box((0, 0, 0), (2, 2, 2), 0.5), "other": box((1, 1, 1.9), (3, 3, 4), 0.5)}
+    with pytest.raises(
+        SceneError, match=r"bodies\.one and bodies.other overlap at the start, by 0\.025 m at one node"
+    ):
+        Simulation(load_scene(scene(bodies)))
+
+
+def test_the_least_gap_is_measured():
+    bodies = {"one": box((0, 0, 0), (2, 2, 2), 0.5), "other": box((0.5, 0.5, 2.5), (2, 2, 4), 0.5)}
+    tree = mpmfw.run(scene(bodies, time={"end": 1e-4, "output_interval": 1e-4}))
+    np.testing.assert_allclose(tree["series"]["min_gap"], 0.5 * CELL, rtol=1e-12)
