@@ -69,9 +69,13 @@ def size_of(body: Body, cell_size: float) -> Size:
         spare = 3.0 if fitted else 1.0
         points = spare * float(np.prod(np.ceil(extent / body.particles.size) + 1.0))
     nodes = float(np.prod(np.ceil(extent / cell_size) + _BEYOND))
-    outline = body.geometry.outline_length if isinstance(body.geometry, PlaneGeometry) else 0.0
-    surface = 2.0 * outline / body.segment_length(cell_size) + 8.0
-    memory = points * POINT_BYTES[dim] + nodes * NODE_BYTES[dim] + surface * SURFACE_BYTES
+    edge = body.segment_length(cell_size)
+    if isinstance(body.geometry, PlaneGeometry):
+        surface = 2.0 * body.geometry.outline_length / edge + 8.0
+    else:  # two nodes to a square of a box's triangles, and less to a ball's, whose area is less than its box's
+        count = np.ceil(extent / edge)
+        surface = 4.0 * float((count * np.roll(count, 1)).sum()) + 2.0
+    memory = points * POINT_BYTES[dim] + nodes * NODE_BYTES[dim] + surface * SURFACE_BYTES * (dim - 1)
     return Size(points, nodes, surface, memory, extent)
 
 
@@ -165,8 +169,9 @@ def _greediest(body: Body, size: Size, cell_size: float, name: str) -> tuple[str
         ("grid.cell_size", f"up to {size.nodes:.3g} nodes of the grid, whose cells are of {cell_size:g} m"): (
             size.nodes * NODE_BYTES[dim]
         ),
-        (segment, f"up to {size.surface_nodes:.3g} surface segments of {length:g} m"): size.surface_nodes
-        * SURFACE_BYTES,
+        (segment, f"up to {size.surface_nodes:.3g} surface nodes, {length:g} m apart"): size.surface_nodes
+        * SURFACE_BYTES
+        * (dim - 1),
     }
     return max(takes, key=lambda entry: takes[entry])
 

@@ -9,6 +9,8 @@ from mpmfw.geometry.ball import Ball
 from mpmfw.geometry.box import Box
 from mpmfw.geometry.facets import closed_loop, neighbours_of, stars_of, tributaries_of
 from mpmfw.geometry.triangles import volume_of
+from mpmfw.scene.tables import Body
+from mpmfw.sizing import size_of
 
 SOLIDS = {
     "box": Box(lower=(-0.5, 0.1, 0.2), upper=(0.5, 2.1, 0.7)),
@@ -59,6 +61,15 @@ def test_a_ball_has_nodes_on_the_sphere_and_a_volume_of_second_order():
     assert 0.0 < lacking[2] < 3 / 8 * (0.1 / ball.radius) ** 2  # of equal triangles with this edge
     assert lacking[0] / lacking[1] == pytest.approx(4.0, rel=0.2)
     assert lacking[1] / lacking[2] == pytest.approx(4.0, rel=0.2)
+
+
+@every_solid
+@pytest.mark.parametrize("edge", [0.1, 0.23, 0.7, 9.0])
+def test_the_estimate_of_memory_counts_no_fewer_nodes(name, edge):
+    solid = SOLIDS[name]
+    body = Body(material="m", geometry=solid, particles={"layout": "lattice", "size": 0.2}, segment=edge)
+    ((nodes, _),) = solid.surfaces(edge)
+    assert len(nodes) <= size_of(body, 0.4).surface_nodes <= 5 * len(nodes)
 
 
 @every_solid
