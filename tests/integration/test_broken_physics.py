@@ -55,8 +55,8 @@ FAULTS = {
     ),
     "P dropped": Fault(
         "mpmfw_contact/surfaces/assembly.py",
-        "over = g / lever if lever > 0.0 else 0.0",
-        "over = 0.0",
+        "write_gradients(corners, normal, g, gradient, spacing)",
+        "write_gradients(corners, normal, 0.0, gradient, spacing)",
         "pair-force",
         (("", "l δξ − C_t, largest"), ("", "net moment of C_t"), ("", "net moment of the kernel's pairs")),
     ),
