@@ -8,7 +8,8 @@ import numpy as np
 
 from mpmfw.geometry.facets import neighbours_of, stars_of, tributaries_of
 from mpmfw.kernels.contact import Records
-from mpmfw.kernels.facets import bounding_boxes, signed_distance
+from mpmfw.kernels.facets import signed_distance
+from mpmfw.kernels.gaps import bounding_boxes
 from mpmfw.kernels.pair_table import pair_table as pair_of_bodies
 from mpmfw_contact import _springs
 from mpmfw_contact.surfaces import search

@@ -10,7 +10,7 @@ import numpy as np
 
 from mpmfw.fields import AnyArray, FloatArray, IntArray
 from mpmfw.kernels.boxes import sweep_strips
-from mpmfw.kernels.facets import bounding_boxes
+from mpmfw.kernels.gaps import bounding_boxes
 from mpmfw.state import Pair, State
 
 #: Number of bodies up to which all pairs are listed from the start.

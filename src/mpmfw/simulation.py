@@ -176,7 +176,7 @@ class Simulation:
         state = self.state
         time, steps = state.time, state.steps
         hook = self.hook
-        if self._watch or steps % WATCH_EVERY == 0:
+        if self._watch or (self._guard.strangers and steps % WATCH_EVERY == 0):
             hook, self._watch = self._watched_hook, False
         state.dt = self._step(state, hook, self.transfer, self.clock, length)
         state.time, state.steps = time + state.dt, steps + 1

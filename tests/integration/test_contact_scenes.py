@@ -90,7 +90,7 @@ def test_penetration_is_pressure_over_stiffness():
         sim.advance(20)
         contact = sim.contact.detection.candidates
         plane_node = sim.state.surface.body[:, None] == 1
-        inner = (np.abs(sim.state.surface.position[:, :1]) < 0.12) & plane_node & (contact.segment >= 0)
+        inner = (np.abs(sim.state.surface.position[:, :1]) < 0.12) & plane_node & (contact.facet >= 0)
         depth = -contact.gap[inner].mean()
         pressure = m["density"] * GRAVITY * HEIGHT
         assert depth == pytest.approx(pressure * CELL / (kappa * modulus), rel=0.15)

@@ -87,7 +87,7 @@ KERNELS = {
     _springs: ("set_springs", "spring_forces"),
     detection: ("bounding_boxes", "assemble"),
     rows: ("couplings", "add_row_forces"),
-    search: ("near_boxes", "mark_shared_nodes", "list_segments", "find_pairs"),
+    search: ("near_boxes", "mark_shared_nodes", "list_facets", "find_pairs"),
 }
 
 

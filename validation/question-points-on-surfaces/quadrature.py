@@ -10,7 +10,8 @@ from pydantic import Field
 from mpmfw.api import AnyArray, ContactRows, FloatArray, Grid, Particles, Setup, Stencil
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.contact import Rows
-from mpmfw.kernels.facets import bounding_boxes, read_corners, signed_distance, squared_distance
+from mpmfw.kernels.facets import read_corners, signed_distance, squared_distance
+from mpmfw.kernels.gaps import bounding_boxes
 from mpmfw.kernels.pair_table import pair_index
 from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw_contact import _springs as springs

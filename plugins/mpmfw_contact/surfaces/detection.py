@@ -23,7 +23,7 @@ from mpmfw.api import (
     Stencil,
 )
 from mpmfw.api import Field as ArrayField
-from mpmfw.kernels.facets import bounding_boxes
+from mpmfw.kernels.gaps import bounding_boxes
 from mpmfw.kernels.pair_table import pair_table
 from mpmfw_contact.surfaces import search
 from mpmfw_contact.surfaces.assembly import Places, Table, assemble, point_forces

@@ -8,7 +8,7 @@ import numpy as np
 
 from mpmfw.api import FloatArray, Pair, Setup, State, Surface, hookimpl
 from mpmfw.kernels import kernel
-from mpmfw.kernels.facets import bounding_boxes
+from mpmfw.kernels.gaps import bounding_boxes
 from mpmfw.kernels.types import Floats, Ints
 
 #: Share of the search radius that bodies near each other may travel in a step, before the safety factor.

@@ -11,7 +11,7 @@ from mpmfw.fields import MIN_GAP, AnyArray, Field, FloatArray, IntArray
 from mpmfw.geometry.facets import neighbours_of, stars_of, tributaries_of
 from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels import Facets, kernel
-from mpmfw.kernels.facets import minimum_gaps
+from mpmfw.kernels.gaps import minimum_gaps
 from mpmfw.kernels.types import Floats, Indices, Ints
 from mpmfw.setup import Setup
 from mpmfw.state import Body, Grid, State, Surface

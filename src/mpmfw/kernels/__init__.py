@@ -96,13 +96,12 @@ from mpmfw.kernels._jit import device, kernel
 from mpmfw.kernels._struct import Struct, struct
 from mpmfw.kernels.facets import (
     Facets,
-    bounding_boxes,
     closest_point,
-    minimum_gap,
     segment_coordinate,
     signed_distance,
     squared_distance,
 )
+from mpmfw.kernels.gaps import bounding_boxes, minimum_gap
 from mpmfw.kernels.nodal import add_body_force, integrate_momentum, velocity_of_momentum
 from mpmfw.kernels.packed import FULL, OUTSIDE, fill_domain
 from mpmfw.kernels.projection import (
