@@ -142,7 +142,7 @@ def minimum_gaps(
 ) -> None:
     """Least distance of the surfaces of every two bodies ``first`` and ``second``, into ``gaps`` [m].
 
-    The lesser of both ways of :func:`minimum_gap`, of the nodes of one from the facets of the other. The nodes of
+    The lesser of both ways of :func:`mpmfw.kernels.minimum_gap`, of the nodes of one from the facets of the other. The nodes of
     body b are ``body_first[b]:body_first[b + 1]``, its facets ``facet_first[b]:facet_first[b + 1]``.
     """
     n_bodies = len(body_first) - 1
