@@ -1,8 +1,7 @@
-"""What no hook of a step may change, watched now and then where a plug-in comes from elsewhere.
+"""What no hook of a step may change, held where a plug-in comes from elsewhere.
 
-The material points' masses, initial volumes, positions and velocities, and the clock belong to the step itself. Hooks of plug-ins
-that are not mpmfw's own are watched in the first step after each output and in every :data:`WATCH_EVERY`-th: in all others
-they are called as they are, at no cost. What they do to the clock in those is undone by the step.
+The material points' masses, initial volumes, positions and velocities, and the clock belong to the step itself. While a hook of
+a plug-in that is not mpmfw's own runs, these arrays are read-only, and the clock is compared afterwards.
 """
 
 from __future__ import annotations
@@ -18,10 +17,6 @@ from mpmfw.blame import bundled, described
 from mpmfw.errors import PluginError
 from mpmfw.state import State
 
-#: Steps between two that are watched: a watched step takes up to twice as long, so that it is about one in a hundred.
-WATCH_EVERY = 100
-
-_OWNED = ("mass", "initial_volume", "position", "velocity")
 _CLOCK = ("time", "steps", "dt")
 _SAID = {
     "mass": "masses",
@@ -32,7 +27,7 @@ _SAID = {
 
 
 class Guard:
-    """Watches the hooks of strangers.
+    """Holds the hooks of strangers.
 
     Parameters
     ----------
@@ -45,29 +40,44 @@ class Guard:
     def __init__(self, state: State, plugins: Iterable[Any]) -> None:
         self.state = state
         self.strangers = [plugin for plugin in plugins if not bundled(type(plugin))]
-        self._first = {name: self._array(name).copy() for name in _OWNED[:2]} if self.strangers else {}
+        self._first = (
+            {name: self._array(name).copy() for name in ("mass", "initial_volume")} if self.strangers else {}
+        )
 
-    def watched(self, impl: pluggy.HookImpl) -> Callable[..., Any]:
-        """The implementation, with a look at what it changed if it is a stranger's."""
+    def held(self, impl: pluggy.HookImpl) -> Callable[..., Any]:
+        """The implementation; a stranger's cannot change what belongs to the step."""
         function: Callable[..., Any] = impl.function
         if not any(impl.plugin is stranger for stranger in self.strangers):
             return function
 
         @functools.wraps(function)
         def call(*arguments: Any) -> Any:
-            arrays = {name: self._array(name).copy() for name in _OWNED}
-            clock = {name: getattr(self.state, name) for name in _CLOCK}
-            result = function(*arguments)
+            arrays = [self._array(name) for name in _SAID]
+            clock = [getattr(self.state, name) for name in _CLOCK]
+            for array in arrays:
+                array.flags.writeable = False
+            try:
+                result = function(*arguments)
+            except Exception as error:
+                if _of_read_only(error):
+                    said = "the material points' masses, initial volumes, positions or velocities"
+                    self._refuse(impl, said, error)
+                raise
+            finally:
+                for array in arrays:
+                    array.flags.writeable = True
             changed = [
-                f"the material points' {_SAID[name]}" for name in _OWNED if self._differs(name, arrays[name])
+                f"the material points' {said}"
+                for (name, said), array in zip(_SAID.items(), arrays, strict=True)
+                if self._array(name) is not array
             ]
             changed += [
-                f"the clock (state.{name})" for name in _CLOCK if getattr(self.state, name) != clock[name]
+                f"the clock (state.{name})"
+                for name, before in zip(_CLOCK, clock, strict=True)
+                if getattr(self.state, name) != before
             ]
             if changed:
-                self._refuse(
-                    f"{described(impl.plugin)} changed {' and '.join(changed)} in its hook {function.__name__}"
-                )
+                self._refuse(impl, " and ".join(changed))
             return result
 
         return call
@@ -78,16 +88,20 @@ class Guard:
         Raises
         ------
         PluginError
-            A stranger changed them in a step that was not watched.
+            A stranger changed them by an array that it had kept from before.
         """
         for name, first in self._first.items():
-            if self._differs(name, first):
+            if not np.array_equal(self._array(name), first, equal_nan=True):
                 who = " or ".join(described(plugin) for plugin in self.strangers)
-                self._refuse(f"{who} changed the material points' {_SAID[name]} since the last output")
+                raise self._error(f"{who} changed the material points' {_SAID[name]} since the last output")
 
-    def _refuse(self, said: str) -> None:
+    def _refuse(self, impl: pluggy.HookImpl, changed: str, cause: Exception | None = None) -> None:
         """Raise the error, with where the run was."""
-        raise PluginError(
+        name = impl.function.__name__
+        raise self._error(f"{described(impl.plugin)} changed {changed} in its hook {name}") from cause
+
+    def _error(self, said: str) -> PluginError:
+        return PluginError(
             f"{said}, which belong to the step; docs/hooks.md says what each hook may change",
             step=self.state.steps,
             time=self.state.time,
@@ -96,5 +110,8 @@ class Guard:
     def _array(self, name: str) -> Any:
         return getattr(self.state.particles, name)
 
-    def _differs(self, name: str, before: Any) -> bool:
-        return not np.array_equal(self._array(name), before, equal_nan=True)
+
+def _of_read_only(error: Exception) -> bool:
+    """Whether NumPy or Numba refused to write to an array."""
+    said = str(error).lower()
+    return "read-only" in said or "readonly array" in said

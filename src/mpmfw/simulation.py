@@ -18,7 +18,7 @@ from mpmfw.effect import Effect
 from mpmfw.errors import PluginError, SceneError, SimulationError
 from mpmfw.fields import Field
 from mpmfw.frames import Recorder
-from mpmfw.guard import WATCH_EVERY, Guard
+from mpmfw.guard import Guard
 from mpmfw.hooks import BoundHooks, hook_names, make_manager
 from mpmfw.pairs import list_near
 from mpmfw.plan import plan
@@ -118,13 +118,8 @@ class Simulation:
         self._time_step.check(self.hook)
 
     def _bind_hooks(self) -> None:
-        """Bind the calls of all hooks, and those of the steps in which strangers' are watched."""
-        self.hook: Any = BoundHooks(self.manager, self.clock)
-        strangers = bool(self._guard.strangers)
-        self._watched_hook = (
-            BoundHooks(self.manager, self.clock, self._guard.watched) if strangers else self.hook
-        )
-        self._watch = strangers
+        """Bind the calls of all hooks; those of strangers cannot change what belongs to the step."""
+        self.hook: Any = BoundHooks(self.manager, self.clock, self._guard.held)
 
     def _callers(self, hook: str) -> list[Any]:
         """Plug-ins that implement a hook, in the order of the calls."""
@@ -175,10 +170,7 @@ class Simulation:
         """One time step; ``length`` is asked for it when the limits are known."""
         state = self.state
         time, steps = state.time, state.steps
-        hook = self.hook
-        if self._watch or (self._guard.strangers and steps % WATCH_EVERY == 0):
-            hook, self._watch = self._watched_hook, False
-        state.dt = self._step(state, hook, self.transfer, self.clock, length)
+        state.dt = self._step(state, self.hook, self.transfer, self.clock, length)
         state.time, state.steps = time + state.dt, steps + 1
 
     def detect(self) -> None:
@@ -304,7 +296,6 @@ class Simulation:
     def _output(self, write: Callable[[Frame], None] | None, interval: float, *, points: bool = True) -> None:
         self.clock("output")
         self._guard.check()
-        self._watch = bool(self._guard.strangers)
         frame = self._recorder.frame(interval, points=points)
         if write is not None:
             write(frame)
