@@ -116,6 +116,9 @@ CORE: dict[str, Acts] = {
     "Shape.method": values(body(), "shape__method", "cpdi", "bspline"),
     "Contact.method": values(pair(), "contact__method", "penalty", "bardenhagen"),
     "Contact.friction": values(pair(), "contact__friction", 0.1, 0.4),
+    "Contact.friction_law": values(
+        pair(contact__mohr_coulomb={"cohesion": 1e4}), "contact__friction_law", "coulomb", "mohr_coulomb"
+    ),
     "Contact.pairs": values(pair(), "contact__pairs", [STICKY], [SMOOTH]),
     "PairFriction.bodies": values(
         pair(bodies__third=THIRD), "contact__pairs", [STICKY], [{**STICKY, "bodies": ["right", "third"]}]
@@ -223,6 +226,11 @@ def _hamad2017(option: str, first: Any, second: Any) -> Acts:
     return values(pair("hamad2017"), "contact__hamad2017", {option: first}, {option: second})
 
 
+def _friction(law: str, option: str, first: Any, second: Any, /, **beside: Any) -> Acts:
+    scene = pair(contact__friction_law=law)
+    return values(scene, f"contact__{law}", {**beside, option: first}, {**beside, option: second})
+
+
 def _bardenhagen(option: str, first: Any, second: Any, /, **beside: Any) -> Acts:
     return values(pair("bardenhagen"), BARDENHAGEN, {**beside, option: first}, {**beside, option: second})
 
@@ -248,6 +256,9 @@ PLUGINS: dict[str, Acts] = {
     "contact.hamad2017.interface_thickness": _hamad2017("interface_thickness", 0.001, 0.01),
     "contact.hamad2017.map": _hamad2017("map", "plain", "mass_weighted"),
     "contact.hamad2017.friction_law": _hamad2017("friction_law", "coulomb", "literal"),
+    "friction.stribeck.static_ratio": _friction("stribeck", "static_ratio", 1.2, 2.0, velocity=1.0),
+    "friction.stribeck.velocity": _friction("stribeck", "velocity", 1.0, 3.0),
+    "friction.mohr_coulomb.cohesion": _friction("mohr_coulomb", "cohesion", 1e3, 1e4),
     "contact.bardenhagen.criterion": _bardenhagen("criterion", "velocity", "position"),
     "contact.bardenhagen.cut_off": _bardenhagen("cut_off", 0.8, 0.1, criterion="position"),
     "contact.bardenhagen.normal": _bardenhagen("normal", "averaged", "master"),
@@ -263,6 +274,12 @@ PLUGINS: dict[str, Acts] = {
 #: Options where they can have no effect, and a word of the refusal.
 REFUSED: dict[str, tuple[dict[str, Any], Changes, str]] = {
     "tangential_ratio, μ = 0": (pair(contact__friction=0), {PENALTY: {"tangential_ratio": 0.5}}, "friction"),
+    "a friction law, μ = 0": (pair(contact__friction=0), {"contact__friction_law": "coulomb"}, "friction"),
+    "a friction law, literal friction": (
+        pair("hamad2017", contact__hamad2017={"friction_law": "literal"}),
+        {"contact__friction_law": "coulomb"},
+        "literal",
+    ),
     "friction_law, μ = 0": (
         pair("hamad2017", contact__friction=0),
         {"contact__hamad2017": {"friction_law": "literal"}},

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mpmfw.kernels import Struct, device, kernel
-from mpmfw.kernels.contact import Records, Rows, add_turned
+from mpmfw.kernels.contact import Records, Rows, add_turned, slip_bound
 from mpmfw.kernels.types import Float, Floats, Ints
 
 #: Depth in cells from which a spring grows stiffer: beyond it bodies at the speed of their waves would cross.
@@ -172,7 +172,7 @@ def old_force(
 
 @device
 def return_to_cone(c: int, limit: Float, k_t: Float, trial: Floats) -> tuple[Float, Float]:
-    """Shorten row c of the ``trial`` force to μ f_n [N/m]; the work that slip takes, and the energy left [J/m]."""
+    """Shorten row c of the ``trial`` force to its ``limit`` [N/m]; the work that slip takes, and the energy left [J/m]."""
     dim, square = trial.shape[1], 0.0
     for d in range(dim):
         square += trial[c, d] * trial[c, d]
@@ -187,8 +187,8 @@ def return_to_cone(c: int, limit: Float, k_t: Float, trial: Floats) -> tuple[Flo
 
 @kernel
 def spring_forces(
-    rows: Rows, count: int, own: Springs, old: Rows, old_count: int, old_own: Springs, friction: Floats,
-    tangential_ratio: float, dashpot: float, linear_to: float, records: Records, change: Floats,
+    rows: Rows, count: int, own: Springs, old: Rows, old_count: int, old_own: Springs, tangential_ratio: float,
+    dashpot: float, linear_to: float, records: Records, change: Floats,
 ) -> None:  # fmt: skip
     """f = f_n n + f_t of every row that overlaps; tangential forces have no rows where there is no friction.
 
@@ -229,7 +229,7 @@ def spring_forces(
             k_t = tangential_ratio * k
             for d in range(dim):
                 own.tangential[c, d] -= k_t * slipped * (rows.motion[c, d] - approach * rows.normal[c, d])
-            lost, stored = return_to_cone(c, friction[p] * f_n, k_t, own.tangential)
+            lost, stored = return_to_cone(c, slip_bound(rows, c, f_n), k_t, own.tangential)
             records.frictional_work[p] += lost
             change[p] -= lost
             records.energy[p] += stored

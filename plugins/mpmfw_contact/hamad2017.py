@@ -13,9 +13,19 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from mpmfw.api import ContactRows, FloatArray, ForceContact, Length, Pair, PairRecords, hookimpl
+from mpmfw.api import (
+    ContactRows,
+    FloatArray,
+    ForceContact,
+    Length,
+    Pair,
+    PairRecords,
+    SceneError,
+    Setup,
+    hookimpl,
+)
 from mpmfw.kernels import Struct, kernel
-from mpmfw.kernels.contact import Records, Rows
+from mpmfw.kernels.contact import Records, Rows, slip_bound
 from mpmfw.kernels.types import Floats
 from mpmfw_contact._springs import along_and_across, end_of, first_of, old_force, return_to_cone
 from mpmfw_contact.penalty import SpringOptions, Springs
@@ -32,8 +42,7 @@ class Own(Struct):
 
 @kernel
 def pair_forces(
-    rows: Rows, count: int, own: Own, old: Rows, old_count: int, old_own: Own, friction: Floats, tangential_ratio: float,
-    records: Records,
+    rows: Rows, count: int, own: Own, old: Rows, old_count: int, old_own: Own, tangential_ratio: float, records: Records,
 ) -> None:  # fmt: skip
     """f = −(ω_n g_n C_n + ω_t g_t C_t) of every row that overlaps (eq. 9).
 
@@ -60,12 +69,13 @@ def pair_forces(
             old_force(c, rows.before[c], rows, old, old_count, old_own.tangential, share, own.tangential)
             for d in range(dim):
                 own.tangential[c, d] -= k_t * (rows.motion[c, d] - along * rows.normal[c, d])
-            lost, stored = return_to_cone(c, -friction[p] * k * gap, k_t, own.tangential)
+            limit = slip_bound(rows, c, 0.0) - rows.friction[c] * k * gap
+            lost, stored = return_to_cone(c, limit, k_t, own.tangential)
             records.frictional_work[p] += lost
             records.energy[p] += stored
             for d in range(dim):
                 rows.force[c, d] += own.tangential[c, d]
-        elif friction[p] > 0.0:
+        elif len(rows.friction) > 0 and rows.friction[c] > 0.0:
             for d in range(dim):
                 rows.force[c, d] -= k_t * (rows.motion[c, d] - along * rows.normal[c, d])
             records.frictional_work[p] += k_t * across * across
@@ -102,6 +112,21 @@ class Hamad2017Law(Springs):
             f"value of friction of {', '.join(frictional)}: contact 'hamad2017' with friction_law = 'literal' ignores it"
         ]
 
+    def prepare(self, setup: Setup, owner: str) -> None:
+        """As of springs; literal friction has no bound that a friction law could set.
+
+        Raises
+        ------
+        SceneError
+            The scene names one.
+        """
+        super().prepare(setup, owner)
+        if self.options.friction_law == "literal" and setup.friction_law is not None:
+            raise SceneError(
+                f"contact.friction_law: has no effect with contact.{owner}.friction_law = 'literal', which has no bound; "
+                "expected 'coulomb' there"
+            )
+
     def stiffness(self, rows: ContactRows, old: ContactRows) -> FloatArray:  # noqa: ARG002
         """k = κ M A / h of the whole area."""
         own, n = rows.own, slice(rows.count)
@@ -112,7 +137,7 @@ class Hamad2017Law(Springs):
     def forces(self, rows: ContactRows, old: ContactRows, dashpot: float, records: PairRecords) -> None:  # noqa: ARG002
         """Eq. 9."""
         pair_forces(
-            rows, rows.count, rows.own, old, old.count, old.own, self.friction, self.options.tangential_ratio, records
+            rows, rows.count, rows.own, old, old.count, old.own, self.options.tangential_ratio, records
         )  # fmt: skip
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseLaw, Setup, State
+from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseLaw
 from mpmfw.kernels import Struct, kernel, scratch
-from mpmfw.kernels.contact import Rows
+from mpmfw.kernels.contact import Rows, slip_bound
 from mpmfw.kernels.types import Floats
 
 
@@ -33,12 +33,11 @@ def stop(
     rows: Rows,
     count: int,
     own: Own,
-    friction: Floats,
     projected: bool,
     work: Floats,
     spacing: tuple[float, ...],
 ) -> None:
-    """J_n = m approach, J_t = min(μ J_n, m |Δv_t|), with m the inverse of the row's compliance.
+    """J_n = m approach, J_t = min(μ J_n + a, m |Δv_t|), with m the inverse of the row's compliance.
 
     The work of J_t is its product with the slip: with the mean of before and after where the momentum is as
     ``projected``, and with what is left at the end of the step where it is updated, since J_t then acts beside the forces
@@ -59,7 +58,7 @@ def stop(
             slip[d] = own.velocity[c, d] + approach * rows.normal[c, d]
             square += slip[d] * slip[d]
         p, speed, normal_impulse = rows.pair[c], square**0.5, approach / compliance
-        tangential = min(friction[p] * normal_impulse, speed / compliance)
+        tangential = min(slip_bound(rows, c, normal_impulse), speed / compliance)
         for d in range(dim):
             direction = slip[d] / speed if speed > 0.0 else 0.0
             rows.force[c, d] = normal_impulse * rows.normal[c, d] - tangential * direction
@@ -83,14 +82,6 @@ class Impulse(ImpulseLaw):
         """Rows that take part, their compliance, and their velocity."""
         return {"active": 0, "compliance": 0, "velocity": 1}
 
-    def prepare(self, setup: Setup, owner: str) -> None:  # noqa: ARG002
-        """Friction of the pairs."""
-        self.list_pairs(setup.state)
-
-    def list_pairs(self, state: State) -> None:
-        """Friction of all pairs."""
-        self.friction = np.array([pair.friction for pair in state.pairs], dtype=float)
-
     def impulses(
         self, rows: ContactRows, grid: Grid, scratch: FloatArray, work: FloatArray | None, *, projected: bool
     ) -> None:
@@ -99,4 +90,4 @@ class Impulse(ImpulseLaw):
         rows.momentary_velocity(grid, own.velocity)
         find_approach(rows, rows.count, own, spacing)
         rows.couplings(own.active, grid, scratch, own.compliance)
-        stop(rows, rows.count, own, self.friction, projected, np.zeros(0) if work is None else work, spacing)
+        stop(rows, rows.count, own, projected, np.zeros(0) if work is None else work, spacing)

@@ -69,6 +69,7 @@ class Nodes(Detection):
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
         self.by_position = self.options.criterion == "position"
+        self.measures_area = self.options.normal != "specified"
         self.forces = False
 
     def for_law(self, *, needs_gap: bool, forces: bool) -> None:
@@ -84,7 +85,7 @@ class Nodes(Detection):
             raise SceneError(
                 'detection \'nodes\' with criterion = "velocity" measures no gap, which the law needs; expected "position"'
             )
-        if forces and self.options.normal == "specified":
+        if forces and not self.measures_area:
             raise SceneError(
                 "detection 'nodes' with normal = \"specified\" measures no area, which the law needs; expected "
                 '"averaged" or "master"'

@@ -66,7 +66,7 @@ class Springs(ForceLaw):
     softness_option = "kappa"
 
     def prepare(self, setup: Setup, owner: str) -> None:
-        """Stiffness and friction of the pairs."""
+        """Stiffness of the pairs."""
         if not setup.has_friction:
             for name in ("tangential_ratio", "friction_law"):
                 if name in self.options.model_fields_set:
@@ -81,7 +81,6 @@ class Springs(ForceLaw):
         bodies = state.bodies
         softer = [min(bodies[p.first].p_wave_modulus, bodies[p.second].p_wave_modulus) for p in state.pairs]
         self.modulus: FloatArray = self.options.kappa * np.array(softer, dtype=float) / self.cell_size
-        self.friction = np.array([pair.friction for pair in state.pairs], dtype=float)
 
     def expected(self, bulk_frequency: float) -> float:
         """4 κ (c / h)²."""
@@ -131,7 +130,7 @@ class PenaltyLaw(Springs):
         """Springs along the normal, a dashpot, and f_t returned to Coulomb's cone; then what the last step's springs lost."""
         both = (rows, rows.count, rows.own, old, old.count, old.own)
         ratio = self.options.tangential_ratio
-        springs.spring_forces(*both, self.friction, ratio, dashpot, self.linear_to, records, self.spring_work)
+        springs.spring_forces(*both, ratio, dashpot, self.linear_to, records, self.spring_work)
         springs.add_losses(*both, ratio, self.linear_to, self.spring_work)
 
     def series(self) -> dict[str, AnyArray]:

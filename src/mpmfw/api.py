@@ -28,6 +28,7 @@ from typing import ClassVar
 import numpy as np
 
 from mpmfw.contact.detection import Detection
+from mpmfw.contact.friction import FrictionLaw
 from mpmfw.contact.law import ContactLaw, ForceLaw, ImpulseLaw
 from mpmfw.contact.records import PairRecords
 from mpmfw.contact.row_contact import ForceContact, ImpulseContact
@@ -165,6 +166,7 @@ __all__ = [
     "FloatArray",
     "ForceContact",
     "ForceLaw",
+    "FrictionLaw",
     "Grid",
     "ImpulseContact",
     "ImpulseLaw",

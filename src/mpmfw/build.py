@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mpmfw.api import ContactStrategy, Material, ShapeFunction
+from mpmfw.api import ContactStrategy, FrictionLaw, Material, ShapeFunction
 from mpmfw.blame import distribution_said, refusing
 from mpmfw.discovery import Kind, full_name, load, refuse_nameless
 from mpmfw.effect import Effect
@@ -41,6 +41,7 @@ class Build:
     materials: dict[str, Material]
     scheme: str
     transfer: Transfer
+    friction_law: FrictionLaw | None = None  #: that the scene names
     effects: list[Effect] = field(default_factory=list)
     plugins: list[Any] = field(default_factory=list)  #: in the order of registration
 
@@ -101,7 +102,17 @@ def build(scene: Scene, contact: ContactStrategy | None = None, shape: ShapeFunc
         material.slices = joined(material.slices, body.particles)
     state = State(particles, grid, bodies, ())
     _list_pairs(scene, state, chosen_contact)
-    return Build(scene, layouts, state, chosen_shape, chosen_contact, materials, scheme, transfer)
+    friction = _friction_law(scene, chosen_contact)
+    return Build(scene, layouts, state, chosen_shape, chosen_contact, materials, scheme, transfer, friction)
+
+
+def _friction_law(scene: Scene, contact: ContactStrategy | None) -> FrictionLaw | None:
+    """The scene's, if contact takes any."""
+    given = scene.contact
+    if given is None or given.friction_law is None or contact is None or not contact.takes_friction_law:
+        return None
+    law: FrictionLaw = _plugin("friction", given.friction_law, given.friction_options)
+    return law
 
 
 def make_setup(made: Build) -> Setup:
@@ -120,6 +131,7 @@ def make_setup(made: Build) -> Setup:
         bulk_frequency=made.bulk_frequency,
         safety=made.scene.time.safety,
         allow_unstable=made.scene.allow_unstable,
+        friction_law=made.friction_law,
     )
 
 
@@ -136,7 +148,9 @@ def _plugin(kind: Any, name: str, options: Any) -> Any:
 
 def _check_base(kind: Kind, plugin: type[Any]) -> None:
     """Refuse a class of another kind."""
-    base = {"contact": ContactStrategy, "shape": ShapeFunction, "material": Material}[kind]
+    base = {
+        "contact": ContactStrategy, "friction": FrictionLaw, "shape": ShapeFunction, "material": Material
+    }[kind]  # fmt: skip
     if not issubclass(plugin, base):
         raise SceneError(
             f"{kind} plug-in {full_name(plugin)} of {distribution_said(plugin)}: expected a class derived from "

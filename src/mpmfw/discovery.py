@@ -13,7 +13,7 @@ from typing import Any, Literal, TypeAlias, get_args
 
 from mpmfw.errors import SceneError
 
-Kind: TypeAlias = Literal["contact", "detection", "law", "shape", "material"]
+Kind: TypeAlias = Literal["contact", "detection", "law", "friction", "shape", "material"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
 

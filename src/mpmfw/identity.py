@@ -52,6 +52,8 @@ def code_of(scene: Scene, contact: Any = None, shape: Any = None) -> dict[str, s
         methods.append(("shape", scene.shape.method))
     if scene.contact is not None and contact is None:
         methods.append(("contact", scene.contact.method))
+    if scene.contact is not None and scene.contact.friction_law is not None:
+        methods.append(("friction", scene.contact.friction_law))
     packages = {_home(kind, name) for kind, name in methods}
     packages |= {type(one).__module__.partition(".")[0] for one in (contact, shape) if one is not None}
     return {name: current(name) for name in sorted({"mpmfw", *packages, *_LIBRARIES})}
@@ -92,6 +94,8 @@ def _meaning(scene: Scene, objects: Mapping[str, Any]) -> dict[str, Any]:
             options = None if chosen.options is None else chosen.options.model_dump()
             own = {"method": "an object"} if kind in objects else {"options": options}
             tables[kind] = {**tables[kind], **own}
+    if scene.contact is not None and scene.contact.friction_options is not None:
+        tables["contact"]["friction_options"] = scene.contact.friction_options.model_dump()
     for name, material in scene.materials.items():
         if material.options is not None:
             tables["materials"][name] |= {"options": material.options.model_dump()}

@@ -80,8 +80,10 @@ def _contact(made: Build) -> None:
     if not made.contact.uses_friction:
         made.note("friction", False, f"contact '{made.contact.name}' does not use it")
     else:
-        frictional = _frictional(made)
-        made.note("friction", bool(frictional), frictional or "μ = 0 in every pair")
+        law = made.friction_law
+        frictional = "every pair" if law is not None and law.cohesive else _frictional(made)
+        by = "" if law is None else f", by {law.label}"
+        made.note("friction", bool(frictional), frictional + by if frictional else "μ = 0 in every pair")
     _search(made, made.contact.reach(made.state.grid.cell_size))
     made.plugins += [made.contact, *made.contact.parts()]
 

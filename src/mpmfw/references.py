@@ -176,6 +176,7 @@ def rolling(scene: Scene) -> RollingReference | None:
         or len(planes) != 1
         or tilted is None
         or scene.contact is None
+        or not scene.has_coulomb_friction
     ):
         return None
     magnitude, tilt = tilted

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mpmfw.contact.friction import FrictionLaw
 from mpmfw.fields import AnyArray, Field, FloatArray
 from mpmfw.state import Body, Pair, State
 
@@ -30,6 +31,7 @@ class Setup:
     safety: float  #: fraction of the stability limit that a step may take
     allow_unstable: bool = False  #: the scene lets a step exceed the stability limit
     flip: float = 1.0  #: share of FLIP in the transfer
+    friction_law: FrictionLaw | None = None  #: that the scene names; None is Coulomb's
 
     @property
     def bodies(self) -> tuple[Body, ...]:
@@ -49,6 +51,8 @@ class Setup:
     def has_friction(self) -> bool:
         """Whether any two bodies have friction, be their pair listed yet or not."""
         near = self.state.near
+        if self.friction_law is not None and self.friction_law.cohesive:
+            return True
         return near.has_friction if near is not None else any(pair.friction > 0.0 for pair in self.pairs)
 
     @property

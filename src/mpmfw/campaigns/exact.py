@@ -68,7 +68,7 @@ def incline(scene: Scene) -> Incline | None:
 def _sliding(scene: Scene, end: float) -> Incline | None:
     """A free block on a fixed rectangle along x, steep enough to slide and too flat to tip over."""
     tilted = tilt_of(scene)
-    if len(scene.bodies) != 2 or tilted is None:
+    if len(scene.bodies) != 2 or tilted is None or not scene.has_coulomb_friction:
         return None
     blocks = [name for name, body in scene.bodies.items() if not body.sides and at_rest(body)]
     planes = [name for name, body in scene.bodies.items() if body.sides and all(s.fixed for s in body.sides)]

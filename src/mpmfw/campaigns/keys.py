@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
+from mpmfw.discovery import available
 from mpmfw.errors import SceneError
 from mpmfw.scene.locator import dotted
 from mpmfw.scene.override import parse_path
@@ -60,7 +61,13 @@ def _written(text: str) -> str:
 
 def is_numerical(key: str) -> bool:
     """Whether the key changes the method alone, so that errors and costs under its values may be compared."""
-    return _NUMERICAL.match(full_key(key)) is not None
+    full = full_key(key)
+    return _NUMERICAL.match(full) is not None and not _of_friction_law(full)
+
+
+def _of_friction_law(key: str) -> bool:
+    """Whether it is an option of a friction law, which stands in a table of ``[contact]`` like those of methods."""
+    return key.startswith("contact.") and key.split(".")[1] in available("friction")
 
 
 def finer(key: str) -> int:

@@ -34,6 +34,10 @@ def _friction(simulation: Simulation) -> Iterator[str]:
         yield from (f"friction of {pair}: contact '{contact.name}' has none" for pair in with_friction)
         if simulation.state.near is not None and simulation.state.near.friction:
             yield f"contact.friction: contact '{contact.name}' has none"
+    given = simulation.scene.contact
+    if contact is not None and given is not None and given.friction_law and not contact.takes_friction_law:
+        has = "Coulomb's friction alone" if contact.uses_friction else "no friction"
+        yield f"contact.friction_law = '{given.friction_law}': contact '{contact.name}' has {has}"
     if contact is not None:
         yield from contact.unused(simulation.state.pairs)
 

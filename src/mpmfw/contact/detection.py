@@ -28,6 +28,8 @@ class Detection(PlugIn):
     surface_map: Literal["auto", "plain", "mass_weighted"] = "auto"
     #: Whether a part of it adds inertia to the nodes.
     adds_mass: bool = False
+    #: Whether rows have an area, which forces and cohesion are made of.
+    measures_area: bool = True
 
     def parts(self, contact: Any) -> list[Any]:  # noqa: ARG002
         """Plug-ins that it brings along, beside the strategy ``contact`` that it belongs to."""

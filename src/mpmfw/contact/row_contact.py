@@ -10,10 +10,12 @@ import numpy as np
 from pydantic import BaseModel
 
 from mpmfw.contact.detection import Detection
+from mpmfw.contact.friction import FrictionLaw
 from mpmfw.contact.law import ContactLaw, ForceLaw, ImpulseLaw
 from mpmfw.contact.records import PairRecords
 from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.strategy import ContactStrategy
+from mpmfw.errors import SceneError
 from mpmfw.fields import AnyArray, Field, FloatArray
 from mpmfw.hookspecs import hookimpl
 from mpmfw.setup import Setup
@@ -47,7 +49,7 @@ class RowContact(ContactStrategy):
         if hasattr(cls, "Detection"):
             cls.needs_surface = cls.Detection.needs_surface
             cls.dimensions = cls.Detection.dimensions
-            cls.uses_friction = cls.Law.uses_friction
+            cls.uses_friction = cls.takes_friction_law = cls.Law.uses_friction
 
     def parts(self) -> list[Any]:
         """Those of the detection."""
@@ -69,12 +71,21 @@ class RowContact(ContactStrategy):
     @hookimpl
     def setup(self, setup: Setup) -> None:
         """Detection, law, records, and rows of this step and the last."""
-        self.state, self.friction = setup.state, setup.has_friction
+        self.state, self.friction = setup.state, setup.friction_law or FrictionLaw()
         self.records = PairRecords(setup, self.name)
         self.detection.prepare(setup, self.name)
         self.law.prepare(setup, self.name)
         own = self.law.row_arrays(friction=setup.has_friction)
         self.rows, self.old = self.detection.new_rows(own), self.detection.new_rows(own)
+        if self.friction.cohesive and not self.detection.measures_area:
+            raise SceneError(
+                f"contact.friction_law = '{self.friction.name}' has cohesion, which acts on an area; detection "
+                f"'{self.detection.name}' measures none with its options"
+            )
+        if setup.has_friction and self.uses_friction:
+            for rows in (self.rows, self.old):
+                rows.hold(cohesion=self.friction.cohesive)
+        self._list_friction(setup.state)
         self.node_sum = np.zeros(0)
 
     @hookimpl
@@ -83,6 +94,16 @@ class RowContact(ContactStrategy):
         self.detection.list_pairs(state)
         self.law.list_pairs(state)
         self.records.add_pairs(state)
+        self._list_friction(state)
+
+    def _list_friction(self, state: State) -> None:
+        """μ of every pair, as the scene has it."""
+        self.pair_friction = np.array([pair.friction for pair in state.pairs], dtype=float)
+
+    def bound_slip(self) -> None:
+        """What the rows of this step hold along their planes."""
+        if len(self.rows.friction):
+            self.friction.bound(self.rows, self.pair_friction, self.state.dt)
 
     @property
     def last_rows(self) -> ContactRows:
@@ -153,6 +174,7 @@ class ForceContact(RowContact):
         self.omega_squared = 0.0
         if rows.count:
             rows.match(old)
+            self.bound_slip()
             stiffness = self.law.stiffness(rows, old)
             self.omega_squared = rows.couplings(stiffness, grid, self.scratch(grid), stiffness)
             if rows.gap[: rows.count].min() > 0.0:
@@ -211,15 +233,21 @@ class ImpulseContact(RowContact):
         """The rows where the bodies are now."""
         self.detection.find(grid, phi, particles, self.rows)
         self.scratch(grid)
+        self.bound_slip()
+        self.cohesion = (
+            self.rows.cohesion.copy()
+        )  #: forces; in the rows stand the impulses of each correction
 
     @hookimpl
     def after_momentum_projection(self, grid: Grid) -> None:
-        """Correct the projected momentum."""
+        """Correct the projected momentum; cohesion holds against the forces of the step, which have not acted yet."""
+        self.rows.cohesion[:] = 0.0
         self._correct(grid, projected=True)
 
     @hookimpl
-    def after_momentum_update(self, grid: Grid) -> None:
-        """Correct the updated momentum, at the same rows."""
+    def after_momentum_update(self, grid: Grid, dt: float) -> None:
+        """Correct the updated momentum, at the same rows; ``dt`` [s] is the length of the step."""
+        self.rows.cohesion[:] = dt * self.cohesion
         self._correct(grid, projected=False)
 
     @hookimpl

@@ -53,6 +53,14 @@ class ContactRows(Rows):
         self.dim, self.count = dim, 0
         self._own = dict(own or {})
         self._without = [name for name, has in (("couple", couples), ("tilt", tilts)) if not has]
+        self._without += ["friction", "cohesion"]
+        self.make_room(64, 1024)
+
+    def hold(self, *, cohesion: bool) -> None:
+        """Have ``friction``, and ``cohesion`` if it is asked for: rows of bodies without friction have neither."""
+        self._without = [
+            name for name in self._without if name not in ("friction", "cohesion")[: 1 + cohesion]
+        ]
         self.make_room(64, 1024)
 
     def make_room(self, rows: int, entries: int) -> None:

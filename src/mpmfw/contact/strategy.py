@@ -28,6 +28,8 @@ class ContactStrategy(PlugIn):
     keeps_apart: ClassVar[bool] = True
     #: Whether the strategy uses the pairs' friction.
     uses_friction: ClassVar[bool] = False
+    #: Whether that friction is what the scene's ``contact.friction_law`` says, and not Coulomb's alone.
+    takes_friction_law: ClassVar[bool] = False
     #: Dotted key of the scene that makes the strategy softer, for advice; None where nothing does.
     softer_by: str | None = None
     #: Dimensions that the strategy works in.

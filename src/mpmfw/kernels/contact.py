@@ -8,7 +8,7 @@ from __future__ import annotations
 from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device, kernel
 from mpmfw.kernels._struct import Struct
-from mpmfw.kernels.types import Floats, Ints
+from mpmfw.kernels.types import Float, Floats, Ints
 
 
 class Rows(Struct):
@@ -28,6 +28,8 @@ class Rows(Struct):
     whole: Floats  #: (n,) tributary area of the place, whatever its direction [m^(dim−1)]
     normal: Floats  #: (n, dim) unit vector
     motion: Floats  #: (n, dim) B v Δt over the last step [m]
+    friction: Floats  #: (n,) μ: along its plane a row holds μ N + a; (0,) where no pair has friction
+    cohesion: Floats  #: (n,) a [N m^(dim−3)], an impulse in an impulse law; (0,) where nothing holds without a normal force
     force: Floats  #: (n, dim) on the first side, the law's [N m^(dim−3)]; an impulse law's impulse
     start: Ints  #: (n + 1,) entries of row c are ``start[c]:start[c + 1]``
     dof: Ints  #: (m,) flat grid node
@@ -44,6 +46,13 @@ class Records(Struct):
     damping_work: Floats  #: (pair,) dissipated by dashpots [J], added up
     energy: Floats  #: (pair,) stored in springs [J]
     count: Floats  #: (pair,) places where a force acts
+
+
+@device
+def slip_bound(rows: Rows, c: int, normal_force: Float) -> Float:
+    """μ N + a of row c, the largest tangential force beside ``normal_force``; or impulse beside impulse."""
+    bound = rows.friction[c] * normal_force if len(rows.friction) > 0 else 0.0
+    return bound + (rows.cohesion[c] if len(rows.cohesion) > 0 else 0.0)
 
 
 @kernel

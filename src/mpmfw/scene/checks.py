@@ -35,6 +35,7 @@ def check(scene: Tables, plugins: Mapping[Path, type[Any]]) -> Iterator[Problem]
     yield from _stepping(scene, plugins)
     yield from _names(scene)
     yield from _contact(scene)
+    yield from _friction_law(scene, plugins)
     yield from _loads(scene)
     yield from _reference(scene)
     for name, body in scene.bodies.items():
@@ -126,6 +127,18 @@ def _contact(scene: Tables) -> Iterator[Problem]:
         elif seen.setdefault(frozenset(pair.bodies), index) != index:
             first = seen[frozenset(pair.bodies)]
             yield Problem(path, f"the same bodies as contact.pairs[{first}]")
+
+
+def _friction_law(scene: Tables, plugins: Mapping[Path, type[Any]]) -> Iterator[Problem]:
+    """A law of friction where there is none."""
+    contact = scene.contact
+    if contact is None or contact.friction_law is None:
+        return
+    law = plugins.get(("contact", contact.friction_law))
+    if not (
+        contact.friction or any(pair.friction for pair in contact.pairs) or getattr(law, "cohesive", True)
+    ):
+        yield Problem(("contact", "friction_law"), "has no effect: every pair has friction = 0")
 
 
 def _loads(scene: Tables) -> Iterator[Problem]:

@@ -162,7 +162,11 @@ def _with_options(scene: Scene, chosen: Chosen) -> Scene:
     if contact is not None:
         own = options.get(("contact", contact.method))
         tables = chosen.contact_tables or (contact.method,)
-        contact = contact.model_copy(update={"options": own, "tables": tables})
+        friction = options.get(("contact", contact.friction_law))
+        if contact.friction_law is not None:
+            tables = (*tables, contact.friction_law)
+        update = {"options": own, "friction_options": friction, "tables": tables}
+        contact = contact.model_copy(update=update)
     materials = {
         name: material.model_copy(update={"options": options.get(("materials", name))})
         for name, material in scene.materials.items()

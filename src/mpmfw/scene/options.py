@@ -19,7 +19,7 @@ from mpmfw.scene.problem import Problem
 #: Keys of the tables that the core reads itself.
 CORE_KEYS: dict[str, tuple[str, ...]] = {
     "shape": ("method",),
-    "contact": ("method", "detection", "law", "friction", "pairs"),
+    "contact": ("method", "detection", "law", "friction", "friction_law", "pairs"),
     "materials": ("model", "density"),
 }
 
@@ -70,7 +70,7 @@ def _method_table(chosen: Chosen, kind: Kind, table: Mapping[str, Any]) -> dict[
     """Take the plug-ins' tables out of ``[shape]`` or ``[contact]``."""
     core_keys, installed = CORE_KEYS[kind], choices(kind)
     if kind == "contact":
-        installed = installed | available("detection") | available("law")
+        installed = installed | available("detection") | available("law") | available("friction")
     for key, value in table.items():
         if key in core_keys:
             continue
@@ -87,11 +87,12 @@ def _method_table(chosen: Chosen, kind: Kind, table: Mapping[str, Any]) -> dict[
             chosen.problems.append(
                 Problem((kind, key), f"expected a table of options of '{key}', not {shown(value)}")
             )
-    name = table.get("method")
-    if isinstance(name, str):
-        options = table.get(name, {})
-        if isinstance(options, Mapping):
-            _validate(chosen, kind, name, (kind, "method"), (kind, name), options)
+    for key, of in (
+        (("method", kind), ("friction_law", "friction")) if kind == "contact" else (("method", kind),)
+    ):
+        name = table.get(key)
+        if isinstance(name, str) and isinstance(options := table.get(name, {}), Mapping):
+            _validate(chosen, of, name, (kind, key), (kind, name), options)
     return {key: value for key, value in table.items() if key in core_keys and key not in PARTS}
 
 

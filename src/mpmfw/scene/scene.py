@@ -69,6 +69,16 @@ class Scene(Tables):
         return tuple((a, b, given.get(frozenset((a, b)), default)) for a, b in ends)
 
     @property
+    def has_coulomb_friction(self) -> bool:
+        """Whether friction is Coulomb's with the μ of :attr:`pairs`, and not a law that makes something else of it."""
+        if self.contact is None or self.contact.friction_law is None:
+            return True
+        from mpmfw.contact.friction import FrictionLaw
+        from mpmfw.discovery import load
+
+        return load("friction", self.contact.friction_law).bound is FrictionLaw.bound
+
+    @property
     def text(self) -> str:
         """A TOML document of this very scene: the file's own text or, with overrides, the merged tables."""
         if self._source.text is not None and not self._source.overrides:

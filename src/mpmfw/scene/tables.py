@@ -97,12 +97,15 @@ class Contact(Table):
     """The contact strategy, its options, and the friction of the pairs.
 
     A scene may write ``detection`` and ``law`` in place of a method; ``tables`` are those that its options stand in.
+    ``friction_law`` is None for Coulomb's, and has its options in a table of its own.
     """
 
     method: str
     friction: Friction = 0.0
+    friction_law: str | None = None
     pairs: Annotated[tuple[PairFriction, ...], Strict(False)] = ()
     options: Options = Field(default=None, exclude=True)
+    friction_options: SkipJsonSchema[Options] = Field(default=None, exclude=True)
     tables: SkipJsonSchema[tuple[str, ...]] = Field(default=(), exclude=True)
 
 

@@ -6,9 +6,9 @@ from __future__ import annotations
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseLaw, Setup, State
+from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseLaw, Setup
 from mpmfw.kernels import Floats, Struct, kernel, scratch
-from mpmfw.kernels.contact import Rows
+from mpmfw.kernels.contact import Rows, slip_bound
 
 
 class FilmOptions(BaseModel):
@@ -40,10 +40,8 @@ def find_approach(rows: Rows, count: int, own: Own, spacing: tuple[float, ...]) 
 
 
 @kernel
-def exchange(
-    rows: Rows, count: int, own: Own, friction: Floats, drag: float, work: Floats, spacing: tuple[float, ...]
-) -> None:
-    """J_n = −m Δv·n, and J_t = min(μ J_n + ``drag`` A |Δv_t|, m |Δv_t|) against the slip Δv_t.
+def exchange(rows: Rows, count: int, own: Own, drag: float, work: Floats, spacing: tuple[float, ...]) -> None:
+    """J_n = −m Δv·n, and J_t = min(μ J_n + a + ``drag`` A |Δv_t|, m |Δv_t|) against the slip Δv_t.
 
     ``drag`` is c Δt [Pa s²/m]. ``work`` (pair,) gets what J_t takes [J/m]; without pairs it is not asked for.
     """
@@ -61,7 +59,8 @@ def exchange(
             slip[d] = own.velocity[c, d] + approach * rows.normal[c, d]
             square += slip[d] * slip[d]
         speed = square**0.5
-        tangential = min(friction[p] * m * approach + drag * rows.area[c] * speed, m * speed)
+        bound = slip_bound(rows, c, m * approach)
+        tangential = min(bound + drag * rows.area[c] * speed, m * speed)
         for d in range(dim):
             along = slip[d] / speed if speed > 0.0 else 0.0
             rows.force[c, d] = m * approach * rows.normal[c, d] - tangential * along
@@ -84,11 +83,6 @@ class Film(ImpulseLaw):
     def prepare(self, setup: Setup, owner: str) -> None:  # noqa: ARG002
         """Facts of the scene, asked once."""
         self.state = setup.state
-        self.list_pairs(setup.state)
-
-    def list_pairs(self, state: State) -> None:
-        """Friction of all pairs, as an array that kernels can read."""
-        self.friction = np.array([pair.friction for pair in state.pairs], dtype=float)
 
     def impulses(
         self, rows: ContactRows, grid: Grid, scratch: FloatArray, work: FloatArray | None, *, projected: bool
@@ -99,4 +93,4 @@ class Film(ImpulseLaw):
         find_approach(rows, rows.count, own, spacing)
         rows.couplings(own.active, grid, scratch, own.compliance)
         drag = 0.0 if projected or work is None else self.options.resistance * self.state.dt
-        exchange(rows, rows.count, own, self.friction, drag, np.zeros(0) if work is None else work, spacing)
+        exchange(rows, rows.count, own, drag, np.zeros(0) if work is None else work, spacing)

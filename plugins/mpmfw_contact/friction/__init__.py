@@ -1,0 +1,1 @@
+"""Friction laws: μ and cohesion of every row of contact."""

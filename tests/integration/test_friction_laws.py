@@ -1,0 +1,117 @@
+"""Friction laws against closed forms, with every contact law: they are parts of their own."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import mpmfw
+from mpmfw.errors import ResultsWarning, SceneError
+from mpmfw.references import rolling
+from mpmfw.simulation import Simulation
+
+CONTACTS = ("penalty", "bardenhagen(normal=master)", "surfaces+impulse")
+GRAVITY, TILT = 10.0, math.radians(30.0)
+ALONG, ACROSS = GRAVITY * math.sin(TILT), GRAVITY * math.cos(TILT)
+END = 0.2
+
+
+def slide(contact: str, law: str, speed: float = 0.0, **settings: Any) -> np.ndarray:
+    """Mean velocity of the shipped block along the plane at every output [m/s]."""
+    overrides = {
+        "grid.cell_size": 0.15,
+        "time.end": END,
+        "output": {"particles": False, "gap": False},
+        "bodies.block.velocity": [speed, 0.0],
+        "contact.friction_law": law,
+        **{f"contact.{key}": value for key, value in settings.items()},
+    }
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResultsWarning)
+        tree = mpmfw.run("sliding-block", contact=contact, set=overrides)
+    return tree["velocity"].sel(body="block", axis="x").values
+
+
+@pytest.mark.parametrize("contact", CONTACTS)
+def test_a_block_sticks_below_the_static_angle_and_slides_on_above_the_kinetic_one(contact: str) -> None:
+    """μ = 0.3 in slip and 0.75 at rest, tan 30° = 0.58 in between."""
+    options = {"stribeck.static_ratio": 2.5, "stribeck.velocity": 0.5}
+    at_rest = slide(contact, "stribeck", **options)
+    assert np.abs(at_rest).max() < 0.1
+    assert abs(at_rest[-1]) < 0.01
+
+    def rate(_time: float, v: np.ndarray) -> np.ndarray:
+        return ALONG - 0.3 * (1.0 + 1.5 * np.exp(-np.abs(v) / 0.5)) * ACROSS
+
+    moving = slide(contact, "stribeck", speed=1.0, **options)
+    expected = solve_ivp(rate, (0.0, END), [1.0], rtol=1e-10).y[0, -1]
+    assert moving[-1] == pytest.approx(expected, abs=0.02 * END * GRAVITY)
+    assert abs(expected - 1.0 - END * (ALONG - 0.3 * ACROSS)) > 0.02  # else μ(v) would not be seen
+
+
+@pytest.mark.parametrize("contact", CONTACTS)
+def test_cohesion_alone_holds_its_shear_strength(contact: str) -> None:
+    """A block of 180 kg/m on 0.6 m without μ: 1 kPa brakes it by 600 N/m of 900, 2 kPa holds it."""
+    friction = {"friction": 0.0}
+    braked = slide(contact, "mohr_coulomb", **friction, **{"mohr_coulomb.cohesion": 1000.0})
+    assert braked[-1] / END == pytest.approx(ALONG - 600.0 / 180.0, rel=0.05)
+    held = slide(contact, "mohr_coulomb", **friction, **{"mohr_coulomb.cohesion": 2000.0})
+    assert abs(held[-1]) < 0.02
+
+
+@pytest.mark.parametrize("contact", [*CONTACTS, "hamad2017"])
+def test_coulomb_is_what_is_meant_without_a_law(contact: str) -> None:
+    short = {"time.end": 0.02, "output.particles": False, "contact.friction": 0.3}
+    plain = mpmfw.run("sliding-block", contact=contact, set=short)
+    named = mpmfw.run("sliding-block", contact=contact, set={**short, "contact.friction_law": "coulomb"})
+    assert plain["velocity"].identical(named["velocity"])
+
+
+def test_a_closed_form_of_coulomb_s_friction_is_none_of_another_law() -> None:
+    def known(**contact: Any) -> bool:
+        overrides = {f"contact.{key}": value for key, value in contact.items()}
+        return rolling(mpmfw.load_scene("rolling-cylinder-slip", set=overrides)) is not None
+
+    assert known()
+    assert known(friction_law="coulomb")
+    assert not known(friction_law="mohr_coulomb", mohr_coulomb={"cohesion": 10.0})
+
+
+def test_a_law_is_not_made_where_contact_has_no_friction() -> None:
+    set_ = {"contact.friction_law": "mohr_coulomb", "contact.mohr_coulomb.cohesion": 10.0}
+    assert Simulation("sliding-block", contact="none", set=set_).contact.name == "none"
+
+
+@pytest.mark.parametrize(
+    ("set_", "said"),
+    [
+        (
+            {"friction_law": "stribek"},
+            "contact.friction_law: no such friction plug-in: .* did you mean 'stribeck'",
+        ),
+        ({"friction_law": "stribeck"}, "contact.stribeck.velocity: missing"),
+        (
+            {"friction_law": "mohr_coulomb", "mohr_coulomb": {"cohesion": "3 mm"}},
+            "contact.mohr_coulomb.cohesion: .*mm",
+        ),
+        (
+            {"friction_law": "coulomb", "friction": 0.0},
+            "contact.friction_law: has no effect: every pair has friction = 0",
+        ),
+    ],
+)
+def test_what_cannot_be_meant_is_refused(set_: dict[str, Any], said: str) -> None:
+    with pytest.raises(SceneError, match=said):
+        mpmfw.load_scene("sliding-block", set={f"contact.{key}": value for key, value in set_.items()})
+
+
+def test_cohesion_needs_an_area() -> None:
+    set_ = {"contact.friction_law": "mohr_coulomb", "contact.mohr_coulomb.cohesion": 10.0}
+    contact = "bardenhagen(normal=specified, direction=[0, 1])"
+    with pytest.raises(SceneError, match=r"cohesion, which acts on an area; detection 'nodes' measures none"):
+        Simulation("sliding-block", contact=contact, set=set_)
