@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from mpmfw.resuming import resume
     from mpmfw.runs import run
     from mpmfw.scene import load_scene
+    from mpmfw.studies.ranking import rank
     from mpmfw.studies.study import study
 
 _MODULES = {
@@ -35,6 +36,7 @@ _MODULES = {
     "load_scene": "mpmfw.scene",
     "open": "mpmfw.results",
     "pareto": "mpmfw.notebook",
+    "rank": "mpmfw.studies.ranking",
     "resume": "mpmfw.resuming",
     "run": "mpmfw.runs",
     "study": "mpmfw.studies.study",
@@ -54,6 +56,7 @@ __all__ = [
     "open",
     "pareto",
     "plots",
+    "rank",
     "resume",
     "run",
     "study",

@@ -16,6 +16,7 @@ from mpmfw.cli.explain import explain
 from mpmfw.cli.export import export
 from mpmfw.cli.plot import plot
 from mpmfw.cli.plugins import plugins
+from mpmfw.cli.rank import rank
 from mpmfw.cli.resume import resume
 from mpmfw.cli.run import run
 from mpmfw.cli.schema import schema
@@ -38,6 +39,7 @@ for command in (
     resume,
     compare,
     study,
+    rank,
     stability,
     plot,
     animate,

@@ -138,7 +138,7 @@ def _dataset(study: Study, grid: Grid, judge: Judge, store: Store, exclusive: bo
     return assemble(study, grid, judge, outcomes, judgements, noise, exclusive, cores)
 
 
-def relative_error(given: float | str) -> float:
+def relative_error(given: float | str, name: str = "under") -> float:
     """A relative error as a request writes it: a number below 1, or text with ``%``; the same in Python and on the command line.
 
     Raises
@@ -151,12 +151,12 @@ def relative_error(given: float | str) -> float:
         limit = float(number)  # type: ignore[arg-type]
     except (ValueError, TypeError) as error:
         raise SceneError(
-            f"under {given}: {error}; expected a relative error such as 0.01 or '1 %'"
+            f"{name} {given}: {error}; expected a relative error such as 0.01 or '1 %'"
         ) from error
     if not limit > 0.0:
-        raise SceneError(f"under: must be greater than 0, not {given}")
+        raise SceneError(f"{name}: must be greater than 0, not {given}")
     if limit >= 1.0 and "%" not in str(given):
         raise SceneError(
-            f"under {given}: is an error of {100.0 * limit:g} %; expected '{given} %' or {limit / 100.0:g}"
+            f"{name} {given}: is an error of {100.0 * limit:g} %; expected '{given} %' or {limit / 100.0:g}"
         )
     return limit

@@ -1,0 +1,80 @@
+"""``mpmfw rank``: who wins at what price."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from mpmfw.cli.arguments import OutputOption
+from mpmfw.errors import SceneError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def rank(
+    results: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="RESULTS", help="Files of mpmfw study, of one study or several.", show_default=False
+        ),
+    ],
+    by: Annotated[
+        str,
+        typer.Option(
+            metavar="KEY", help="What is ranked: contact, shape, or another dimension of the studies."
+        ),
+    ] = "contact",
+    levels: Annotated[
+        str, typer.Option(metavar="ERRORS", help="Relative errors to be reached, falling.")
+    ] = "10%,5%,2%,1%,0.5%",
+    output: OutputOption = None,
+) -> None:
+    """Rank the methods of studies by the problems that they solve, and by what that costs over the cheapest.
+
+    Every method counts at its best settings: of its options, shape functions and cell sizes the cheapest run that reaches a
+    level. With --output a PNG file for the figure: the share of problems and levels that each method solves within a cost.
+    """
+    if output is not None and output.suffix != ".png":
+        raise SceneError(f"--output {output}: the figure is a PNG file; give a name that ends in .png")
+    from mpmfw.studies import ranking
+
+    found = ranking.rank(results, by, _levels(levels))
+    for quantity, meaning in ranking.QUANTITIES.items():
+        if bool(found["over_best"].sel(quantity=quantity).notnull().any()):
+            _print(found, quantity, meaning)
+    _print_failures(json.loads(found.attrs["failures"]))
+    if output is not None:
+        from mpmfw.plots.ranking import profiles
+
+        profiles(found).savefig(output)
+        typer.echo(str(output))
+
+
+def _levels(text: str) -> list[float]:
+    from mpmfw.studies.study import relative_error
+
+    return [relative_error(part.strip(), "--levels") for part in text.split(",")]
+
+
+def _print(found: xr.Dataset, quantity: str, meaning: str) -> None:
+    """The table of one quantity."""
+    from mpmfw.cli.tables import print_rows
+    from mpmfw.studies.ranking import summary
+
+    count = found.sizes["problem"]
+    title = f"Problems, of {count}, whose {quantity} ({meaning}) falls to each level; median cost over the cheapest method's"
+    print_rows(summary(found, quantity), title)
+
+
+def _print_failures(failures: list[dict[str, Any]]) -> None:
+    """Runs without a result, counted by method and reason."""
+    counts: dict[tuple[str, str], int] = {}
+    for one in failures:
+        key = one["method"], one["status"]
+        counts[key] = counts.get(key, 0) + 1
+    for (method, status), times in counts.items():
+        typer.echo(f"{method}: {times} {'run' if times == 1 else 'runs'} without a result: {status}")

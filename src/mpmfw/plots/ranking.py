@@ -1,0 +1,49 @@
+"""Who wins at what price: the share of problems that each method solves within a cost."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, NullFormatter
+
+from mpmfw.plots.style import Look, dress, legend_below, new_figure
+from mpmfw.studies.ranking import profile, summary
+
+
+def profiles(ranking: xr.Dataset) -> Figure:
+    """Data profiles, a panel for each quantity that is known: share of problems and levels over the cost.
+
+    Parameters
+    ----------
+    ranking
+        Of :func:`mpmfw.studies.ranking.rank`. The cost is that over the cheapest method's, of each problem and level.
+    """
+    quantities = [
+        name
+        for name in ranking["quantity"].values.tolist()
+        if ranking["over_best"].sel(quantity=name).notnull().any()
+    ]
+    methods = [str(name) for name in ranking["method"].values]
+    look = Look(ranking.rename(method="contact"))
+    figure = new_figure(len(quantities), 1)
+    panels = figure.subplots(1, len(quantities), squeeze=False, sharey=True)[0]
+    farthest = float(ranking["over_best"].max())
+    end = 1.3 * max(farthest, 2.0)
+    for axes, quantity in zip(panels, quantities, strict=True):
+        for name in methods:
+            ratio, share = profile(ranking, quantity, name)
+            x, y = np.concatenate([[1.0], ratio, [end]]), np.concatenate([[0.0], share, share[-1:]])
+            axes.step(x[: len(y)], 100.0 * y, where="post", color=look.colours[name], linewidth=1.3)
+        axes.set_xscale("log")
+        axes.set_xlim(0.95, end)
+        axes.set_ylim(0.0, 102.0)
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.xaxis.set_minor_formatter(NullFormatter())
+        ylabel = "problems and levels solved [%]" if axes is panels[0] else ""
+        dress(axes, "CPU time over the cheapest method's", ylabel, quantity)
+    order = [row["method"] for row in summary(ranking, quantities[0])]
+    key = [Line2D([], [], color=look.colours[name], linewidth=2.5, label=name) for name in order]
+    legend_below(figure, [key])
+    return figure

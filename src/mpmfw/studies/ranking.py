@@ -1,0 +1,202 @@
+"""Who wins at what price: how many problems a method solves to an error, and at what cost over the cheapest."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from mpmfw.errors import SceneError
+from mpmfw.fields import FloatArray
+from mpmfw.studies.conclusion import rows
+
+#: Relative errors that a method may reach; those of other quantities than the error are the same numbers.
+LEVELS = (0.10, 0.05, 0.02, 0.01, 0.005)
+#: Quantities of a study, with what they mean; both are relative.
+QUANTITIES = {
+    "error": "error of what the study judges",
+    "noise": "high-frequency share of the contact force",
+}
+
+
+def rank(
+    results: Iterable[str | os.PathLike[str] | xr.Dataset],
+    by: str = "contact",
+    levels: Sequence[float] = LEVELS,
+) -> xr.Dataset:
+    """Rank the methods of studies: what each costs, at its best settings, to bring a quantity below a level.
+
+    A problem is a scene of a study. A method is what stands before the options of a label, ``bardenhagen`` of
+    ``bardenhagen(normal=master)``: options, shape function and cell size are settings, of which the cheapest that reaches a level
+    counts. For a quantity beside the error only runs count whose error is below the first level: silence alone is no virtue.
+
+    Parameters
+    ----------
+    results
+        Files or datasets of ``mpmfw.study``. Several of one study are joined, so that a law of one's own may be run alone, on the
+        machine that ran the others.
+    by
+        Dimension of the methods.
+    levels
+        Relative errors, falling.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``cost`` [s], CPU time of the cheapest run, and ``over_best`` [1], the same over the cheapest method's, by (quantity,
+        problem, level, method), NaN where the level is not reached; ``best`` (…) the settings of that run, ``least`` [1] (quantity,
+        problem, method) the least value of the quantity. The attribute ``failures`` lists runs without a result.
+
+    Raises
+    ------
+    SceneError
+        A file is no study's, has no dimension ``by``, or no run has an error and a cost.
+    """
+    check_levels(levels)
+    found = [row for one in results for row in _runs(one, by)]
+    judged = [row for row in found if np.isfinite(row["error"]) and np.isfinite(row["cpu_time"])]
+    if not judged:
+        raise SceneError("nothing to rank: no run has an error and a cost")
+    problems, methods = (list(dict.fromkeys(row[key] for row in found)) for key in ("problem", "method"))
+    shape = (len(QUANTITIES), len(problems), len(levels), len(methods))
+    cost, best = np.full(shape, np.nan), np.full(shape, "", dtype=object)
+    least = np.full((shape[0], shape[1], shape[3]), np.nan)
+    for (q, quantity), (p, problem), (m, method) in itertools.product(
+        enumerate(QUANTITIES), enumerate(problems), enumerate(methods)
+    ):
+        runs = [row for row in judged if row["problem"] == problem and row["method"] == method]
+        runs = [row for row in runs if quantity == "error" or row["error"] <= levels[0]]
+        runs = [row for row in runs if np.isfinite(row[quantity])]
+        least[q, p, m] = min((row[quantity] for row in runs), default=np.nan)
+        for k, level in enumerate(levels):
+            if reached := [row for row in runs if row[quantity] <= level]:
+                cheapest = min(reached, key=lambda row: row["cpu_time"])
+                cost[q, p, k, m], best[q, p, k, m] = cheapest["cpu_time"], cheapest["settings"]
+    dims = ("quantity", "problem", "level", "method")
+    ranking = xr.Dataset(
+        {
+            "cost": (
+                dims,
+                cost,
+                {"units": "s", "long_name": "CPU time of the cheapest run that reaches the level"},
+            ),
+            "over_best": (
+                dims,
+                _over_best(cost),
+                {"units": "1", "long_name": "the same over the cheapest method's"},
+            ),
+            "best": (dims, best, {"long_name": "settings of that run"}),
+            "least": (
+                ("quantity", "problem", "method"),
+                least,
+                {"units": "1", "long_name": "least value reached"},
+            ),
+        },
+        coords={"quantity": list(QUANTITIES), "problem": problems, "level": list(levels), "method": methods},
+    )
+    failed = [
+        {key: row[key] for key in ("problem", "method", "settings", "status")}
+        for row in found
+        if row["status"] != "ok"
+    ]
+    ranking.attrs = {"kind": "ranking", "failures": json.dumps(failed)}
+    return ranking
+
+
+def check_levels(levels: Sequence[float]) -> None:
+    """Refuse levels that do not fall or are no relative errors."""
+    if (
+        not levels
+        or any(not level > 0.0 for level in levels)
+        or list(levels) != sorted(set(levels), reverse=True)
+    ):
+        raise SceneError(
+            f"levels {', '.join(map(str, levels)) or 'none'}: expected relative errors that fall, as 0.1, 0.01"
+        )
+
+
+def _over_best(cost: FloatArray) -> FloatArray:
+    """Costs over the least of all methods."""
+    known = np.where(np.isfinite(cost), cost, np.inf).min(axis=-1, keepdims=True)
+    return cost / np.where(np.isfinite(known), known, np.nan)
+
+
+def _runs(given: str | os.PathLike[str] | xr.Dataset, by: str) -> Iterator[dict[str, Any]]:
+    """The runs of a study, each with its problem, method and settings."""
+    dataset, said = (given, "dataset") if isinstance(given, xr.Dataset) else (_opened(given), str(given))
+    if dataset.attrs.get("kind") != "study" or "status" not in dataset:
+        raise SceneError(f"{said}: expected the results of a study, mpmfw study STUDY -o FILE.nc")
+    if by not in dataset["status"].dims:
+        raise SceneError(
+            f"{said}: the study does not vary '{by}'; it varies {', '.join(map(str, dataset['status'].dims))}"
+        )
+    problem_dims = json.loads(dataset.attrs["problem_dims"])
+    settings = [dim for dim in dataset["status"].dims if dim not in (*problem_dims, by)]
+    for row in rows(dataset):
+        label, _, options = str(row[by]).partition("(")
+        where = ", ".join(str(row[dim]) for dim in problem_dims)
+        named = [
+            f"({options}" if options else "",
+            *(f"{dim} {row[dim]:g}" if isinstance(row[dim], float) else str(row[dim]) for dim in settings),
+        ]
+        yield {
+            **row,
+            "problem": ": ".join(part for part in (dataset.attrs["title"], where) if part),
+            "method": label,
+            "settings": " ".join(part for part in named if part),
+        }
+
+
+def _opened(path: str | os.PathLike[str]) -> xr.Dataset:
+    from mpmfw.results import check_results
+
+    check_results(Path(path))
+    with xr.open_dataset(path) as dataset:
+        return dataset.load()
+
+
+def summary(ranking: xr.Dataset, quantity: str) -> list[dict[str, Any]]:
+    """One row a method, the one that reaches most first, and of equal ones the cheaper.
+
+    Keys: ``method``; for each level the number of problems that reach it; ``over best``, the median of the cost over the
+    cheapest method's where it is reached; ``cheapest``, at how many problems and levels it is that.
+    """
+    one = ranking.sel(quantity=quantity)
+    table = []
+    for name in one["method"].values.tolist():
+        ratio = one["over_best"].sel(method=name)
+        reached = np.isfinite(ratio)
+        known = ratio.values[reached.values]
+        table.append(
+            {
+                "method": name,
+                **{
+                    f"{100.0 * level:g} %": int(reached.sel(level=level).sum())
+                    for level in one["level"].values.tolist()
+                },
+                "over best": float(np.median(known)) if len(known) else np.nan,
+                "cheapest": int((known <= 1.0).sum()),
+            }
+        )
+    levels = [f"{100.0 * level:g} %" for level in one["level"].values.tolist()]
+    return sorted(
+        table,
+        key=lambda row: (-sum(row[level] for level in levels), np.nan_to_num(row["over best"], nan=np.inf)),
+    )
+
+
+def profile(ranking: xr.Dataset, quantity: str, method: str) -> tuple[FloatArray, FloatArray]:
+    """Data profile: costs over the best, rising (n,), and the share of problems and levels solved within each (n,).
+
+    Source: Dolan & Moré (2002), Benchmarking optimization software with performance profiles, *Mathematical Programming* 91, 201-213.
+    """
+    ratio = ranking["over_best"].sel(quantity=quantity, method=method).values.ravel()
+    solvable = np.isfinite(ranking["over_best"].sel(quantity=quantity).values).any(axis=-1).sum()
+    known = np.sort(ratio[np.isfinite(ratio)])
+    return known, np.arange(1, len(known) + 1) / max(int(solvable), 1)

@@ -1,0 +1,123 @@
+"""Ranking: counted by hand on studies that are made up."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from mpmfw.errors import SceneError
+from mpmfw.plots.ranking import profiles
+from mpmfw.studies.ranking import profile, rank, summary
+
+
+def study(title: str = "S", **runs: list[tuple[float, float]]) -> xr.Dataset:
+    """A study of contacts at two cell sizes: (error, CPU time) of each; NaN is a run that failed."""
+    contacts = [name.replace("_best", "(best=yes)") for name in runs]
+    pairs = np.array(list(runs.values()))
+    dims = ("contact", "cell_size")
+    status = np.where(np.isfinite(pairs[..., 0]), "ok", "failed: it fell over")
+    return xr.Dataset(
+        {
+            "error": (dims, pairs[..., 0]),
+            "cpu_time": (dims, pairs[..., 1]),
+            "noise": (dims, np.full(pairs.shape[:2], 0.03)),
+            "status": (dims, status.astype(object)),
+        },
+        coords={"contact": contacts, "cell_size": [0.8, 0.4]},
+        attrs={"kind": "study", "title": title, "problem_dims": json.dumps([])},
+    )
+
+
+ONE = study(
+    fine=[(0.04, 1.0), (0.008, 10.0)], plain=[(0.3, 0.5), (0.15, 5.0)], plain_best=[(0.09, 2.0), (0.04, 20.0)]
+)
+TWO = study(
+    "T",
+    fine=[(np.nan, np.nan), (0.012, 6.0)],
+    plain=[(0.02, 1.0), (0.009, 3.0)],
+    plain_best=[(0.5, 1.0), (0.2, 2.0)],
+)
+
+
+def test_a_method_counts_at_the_cheapest_of_its_settings() -> None:
+    cost = rank([ONE])["cost"].sel(quantity="error", problem="S")
+    assert cost.sel(method="fine").values.tolist()[:4] == [1.0, 1.0, 10.0, 10.0]
+    assert np.isnan(cost.sel(method="fine", level=0.005))
+    assert cost.sel(method="plain").values.tolist()[:2] == [2.0, 20.0]
+    best = rank([ONE])["best"].sel(quantity="error", problem="S", method="plain", level=0.1).item()
+    assert best == "(best=yes) cell_size 0.8"
+
+
+def test_the_table_counts_problems_and_compares_costs_with_the_cheapest() -> None:
+    fine, plain = summary(rank([ONE, TWO]), "error")
+    assert (fine["method"], plain["method"]) == ("fine", "plain")
+    assert [fine[f"{level} %"] for level in ("10", "5", "2", "1", "0.5")] == [2, 2, 2, 1, 0]
+    assert [plain[f"{level} %"] for level in ("10", "5", "2", "1", "0.5")] == [2, 2, 1, 1, 0]
+    # fine over the best: 1, 1, 1, 1 of S and 6, 6, 6 of T; plain: 2, 20 of S and 1, 1, 1, 1 of T
+    assert (fine["over best"], fine["cheapest"]) == (1.0, 4)
+    assert (plain["over best"], plain["cheapest"]) == (1.0, 4)
+
+
+def test_a_profile_ends_at_the_share_that_is_solved() -> None:
+    ranking = rank([ONE, TWO])
+    ratio, share = profile(ranking, "error", "fine")
+    assert ratio.tolist() == [1, 1, 1, 1, 6, 6, 6]
+    assert share[-1] == pytest.approx(7 / 8)  # eight problems and levels can be solved at all
+
+
+def test_silence_alone_is_no_virtue() -> None:
+    noise = rank([ONE])["cost"].sel(quantity="noise", problem="S", level=0.05)
+    assert noise.sel(method="plain").item() == 2.0  # its run of 0.5 s is as quiet, and wrong by 30 %
+
+
+def test_failures_are_listed() -> None:
+    assert json.loads(rank([ONE, TWO]).attrs["failures"]) == [
+        {"problem": "T", "method": "fine", "settings": "cell_size 0.8", "status": "failed: it fell over"}
+    ]
+
+
+def test_a_law_that_ran_alone_stands_beside_the_others() -> None:
+    mine = study(mine=[(0.04, 0.5), (0.008, 5.0)])
+    ranking = rank([ONE, mine])
+    assert ranking.sizes["problem"] == 1
+    assert summary(ranking, "error")[0]["method"] == "mine"
+    assert ranking["over_best"].sel(quantity="error", problem="S", method="fine", level=0.01).item() == 2.0
+
+
+@pytest.mark.parametrize(
+    ("results", "options", "said"),
+    [
+        ([ONE.assign_attrs(kind="run")], {}, "dataset: expected the results of a study"),
+        ([ONE], {"by": "shape"}, "does not vary 'shape'; it varies contact, cell_size"),
+        ([ONE], {"levels": (0.01, 0.1)}, "levels 0.01, 0.1: expected relative errors that fall"),
+        ([], {}, "nothing to rank: no run has an error and a cost"),
+    ],
+)
+def test_what_cannot_be_ranked_is_refused(
+    results: list[xr.Dataset], options: dict[str, Any], said: str
+) -> None:
+    with pytest.raises(SceneError, match=said):
+        rank(results, **options)
+
+
+def test_the_command_prints_the_table_and_draws_the_figure(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from mpmfw.cli.rank import rank as command
+
+    ONE.to_netcdf(tmp_path / "one.nc")
+    command([tmp_path / "one.nc"], levels="10%,1%", output=tmp_path / "ranking.png")
+    said = capsys.readouterr().out
+    assert "plain" in said
+    assert (tmp_path / "ranking.png").stat().st_size > 10_000
+
+
+def test_the_figure_has_a_line_for_each_method() -> None:
+    figure = profiles(rank([ONE, TWO]))
+    assert [axes.get_title(loc="left") for axes in figure.axes] == ["error", "noise"]
+    assert all(len(axes.lines) == 2 for axes in figure.axes)
