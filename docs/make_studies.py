@@ -47,12 +47,12 @@ RANKING = """
 mpmfw rank {files} -o ranking.png
 ```
 
-Every method at its best settings: of its options, shape functions and cell sizes the cheapest run that brings a quantity below a
-level. A column counts the problems, of {count}, that come so far; *over best* is the median of the cost over the cheapest method's where
-the level is reached, *cheapest* at how many problems and levels the method is that one. Noise counts only where the error is below 10 %.
-Under each level are few problems, and two of them one cylinder: this is a summary of the tables below, not a verdict. A study of a law of
-one's own, run on the same machine, is ranked beside these: `mpmfw rank {files} mine.nc`. Whoever knows better settings for a
-method is asked to send them.
+Every method at its best settings: of its options, shape functions and cell sizes the cheapest run that brings a quantity
+below a level. A column counts the problems, of {count}, that come so far; *over best* is the median of the cost over the
+cheapest method's where the level is reached, *cheapest* at how many problems and levels the method is that one. Other
+quantities count only where the error is below 10 %. Problems are few, and two of them one cylinder: this sums up the tables
+below and is no verdict. A study of a law of one's own, run on the same machine, is ranked beside these: `mpmfw rank {files}
+mine.nc`. Whoever knows better settings for a method is asked to send them.
 
 ![Share of problems and levels solved within a cost](studies/ranking.png)
 """

@@ -260,6 +260,18 @@ def noise_of_force(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     return _number(force_noise(series["time"].values, force))
 
 
+@measure("penetration", "1", "number", ("pair",))
+def deepest_penetration(run: xr.DataTree, scene: Scene, about: About) -> Measured:
+    """Deepest penetration of a pair at any output, in cells."""
+    series = run["series"].to_dataset()
+    if "min_gap" not in series:
+        return _number(np.nan)
+    gap = series["min_gap"].sel(pair=pair_of(scene, about)).values
+    return _number(
+        max(0.0, -float(np.nanmin(gap))) / float(scene.grid.cell_size) if np.isfinite(gap).any() else np.nan
+    )
+
+
 # -- curves
 # ------------------------------------------------------------------------------------------------------------
 

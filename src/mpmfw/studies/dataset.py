@@ -22,6 +22,9 @@ from mpmfw.studies.grid import Grid, Index
 from mpmfw.studies.loading import Study
 from mpmfw.studies.pareto import front
 
+#: What a study says of every run beside its error, whatever that is of, and the measure of each.
+BESIDE = {"noise": "force-noise", "penetration": "penetration"}
+
 
 def assemble(
     study: Study,
@@ -29,7 +32,7 @@ def assemble(
     judge: Judge,
     records: Mapping[Index, Outcome | None],
     judgements: Mapping[Index, Judgement],
-    noise: Mapping[Index, float],
+    beside: Mapping[str, Mapping[Index, float]],
     exclusive: bool,
     cores: str,
 ) -> xr.Dataset:
@@ -41,8 +44,8 @@ def assemble(
         What was asked for, and how it is judged.
     records
         How each combination went; None where it has not been run.
-    judgements, noise
-        Errors, and the noise of the contact force, by index.
+    judgements, beside
+        Errors by index, and the quantities :data:`BESIDE` of every run.
     exclusive
         Whether exclusive costs alone count.
     cores
@@ -61,7 +64,8 @@ def assemble(
     dataset = dataset.assign(_errors(grid, judge, judgements))
     dataset = dataset.assign(_costs(grid, costs, study.tables.cost.settling))
     dataset = dataset.assign(_stepping(grid))
-    dataset["noise"] = grid.array(noise, measure_of("force-noise").meaning, "1")
+    for name, of in BESIDE.items():
+        dataset[name] = grid.array(beside[name], measure_of(of).meaning, measure_of(of).unit)
     dataset["status"] = grid.array({i: _status(grid, i, r) for i, r in records.items()}, "ok, or why not")
     marks = {i: timing_of(costs[i]) for i in grid.combinations}
     dataset["timing"] = grid.array(marks, "whether other runs of the study shared the cores meanwhile")

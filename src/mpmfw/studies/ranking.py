@@ -22,6 +22,7 @@ LEVELS = (0.10, 0.05, 0.02, 0.01, 0.005)
 QUANTITIES = {
     "error": "error of what the study judges",
     "noise": "high-frequency share of the contact force",
+    "penetration": "deepest penetration, in cells",
 }
 
 
@@ -50,8 +51,8 @@ def rank(
     -------
     xarray.Dataset
         ``cost`` [s], CPU time of the cheapest run, and ``over_best`` [1], the same over the cheapest method's, by (quantity,
-        problem, level, method), NaN where the level is not reached; ``best`` (…) the settings of that run, ``least`` [1] (quantity,
-        problem, method) the least value of the quantity. The attribute ``failures`` lists runs without a result.
+        problem, level, method), NaN where the level is not reached; ``best`` (…) the settings of that run, ``least`` [1]
+        (quantity, problem, method) the least value of the quantity. The attribute ``failures`` lists runs without a result.
 
     Raises
     ------
@@ -72,7 +73,7 @@ def rank(
     ):
         runs = [row for row in judged if row["problem"] == problem and row["method"] == method]
         runs = [row for row in runs if quantity == "error" or row["error"] <= levels[0]]
-        runs = [row for row in runs if np.isfinite(row[quantity])]
+        runs = [row for row in runs if np.isfinite(row.get(quantity, np.nan))]
         least[q, p, m] = min((row[quantity] for row in runs), default=np.nan)
         for k, level in enumerate(levels):
             if reached := [row for row in runs if row[quantity] <= level]:
@@ -194,7 +195,8 @@ def summary(ranking: xr.Dataset, quantity: str) -> list[dict[str, Any]]:
 def profile(ranking: xr.Dataset, quantity: str, method: str) -> tuple[FloatArray, FloatArray]:
     """Data profile: costs over the best, rising (n,), and the share of problems and levels solved within each (n,).
 
-    Source: Dolan & Moré (2002), Benchmarking optimization software with performance profiles, *Mathematical Programming* 91, 201-213.
+    Source: E. D. Dolan, J. J. Moré (2002), Benchmarking optimization software with performance profiles, *Mathematical
+    Programming* 91, 201-213.
     """
     ratio = ranking["over_best"].sel(quantity=quantity, method=method).values.ravel()
     solvable = np.isfinite(ranking["over_best"].sel(quantity=quantity).values).any(axis=-1).sum()

@@ -20,7 +20,7 @@ from mpmfw.campaigns.store import Store, store_of
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene.override import parse_value
-from mpmfw.studies.dataset import assemble
+from mpmfw.studies.dataset import BESIDE, assemble
 from mpmfw.studies.grid import Grid, Index, make_grid
 from mpmfw.studies.loading import Study, load_study
 from mpmfw.units import to_si
@@ -130,12 +130,16 @@ def _dataset(study: Study, grid: Grid, judge: Judge, store: Store, exclusive: bo
         return store.results(keys[index])
 
     judgements = judge.judge(results, succeeded)
-    noises = measured(measure_of("force-noise"), grid, results, succeeded)
+    beside = {
+        name: {
+            i: float(one.values[0]) for i, one in measured(measure_of(of), grid, results, succeeded).items()
+        }
+        for name, of in BESIDE.items()
+    }
     for index, one in outcomes.items():
         for note in one.notes if one is not None else ():
             warnings.warn(f"{grid.combinations[index].name}: {note}", ResultsWarning, stacklevel=3)
-    noise = {index: float(one.values[0]) for index, one in noises.items()}
-    return assemble(study, grid, judge, outcomes, judgements, noise, exclusive, cores)
+    return assemble(study, grid, judge, outcomes, judgements, beside, exclusive, cores)
 
 
 def relative_error(given: float | str, name: str = "under") -> float:
