@@ -46,10 +46,10 @@ TWO = study(
 
 def test_a_method_counts_at_the_cheapest_of_its_settings() -> None:
     cost = rank([ONE])["cost"].sel(quantity="error", problem="S")
-    assert cost.sel(method="fine").values.tolist()[:4] == [1.0, 1.0, 10.0, 10.0]
-    assert np.isnan(cost.sel(method="fine", level=0.005))
-    assert cost.sel(method="plain").values.tolist()[:2] == [2.0, 20.0]
-    best = rank([ONE])["best"].sel(quantity="error", problem="S", method="plain", level=0.1).item()
+    assert cost.sel(contact="fine").values.tolist()[:4] == [1.0, 1.0, 10.0, 10.0]
+    assert np.isnan(cost.sel(contact="fine", level=0.005))
+    assert cost.sel(contact="plain").values.tolist()[:2] == [2.0, 20.0]
+    best = rank([ONE])["best"].sel(quantity="error", problem="S", contact="plain", level=0.1).item()
     assert best == "(best=yes) cell_size 0.8"
 
 
@@ -72,7 +72,7 @@ def test_a_profile_ends_at_the_share_that_is_solved() -> None:
 
 def test_silence_alone_is_no_virtue() -> None:
     noise = rank([ONE])["cost"].sel(quantity="noise", problem="S", level=0.05)
-    assert noise.sel(method="plain").item() == 2.0  # its run of 0.5 s is as quiet, and wrong by 30 %
+    assert noise.sel(contact="plain").item() == 2.0  # its run of 0.5 s is as quiet, and wrong by 30 %
 
 
 def test_failures_are_listed() -> None:
@@ -86,7 +86,7 @@ def test_a_law_that_ran_alone_stands_beside_the_others() -> None:
     ranking = rank([ONE, mine])
     assert ranking.sizes["problem"] == 1
     assert summary(ranking, "error")[0]["method"] == "mine"
-    assert ranking["over_best"].sel(quantity="error", problem="S", method="fine", level=0.01).item() == 2.0
+    assert ranking["over_best"].sel(quantity="error", problem="S", contact="fine", level=0.01).item() == 2.0
 
 
 @pytest.mark.parametrize(

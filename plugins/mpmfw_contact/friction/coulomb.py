@@ -9,3 +9,4 @@ class Coulomb(FrictionLaw):
     """T = μ N with the μ of each pair: what contact has where no law is named."""
 
     name = "coulomb"
+    is_coulomb = True

@@ -19,6 +19,8 @@ class FrictionLaw(PlugIn):
 
     #: Whether rows hold something without a normal force, a > 0, so that pairs with μ = 0 have friction as well.
     cohesive: ClassVar[bool] = False
+    #: Whether T is μ N with the μ of the pairs, of which closed forms are known.
+    is_coulomb: ClassVar[bool] = False
 
     def bound(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:  # noqa: ARG002
         """Write ``rows.friction`` (n,) [1], and ``rows.cohesion`` (n,) [N m^(dim−3)] where the law is :attr:`cohesive`.

@@ -25,8 +25,9 @@ def profiles(ranking: xr.Dataset) -> Figure:
         for name in ranking["quantity"].values.tolist()
         if ranking["over_best"].sel(quantity=name).notnull().any()
     ]
-    methods = [str(name) for name in ranking["method"].values]
-    look = Look(ranking.rename(method="contact"))
+    by = ranking.attrs["by"]
+    methods = [str(name) for name in ranking[by].values]
+    look = Look(ranking if by == "contact" else ranking.rename({by: "contact"}))
     figure = new_figure(len(quantities), 1)
     panels = figure.subplots(1, len(quantities), squeeze=False, sharey=True)[0]
     farthest = float(ranking["over_best"].max())

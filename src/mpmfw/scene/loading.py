@@ -162,7 +162,7 @@ def _with_options(scene: Scene, chosen: Chosen) -> Scene:
     if contact is not None:
         own = options.get(("contact", contact.method))
         tables = chosen.contact_tables or (contact.method,)
-        friction = options.get(("contact", contact.friction_law))
+        friction = options.get(("contact", contact.friction_law or ""))
         if contact.friction_law is not None:
             tables = (*tables, contact.friction_law)
         update = {"options": own, "friction_options": friction, "tables": tables}

@@ -87,9 +87,10 @@ def _method_table(chosen: Chosen, kind: Kind, table: Mapping[str, Any]) -> dict[
             chosen.problems.append(
                 Problem((kind, key), f"expected a table of options of '{key}', not {shown(value)}")
             )
-    for key, of in (
-        (("method", kind), ("friction_law", "friction")) if kind == "contact" else (("method", kind),)
-    ):
+    named: list[tuple[str, Kind]] = [("method", kind)]
+    if kind == "contact":
+        named.append(("friction_law", "friction"))
+    for key, of in named:
         name = table.get(key)
         if isinstance(name, str) and isinstance(options := table.get(name, {}), Mapping):
             _validate(chosen, of, name, (kind, key), (kind, name), options)

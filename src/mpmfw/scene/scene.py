@@ -73,10 +73,9 @@ class Scene(Tables):
         """Whether friction is Coulomb's with the μ of :attr:`pairs`, and not a law that makes something else of it."""
         if self.contact is None or self.contact.friction_law is None:
             return True
-        from mpmfw.contact.friction import FrictionLaw
         from mpmfw.discovery import load
 
-        return load("friction", self.contact.friction_law).bound is FrictionLaw.bound
+        return bool(load("friction", self.contact.friction_law).is_coulomb)
 
     @property
     def text(self) -> str:

@@ -51,8 +51,8 @@ def rank(
     -------
     xarray.Dataset
         ``cost`` [s], CPU time of the cheapest run, and ``over_best`` [1], the same over the cheapest method's, by (quantity,
-        problem, level, method), NaN where the level is not reached; ``best`` (…) the settings of that run, ``least`` [1]
-        (quantity, problem, method) the least value of the quantity. The attribute ``failures`` lists runs without a result.
+        problem, level, ``by``), NaN where the level is not reached; ``best`` (…) the settings of that run, ``least`` [1]
+        (quantity, problem, ``by``) the least value of the quantity. The attribute ``failures`` lists runs without a result.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def rank(
             if reached := [row for row in runs if row[quantity] <= level]:
                 cheapest = min(reached, key=lambda row: row["cpu_time"])
                 cost[q, p, k, m], best[q, p, k, m] = cheapest["cpu_time"], cheapest["settings"]
-    dims = ("quantity", "problem", "level", "method")
+    dims = ("quantity", "problem", "level", by)
     ranking = xr.Dataset(
         {
             "cost": (
@@ -94,19 +94,19 @@ def rank(
             ),
             "best": (dims, best, {"long_name": "settings of that run"}),
             "least": (
-                ("quantity", "problem", "method"),
+                ("quantity", "problem", by),
                 least,
                 {"units": "1", "long_name": "least value reached"},
             ),
         },
-        coords={"quantity": list(QUANTITIES), "problem": problems, "level": list(levels), "method": methods},
+        coords={"quantity": list(QUANTITIES), "problem": problems, "level": list(levels), by: methods},
     )
     failed = [
         {key: row[key] for key in ("problem", "method", "settings", "status")}
         for row in found
         if row["status"] != "ok"
     ]
-    ranking.attrs = {"kind": "ranking", "failures": json.dumps(failed)}
+    ranking.attrs = {"kind": "ranking", "by": by, "failures": json.dumps(failed)}
     return ranking
 
 
@@ -138,7 +138,7 @@ def _runs(given: str | os.PathLike[str] | xr.Dataset, by: str) -> Iterator[dict[
             f"{said}: the study does not vary '{by}'; it varies {', '.join(map(str, dataset['status'].dims))}"
         )
     problem_dims = json.loads(dataset.attrs["problem_dims"])
-    settings = [dim for dim in dataset["status"].dims if dim not in (*problem_dims, by)]
+    settings = [str(dim) for dim in dataset["status"].dims if dim not in (*problem_dims, by)]
     for row in rows(dataset):
         label, _, options = str(row[by]).partition("(")
         where = ", ".join(str(row[dim]) for dim in problem_dims)
@@ -168,17 +168,16 @@ def summary(ranking: xr.Dataset, quantity: str) -> list[dict[str, Any]]:
     Keys: ``method``; for each level the number of problems that reach it; ``over best``, the median of the cost over the
     cheapest method's where it is reached; ``cheapest``, at how many problems and levels it is that.
     """
-    one = ranking.sel(quantity=quantity)
+    by, one = ranking.attrs["by"], ranking.sel(quantity=quantity)
     table = []
-    for name in one["method"].values.tolist():
-        ratio = one["over_best"].sel(method=name)
-        reached = np.isfinite(ratio)
-        known = ratio.values[reached.values]
+    for name in one[by].values.tolist():
+        ratio = one["over_best"].sel({by: name})
+        known = ratio.values[np.isfinite(ratio.values)]
         table.append(
             {
                 "method": name,
                 **{
-                    f"{100.0 * level:g} %": int(reached.sel(level=level).sum())
+                    f"{100.0 * level:g} %": int(ratio.sel(level=level).notnull().sum())
                     for level in one["level"].values.tolist()
                 },
                 "over best": float(np.median(known)) if len(known) else np.nan,
@@ -198,7 +197,7 @@ def profile(ranking: xr.Dataset, quantity: str, method: str) -> tuple[FloatArray
     Source: E. D. Dolan, J. J. Moré (2002), Benchmarking optimization software with performance profiles, *Mathematical
     Programming* 91, 201-213.
     """
-    ratio = ranking["over_best"].sel(quantity=quantity, method=method).values.ravel()
+    ratio = ranking["over_best"].sel({"quantity": quantity, ranking.attrs["by"]: method}).values.ravel()
     solvable = np.isfinite(ranking["over_best"].sel(quantity=quantity).values).any(axis=-1).sum()
     known = np.sort(ratio[np.isfinite(ratio)])
     return known, np.arange(1, len(known) + 1) / max(int(solvable), 1)
