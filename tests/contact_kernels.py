@@ -176,6 +176,7 @@ def rows_of(loops, found, *, across=False, ties=True, friction=True, tilts=False
     n = len(loops.body)
     own = dict.fromkeys(("bears", "rest", "k", "tangent_k"), 0) | {"tangential": 1, "moved": 1}
     rows = SurfaceRows(2, couples=friction, tilts=tilts, own=own)
+    rows.hold(cohesion=False)
     rows.make_room(2 * found.facet.size, 400 * n)
     table = (np.arange(n + 1), np.arange(n, dtype=np.int32), np.ones(n)) if table is None else table
     table = Table(**dict(zip(Table.member_names, table, strict=True)))
@@ -227,9 +228,10 @@ def forces(loops, found, law, old_master=None, old_tangential=None):
     rows.match(old)
     own, m, records = rows.own, rows.count, no_records(n_pairs)
     own.k[:m] = own.bears[:m] = law.stiffness * rows.area[:m] / whole_of(rows)
+    rows.friction[:m] = law.friction
     _springs.spring_forces(
-        rows, m, own, old, old.count, old.own, np.full(n_pairs, law.friction), law.tangential_ratio,
-        law.damping / law.stiffness, np.inf, records, np.zeros(n_pairs),
+        rows, m, own, old, old.count, old.own, law.tangential_ratio, law.damping / law.stiffness, np.inf, records,
+        np.zeros(n_pairs),
     )  # fmt: skip
     force, tangential = np.zeros((n, 2)), np.zeros((n, slots))
     rows.add_to(force, (1.0, 1.0))

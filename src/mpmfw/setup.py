@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mpmfw.contact.friction import FrictionLaw
 from mpmfw.fields import AnyArray, Field, FloatArray
 from mpmfw.state import Body, Pair, State
 
 if TYPE_CHECKING:
+    from mpmfw.contact.friction import FrictionLaw
     from mpmfw.geometry import Layout
 
 

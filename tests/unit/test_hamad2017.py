@@ -35,12 +35,9 @@ class Surfaces:
         if self.literal:
             own["tangential"] = np.zeros((0, 2))
         own["k"][:] = K
-        n_pairs = len(pair_table(loops.n_bodies)[1])
-        records = no_records(n_pairs)
-        pair_forces(
-            rows, rows.count, struct(**own), old, old_count, struct(**old_own), np.full(n_pairs, self.friction),
-            self.ratio, records,
-        )  # fmt: skip
+        records = no_records(len(pair_table(loops.n_bodies)[1]))
+        rows.friction[:] = self.friction
+        pair_forces(rows, rows.count, struct(**own), old, old_count, struct(**old_own), self.ratio, records)
         force = np.zeros_like(loops.position)
         rows.add_to(force, (1.0, 1.0))
         self.old, self.tangential = rows, np.zeros((len(loops.body), SLOTS))

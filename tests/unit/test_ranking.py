@@ -11,8 +11,8 @@ import pytest
 import xarray as xr
 
 from mpmfw.errors import SceneError
-from mpmfw.plots.ranking import profiles
-from mpmfw.studies.ranking import profile, rank, summary
+from mpmfw.plots.ranking import profile, profiles
+from mpmfw.studies.ranking import rank, summary
 
 
 def study(title: str = "S", **runs: list[tuple[float, float]]) -> xr.Dataset:

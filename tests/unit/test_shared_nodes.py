@@ -156,7 +156,7 @@ def correct(f, rows, friction):
     records.impulse, records.count = np.zeros((3, f.dim)), np.ones(3)
     grid = SimpleNamespace(mass=f.mass, momentum=f.momentum, spacing=f.spacing)
     impulse = law.Impulse()
-    impulse.friction = friction
+    rows.set(friction=friction[rows.pair])
     impulse.impulses(rows, grid, np.zeros(len(f.mass)), records.frictional_work, projected=True)
     rows.add_to(f.momentum, f.spacing)
     rows.record(1.0, records, f.spacing)

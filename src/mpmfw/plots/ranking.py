@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
+from mpmfw.fields import FloatArray
 from mpmfw.plots.style import Look, dress, legend_below, new_figure
-from mpmfw.studies.ranking import profile, summary
 
 
 def profiles(ranking: xr.Dataset) -> Figure:
@@ -44,7 +44,19 @@ def profiles(ranking: xr.Dataset) -> Figure:
         axes.xaxis.set_minor_formatter(NullFormatter())
         ylabel = "problems and levels solved [%]" if axes is panels[0] else ""
         dress(axes, "CPU time over the cheapest method's", ylabel, quantity)
-    order = [row["method"] for row in summary(ranking, quantities[0])]
+    order = sorted(methods, key=lambda name: -len(profile(ranking, quantities[0], name)[0]))
     key = [Line2D([], [], color=look.colours[name], linewidth=2.5, label=name) for name in order]
     legend_below(figure, [key])
     return figure
+
+
+def profile(ranking: xr.Dataset, quantity: str, method: str) -> tuple[FloatArray, FloatArray]:
+    """Data profile: costs over the best, rising (n,), and the share of problems and levels solved within each (n,).
+
+    Source: E. D. Dolan, J. J. Moré (2002), Benchmarking optimization software with performance profiles, *Mathematical
+    Programming* 91, 201-213.
+    """
+    ratio = ranking["over_best"].sel({"quantity": quantity, ranking.attrs["by"]: method}).values.ravel()
+    solvable = np.isfinite(ranking["over_best"].sel(quantity=quantity).values).any(axis=-1).sum()
+    known = np.sort(ratio[np.isfinite(ratio)])
+    return known, np.arange(1, len(known) + 1) / max(int(solvable), 1)

@@ -189,15 +189,3 @@ def summary(ranking: xr.Dataset, quantity: str) -> list[dict[str, Any]]:
         table,
         key=lambda row: (-sum(row[level] for level in levels), np.nan_to_num(row["over best"], nan=np.inf)),
     )
-
-
-def profile(ranking: xr.Dataset, quantity: str, method: str) -> tuple[FloatArray, FloatArray]:
-    """Data profile: costs over the best, rising (n,), and the share of problems and levels solved within each (n,).
-
-    Source: E. D. Dolan, J. J. Moré (2002), Benchmarking optimization software with performance profiles, *Mathematical
-    Programming* 91, 201-213.
-    """
-    ratio = ranking["over_best"].sel({"quantity": quantity, ranking.attrs["by"]: method}).values.ravel()
-    solvable = np.isfinite(ranking["over_best"].sel(quantity=quantity).values).any(axis=-1).sum()
-    known = np.sort(ratio[np.isfinite(ratio)])
-    return known, np.arange(1, len(known) + 1) / max(int(solvable), 1)
