@@ -99,12 +99,18 @@ EFFECTS = {
     "neo_hookean": brings(
         "neo_hookean soft",
         hooks="setup update_stress",
-        modules="mpmfw_material.neo_hookean mpmfw_material._plane_strain",
+        modules="mpmfw_material.neo_hookean mpmfw_material._isotropic",
     ),
     "linear_elastic": brings(
         "linear_elastic soft",
         hooks="setup update_stress",
-        modules="mpmfw_material.linear_elastic mpmfw_material._plane_strain",
+        modules="mpmfw_material.linear_elastic mpmfw_material._isotropic",
+    ),
+    "j2": brings(
+        "j2 soft",
+        hooks="setup update_stress declare_fields diagnostics",
+        arrays="plastic_strain plastic_metric plastic_work",
+        modules="mpmfw_material.j2 mpmfw_material._isotropic",
     ),
     "domain tracking": brings(
         "cpdi2",
@@ -252,6 +258,7 @@ def _two(method: str, **changes: Any) -> dict[str, Any]:
 
 ONE = block(shape__method="linear", bodies__solid__rotation="lumped")
 ELASTIC = {"model": "linear_elastic", "density": 1e3, "bulk_modulus": 1e6, "shear_modulus": 5e5}
+YIELDS = {"model": "j2", "yield_stress": 1e4}
 GRAVITY = {"vector": [0, -10]}
 HELD = [{"side": "bottom", "fixed": True}]
 FRICTIONLESS = ("penalty", "travel", "surfaces", "local spin")
@@ -296,6 +303,7 @@ CASES = {
     "cpdi": Case(with_changes(ONE, shape__method="cpdi"), ("affine field",), "cpdi"),
     "bspline": Case(with_changes(ONE, shape__method="bspline"), ("affine field",), "bspline"),
     "linear elastic": Case(with_changes(ONE, materials__soft=ELASTIC), (), material="linear_elastic"),
+    "plastic": Case(with_changes(ONE, materials__soft={**ELASTIC, **YIELDS}), (), material="j2"),
     "three dimensions": Case(box(shape__method="linear", bodies__solid__rotation="lumped"), ()),
     "no contact": Case(_two("none"), ("none",)),
     "contact by velocity": Case(_two("bardenhagen"), ("bardenhagen", "averaged normals", "local spin")),

@@ -236,7 +236,14 @@ def _bardenhagen(option: str, first: Any, second: Any, /, **beside: Any) -> Acts
 
 
 def _material(model: str, option: str, first: Any, second: Any) -> Acts:
-    return values(held(materials__soft__model=model), f"materials__soft__{option}", first, second)
+    flow = {"materials__soft__yield_stress": 1e2} if model == "j2" else {}
+    return values(held(materials__soft__model=model, **flow), f"materials__soft__{option}", first, second)
+
+
+def _by_young(model: str, option: str, second: float) -> Acts:
+    flow = {"yield_stress": 1e2} if model == "j2" else {}
+    soft = {"model": model, "density": 1000.0, "youngs_modulus": 5e6, "poissons_ratio": 0.3, **flow}
+    return values(held(), "materials__soft", soft, {**soft, option: second})
 
 
 PLUGINS: dict[str, Acts] = {
@@ -265,9 +272,16 @@ PLUGINS: dict[str, Acts] = {
     "contact.bardenhagen.direction": _bardenhagen("direction", [1.0, 0.0], [0.8, 0.6], normal="specified"),
     **{
         f"material.{model}.{option}": _material(model, option, first, second)
-        for model in ("neo_hookean", "linear_elastic")
+        for model in ("neo_hookean", "linear_elastic", "j2")
         for option, first, second in (("bulk_modulus", 6e6, 5e6), ("shear_modulus", 3e6, 2e6))
     },
+    **{
+        f"material.{model}.{option}": _by_young(model, option, second)
+        for model in ("neo_hookean", "linear_elastic", "j2")
+        for option, second in (("youngs_modulus", 4e6), ("poissons_ratio", 0.2))
+    },
+    "material.j2.yield_stress": _material("j2", "yield_stress", 1e2, 1e3),
+    "material.j2.hardening_modulus": _material("j2", "hardening_modulus", 0.0, 1e6),
     "material.neo_hookean.energy": _material("neo_hookean", "energy", "split", "log"),
 }
 

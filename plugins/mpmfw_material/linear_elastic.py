@@ -4,13 +4,12 @@
 from __future__ import annotations
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
 
-from mpmfw.api import FloatArray, Material, Particles, Pressure, Setup, hookimpl
+from mpmfw.api import FloatArray, Particles, Setup, hookimpl
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.small_matrix import invert
 from mpmfw.kernels.types import Floats
-from mpmfw_material._plane_strain import pad_plane_strain
+from mpmfw_material._isotropic import Isotropic, pad_plane_strain
 
 MAX_ITERATIONS = 30
 
@@ -73,32 +72,11 @@ def linear_elastic_stress(
                 stress[p, d, e] = value
 
 
-class LinearElasticOptions(BaseModel):
-    """Moduli at small strain."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    bulk_modulus: Pressure = Field(gt=0, description="bulk modulus K")
-    shear_modulus: Pressure = Field(gt=0, description="shear modulus G")
-
-
-class LinearElastic(Material):
+class LinearElastic(Isotropic):
     """σ = R C:(U − 1) Rᵀ: Cauchy stress linear in the Biot strain, objective, for small strain and any
     rotation."""
 
     name = "linear_elastic"
-    Options = LinearElasticOptions
-    options: LinearElasticOptions
-
-    @property
-    def bulk_modulus(self) -> float:
-        """K [Pa]."""
-        return float(self.options.bulk_modulus)
-
-    @property
-    def shear_modulus(self) -> float:
-        """G [Pa]."""
-        return float(self.options.shear_modulus)
 
     @hookimpl
     def setup(self, setup: Setup) -> None:

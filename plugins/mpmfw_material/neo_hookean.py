@@ -6,13 +6,13 @@ import math
 from typing import Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from mpmfw.api import FloatArray, Material, Particles, Pressure, Setup, hookimpl
+from mpmfw.api import FloatArray, Particles, Setup, hookimpl
 from mpmfw.kernels import kernel, scratch
 from mpmfw.kernels.small_matrix import determinant
 from mpmfw.kernels.types import Floats
-from mpmfw_material._plane_strain import pad_plane_strain
+from mpmfw_material._isotropic import Isotropic, Moduli, pad_plane_strain
 
 
 @kernel
@@ -84,35 +84,21 @@ def neo_hookean_log(
                 ) / jacobian
 
 
-class NeoHookeanOptions(BaseModel):
+class NeoHookeanOptions(Moduli):
     """Moduli at small strain, and which of two energies."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    bulk_modulus: Pressure = Field(gt=0, description="bulk modulus K")
-    shear_modulus: Pressure = Field(gt=0, description="shear modulus G")
     energy: Literal["split", "log"] = Field(
         "split",
         description="split: K/2 [(J^2-1)/2 - ln J] + G/2 [J^(-2/3) tr b - 3]; log: G/2 (tr b - 3) - G ln J + l/2 ln^2 J",
     )
 
 
-class NeoHookean(Material):
+class NeoHookean(Isotropic):
     """Neo-Hookean solid; ``energy = "split"`` is the one of the rings' finite-element reference."""
 
     name = "neo_hookean"
     Options = NeoHookeanOptions
     options: NeoHookeanOptions
-
-    @property
-    def bulk_modulus(self) -> float:
-        """K [Pa]."""
-        return float(self.options.bulk_modulus)
-
-    @property
-    def shear_modulus(self) -> float:
-        """G [Pa]."""
-        return float(self.options.shear_modulus)
 
     @hookimpl
     def setup(self, setup: Setup) -> None:

@@ -80,8 +80,13 @@ class ShapeFunction(PlugIn):
 class Material(PlugIn):
     """Base of materials: one instance for each material of the scene, told its bodies' slices in ``setup``.
 
-    Subclasses implement the hook ``update_stress`` and the methods below.
+    Subclasses implement the hook ``update_stress``, the moduli, and :meth:`energy_density` and :meth:`cauchy_stress` where F says
+    all. One whose points have a history implements :meth:`energy_of_points` and :meth:`stress_of_points` instead, and allocates
+    the history in ``setup`` (:meth:`Setup.allocate`), so that it is saved with the run.
     """
+
+    #: Whether its points lose energy, which :meth:`dissipated_by_points` says.
+    dissipates: ClassVar[bool] = False
 
     #: Slices of the material points made of this material.
     slices: tuple[slice, ...] = ()
@@ -109,6 +114,18 @@ class Material(PlugIn):
         ``deformation_gradient`` is F, (n, dim, dim); plane strain in 2D, F_zz = 1.
         """
         raise NotImplementedError
+
+    def energy_of_points(self, particles: Particles, own: slice) -> FloatArray:
+        """Stored energy per reference volume of the points ``own`` of ``particles``, (n,) [J/m^3]; by F alone W(F)."""
+        return self.energy_density(particles.deformation_gradient[own])
+
+    def stress_of_points(self, particles: Particles, own: slice) -> FloatArray:
+        """Full Cauchy stress of the points ``own`` of ``particles``, (n, 3, 3) [Pa]; by F alone σ(F)."""
+        return self.cauchy_stress(particles.deformation_gradient[own])
+
+    def dissipated_by_points(self, particles: Particles, own: slice) -> FloatArray:
+        """Energy that the points ``own`` of ``particles`` have lost since the start, per reference volume (n,) [J/m^3]."""
+        return np.zeros(len(particles.mass[own]))
 
 
 def empty_stencil(points: int, entries: int, dim: int, *, gradient: bool = True) -> Stencil:

@@ -143,6 +143,15 @@ SERIES_FIELDS: tuple[Field, ...] = (
     Field("total_energy", _B, "J m-1", "kinetic and strain energy", "series", output=True),
 )
 
+MATERIAL_WORK = Field(
+    "material_dissipation",
+    _B,
+    "J m-1",
+    "energy dissipated by the material since the run began, such as plastic work",
+    "series",
+    output=True,
+)
+
 AFFINE_ENERGY = Field(
     "affine_energy",
     _B,

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.fields import AFFINE_ENERGY, SERIES_FIELDS, AnyArray, Field, FloatArray, IntArray
+from mpmfw.fields import AFFINE_ENERGY, MATERIAL_WORK, SERIES_FIELDS, AnyArray, Field, FloatArray, IntArray
 from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels.body_sums import sum_affine_energy, sum_motion
 from mpmfw.setup import Setup
@@ -20,7 +20,7 @@ class StrainEnergies:
     Parameters
     ----------
     materials
-        For each body, an object with ``energy_density`` (see :class:`mpmfw.api.Material`).
+        For each body, its material (:class:`mpmfw.api.Material`).
     """
 
     def __init__(self, materials: tuple[Any, ...]) -> None:
@@ -32,13 +32,25 @@ class StrainEnergies:
         """(body,) [J/m]."""
         moment = state.steps, state.time
         if moment != self._moment:
-            f = state.particles.deformation_gradient
-            made_of = of_one_material(state.bodies, self.materials)
-            density = np.concatenate([material.energy_density(f[own]) for own, material in made_of])
-            energy = density * state.particles.initial_volume
-            self._energies = np.add.reduceat(energy, [body.particles.start for body in state.bodies])
+            self._energies = self._sums(state, "energy_of_points")
             self._moment = moment
         return self._energies
+
+    @property
+    def dissipates(self) -> bool:
+        """Whether a material loses energy."""
+        return any(material.dissipates for material in self.materials)
+
+    def dissipated(self, state: State) -> FloatArray:
+        """What every body's material has lost since time zero (body,) [J/m]."""
+        return self._sums(state, "dissipated_by_points")
+
+    def _sums(self, state: State, density: str) -> FloatArray:
+        particles, made_of = state.particles, of_one_material(state.bodies, self.materials)
+        each = np.concatenate([getattr(material, density)(particles, own) for own, material in made_of])
+        return np.add.reduceat(
+            each * particles.initial_volume, [body.particles.start for body in state.bodies]
+        )
 
 
 class BodySeries:
@@ -62,11 +74,15 @@ class BodySeries:
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """The series that the scene wants, the affine energy among them if the transfer has an affine
-        field."""
+        """The series that the scene wants; the affine energy if the transfer has an affine field, what materials dissipate if one
+        does."""
         if not self.energy:
             return [field for field in SERIES_FIELDS if not field.name.endswith("_energy")]
-        return [*SERIES_FIELDS, AFFINE_ENERGY] if self.affine else list(SERIES_FIELDS)
+        affine, lost = (
+            ([AFFINE_ENERGY] if self.affine else []),
+            ([MATERIAL_WORK] if self.strain.dissipates else []),
+        )
+        return [*SERIES_FIELDS, *affine, *lost]
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
@@ -111,6 +127,8 @@ class BodySeries:
         if self.affine and p.affine is not None:
             series["affine_energy"] = np.empty_like(kinetic)
             sum_affine_energy(first, p.mass, p.volume, p.affine, series["affine_energy"], state.grid.spacing)
+        if self.strain.dissipates:
+            series["material_dissipation"] = self.strain.dissipated(state)
         return series
 
 
@@ -163,7 +181,7 @@ class VonMises:
             return {}
         parts = []
         for own, material in of_one_material(state.bodies, self.materials):
-            stress = material.cauchy_stress(state.particles.deformation_gradient[own])
+            stress = material.stress_of_points(state.particles, own)
             deviator = stress - np.trace(stress, axis1=1, axis2=2)[:, None, None] / 3.0 * np.eye(3)
             parts.append(np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator)))
         return {"von_mises": np.concatenate(parts)}

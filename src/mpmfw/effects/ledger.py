@@ -101,6 +101,7 @@ class EnergyLedger:
         )
         self.motion = motion_energy(state.particles)
         self.start = self.motion + float(self.strain.of(state).sum())
+        self.lost = float(self.strain.dissipated(state).sum()) if self.strain.dissipates else 0.0
         if self.guard is not None:
             self.guard.restart(self.start)
 
@@ -196,7 +197,8 @@ class EnergyLedger:
         # What the points had at a projection is what they had after the gather before: of all that there is left
         self.dissipated = self.motion + self.gained - motion
         energy = motion + float(self.strain.of(state).sum())
-        residual = energy - self.start - sum(self.work.values()) + self.dissipated
+        lost = float(self.strain.dissipated(state).sum()) - self.lost if self.strain.dissipates else 0.0
+        residual = energy - self.start - sum(self.work.values()) + self.dissipated + lost
         if self.guard is not None and self.guard.grown(energy):
             found = {**self.work, "transfer": -self.dissipated, "strain": residual}
             terms = {name: found[name] for name in ("contact", "inertia", "transfer", "strain")}

@@ -29,7 +29,8 @@ def stiffness_ratio(scene: Scene, ratio: float) -> dict[str, Any]:
     first, second = Simulation(scene.with_overrides({"allow_unstable": True})).state.bodies[:2]
     material = scene.bodies[second.name].material
     table = scene.to_mapping()["materials"][material]
-    if not {"bulk_modulus", "shear_modulus"} <= set(table):
+    table = {key: value for key, value in table.items() if key not in ("youngs_modulus", "poissons_ratio")}
+    if not hasattr(scene.materials[material].options, "bulk_modulus"):
         raise SceneError(f"materials.{material}: has no bulk_modulus and shear_modulus to change")
     factor = ratio * first.p_wave_modulus / second.p_wave_modulus
     moduli = {"bulk_modulus": factor * second.bulk_modulus, "shear_modulus": factor * second.shear_modulus}

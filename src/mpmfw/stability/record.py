@@ -67,7 +67,11 @@ class Record:
             kinetic = self._kinetic()
             affine, given = (0.5 * (a + b) for a, b in zip(self.halves, halves, strict=True))
             stored = kinetic + self.at_positions + affine + _total(series, ("contact_energy",))
-            self._weigh(stored, _total(series, ("frictional_work", "damping_work", "spring_work")), given)
+            self._weigh(
+                stored,
+                _total(series, ("frictional_work", "damping_work", "spring_work", "material_dissipation")),
+                given,
+            )
         self.length = self.state.dt
         self.velocity, self.at_positions, self.halves = particles.velocity.copy(), at_positions, halves
         self.momentum.append(np.array(series["linear_momentum"]))

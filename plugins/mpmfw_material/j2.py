@@ -1,0 +1,214 @@
+"""Metal plasticity: von Mises' yield criterion at finite strain, with linear isotropic hardening; plane strain in 2D."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from pydantic import Field
+
+from mpmfw.api import AnyArray, FloatArray, Particles, Pressure, Setup, State, hookimpl
+from mpmfw.api import Field as ArrayField
+from mpmfw.kernels import Struct, device, kernel, scratch
+from mpmfw.kernels.small_matrix import determinant, invert
+from mpmfw.kernels.types import Float, Floats
+from mpmfw_material._isotropic import Isotropic, Moduli, pad_plane_strain
+
+#: In three dimensions whatever the grid's are: plastic flow leaves the plane.
+SPACE = (1.0, 1.0, 1.0)
+ROOT = math.sqrt(2.0 / 3.0)
+
+PLASTIC_STRAIN = ArrayField(
+    "plastic_strain", ("particle",), "1", "equivalent plastic strain, the sum of its increments", output=True
+)
+PLASTIC_METRIC = ArrayField(
+    "plastic_metric", ("particle", "three", "three2"), "1", "inverse plastic right Cauchy-Green tensor"
+)
+PLASTIC_WORK = ArrayField("plastic_work", ("particle",), "J m-3", "plastic work per reference volume")
+
+
+class Flow(Struct):
+    """What plastic flow has left in the points."""
+
+    metric: Floats  #: (n, 3, 3) C_p⁻¹, det 1
+    strain: Floats  #: (n,) α
+    work: Floats  #: (n,) [J/m³]
+
+
+@device
+def elastic_metric(p: int, f: Floats, flow: Flow, out: Floats) -> Float:
+    """b_e = J^(−2/3) F C_p⁻¹ Fᵀ to ``out`` (3, 3); return J."""
+    jacobian = determinant(f, SPACE)
+    scale = math.exp(-2.0 / 3.0 * math.log(jacobian))
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = 0.0
+            for a in range(3):
+                for b in range(3):
+                    out[i, j] += scale * f[i, a] * flow.metric[p, a, b] * f[j, b]
+    return jacobian
+
+
+@device
+def isochoric_mean(s: Floats, norm: Float, shear: Float, mean: Float) -> Float:
+    """x with det(s/G + x 1) = 1, from ``mean`` by Newton's method: x³ − |s|² x / (2 G²) + det(s)/G³ = 1."""
+    second, third = -0.5 * (norm / shear) ** 2, determinant(s, SPACE) / shear**3 - 1.0
+    for _ in range(20):
+        change = (mean**3 + second * mean + third) / (3.0 * mean * mean + second)
+        mean -= change
+        if abs(change) < 1e-15:
+            break
+    return mean
+
+
+@device
+def set_plastic_metric(p: int, f: Floats, jacobian: Float, be: Floats, flow: Flow) -> None:
+    """C_p⁻¹ = J^(2/3) F⁻¹ b_e F⁻ᵀ."""
+    inverse = scratch.matrix(SPACE, SPACE)
+    invert(f, inverse, SPACE)
+    scale = math.exp(2.0 / 3.0 * math.log(jacobian))
+    for i in range(3):
+        for j in range(3):
+            total = 0.0
+            for a in range(3):
+                for b in range(3):
+                    total += scale * inverse[i, a] * be[a, b] * inverse[j, b]
+            flow.metric[p, i, j] = total
+
+
+@kernel
+def j2_stress(
+    first: int, last: int, deformation_gradient: Floats, flow: Flow, stress: Floats, bulk: float, shear: float,
+    yield_stress: float, hardening: float, spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """σ = K/2 (J − 1/J) 1 + s/J, |s| ≤ √(2/3) (σ_y + H α): elastic predictor s = G dev b_e, and its radial return.
+
+    Simo & Hughes (1998), box 9.1, with tr b_e after the return from det b_e = 1. Plastic work is that of the mean of the yield
+    stresses before and after.
+    """
+    dim = len(spacing)
+    f = scratch.matrix(SPACE, SPACE)
+    be = scratch.matrix(SPACE, SPACE)
+    for p in range(first, last):
+        for i in range(3):
+            for j in range(3):
+                f[i, j] = 1.0 if i == j else 0.0
+        for i in range(dim):
+            for j in range(dim):
+                f[i, j] = deformation_gradient[p, i, j]
+        jacobian = elastic_metric(p, f, flow, be)
+        mean = (be[0, 0] + be[1, 1] + be[2, 2]) / 3.0
+        square = 0.0
+        for i in range(3):
+            be[i, i] -= mean
+        for i in range(3):
+            for j in range(3):
+                be[i, j] *= shear  # s now
+                square += be[i, j] * be[i, j]
+        norm, limit = math.sqrt(square), ROOT * (yield_stress + hardening * flow.strain[p])
+        yields = norm > limit
+        if yields:
+            effective = shear * mean
+            slip = (norm - limit) / (2.0 * effective + 2.0 / 3.0 * hardening)
+            factor = 1.0 - 2.0 * effective * slip / norm
+            for i in range(3):
+                for j in range(3):
+                    be[i, j] *= factor
+            before = yield_stress + hardening * flow.strain[p]
+            flow.strain[p] += ROOT * slip
+            flow.work[p] += (before + 0.5 * hardening * ROOT * slip) * ROOT * slip
+            norm *= factor
+        pressure = 0.5 * bulk * (jacobian - 1.0 / jacobian)
+        for i in range(dim):
+            for j in range(dim):
+                stress[p, i, j] = be[i, j] / jacobian + (pressure if i == j else 0.0)
+        if yields:
+            mean = isochoric_mean(be, norm, shear, mean)
+            for i in range(3):
+                for j in range(3):
+                    be[i, j] = be[i, j] / shear + (mean if i == j else 0.0)
+            set_plastic_metric(p, f, jacobian, be, flow)
+
+
+class J2Options(Moduli):
+    """Moduli, yield stress and hardening."""
+
+    yield_stress: Pressure = Field(gt=0, description="yield stress σ_y under uniaxial tension (Kirchhoff's)")
+    hardening_modulus: Pressure = Field(
+        0.0, ge=0, description="rise H of the yield stress with the equivalent plastic strain"
+    )
+
+
+class J2(Isotropic):
+    """Elastic as ``neo_hookean``, and von Mises plasticity: σ_y + H α is the stress under which it flows at constant volume.
+
+    The history of a point is C_p⁻¹, the inverse of the plastic right Cauchy-Green tensor, and α, both arrays of the run.
+    """
+
+    name = "j2"
+    dissipates = True
+    Options = J2Options
+    options: J2Options
+
+    @hookimpl
+    def declare_fields(self) -> list[ArrayField]:
+        """The history, of which the plastic strain is an output."""
+        return [PLASTIC_STRAIN, PLASTIC_METRIC, PLASTIC_WORK]
+
+    @hookimpl
+    def setup(self, setup: Setup) -> None:
+        """Constants, and the history: one set of arrays for all materials of this model, each with points of its own."""
+        self.spacing = setup.state.grid.spacing
+        o = self.options
+        self.constants = o.bulk_modulus, o.shear_modulus, o.yield_stress, o.hardening_modulus
+
+        def shared(field: ArrayField) -> AnyArray:
+            known = setup.state.arrays.get(f"{self.name}/{field.name}")
+            return setup.allocate(self.name, field, three=3, three2=3) if known is None else known
+
+        self.flow = Flow(
+            metric=shared(PLASTIC_METRIC), strain=shared(PLASTIC_STRAIN), work=shared(PLASTIC_WORK)
+        )
+        for own in self.slices:
+            self.flow.metric[own] = np.eye(3)
+
+    @hookimpl
+    def update_stress(self, particles: Particles) -> None:
+        """σ of this material's bodies, and what has flowed."""
+        for own in self.slices:
+            j2_stress(
+                own.start, own.stop, particles.deformation_gradient, self.flow, particles.stress, *self.constants, self.spacing
+            )  # fmt: skip
+
+    @hookimpl
+    def diagnostics(self, state: State, points: bool) -> dict[str, AnyArray]:  # noqa: ARG002
+        """The plastic strain of all points, 0 in other materials."""
+        return {"plastic_strain": self.flow.strain.copy()} if points else {}
+
+    def _elastic(self, particles: Particles, own: slice) -> tuple[FloatArray, FloatArray]:
+        """J and b_e of points."""
+        f = pad_plane_strain(particles.deformation_gradient[own])
+        jacobian = np.linalg.det(f)
+        be = np.einsum("nia,nab,njb->nij", f, self.flow.metric[own], f)
+        return jacobian, be * jacobian[:, None, None] ** (-2.0 / 3.0)
+
+    def energy_of_points(self, particles: Particles, own: slice) -> FloatArray:
+        """Elastic energy W = K/2 [(J² − 1)/2 − ln J] + G/2 (tr b_e − 3), (n,) [J/m^3]."""
+        jacobian, be = self._elastic(particles, own)
+        volumetric = 0.5 * self.bulk_modulus * (0.5 * (jacobian**2 - 1.0) - np.log(jacobian))
+        energy: FloatArray = volumetric + 0.5 * self.shear_modulus * (np.einsum("nii->n", be) - 3.0)
+        return energy
+
+    def stress_of_points(self, particles: Particles, own: slice) -> FloatArray:
+        """σ, (n, 3, 3) [Pa]."""
+        jacobian, be = self._elastic(particles, own)
+        mean = np.einsum("nii->n", be)[:, None, None] / 3.0
+        pressure = 0.5 * self.bulk_modulus * (jacobian - 1.0 / jacobian)
+        deviator = self.shear_modulus / jacobian[:, None, None] * (be - mean * np.eye(3))
+        stress: FloatArray = deviator + pressure[:, None, None] * np.eye(3)
+        return stress
+
+    def dissipated_by_points(self, particles: Particles, own: slice) -> FloatArray:  # noqa: ARG002
+        """Plastic work, (n,) [J/m^3]."""
+        work: FloatArray = self.flow.work[own]
+        return work

@@ -1,0 +1,220 @@
+"""Plasticity: closed forms at small strain, and what holds at any."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.spatial.transform import Rotation
+
+from mpmfw.api import FloatArray
+from mpmfw_material.j2 import J2, SPACE, Flow, j2_stress
+from mpmfw_material.neo_hookean import NeoHookean
+
+BULK, SHEAR, YIELD = 160e9, 80e9, 400e6
+YOUNG = 9.0 * BULK * SHEAR / (3.0 * BULK + SHEAR)
+
+
+class Point:
+    """One material point, deformed by hand."""
+
+    def __init__(self, hardening: float = 0.0, dim: int = 3) -> None:
+        self.hardening, self.spacing = hardening, (1.0,) * dim
+        self.flow = Flow(metric=np.eye(3)[None].copy(), strain=np.zeros(1), work=np.zeros(1))
+
+    def stress(self, f: FloatArray) -> FloatArray:
+        """σ at F, (dim, dim); the point keeps what has flowed."""
+        dim = len(self.spacing)
+        stress = np.empty((1, dim, dim))
+        given = np.ascontiguousarray(f[None, :dim, :dim])
+        j2_stress(0, 1, given, self.flow, stress, BULK, SHEAR, YIELD, self.hardening, self.spacing)
+        return stress[0]
+
+    def tried(self, f: FloatArray) -> FloatArray:
+        """σ at F without keeping anything."""
+        kept = [array.copy() for array in (self.flow.metric, self.flow.strain, self.flow.work)]
+        found = self.stress(f)
+        for array, before in zip((self.flow.metric, self.flow.strain, self.flow.work), kept, strict=True):
+            array[:] = before
+        return found
+
+    @property
+    def strain(self) -> float:
+        return float(self.flow.strain[0])
+
+    @property
+    def work(self) -> float:
+        return float(self.flow.work[0])
+
+
+def sheared(gamma: float) -> FloatArray:
+    f = np.eye(3)
+    f[0, 1] = gamma
+    return f
+
+
+def test_below_the_yield_stress_it_is_neo_hookean() -> None:
+    point, elastic = Point(), NeoHookean(bulk_modulus=BULK, shear_modulus=SHEAR)
+    f = np.eye(3) + 1e-3 * np.random.default_rng(1).normal(size=(3, 3))
+    np.testing.assert_allclose(point.stress(f), elastic.cauchy_stress(f[None])[0], rtol=1e-9, atol=1e-3)
+    assert point.strain == point.work == 0.0
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_it_yields_in_shear_at_the_yield_stress_over_root_three(dim: int) -> None:
+    point, limit = Point(dim=dim), YIELD / math.sqrt(3.0)
+    assert point.stress(sheared(0.999 * limit / SHEAR))[0, 1] == pytest.approx(0.999 * limit, rel=1e-4)
+    assert point.strain == 0.0
+    assert point.stress(sheared(3.0 * limit / SHEAR))[0, 1] == pytest.approx(limit, rel=1e-3)
+    assert point.strain == pytest.approx(2.0 * limit / SHEAR / math.sqrt(3.0), rel=1e-2)
+
+
+def test_it_yields_under_uniaxial_strain_and_goes_on_with_the_bulk_modulus() -> None:
+    """σ_x = K ε + 2 σ_y / 3 past ε = σ_y / 2G."""
+    point = Point()
+    for strain in np.linspace(0.0, 0.01, 101):
+        stress = point.stress(np.diag([1.0 + strain, 1.0, 1.0]))[0, 0]
+        elastic = (BULK + 4.0 * SHEAR / 3.0) * strain
+        expected = elastic if strain < YIELD / (2.0 * SHEAR) else BULK * strain + 2.0 / 3.0 * YIELD
+        assert stress == pytest.approx(expected, rel=0.02, abs=1.0)
+
+
+def pulled(point: Point, stretches: Iterable[float]) -> list[float]:
+    """σ along a bar whose sides are free, at each stretch."""
+    found, side = [], 1.0
+    for stretch in stretches:
+
+        def lateral(other: float, along: float = stretch) -> float:
+            return float(point.tried(np.diag([along, other, other]))[1, 1])
+
+        side = brentq(lateral, 0.9 * side, 1.1 * side, xtol=1e-14)
+        found.append(float(point.stress(np.diag([stretch, side, side]))[0, 0]))
+    return found
+
+
+def test_a_bar_hardens_with_the_tangent_modulus() -> None:
+    """σ = σ_y + E H / (E + H) (ε − σ_y / E) past yield; unloading is elastic."""
+    hardening = 20e9
+    point, tangent = Point(hardening), YOUNG * hardening / (YOUNG + hardening)
+    strains = np.linspace(0.0, 0.006, 61)
+    stresses = pulled(point, 1.0 + strains)
+    for strain, stress in zip(strains, stresses, strict=True):
+        expected = YOUNG * strain if strain < YIELD / YOUNG else YIELD + tangent * (strain - YIELD / YOUNG)
+        assert stress == pytest.approx(expected, rel=0.01, abs=1.0)
+    (unloaded,) = pulled(point, [1.0 + strains[-1] - 0.001])
+    assert stresses[-1] - unloaded == pytest.approx(0.001 * YOUNG, rel=0.01)
+
+
+def test_a_cycle_of_shear_dissipates_the_area_of_its_loop() -> None:
+    """Perfect plasticity: a parallelogram of 4 τ_y (γ − τ_y / G) in a stable cycle of ± γ."""
+    point, limit, amplitude = Point(), YIELD / math.sqrt(3.0), 0.02
+    path = amplitude * np.sin(np.linspace(0.0, 6.0 * math.pi, 3001))
+    work = [0.0]
+    for gamma in path:
+        point.stress(sheared(gamma))
+        work.append(point.work)
+    assert work[-1] - work[-1001] == pytest.approx(4.0 * limit * (amplitude - limit / SHEAR), rel=5e-3)
+
+
+def test_the_work_of_the_stress_is_stored_or_dissipated() -> None:
+    """Along a path of large strain and rotation: ∫ P : dF = ΔW + plastic work, to a part of the elastic strain."""
+
+    def path(t: float) -> FloatArray:
+        shear, turn = (
+            sheared(0.4 * math.sin(2.0 * t)),
+            Rotation.from_rotvec([0.3 * t, -0.2 * t, 0.5 * t]).as_matrix(),
+        )
+        return turn @ shear @ np.diag([1.0 + 0.01 * t, 1.0, 1.0 - 0.008 * t])
+
+    def left_over(steps: int) -> float:
+        point, work, f = Point(hardening=1e9), 0.0, path(0.0)
+        material = J2(bulk_modulus=BULK, shear_modulus=SHEAR, yield_stress=YIELD, hardening_modulus=1e9)
+        material.flow = point.flow
+        before = first_piola(point.stress(f), f)
+        for t in np.linspace(0.0, 2.0, steps + 1)[1:]:
+            new = path(float(t))
+            after = first_piola(point.stress(new), new)
+            work += 0.5 * float(np.sum((before + after) * (new - f)))
+            f, before = new, after
+        stored = float(material.energy_of_points(holder(f), slice(0, 1))[0])
+        return abs(work - stored - point.work) / work
+
+    assert left_over(2000) < 5e-4
+
+
+def first_piola(stress: FloatArray, f: FloatArray) -> FloatArray:
+    found: FloatArray = np.linalg.det(f) * stress @ np.linalg.inv(f).T
+    return found
+
+
+def holder(f: FloatArray) -> object:
+    """What has a deformation gradient, as particles have."""
+    return type("Points", (), {"deformation_gradient": f[None]})()
+
+
+def random_path(seed: int) -> list[FloatArray]:
+    rng = np.random.default_rng(seed)
+    direction = rng.normal(size=(3, 3))
+    return [
+        np.eye(3) + 0.05 * math.sin(t) * direction + 0.02 * t * np.eye(3) for t in np.linspace(0.0, 5.0, 60)
+    ]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_flow_keeps_the_volume_and_the_stress_within_the_cylinder(seed: int) -> None:
+    point = Point(hardening=5e9)
+    for f in random_path(seed):
+        tau = np.linalg.det(f) * point.stress(f)
+        deviator = tau - np.trace(tau) / 3.0 * np.eye(3)
+        limit = YIELD + 5e9 * point.strain
+        assert math.sqrt(1.5 * np.sum(deviator**2)) <= limit * (1.0 + 1e-12)
+        assert np.linalg.det(point.flow.metric[0]) == pytest.approx(1.0, abs=1e-12)
+    assert point.strain > 0.05
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_turned_observer_sees_the_turned_stress(seed: int) -> None:
+    turn = Rotation.random(random_state=seed).as_matrix()
+    plain, turned = Point(hardening=5e9), Point(hardening=5e9)
+    for k, f in enumerate(random_path(seed)):
+        q = np.linalg.matrix_power(turn, k % 4)
+        np.testing.assert_allclose(
+            turned.stress(q @ f), q @ plain.stress(f) @ q.T, rtol=1e-9, atol=1e-6 * YIELD
+        )
+    assert turned.strain == pytest.approx(plain.strain, rel=1e-10)
+
+
+def test_plane_strain_is_the_plane_of_three_dimensions() -> None:
+    plane, space = Point(hardening=5e9, dim=2), Point(hardening=5e9)
+    for f in random_path(4):
+        flat = np.eye(3)
+        flat[:2, :2] = f[:2, :2]
+        np.testing.assert_array_equal(plane.stress(flat), space.stress(flat)[:2, :2])
+    assert len(SPACE) == 3
+
+
+def test_moduli_by_young_and_poisson() -> None:
+    given = J2(youngs_modulus="200 GPa", poissons_ratio=0.25, yield_stress="400 MPa")
+    assert given.bulk_modulus == pytest.approx(200e9 / 1.5)
+    assert given.shear_modulus == pytest.approx(80e9)
+    again = J2.from_options(given.options)
+    assert again.options == given.options
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"youngs_modulus": 2e11}, "'youngs_modulus' goes with 'poissons_ratio', which is missing"),
+        ({"poissons_ratio": 0.3}, "'poissons_ratio' goes with 'youngs_modulus', which is missing"),
+        ({"youngs_modulus": 2e11, "poissons_ratio": 0.3, "bulk_modulus": 1e11}, "not both"),
+        ({"youngs_modulus": 2e11, "poissons_ratio": 0.5}, "poissons_ratio"),
+        ({"youngs_modulus": "2 m", "poissons_ratio": 0.3}, "youngs_modulus"),
+    ],
+)
+def test_moduli_that_cannot_be_meant_are_refused(options: dict[str, object], said: str) -> None:
+    make: Callable[..., object] = NeoHookean
+    with pytest.raises(ValueError, match=said):
+        make(**options)
