@@ -109,7 +109,9 @@ EFFECTS = {
     "j2": brings(
         "j2 soft",
         hooks="setup update_stress declare_fields diagnostics",
-        arrays="plastic_strain plastic_metric plastic_work",
+        arrays="j2/plastic_strain j2/plastic_metric j2/plastic_work",
+        series="material_dissipation",
+        points="plastic_strain",
         modules="mpmfw_material.j2 mpmfw_material._isotropic",
     ),
     "domain tracking": brings(

@@ -209,7 +209,7 @@ def imported(scene: dict[str, Any]) -> set[str]:
                 "mpmfw_shape._bilinear_surface",
                 "mpmfw_shape._packed_rows",
                 "mpmfw_material.neo_hookean",
-                "mpmfw_material._plane_strain",
+                "mpmfw_material._isotropic",
             },
         ),
         (
@@ -219,7 +219,7 @@ def imported(scene: dict[str, Any]) -> set[str]:
             {
                 "mpmfw_shape.bspline",
                 "mpmfw_material.neo_hookean",
-                "mpmfw_material._plane_strain",
+                "mpmfw_material._isotropic",
                 "mpmfw_contact.separate",
                 "mpmfw.effects.gravity",
                 "mpmfw.effects.local_spin",
