@@ -24,9 +24,11 @@ if TYPE_CHECKING:
     from mpmfw.scene import load_scene
     from mpmfw.studies.ranking import rank
     from mpmfw.studies.study import study
+    from mpmfw.testing.parametrised import check_plugin
 
 _MODULES = {
     "animate": "mpmfw.plots",
+    "check_plugin": "mpmfw.testing.parametrised",
     "campaign": "mpmfw.campaigns.campaign",
     "compare": "mpmfw.comparison",
     "export": "mpmfw.paraview",
@@ -47,6 +49,7 @@ __all__ = [
     "__version__",
     "animate",
     "campaign",
+    "check_plugin",
     "compare",
     "export",
     "field",

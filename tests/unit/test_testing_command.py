@@ -15,14 +15,11 @@ from mpmfw.cli import app
     ("arguments", "said"),
     [
         (["penalti"], "no plug-in 'penalti' is installed; did you mean 'penalty'?"),
-        (
-            ["neo_hookean"],
-            "'neo_hookean' is a material; there are checks for contact laws and shape functions only",
-        ),
-        (["penalty", "--kind", "material"], "there are no checks for materials"),
+        (["neo_hookean"], "bulk_modulus: missing; give it as in 'neo_hookean(bulk_modulus=…)'"),
+        (["penalty", "--kind", "material"], "unknown material plug-in 'penalty'"),
         (["penalty", "--kind", "contakt"], "did you mean 'contact'?"),
         (["cpdi", "--kind", "contact"], "unknown contact plug-in 'cpdi'"),
-        (["a:B"], "say --kind contact or --kind shape"),
+        (["a:B"], "say --kind, one of contact, shape, material"),
         (["penalty", "--only", "enrgy"], "no such check 'enrgy'; did you mean 'energy'?"),
         (["penalty", "--set", "kapa=1"], "no such option 'kapa'; did you mean 'kappa'?"),
         (["penalty", "--set", "kapa"], "expected KEY=VALUE"),

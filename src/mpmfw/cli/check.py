@@ -1,4 +1,4 @@
-"""``mpmfw check``: does a plug-in keep what a contact law or a shape function must keep?"""
+"""``mpmfw check``: does a plug-in keep what a contact law, a shape function or a material must keep?"""
 
 from __future__ import annotations
 
@@ -19,9 +19,6 @@ if TYPE_CHECKING:
     from mpmfw.discovery import Kind
     from mpmfw.testing import Check, Outcome
 
-#: Kinds of plug-ins that there are checks for.
-CHECKED: tuple[Kind, ...] = ("contact", "shape")
-
 
 PluginArgument: TypeAlias = Annotated[
     str,
@@ -34,7 +31,7 @@ PluginArgument: TypeAlias = Annotated[
 ]
 KindOption: TypeAlias = Annotated[
     str | None,
-    typer.Option(metavar="contact|shape", help="Kind of the plug-in, where its name does not say."),
+    typer.Option(metavar="contact|shape|material", help="Kind of the plug-in, where its name does not say."),
 ]
 OptionsOption: TypeAlias = Annotated[
     list[str] | None,
@@ -67,9 +64,9 @@ def check(
     from mpmfw.scene.specification import parse_specification
 
     asked = _kind_of(parse_specification(plugin).name, kind)
-    from mpmfw.testing import contact_checks, examine, subject_of
+    from mpmfw.testing import examine, subject_of
     from mpmfw.testing.examination import justified
-    from mpmfw.testing.parametrised import chosen
+    from mpmfw.testing.parametrised import checks_of, chosen
     from mpmfw.testing.searching import hypothesis
 
     hypothesis()  # a missing extra is said before anything is checked
@@ -78,7 +75,7 @@ def check(
             0, here
         )  # a law that is not installed lies where its author works, as with ``python -m``
     subject = subject_of(plugin, asked, _options(set_))
-    known = contact_checks() if asked == "contact" else _shape_checks()
+    known = checks_of(asked)
     checks = chosen(known, only)
     table = justified({} if expected_failures is None else _table(expected_failures), known)
     expected = {check.name: table[check.name] for check in checks if check.name in table}
@@ -95,42 +92,31 @@ def check(
         )
 
 
-def _shape_checks() -> Sequence[Check]:
-    from mpmfw.testing import shape_checks
-
-    return shape_checks()
-
-
 def _kind_of(plugin: str, kind: str | None) -> Kind:
     """The kind that is asked for, or the only one of which there is a plug-in of this name.
 
     Raises
     ------
     SceneError
-        No plug-in or several have the name, or it is a material's.
+        No plug-in or several have the name.
     """
     from mpmfw.discovery import available, choices, did_you_mean
+    from mpmfw.testing.parametrised import CHECKED
 
-    if kind == "material":
-        raise SceneError("--kind material: there are no checks for materials; expected contact or shape")
     for asked in CHECKED:
         if kind == asked:
             return asked
     if kind is not None:
         raise SceneError(f"--kind {kind}: {did_you_mean(kind, CHECKED)}")
     if ":" in plugin:
-        raise SceneError(f"{plugin}: say --kind contact or --kind shape")
-    found = [each for each in (*CHECKED, "material") if plugin in choices(each)]
+        raise SceneError(f"{plugin}: say --kind, one of {', '.join(CHECKED)}")
+    found = [each for each in CHECKED if plugin in choices(each)]
     if not found:
         names = [name for each in CHECKED for name in available(each)]
         raise SceneError(f"no plug-in '{plugin}' is installed; {did_you_mean(plugin, names)}")
     if len(found) > 1:
         raise SceneError(
             f"'{plugin}' is the name of plug-ins of several kinds ({', '.join(found)}); say --kind"
-        )
-    if found[0] == "material":
-        raise SceneError(
-            f"'{plugin}' is a material; there are checks for contact laws and shape functions only"
         )
     return found[0]
 

@@ -1,4 +1,4 @@
-"""The conformance kit: does a plug-in of one's own keep what a contact law or a shape function must keep?
+"""The conformance kit: does a plug-in of one's own keep what its kind must keep?
 
 From pytest (needs the extra ``mpmfw[testing]``)::
 
@@ -8,8 +8,8 @@ From pytest (needs the extra ``mpmfw[testing]``)::
     def test_conformance(check):
         check()
 
-From the command line: ``mpmfw check PLUGIN``. The names below are imported at their first use, so that
-``import mpmfw.testing`` needs neither pytest nor hypothesis nor numba.
+From the command line: ``mpmfw check PLUGIN``, and in one line ``mpmfw.check_plugin(MyLaw)``. The names below are imported at
+their first use, so that ``import mpmfw.testing`` needs neither pytest nor hypothesis nor numba.
 """
 
 from __future__ import annotations
@@ -21,7 +21,13 @@ if TYPE_CHECKING:
     from mpmfw.testing.check import Check, Inapplicable, Outcome, Violation
     from mpmfw.testing.contact import contact_checks
     from mpmfw.testing.examination import examine
-    from mpmfw.testing.parametrised import contact_conformance, shape_conformance
+    from mpmfw.testing.material import material_checks
+    from mpmfw.testing.parametrised import (
+        check_plugin,
+        contact_conformance,
+        material_conformance,
+        shape_conformance,
+    )
     from mpmfw.testing.searching import ladder, search, try_all
     from mpmfw.testing.shape import shape_checks
     from mpmfw.testing.subject import Subject, subject_of
@@ -32,9 +38,12 @@ _MODULES = {
     "Outcome": "mpmfw.testing.check",
     "Subject": "mpmfw.testing.subject",
     "Violation": "mpmfw.testing.check",
+    "check_plugin": "mpmfw.testing.parametrised",
     "contact_checks": "mpmfw.testing.contact",
     "contact_conformance": "mpmfw.testing.parametrised",
     "examine": "mpmfw.testing.examination",
+    "material_checks": "mpmfw.testing.material",
+    "material_conformance": "mpmfw.testing.parametrised",
     "ladder": "mpmfw.testing.searching",
     "search": "mpmfw.testing.searching",
     "shape_checks": "mpmfw.testing.shape",
@@ -49,10 +58,13 @@ __all__ = [
     "Outcome",
     "Subject",
     "Violation",
+    "check_plugin",
     "contact_checks",
     "contact_conformance",
     "examine",
     "ladder",
+    "material_checks",
+    "material_conformance",
     "search",
     "shape_checks",
     "shape_conformance",

@@ -9,8 +9,11 @@ from typing import Any
 from mpmfw.discovery import Kind, did_you_mean
 from mpmfw.errors import SceneError
 from mpmfw.testing.check import Check
-from mpmfw.testing.examination import examine_one, justified, named
+from mpmfw.testing.examination import examine, examine_one, justified, named
 from mpmfw.testing.subject import Subject, subject_of
+
+#: Kinds of plug-ins that there are checks for.
+CHECKED: tuple[Kind, ...] = ("contact", "shape", "material")
 
 #: Folder for pictures of counterexamples, in the working directory; made by the first failure.
 PICTURES = Path("mpmfw-check")
@@ -68,6 +71,109 @@ def shape_conformance(
     from mpmfw.testing.shape import shape_checks
 
     return _parametrised(plugin, "shape", shape_checks(), expected_failures, only, pictures)
+
+
+def material_conformance(
+    plugin: Any,
+    *,
+    expected_failures: Mapping[str, str] | None = None,
+    only: Iterable[str] | None = None,
+    pictures: Path | None = PICTURES,
+) -> Callable[[Any], Any]:
+    """Parametrise a test over the checks of a material; as :func:`contact_conformance`.
+
+    A material with moduli to be given is named with them: ``"neo_hookean(bulk_modulus=5e6, shear_modulus=3e6)"``.
+    """
+    from mpmfw.testing.material import material_checks
+
+    return _parametrised(plugin, "material", material_checks(), expected_failures, only, pictures)
+
+
+def checks_of(kind: Kind) -> Sequence[Check]:
+    """All checks of a kind of plug-in.
+
+    Raises
+    ------
+    SceneError
+        There are none for it.
+    """
+    if kind == "contact":
+        from mpmfw.testing.contact import contact_checks
+
+        return contact_checks()
+    if kind == "shape":
+        from mpmfw.testing.shape import shape_checks
+
+        return shape_checks()
+    if kind == "material":
+        from mpmfw.testing.material import material_checks
+
+        return material_checks()
+    raise SceneError(f"there are no checks of a {kind} by itself; expected one of {', '.join(CHECKED)}")
+
+
+def check_plugin(
+    plugin: Any,
+    *,
+    expected_failures: Mapping[str, str] | None = None,
+    only: Iterable[str] | None = None,
+    pictures: Path | None = PICTURES,
+) -> None:
+    """Check a contact strategy, a shape function or a material; its base class says which it is.
+
+    Parameters
+    ----------
+    plugin
+        A class or a configured object.
+    expected_failures, only, pictures
+        As of :func:`contact_conformance`.
+
+    Raises
+    ------
+    AssertionError
+        A check went wrong: all that did, each with its smallest counterexample.
+    SceneError
+        It is no plug-in that there are checks for.
+
+    Examples
+    --------
+    >>> mpmfw.check_plugin(MyLaw)
+    """
+    subject = subject_of(plugin, kind_of(plugin))
+    checks = checks_of(subject.kind)
+    outcomes = examine(subject, chosen(checks, only), _among(expected_failures, checks, only), pictures)
+    if wrong := [outcome.report for outcome in outcomes if outcome.wrong]:
+        raise AssertionError("\n".join([subject.label, *wrong]))
+
+
+def _among(
+    expected: Mapping[str, str] | None, checks: Sequence[Check], only: Iterable[str] | None
+) -> dict[str, str]:
+    """The expected failures among the checks that run."""
+    table = justified(expected or {}, checks)
+    names = {check.name for check in chosen(checks, only)}
+    return {name: why for name, why in table.items() if name in names}
+
+
+def kind_of(plugin: Any) -> Kind:
+    """The kind of a plug-in's class or object, by its base class.
+
+    Raises
+    ------
+    SceneError
+        It has none of the base classes that there are checks for.
+    """
+    from mpmfw.api import ContactStrategy, Material, ShapeFunction
+
+    kind = plugin if isinstance(plugin, type) else type(plugin)
+    bases: dict[Kind, type[Any]] = {"contact": ContactStrategy, "shape": ShapeFunction, "material": Material}
+    for name, base in bases.items():
+        if issubclass(kind, base):
+            return name
+    expected = ", ".join(f"mpmfw.api.{base.__name__}" for base in bases.values())
+    raise SceneError(
+        f"cannot check {plugin!r}: expected a class, or an object of one, derived from {expected}"
+    )
 
 
 def chosen(checks: Sequence[Check], only: Iterable[str] | None) -> list[Check]:

@@ -147,6 +147,8 @@ def _complaint(plugin: Any, problem: Any) -> str:
     where = ".".join(map(str, problem["loc"])) or "options"
     if problem["type"] == "extra_forbidden" and hasattr(plugin, "Options"):
         return f"no such option '{where}'; {did_you_mean(where, plugin.Options.model_fields)}"
+    if problem["type"] == "missing":
+        return f"{where}: missing; give it as in '{getattr(plugin, 'name', 'NAME')}({where}=…)'"
     return f"{where}: {problem['msg']}"
 
 
