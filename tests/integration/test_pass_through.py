@@ -15,6 +15,7 @@ from mpmfw import run
 from mpmfw.api import SimulationError
 from mpmfw.errors import ResultsWarning
 from mpmfw.simulation import Simulation
+from mpmfw_contact.surfaces import detection, travel
 
 SOLID = material(1e6, 1000.0)  # K 1 MPa, G 0.5 MPa
 C = math.sqrt((1e6 + 4.0 * 5e5 / 3.0) / 1000.0)  # m/s
@@ -172,6 +173,27 @@ def test_bodies_that_cross_end_the_run_with_pair_place_and_time() -> None:
     assert caught.value.body in ("left", "right")
     assert caught.value.position is not None
     assert 0.0 < caught.value.time < mapping["time"]["end"]
+
+
+def test_bodies_are_not_taken_for_crossed_for_a_little(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A smaller distance ends a run that holds; with a larger one bodies cross and nothing says so."""
+    soft = SCENES["head-on"](0.5)
+    soft["contact"]["penalty"] = {"kappa": 0.01}
+    monkeypatch.setattr(detection, "CROSSED", 100.0)
+    assert fate(soft).behind > 0.0
+    assert "crossed" not in fate(soft).message
+
+
+@pytest.mark.parametrize(
+    ("module", "constant", "value"), [(travel, "SHARE", 100.0), (detection, "THIN", 100.0)]
+)
+def test_what_is_too_fast_to_be_seen_passes_through(
+    module: Any, constant: str, value: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With a larger travel in a step, or where crossings of thin bodies are not looked for; smaller ones only cost time."""
+    monkeypatch.setattr(module, constant, value)
+    found = fate(SCENES["thin sheet"](2.0))
+    assert found.behind > 0.0 or "crossed" in found.message
 
 
 def pressed(angle: float, cell: float = CELL) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from interpreted import interpreted
 from mpmfw.effects.local_spin import correct_spin, find_excess
 from mpmfw.fields import FloatArray
 from mpmfw.simulation import Simulation
@@ -98,3 +99,9 @@ def test_a_film_that_barely_reaches_its_outer_nodes_keeps_its_frequency(beyond: 
     middle = beyond * H
     film = rectangle([-0.43, middle - H / 4], [0.57, middle + H / 4], "linear")
     assert linearised(film).ratio < 1.02
+
+
+def test_without_a_least_share_that_film_gets_frequencies_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    film = rectangle([-0.43, 1e-3 * H - H / 4], [0.57, 1e-3 * H + H / 4], "linear")
+    monkeypatch.setitem(globals(), "correct_spin", interpreted(correct_spin, LEAST_SHARE=0.0))
+    assert linearised(film).ratio > 1.2

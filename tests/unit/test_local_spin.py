@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from interpreted import interpreted
 from mpmfw.effects.local_spin import LEAST_SHARE, correct_spin, find_excess
 from mpmfw.fields import FloatArray
 
@@ -181,6 +182,26 @@ def test_a_body_that_turns_as_a_whole_has_the_inertia_of_its_material(dim: int) 
     momentum[FIRST:] = m[:, None] * np.cross(spin, r)[:, :dim]
     answer = np.cross(r, full(w.corrected(momentum, np.zeros_like(momentum))[FIRST:])).sum(axis=0)
     np.testing.assert_allclose(answer, grid @ np.linalg.inv(true) @ grid @ spin, rtol=1e-10)
+
+
+def test_with_a_larger_least_share_a_body_keeps_the_lumped_nodes_inertia(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A share below that of an ordinary body's cells changes nothing there (a film's: test_rotation_frequency)."""
+    w = window(2, 8, 0.0)
+    rng = np.random.default_rng(1)
+    momentum = rng.normal(size=w.node.shape)
+    corrected = w.corrected(momentum, np.zeros_like(momentum))
+
+    def with_share(share: float) -> FloatArray:
+        monkeypatch.setitem(globals(), "correct_spin", interpreted(correct_spin, LEAST_SHARE=share))
+        found = w.corrected(momentum, np.zeros_like(momentum))
+        monkeypatch.undo()
+        return np.abs(found - momentum).max() / np.abs(corrected - momentum).max()
+
+    assert with_share(LEAST_SHARE) == pytest.approx(1.0)
+    assert with_share(1e-9) == pytest.approx(1.0)
+    assert with_share(10.0) < 0.2
 
 
 @DIMENSIONS

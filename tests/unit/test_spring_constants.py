@@ -1,4 +1,4 @@
-"""What each constant of springs that change is for: which way the spring fails without it."""
+"""What each constant of the springs is for: which way they fail without it."""
 
 from __future__ import annotations
 
@@ -57,3 +57,37 @@ def test_with_a_wider_exception_nodes_gain_energy(monkeypatch):
     assert energy_from_nothing(0.05, 1.5 * 0.01 * CELL) > 0.1
     monkeypatch.setattr(_springs, "WEAK", 0.3)
     assert energy_from_nothing(0.2, REST) > 0.04
+
+
+def depth_that_stops(layers: float) -> float:
+    """Depth [cells] at which springs of kappa = 1 hold the energy of two bodies at their waves' speed, so many cells of each."""
+    limit = _springs.LINEAR_TO  # stiffness and modulus are 1, as are density, speed and cell
+
+    def held(depth: float) -> float:
+        return _springs.spring_energy.py_func(1.0, depth, limit)
+
+    return next(depth for depth in (0.01 * n for n in range(1, 10**4)) if held(depth) >= layers)
+
+
+@pytest.mark.parametrize(("constant", "without"), [("GROWTH", 0.0), ("LINEAR_TO", 1.5)])
+def test_springs_that_do_not_grow_stiffer_let_bodies_cross_at_the_speed_of_their_waves(
+    constant, without, monkeypatch
+):
+    """A layer of a cell of each has gone past the reach of the search, a cell, before it stops."""
+    assert depth_that_stops(1.0) < 0.8
+    monkeypatch.setattr(_springs, constant, without)
+    assert depth_that_stops(1.0) > 1.3
+
+
+def share_of_the_step(depth: float) -> float:
+    """Part of the stable step that is left where springs are so deep [cells]."""
+    return _springs.tangent_stiffness.py_func(1.0, depth, _springs.LINEAR_TO) ** -0.5
+
+
+@pytest.mark.parametrize(("constant", "value"), [("GROWTH", 1600.0), ("LINEAR_TO", 0.005)])
+def test_springs_that_grow_stiffer_sooner_or_more_cost_steps(constant, value, monkeypatch):
+    """At a fifth of a cell, as in a hard impact, and at 0.3, in the hardest."""
+    assert share_of_the_step(0.2) == 1.0
+    assert share_of_the_step(0.3) > 0.6
+    monkeypatch.setattr(_springs, constant, value)
+    assert share_of_the_step(0.2 if constant == "LINEAR_TO" else 0.3) < 0.4

@@ -28,6 +28,7 @@ from mpmfw.kernels.pair_table import pair_table
 from mpmfw_contact.surfaces import search
 from mpmfw_contact.surfaces.assembly import Places, Table, assemble, point_forces
 from mpmfw_contact.surfaces.candidates import no_candidates, no_lists
+from mpmfw_contact.surfaces.facing import too_fine
 from mpmfw_contact.surfaces.outline import outline_of
 from mpmfw_contact.surfaces.tracking import CROSSED, crossed, find_crossings, keep_inside, remember_inside
 from mpmfw_contact.surfaces.travel import TravelLimit
@@ -164,6 +165,8 @@ class Surfaces(Detection):
             count = search.find_pairs(
                 self.stamp, self.radius, self.every_facet, outline, self.rank, lists, self.candidates, grid.spacing
             )  # fmt: skip
+            if count < 0:
+                raise too_fine(self.state, -1 - count)
         elif not self.was_inside:
             return 0
         else:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from mpmfw.api import SimulationError, State
 from mpmfw.kernels import device, scratch
 from mpmfw.kernels.facets import extent_of, length_of, node_normal, read_corners, way_across
 from mpmfw.kernels.types import Float, Floats
@@ -40,8 +41,11 @@ ROUND_THE_CORNER = 0.25
 #: How far outside, in lengths of the closest facet, a node still counts as flush with it.
 FLUSH = 0.05
 
-#: As many facets round a corner are looked at, at most.
+#: As many facets round a corner can be looked at; where there are more within reach the run ends and says so.
 ROUND = (0.0,) * 64
+
+#: Index in place of a facet's where there are more than those.
+TOO_MANY = -2
 
 
 @device
@@ -56,7 +60,8 @@ def measure_of(m: int, outline: Outline, spacing: tuple[float, ...]) -> Float:
 def facing_facet(
     looks: Floats, m: int, share: Floats, reach: Float, outline: Outline, spacing: tuple[float, ...]
 ) -> int:
-    """The facet nearest to a point of facet m along the surface that faces a node; −1 if none within ``reach`` [m].
+    """The facet nearest to a point of facet m along the surface that faces a node; −1 if none within ``reach`` [m],
+    :data:`TOO_MANY` if there are more than it can look at.
 
     ``share`` are the point's barycentric coordinates, ``looks`` is the node's normal. From facet to facet the nearest is looked
     at first, of equally near ones that on the side of the first corner.
@@ -93,24 +98,29 @@ def facing_facet(
             for k in range(count):
                 if facet[k] == other:
                     known = True
-            if not known and count < len(ROUND):
-                facet[count], side[count] = other, along
-                way[count] = way_across(far, 1.0, a, start, corners, spacing)
+            if known:
+                continue
+            further = way_across(far, 1.0, a, start, corners, spacing)
+            if count < len(ROUND):
+                facet[count], side[count], way[count] = other, along, further
                 count += 1
+            elif further <= reach:
+                return TOO_MANY
 
 
 @device
 def turn_to_facing(
     s: int, radius: Float, outline: Outline, candidates: Candidates, spacing: tuple[float, ...]
-) -> None:
-    """Candidates of node s that do not face it give way to a facet round the corner that does, or are dropped.
+) -> bool:
+    """Candidates of node s that do not face it give way to a facet round the corner that does, or are dropped; whether no
+    corner had too many facets to look at.
 
     Where two bodies are flush, the node at the corner of one lies on the side of the other, with no gap: it would be held
     there, and its part of the face would carry nothing. A node that is outside is not turned: it may be inside of nothing
     but the plane of a far face.
     """
     looks, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
-    looked = False
+    looked, done = False, True
     for j in range(candidates.facet.shape[1]):
         m = candidates.facet[s, j]
         if m < 0:
@@ -125,9 +135,27 @@ def turn_to_facing(
         for a in range(len(spacing)):
             share[a] = candidates.share[s, j, a]
         m = facing_facet(looks, m, share, reach, outline, spacing)
-        candidates.facet[s, j] = m
+        done = done and m != TOO_MANY
         if m < 0:
-            candidates.master[s, j] = -1
+            candidates.master[s, j], candidates.facet[s, j] = -1, -1
         else:
             g = distance_to(s, m, outline, share, normal, spacing)
             put(s, j, candidates.master[s, j], m, g, share, normal, candidates, spacing)
+    return done
+
+
+def too_fine(state: State, node: int) -> SimulationError:
+    """What ends a run in which a corner near a surface node has more facets than can be looked at."""
+    surface = state.surface
+    if surface is None:
+        raise RuntimeError("no surface is tracked")
+    body = state.bodies[int(surface.body[node])]
+    return SimulationError(
+        f"more than {len(ROUND)} facets of another body are within {ROUND_THE_CORNER:g} search radii of a surface node that "
+        "they do not face",
+        body=body.name,
+        index=node - int(surface.body_first[body.index]),
+        position=surface.position[node].tolist(),
+        time=state.time,
+        advice="a larger segment of the body that it touches, at least a hundredth of a cell",
+    )

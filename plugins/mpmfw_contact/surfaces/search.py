@@ -294,8 +294,11 @@ def find_pairs(
 
     ``every`` takes instead, as [H17] writes it, every facet with g_n < 0 and the foot on it one of whose corners
     lies within the radius, up to the number of slots. Nodes of body a are slaves to facets of b if ``rank[a]`` is no
-    higher than ``rank[b]``. The cells round a node's own come after it: what that holds spares most of the others. Return
-    the number of candidates.
+    higher than ``rank[b]``. The cells round a node's own come after it: what that holds spares most of the others.
+
+    Returns
+    -------
+    Number of candidates; −1 − s where a corner near node s has more facets than can be looked at.
     """
     dim, count = len(spacing), 0
     x, lower, upper = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
@@ -330,8 +333,8 @@ def find_pairs(
             if outside_box(x, lower, upper, reach_of(s, radius, candidates), spacing):
                 continue
             search_cell(s, grid.head[cell], radius, every, outline, rank, grid, candidates, spacing)
-        if not every:
-            turn_to_facing(s, radius, outline, candidates, spacing)
+        if not every and not turn_to_facing(s, radius, outline, candidates, spacing):
+            return -1 - s
         for j in range(candidates.facet.shape[1]):
             if candidates.facet[s, j] >= 0:
                 count += 1

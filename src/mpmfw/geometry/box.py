@@ -52,7 +52,7 @@ class Box(BaseModel):
         return np.array([self.lower, self.upper])
 
     def surfaces(self, edge: float) -> tuple[tuple[FloatArray, IntArray], ...]:
-        """Nodes (n, 3) [m] and triangles (k, 3), halves of rectangles of sides up to ``edge`` [m]."""
+        """Nodes (n, 3) [m] and triangles (k, 3): rectangles of sides up to ``edge`` [m], cut in four from the centre."""
         return (box_surface(self.bounds[0], self.bounds[1], edge),)
 
     def lattice(self, size: float, offset: tuple[float, ...]) -> Layout:

@@ -1,0 +1,56 @@
+"""Kernels as Python runs them, with other constants: what numba has compiled keeps those that it was compiled with."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from types import FunctionType, SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from mpmfw.kernels import scratch
+
+#: What :mod:`mpmfw.kernels.scratch` gives on the stack; NaN until it is written.
+ON_THE_HEAP = SimpleNamespace(
+    vector=lambda like: np.full(len(like), np.nan),
+    integers=lambda like: np.full(len(like), -(2**62)),
+    matrix=lambda rows, columns: np.full((len(rows), len(columns)), np.nan),
+)
+
+
+def interpreted(kernel: Any, **constants: Any) -> Callable[..., Any]:
+    """The function that was compiled to ``kernel``, and all that it calls, with these constants in place of the modules' own.
+
+    Slow: for a few dozen points. Division by zero gives inf, as in kernels.
+    """
+    made: dict[Any, Any] = {}
+    met: set[str] = set()
+
+    def in_python(compiled: Any) -> Any:
+        function = compiled.py_func
+        if function not in made:
+            names = dict(function.__globals__)
+            made[function] = FunctionType(
+                function.__code__, names, function.__name__, function.__defaults__, function.__closure__
+            )
+            for name in function.__code__.co_names:
+                value = names.get(name)
+                if name in constants:
+                    names[name] = constants[name]
+                    met.add(name)
+                elif value is scratch:
+                    names[name] = ON_THE_HEAP
+                elif hasattr(value, "py_func"):
+                    names[name] = in_python(value)
+        return made[function]
+
+    function = in_python(kernel)
+    assert met == set(constants), f"{kernel.__name__} reads none of {set(constants) - met}"
+
+    @functools.wraps(kernel.py_func)
+    def call(*arguments: Any) -> Any:
+        with np.errstate(all="ignore"):
+            return function(*arguments)
+
+    return call

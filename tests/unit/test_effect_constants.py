@@ -1,0 +1,248 @@
+"""What each constant of the effects is for: which way it fails where it is smaller or larger."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from interpreted import interpreted
+from mpmfw.effects import constraint, energy_guard, local_inertia, side_rows
+from mpmfw.effects.constraint import AGREED, PASSES
+from mpmfw.effects.side_rows import QUADRATURE, add_rows, quadrature, splines
+from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, weigh_by_mass, weigh_plain
+from mpmfw.kernels.stencil import LEAST_SHARE, linear_weights
+from mpmfw.simulation import Simulation
+from scenes_for_tests import block, disc
+
+RNG = np.random.default_rng(3)
+
+
+# -- the map of the surface
+def weighed(kernel: Any, share: float, masses: list[float], **constants: float) -> np.ndarray:
+    """Weights of a surface node between two grid nodes of these masses, in cells full of 1 kg/m, ``share`` from the first."""
+    weight = np.array([1.0 - share, share])
+    interpreted(kernel, **constants)(np.array([0, 2]), np.array([0, 1]), weight, np.ones(1), np.array(masses))
+    return weight
+
+
+@pytest.mark.parametrize("share", [0.05, 0.3, 0.7, 1.0])
+def test_under_a_straight_boundary_the_outer_node_keeps_its_weight(share: float) -> None:
+    """It has N² / 2 of a cell's mass; with a larger share it would count as empty, and the surface follow the inner node."""
+    boundary = [1.0, 0.5 * share**2]
+    np.testing.assert_array_equal(weighed(weigh_plain, share, boundary, LIGHT=LIGHT), [1.0 - share, share])
+    if share < 1.0:
+        np.testing.assert_array_equal(weighed(weigh_plain, share, boundary, LIGHT=0.6), [1.0, 0.0])
+
+
+def test_a_node_that_points_have_barely_reached_gets_no_force() -> None:
+    """Without the share a force of 1 N/m would accelerate it by 3e8 m/s²."""
+    barely = [1.0, 1e-9]
+    assert weighed(weigh_plain, 0.3, barely, LIGHT=LIGHT)[1] == 0.0
+    assert weighed(weigh_plain, 0.3, barely, LIGHT=0.0)[1] / barely[1] == pytest.approx(3e8)
+
+
+def test_the_critical_mass_bounds_what_a_force_accelerates() -> None:
+    """By N / m_c, however light the node is."""
+    for mass in (1e-3, 1e-6, 1e-9):
+        assert weighed(weigh_by_mass, 0.3, [1.0, mass], CRITICAL_MASS=CRITICAL_MASS)[1] / mass < 6.0
+        assert weighed(weigh_by_mass, 0.3, [1.0, mass], CRITICAL_MASS=0.0)[1] / mass >= 0.3 / 1e-3
+
+
+def test_a_larger_critical_mass_ties_the_surface_to_the_inner_node() -> None:
+    """Half a cell out, where the outer node has an eighth of a cell's mass, it is read from this much farther inside [cells]."""
+    boundary = [1.0, 0.125]
+    near, far = (weighed(weigh_by_mass, 0.5, boundary, CRITICAL_MASS=m)[1] for m in (CRITICAL_MASS, 10.0))
+    assert 0.5 - near < 0.13
+    assert 0.5 - far > 0.35
+
+
+# -- prescribed sides
+def rows_at(place: float, mass: list[float], **constants: float) -> list[tuple[float, dict[int, float]]]:
+    """Target and weights of every row of the side y = ``place`` of a body below it, in one column of 8 nodes."""
+    position = np.column_stack([np.zeros(8), np.arange(8.0)])
+    whole = {name: np.zeros(20, dtype=np.int64) for name in ("row", "side")}
+    real = {name: np.zeros(20) for name in ("target", "compliance", "c", "distance")}
+    table = side_rows.SideTable(nodes=np.zeros(60, dtype=np.int64), weights=np.zeros(60), **whole, **real)
+    wide, normal = np.full(2, np.inf), np.array([0.0, 1.0])
+    side = side_rows.PlaneSide(
+        normal=normal, box_lower=-wide, box_upper=wide, shift=np.zeros(1), share=np.ones(1)
+    )
+    count = interpreted(add_rows, **constants)(
+        0, 0, 8, 1, 8, 1, place, 1, True, 1.0, side, position, np.array(mass), table, (1.0, 1.0)
+    )
+    return [
+        (
+            float(table.target[r]),
+            {
+                int(table.nodes[a]): round(float(table.weights[a]), 9)
+                for a in range(table.row[r], table.row[r + 1])
+            },
+        )
+        for r in range(count)
+    ]
+
+
+def impulse_on(node: int, weights: dict[int, float], mass: list[float]) -> float:
+    """Change of a node's velocity [m/s] by which a row is met that misses 1 m/s."""
+    return weights.get(node, 0.0) / mass[node] / sum(w**2 / mass[k] for k, w in weights.items())
+
+
+def test_an_empty_node_does_not_take_the_side_s_impulse() -> None:
+    """Without a share that counts as empty it takes all of it, and runs away at five times what is missing."""
+    barely = [0.5, 1, 1, 1, 0.68, 1e-4, 0, 0]
+    (_, weights) = rows_at(4.2, barely, LIGHT=side_rows.LIGHT)[-1]
+    assert 5 not in weights
+    (_, weights) = rows_at(4.2, barely, LIGHT=0.0)[-1]
+    assert impulse_on(5, weights, barely) > 4.9
+
+
+def test_a_node_under_a_straight_side_is_not_empty() -> None:
+    """It has c² / 2; with a larger share the side would be read, and held, by the nodes inside."""
+    straight = [0.5, 1, 1, 1, 0.82, 0.08, 0, 0]
+    assert rows_at(4.4, straight, LIGHT=side_rows.LIGHT)[-1] == (1.0, {4: 0.6, 5: 0.4})
+    assert rows_at(4.4, straight, LIGHT=0.6)[-1] == (1.0, {4: 1.4, 3: -0.4})
+
+
+def test_of_a_body_that_reaches_a_cell_by_next_to_nothing_that_node_is_held_in_line() -> None:
+    """Without the least weight nothing holds it; with a larger one that of an ordinary side is read from inside as well."""
+    thin, straight = [0.5, 1, 1, 1, 0.5, 1e-3, 0, 0], [0.5, 1, 1, 1, 0.82, 0.08, 0, 0]
+    in_line = (0.0, {5: 1.0, 4: -2.0, 3: 1.0})
+    assert in_line in rows_at(4.01, thin, THIN=side_rows.THIN)
+    assert in_line not in rows_at(4.01, thin, THIN=0.0)
+    assert in_line not in rows_at(4.4, straight, THIN=side_rows.THIN)
+    assert in_line in rows_at(4.4, straight, THIN=0.5)
+
+
+def test_an_oblique_side_has_points_enough_for_its_weights(monkeypatch: pytest.MonkeyPatch) -> None:
+    """More change them by less than 1e-3; of two a cell they would be off by up to 3 % of a node."""
+    normal = np.array([math.sin(0.6), math.cos(0.6)])
+
+    def weights(points: int) -> np.ndarray:
+        monkeypatch.setattr(side_rows, "QUADRATURE", points)
+        shift, share = quadrature(normal, 1, 1)
+        found = []
+        for place in np.linspace(0.0, 1.0, 21):
+            value = np.empty(len(shift))
+            found.append([])
+            for node in range(-4, 5):
+                splines(np.ascontiguousarray(place - node - shift), 1, value)
+                found[-1].append(share @ value)
+        return np.array(found)
+
+    exact = weights(400)
+    assert np.abs(weights(QUADRATURE) - exact).max() < 1e-3
+    assert np.abs(weights(2) - exact).max() > 0.01
+
+
+def missed(simulation: Simulation) -> float:
+    """Largest velocity by which rows of prescribed sides are not met after a step [m/s]."""
+    held, grid = simulation.manager.get_plugin("constraint"), simulation.state.grid
+    table, worst = held.table, 0.0
+    for r in range(held.rows):
+        entries = slice(table.row[r], table.row[r + 1])
+        nodes = table.nodes[entries]
+        velocity = table.weights[entries] @ (grid.momentum[nodes] / grid.mass[nodes, None])
+        velocity = held.directions[table.side[r]] @ velocity
+        wanted = table.target[r] * held.velocity[table.side[r]]
+        worst = max(worst, float(np.nanmax(np.abs(velocity - wanted))))
+    return worst
+
+
+def with_sides(top: float) -> Simulation:
+    """A block off the grid lines whose left side is fixed and whose top moves at a speed [m/s]."""
+    return Simulation(
+        block(
+            bodies__solid__geometry__lower=[-0.47, -0.43],
+            bodies__solid__geometry__upper=[0.53, 0.57],
+            bodies__solid__velocity=[1.0, 0.0],
+            bodies__solid__sides=[
+                {"side": "left", "fixed": True},
+                {"side": "top", "velocity": [0.0, top]},
+            ],
+        )
+    )
+
+
+@pytest.mark.parametrize(("constant", "value"), [("PASSES", 2), ("AGREED", 1e-2)])
+def test_sides_that_share_nodes_are_met_together(
+    constant: str, value: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Fewer passes, or a coarser agreement, leave the corner with a velocity of its own."""
+    simulation = with_sides(0.0)
+    simulation.advance(1)
+    held = simulation.manager.get_plugin("constraint")
+    assert held.passes < PASSES
+    assert missed(simulation) < 10.0 * held.agreed
+    monkeypatch.setattr(constraint, constant, value)
+    simulation = with_sides(0.0)
+    simulation.advance(1)
+    assert missed(simulation) > 1e3 * held.agreed
+
+
+def test_sides_that_contradict_each_other_take_all_passes_and_so_does_an_agreement_below_rounding(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    simulation = with_sides(1.0)
+    simulation.advance(1)
+    assert simulation.manager.get_plugin("constraint").passes == PASSES
+    assert AGREED > 1e-14
+    monkeypatch.setattr(constraint, "AGREED", 0.0)
+    simulation = with_sides(0.0)
+    simulation.advance(1)
+    assert simulation.manager.get_plugin("constraint").passes == PASSES
+
+
+# -- what watches a run, and local inertia
+def test_rounding_is_no_growth_of_energy_and_a_slow_impact_s_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Energies over stiffness and volume: 1e-24 of strains of rounding, 1e-8 of a strain of 1e-4."""
+    state = Simulation(block()).state
+
+    def stops(energy: float) -> bool:
+        body = state.bodies[0]
+        stiffness = float(state.particles.volume.sum()) * (body.bulk_modulus + body.shear_modulus)
+        return energy_guard.EnergyGuard.of(state).grown(energy * stiffness)
+
+    assert not stops(1e-24)
+    assert stops(1e-8)
+    monkeypatch.setattr(energy_guard, "NOTHING", 0.0)
+    assert stops(1e-24)
+    monkeypatch.setattr(energy_guard, "NOTHING", 1e-6)
+    assert not stops(1e-8)
+
+
+def test_local_inertia_needs_its_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Past it a disc that shakes gains energy without end; a smaller one would only take more steps."""
+
+    def fastest() -> float:
+        simulation = Simulation(
+            disc(bodies__solid__rotation="local", bodies__solid__angular_velocity=1.0, allow_unstable=True)
+        )
+        p = simulation.state.particles
+        simulation.start()
+        p.velocity += 0.01 * shake
+        simulation.advance(60)
+        return float(np.abs(p.velocity).max())
+
+    shake = RNG.normal(size=(Simulation(disc()).state.particles.count, 2))
+    assert fastest() < 2.0
+    monkeypatch.setattr(local_inertia, "COURANT_LIMIT", 1.0)
+    assert not fastest() < 100.0
+
+
+# -- linear functions, whose least share keeps nodes at the edge
+def test_a_point_on_a_grid_line_reaches_the_next_node_by_next_to_nothing() -> None:
+    """Without a share the node has a gradient and no mass; a larger one would move the point."""
+
+    def at(xi: float, least: float) -> tuple[float, float]:
+        base, weight, slope = np.zeros(1), np.zeros((1, 2)), np.zeros((1, 2))
+        interpreted(linear_weights, LEAST_SHARE=least)(xi, 1.0, 0, base, weight, slope)
+        return weight[0, 1], abs(base[0] + weight[0, 1] - xi)
+
+    share, moved = at(3.0, LEAST_SHARE)
+    assert share > 0.0
+    assert moved < 1e-12
+    assert at(3.0, 0.0)[0] == 0.0
+    assert at(3.0, 1e-3)[1] == pytest.approx(1e-3)
