@@ -127,7 +127,7 @@ EFFECTS = {
     "prescribed sides": brings(
         "constraint",
         hooks="setup constrain_momentum advect end_step",
-        modules="mpmfw.effects.constraint mpmfw.effects.side_rows",
+        modules="mpmfw.effects.constraint mpmfw.effects.faces mpmfw.effects.side_rows",
     ),
     "settling": brings(),
     "pressure": brings("pressure", hooks="add_nodal_force", modules="mpmfw.effects.pressure"),

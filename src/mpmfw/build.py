@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,16 +12,14 @@ import numpy as np
 from mpmfw.api import ContactStrategy, FrictionLaw, Material, ShapeFunction
 from mpmfw.blame import distribution_said, refusing
 from mpmfw.discovery import Kind, full_name, load, refuse_nameless
-from mpmfw.effect import Effect
 from mpmfw.errors import SceneError
-from mpmfw.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, FloatArray, IntArray
+from mpmfw.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, IntArray
 from mpmfw.geometry import Layout, discretise
 from mpmfw.hookspecs import HookSpecs
 from mpmfw.marks import refuse_dead_hooks
 from mpmfw.pairs import FEW, NearPairs, overlapping
-from mpmfw.setup import Setup
 from mpmfw.sizing import check_box_inside, check_memory
-from mpmfw.state import Body, Particles, State, Stencil, joined
+from mpmfw.state import Body, Particles, State, joined
 from mpmfw.transfer import Transfer, make_transfer
 from mpmfw.windows import make_grid
 
@@ -41,23 +39,8 @@ class Build:
     materials: dict[str, Material]
     scheme: str
     transfer: Transfer
+    bulk_frequency: float  #: largest 2 c / h over the bodies [1/s]
     friction_law: FrictionLaw | None = None  #: that the scene names
-    effects: list[Effect] = field(default_factory=list)
-    plugins: list[Any] = field(default_factory=list)  #: in the order of registration
-
-    @property
-    def bulk_frequency(self) -> float:
-        """Largest 2 c / h over the bodies [1/s]."""
-        return max(2.0 * body.wave_speed / self.state.grid.cell_size for body in self.state.bodies)
-
-    def material_of(self, body: Body) -> Material:
-        """The material of a body."""
-        return self.materials[self.scene.bodies[body.name].material]
-
-    def note(self, name: str, on: bool, reason: str) -> bool:
-        """Record an effect in the plan; return whether it is on."""
-        self.effects.append(Effect(name, on, reason))
-        return on
 
 
 def build(scene: Scene, contact: ContactStrategy | None = None, shape: ShapeFunction | None = None) -> Build:
@@ -103,7 +86,10 @@ def build(scene: Scene, contact: ContactStrategy | None = None, shape: ShapeFunc
     state = State(particles, grid, bodies, ())
     _list_pairs(scene, state, chosen_contact)
     friction = _friction_law(scene, chosen_contact)
-    return Build(scene, layouts, state, chosen_shape, chosen_contact, materials, scheme, transfer, friction)
+    fastest = max(2.0 * body.wave_speed / grid.cell_size for body in bodies)
+    return Build(
+        scene, layouts, state, chosen_shape, chosen_contact, materials, scheme, transfer, fastest, friction
+    )
 
 
 def _friction_law(scene: Scene, contact: ContactStrategy | None) -> FrictionLaw | None:
@@ -113,26 +99,6 @@ def _friction_law(scene: Scene, contact: ContactStrategy | None) -> FrictionLaw 
         return None
     law: FrictionLaw = _plugin("friction", given.friction_law, given.friction_options)
     return law
-
-
-def make_setup(made: Build) -> Setup:
-    """What plug-ins are told; refuses parts and effects with hooks that would never be called."""
-    for plugin in made.plugins:
-        refuse_dead_hooks(type(plugin))
-    return Setup(
-        state=made.state,
-        layouts=made.layouts,
-        cell_size=made.state.grid.cell_size,
-        shape=made.shape.name,
-        massless_boundary=made.shape.massless_boundary,
-        scheme=made.scheme,
-        transfer=made.transfer.name,
-        flip=made.transfer.flip,
-        bulk_frequency=made.bulk_frequency,
-        safety=made.scene.time.safety,
-        allow_unstable=made.scene.allow_unstable,
-        friction_law=made.friction_law,
-    )
 
 
 def _plugin(kind: Any, name: str, options: Any) -> Any:
@@ -334,42 +300,3 @@ def _particles(
         moment=MOMENT_FIELD.allocate(sizes) if transfer.affine == "moment" else None,
         first=np.array([*starts, len(volume)], dtype=np.int64),
     )
-
-
-def initial_velocity(scene: Scene, state: State, phi: Stencil) -> None:
-    """Set v = v_0 + ω × (x − c), and the affine field that goes with it, on every body.
-
-    ``phi`` is the table of the points where they are: a stored moment is B = W D with D = Σ φ q qᵀ of it.
-    """
-    p = state.particles
-    spread = _spread(state, phi) if p.moment is not None else None
-    for body in state.bodies:
-        model, own = scene.bodies[body.name], body.particles
-        if model.velocity is not None:
-            p.velocity[own] += np.array(model.velocity)
-        if model.angular_velocity is not None:
-            spin = _spin_matrix(np.atleast_1d(np.array(model.angular_velocity, dtype=float)), scene.dim)
-            centre = p.mass[own] @ p.position[own] / p.mass[own].sum()
-            p.velocity[own] += (p.position[own] - centre) @ spin.T
-            if p.affine is not None:
-                p.affine[own] = spin
-            if p.moment is not None and spread is not None:
-                p.moment[own] = spin @ spread[own]
-
-
-def _spread(state: State, phi: Stencil) -> FloatArray:
-    """D_p = Σ_i φ_ip q qᵀ with q = x_i − x_p, (n, dim, dim) [m²]."""
-    p = state.particles
-    point = np.repeat(np.arange(p.count), np.diff(phi.row))
-    q = state.grid.position[phi.nodes] - p.position[point]
-    spread = np.zeros((p.count, p.dim, p.dim))
-    np.add.at(spread, point, phi.weight[:, None, None] * q[:, :, None] * q[:, None, :])
-    return spread
-
-
-def _spin_matrix(omega: FloatArray, dim: int) -> FloatArray:
-    """W with W r = ω × r."""
-    if dim == 2:
-        return np.array([[0.0, -omega[0]], [omega[0], 0.0]])
-    x, y, z = omega
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])

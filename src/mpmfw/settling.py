@@ -62,6 +62,14 @@ def damp_locally(
     return total
 
 
+def called_for(asked: Settle | None) -> tuple[bool, str]:
+    """Whether a scene settles, and the reason: the damping itself is registered only meanwhile."""
+    if asked is None:
+        return False, "no [settle]"
+    given_up = f"{CROSSINGS} crossings" if asked.max_time is None else f"{asked.max_time:g} s"
+    return True, f"[settle]: to {asked.tolerance:g} of the first force, for {given_up} at most"
+
+
 class LocalDamping:
     """The damping as a plug-in that is registered only while a scene settles."""
 
@@ -111,11 +119,7 @@ class Settling:
         longest = max(float(np.subtract(body.upper, body.lower).max()) / body.wave_speed for body in bodies)
         self.limit = CROSSINGS * longest if asked.max_time is None else asked.max_time
         self.tolerance = asked.tolerance
-        gravity, sides = (simulation.manager.get_plugin(name) for name in ("gravity", "constraint"))
-        if sides is not None:
-            sides.at_rest = True
-        if asked.gravity is not None and gravity is not None:
-            gravity.override = np.array(asked.gravity.at(0.0))
+        _tell(simulation, asked)
         self.transfer = simulation.transfer
         simulation.transfer = replace(self.transfer, flip=min(self.transfer.flip, FLIP_SHARE))
         simulation.clock.restart()
@@ -179,14 +183,17 @@ class Settling:
         simulation.transfer = self.transfer
         stop_motion(simulation.state)
         simulation.clock.flush()
-        gravity, sides = (simulation.manager.get_plugin(name) for name in ("gravity", "constraint"))
-        if gravity is not None:
-            gravity.override = None
-        if sides is not None:
-            sides.at_rest = False
+        _tell(simulation, None)
         if simulation.contact is not None:
             simulation.contact.restart()
         simulation.state.time, simulation.state.steps = 0.0, 0
+
+
+def _tell(simulation: Simulation, asked: Settle | None) -> None:
+    """Effects that are different while a scene settles are so until they are told None."""
+    for _, plugin in simulation.manager.list_name_plugin():
+        if hasattr(plugin, "while_settling"):
+            plugin.while_settling(asked)
 
 
 def _costs(clock: Clock) -> dict[str, float]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from mpmfw.answers import declared_fields
 from mpmfw.blame import blaming, described
-from mpmfw.build import Build, build, initial_velocity, make_setup
+from mpmfw.build import Build, build
 from mpmfw.clock import STAGES, STEP_STAGES, Clock
 from mpmfw.compilation import CompileTimer
 from mpmfw.effect import Effect
@@ -20,10 +20,13 @@ from mpmfw.fields import Field
 from mpmfw.frames import Recorder
 from mpmfw.guard import Guard
 from mpmfw.hooks import BoundHooks, hook_names, make_manager
+from mpmfw.initial_motion import initial_velocity
+from mpmfw.marks import refuse_dead_hooks
 from mpmfw.pairs import list_near
-from mpmfw.plan import plan
+from mpmfw.plan import plan_effects
 from mpmfw.results import Frame, RunHeader
 from mpmfw.settling import Settling
+from mpmfw.setup import make_setup
 from mpmfw.sizing import remarks_on
 from mpmfw.snapshot import Snapshot, put, read_snapshot, take, write_snapshot
 from mpmfw.state import State
@@ -65,16 +68,17 @@ class Simulation:
         )
         made_plugins = [made.contact, made.shape, *made.materials.values()]
         with blaming(made_plugins):
-            plan(made)
+            plan = plan_effects(made, self.limits)
         self.state, self.contact, self.shape = made.state, made.contact, made.shape
         self.scheme, self.transfer = made.scheme, made.transfer
-        self.effects: tuple[Effect, ...] = tuple(made.effects)
+        self.effects: tuple[Effect, ...] = tuple(plan.effects)
+        self._rotations = plan.rotations  #: how every body's rotational inertia is treated
         self.manager = make_manager()
-        for plugin in reversed(made.plugins):  # pluggy calls the last registered first
+        for plugin in reversed(plan.plugins):  # pluggy calls the last registered first
             self._register(plugin, _registered_name(made, plugin))
         self.manager.check_pending()
-        with blaming([*made_plugins, *made.plugins]):
-            self._set_up(made)
+        with blaming([*made_plugins, *plan.plugins]):
+            self._set_up(made, plan.plugins)
 
     def _register(self, plugin: Any, name: str) -> None:
         """Register one plug-in; two of one name would take each other's place."""
@@ -85,8 +89,10 @@ class Simulation:
             )
         self.manager.register(plugin, name=name)
 
-    def _set_up(self, made: Build) -> None:
+    def _set_up(self, made: Build, plugins: list[Any]) -> None:
         """Tell the plug-ins what they need, and lay the grid round the bodies."""
+        for plugin in plugins:
+            refuse_dead_hooks(type(plugin))
         setup = make_setup(made)
         self.fields: tuple[Field, ...] = declared_fields(self.manager)
         self.manager.hook.setup(setup=setup)
@@ -107,9 +113,6 @@ class Simulation:
         self._recorder = Recorder(
             self.scene, self.state, self.fields, self.hook, self._callers("diagnostics")
         )
-        watch = self.manager.get_plugin("time_step_series")
-        if watch is not None:
-            watch.limits = self.limits
         self._started = False
         self._settling: Settling | None = None
         self._settled: dict[str, float] = {}
@@ -373,7 +376,7 @@ class Simulation:
                 "scheme": self.scheme,
                 "transfer": self.transfer.name,
                 "transported": int(self.transfer.transported),
-                "rotation": self._rotations(),
+                "rotation": self._rotations,
                 "cell_size": self.state.grid.cell_size,
                 "outputs": self.scene.time.outputs,
                 "output_interval": self.scene.time.output_interval,
@@ -382,13 +385,6 @@ class Simulation:
                 **(attributes or {}),
             }
         )
-
-    def _rotations(self) -> dict[str, str]:
-        """How every body's rotational inertia is treated, as the effects say it."""
-        said = [
-            e.name.removeprefix("rotation of ") for e in self.effects if e.name.startswith("rotation of ")
-        ]
-        return dict(each.rsplit(": ", 1) for each in said)
 
     def concerns(self) -> list[str]:
         """What a reader of the results must know, a sentence each; complete after the last step."""

@@ -11,7 +11,7 @@ from contact_scenes import impact, rectangle, scene
 from mpmfw import run
 from mpmfw.api import SimulationError, hookimpl
 from mpmfw.effects.energy_guard import GROWTH_LIMIT, EnergyGuard
-from mpmfw.recording import CHECK_EVERY
+from mpmfw.effects.ledger import CHECK_EVERY
 from mpmfw.scene import load_scene, shipped_scenes
 from mpmfw.simulation import Simulation
 

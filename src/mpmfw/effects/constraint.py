@@ -4,14 +4,21 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mpmfw.effects.faces import FLAT, face_of, sides_of
 from mpmfw.effects.side_rows import PlaneSide, SideTable, add_rows, meet, quadrature
+from mpmfw.errors import SceneError
 from mpmfw.fields import FloatArray
 from mpmfw.hookspecs import hookimpl
 from mpmfw.setup import Setup
 from mpmfw.state import Body, Grid
+
+if TYPE_CHECKING:
+    from mpmfw.build import Build
+    from mpmfw.scene.tables import Settle, Side
 
 #: Largest number of passes over rows that share nodes; two sides may ask for different velocities at their corner.
 PASSES = 100
@@ -63,11 +70,16 @@ class Constraint:
     """
 
     name = "constraint"
+    ledger_term = ("external", "prescribed sides")
 
     def __init__(self, sides: tuple[PrescribedSide, ...], degree: int) -> None:
         self.sides, self.degree = sides, degree
         #: While a scene settles, moving sides are held where they are.
         self.at_rest = False
+
+    def while_settling(self, asked: Settle | None) -> None:
+        """Hold moving sides where they are, until ``asked`` is None."""
+        self.at_rest = asked is not None
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
@@ -169,3 +181,42 @@ def _plane(side: PrescribedSide, cell_size: float, degree: int) -> PlaneSide:
     lower, upper = side.box(cell_size)
     shift, share = quadrature(side.normal, side.axis, degree)
     return PlaneSide(normal=side.normal, box_lower=lower, box_upper=upper, shift=shift, share=share)
+
+
+def planned(made: Build) -> Constraint:
+    """The fixed and moving sides of all bodies."""
+    sides = tuple(_prescribed(made, body, side) for body, side in sides_of(made, pressed=False))
+    return Constraint(sides, made.shape.boundary_degree)
+
+
+def _prescribed(made: Build, body: Body, side: Side) -> PrescribedSide:
+    """A fixed or moving side.
+
+    Raises
+    ------
+    SceneError
+        Nothing of the outline lies along it: it would hold a corner.
+    """
+    normal, place = face_of(made, body, side)
+    tolerance = FLAT * made.state.grid.cell_size
+    at_side = [np.abs(loop @ normal - place) <= tolerance for loop in body.outlines]
+    along = (on[corners].all(axis=1).any() for on, corners in zip(at_side, body.facets, strict=True))
+    if body.outlines and not any(along):
+        raise SceneError(
+            f"bodies.{body.name}.sides: no part of the outline lies along the side '{side.side}'"
+        )
+    axes = made.scene.bodies[body.name].geometry.axes
+    alone = made.state.grid.n_fields == len(made.state.bodies)
+    return PrescribedSide(body, normal, place, axes, _velocity(side, made.scene.dim), alone)
+
+
+def _velocity(side: Side, dim: int) -> FloatArray:
+    """Prescribed velocity of a side, NaN where a component is free."""
+    if side.velocity is not None:
+        return np.array([np.nan if isinstance(v, str) or v is None else float(v) for v in side.velocity])
+    fixed = np.zeros(dim)
+    if side.fixed is not None and side.fixed is not True:
+        for d, name in enumerate("xyz"[:dim]):
+            if name not in side.fixed:
+                fixed[d] = np.nan
+    return fixed

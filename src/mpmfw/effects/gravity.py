@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mpmfw.fields import FloatArray
 from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels.nodal import add_body_force
 from mpmfw.state import Grid, State
+
+if TYPE_CHECKING:
+    from mpmfw.build import Build
+    from mpmfw.scene.tables import Settle
 
 
 class Gravity:
@@ -22,12 +28,17 @@ class Gravity:
     """
 
     name = "gravity"
+    ledger_term = ("gravity", "gravity")
 
     def __init__(self, times: FloatArray, values: FloatArray) -> None:
         self.times, self.values = times, np.ascontiguousarray(values)
-        #: While a scene settles, the gravity that it settles under; recorded motion starts when this is None
-        #: again.
+        #: While a scene settles, the gravity that it settles under.
         self.override: FloatArray | None = None
+
+    def while_settling(self, asked: Settle | None) -> None:
+        """Take the gravity of the settling, if it has one, and the scene's own again after it, when ``asked`` is None."""
+        gravity = None if asked is None else asked.gravity
+        self.override = None if gravity is None else np.array(gravity.at(0.0))
 
     def at(self, time: float) -> FloatArray:
         """g(t), (dim,) [m/s^2]."""
@@ -41,3 +52,14 @@ class Gravity:
     def add_nodal_force(self, grid: Grid, state: State) -> None:
         """Body force on every velocity field."""
         add_body_force(grid.mass, self.at(state.time), grid.force, grid.spacing)
+
+
+def planned(made: Build) -> Gravity:
+    """That of the scene; none where the scene only settles under one."""
+    gravity = made.scene.gravity
+    if gravity is None:
+        return Gravity(np.zeros(1), np.zeros((1, made.scene.dim)))
+    if gravity.is_constant:
+        return Gravity(np.zeros(1), np.array([gravity.at(0.0)]))
+    rows = np.array(gravity.table)
+    return Gravity(rows[:, 0], rows[:, 1:])

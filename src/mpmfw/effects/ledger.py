@@ -11,14 +11,26 @@ between the work of the internal forces and the strain energy: the error of the 
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
+from mpmfw.effect import Plan
 from mpmfw.effects.energy_guard import EnergyGuard
 from mpmfw.effects.ledger_energies import add_change, grid_energy, impulse_work, motion_energy
 from mpmfw.fields import AnyArray, Field, FloatArray
 from mpmfw.hookspecs import hookimpl
 from mpmfw.series import StrainEnergies
 from mpmfw.state import Grid, State
+
+if TYPE_CHECKING:
+    from mpmfw.build import Build
+
+#: Steps between two looks at the strain energy by what stops a run whose energy grows.
+CHECK_EVERY = 20
+
+#: Hooks by which a contact strategy moves bodies; one that implements none of them does no work.
+CONTACT_HOOKS = ("after_momentum_projection", "add_nodal_force", "after_momentum_update")
 
 
 def _series(name: str, meaning: str) -> Field:
@@ -69,8 +81,6 @@ class EnergyLedger:
         Whether the contact tells all of :data:`SPRING_RECORDS`, so that its work has a residual.
     guard
         What stops a run whose energy grows, or None.
-    check_every
-        Steps between two looks of the guard at the strain energy, which is a pass over all material points.
     """
 
     name = "energy_ledger"
@@ -86,10 +96,9 @@ class EnergyLedger:
         contact: str,
         accounted: bool,
         guard: EnergyGuard | None,
-        check_every: int,
     ) -> None:
         self.strain, self.terms, self.contact, self.accounted = strain, terms, contact, accounted
-        self.guard, self.check_every = guard, check_every
+        self.guard = guard
         self.running = False
 
     def _restart(self, state: State) -> None:
@@ -165,7 +174,7 @@ class EnergyLedger:
             return
         self.guard.loaded = self.loaded
         self.guard.give(self.work["gravity"] + self.work["external"])
-        if self.guard.grown(self.moved) or state.steps % self.check_every == 0:
+        if self.guard.grown(self.moved) or state.steps % CHECK_EVERY == 0:
             self._balance(state)
 
     @hookimpl
@@ -204,3 +213,42 @@ class EnergyLedger:
             terms = {name: found[name] for name in ("contact", "inertia", "transfer", "strain")}
             raise self.guard.error(energy, terms, state.time)
         return residual
+
+
+def planned(made: Build, plan: Plan, strain: StrainEnergies) -> tuple[EnergyLedger, list[Any]]:
+    """The ledger of what is planned so far, and the plug-ins that measure round all others for it."""
+    from mpmfw.effects.ledger_impulses import AfterImpulses, BeforeImpulses
+
+    contact = made.contact
+    declared = [] if contact is None or not hasattr(contact, "declare_fields") else contact.declare_fields()
+    softer_by = getattr(contact, "softer_by", None)
+    ledger = EnergyLedger(
+        strain,
+        terms=_terms(made, plan),
+        contact="" if contact is None else contact.name,
+        accounted="spring_work" in [field.name for field in declared],
+        guard=None if made.scene.allow_unstable else EnergyGuard.of(made.state, softer_by),
+    )
+    after = AfterImpulses(ledger, plan.plugin("gravity"), plan.plugin("pressure"))
+    return ledger, [BeforeImpulses(ledger), after]
+
+
+def _terms(made: Build, plan: Plan) -> tuple[str, ...]:
+    """Works that the ledger can meet in this scene; the others have no series."""
+    found: dict[str, list[str]] = {"gravity": [], "external": [], "contact": [], "inertia": []}
+    for plugin in plan.plugins:
+        if (does := getattr(plugin, "ledger_term", None)) is not None:
+            term, said = does
+            found[term].append(said)
+    if made.contact is not None:  # its work counts by the place where it is done
+        places = [
+            ("contact", CONTACT_HOOKS),
+            ("inertia", ["correct_inertia"]),
+            ("external", ["constrain_momentum"]),
+        ]
+        for term, hooks in places:
+            if any(hasattr(made.contact, hook) for hook in hooks):
+                found[term].append(f"contact '{made.contact.name}'")
+    for term, by in found.items():
+        plan.note(f"ledger: {term} work", bool(by), ", ".join(by) or "nothing in the scene does any")
+    return tuple(term for term, by in found.items() if by)

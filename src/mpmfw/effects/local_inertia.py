@@ -85,6 +85,7 @@ class LocalInertia:
     """
 
     name = "local_inertia"
+    ledger_term = ("inertia", "local inertia")
 
     def __init__(self, bodies: tuple[Body, ...], constraint: Constraint | None = None) -> None:
         self.bodies, self.constraint = bodies, constraint

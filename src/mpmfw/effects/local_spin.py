@@ -210,6 +210,7 @@ class LocalSpin:
     """
 
     name = "local_spin"
+    ledger_term = ("inertia", "local spin")
 
     def __init__(self, bodies: tuple[Body, ...], constraint: Constraint | None) -> None:
         self.bodies, self.constraint = bodies, constraint

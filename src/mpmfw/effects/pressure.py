@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+from mpmfw.effects.faces import FLAT, face_of, sides_of
+from mpmfw.errors import SceneError
 from mpmfw.fields import FloatArray, IntArray
 from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels import kernel, scratch
 from mpmfw.kernels.facets import area_vector, read_corners
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 from mpmfw.state import Grid, State
+
+if TYPE_CHECKING:
+    from mpmfw.build import Build
 
 
 @kernel
@@ -46,6 +53,7 @@ class Pressure:
     """Normal traction −p n on the facets that lie on a side of the body at the start."""
 
     name = "pressure"
+    ledger_term = ("external", "pressures")
 
     def __init__(self, loads: tuple[tuple[float, IntArray], ...]) -> None:
         self.loads = loads
@@ -71,3 +79,26 @@ def facets_on_side(
     """Facets of one body, ``own``, all of whose corners lie on the side n·x = ``place``."""
     on_side = np.abs(position @ normal - place) <= tolerance
     return np.asarray(own.start + np.flatnonzero(on_side[facets[own]].all(axis=1)), dtype=np.int64)
+
+
+def planned(made: Build) -> Pressure:
+    """The sides under pressure of all bodies.
+
+    Raises
+    ------
+    SceneError
+        No facet lies on one of them.
+    """
+    surface = made.state.surface
+    if surface is None:
+        raise RuntimeError("pressure needs tracked surfaces")
+    loads = []
+    for body, side in sides_of(made, pressed=True):
+        normal, place = face_of(made, body, side)
+        tolerance = FLAT * made.state.grid.cell_size
+        own = surface.facets_of(body.index)
+        loaded = facets_on_side(surface.position, surface.facets, own, normal, place, tolerance)
+        if len(loaded) == 0:
+            raise SceneError(f"bodies.{body.name}.sides: no surface facet lies on the side '{side.side}'")
+        loads.append((float(side.pressure or 0.0), loaded))
+    return Pressure(tuple(loads))

@@ -105,6 +105,7 @@ class ExactRotation:
     change."""
 
     name = "rotation"
+    ledger_term = ("inertia", "exact rotation")
 
     def __init__(self, bodies: tuple[Body, ...]) -> None:
         self.bodies = bodies

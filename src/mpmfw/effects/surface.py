@@ -3,7 +3,7 @@ points."""
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from mpmfw.kernels.gaps import minimum_gaps
 from mpmfw.kernels.types import Floats, Indices, Ints
 from mpmfw.setup import Setup
 from mpmfw.state import Body, Grid, State, Surface
+
+if TYPE_CHECKING:
+    from mpmfw.build import Build
 
 SurfaceMap = Literal["plain", "mass_weighted"]
 
@@ -228,3 +231,23 @@ class GapDiagnostic:
             for label, (depth, time) in self.deepest.items()
             if self.watched
         ]
+
+
+def planned(made: Build, *, pressed: bool, measured: bool) -> tuple[SurfaceMap, list[Any]]:
+    """Track the surfaces, of which a contact, a pressure or the gap diagnostic has need.
+
+    Returns
+    -------
+    The map, and the plug-ins: the tracker, and the diagnostic if the gaps are ``measured``.
+    """
+    contact, state = made.contact, made.state
+    by_contact = contact is not None and contact.needs_surface
+    stage = "contact" if by_contact else "force" if pressed else "gap"
+    state.surface = make_surface(state.bodies, state.grid.n_fields, stage)
+    chosen: Any = contact.surface_map if contact is not None and by_contact else "auto"
+    if chosen == "auto":
+        chosen = "mass_weighted" if made.shape.massless_boundary else "plain"
+    plugins: list[Any] = [SurfaceTracker(chosen, stage)]
+    if measured:
+        plugins.append(GapDiagnostic(watched=contact is not None and contact.keeps_apart))
+    return chosen, plugins

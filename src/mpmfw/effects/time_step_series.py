@@ -44,8 +44,8 @@ class TimeStepSeries:
     name = "time_step_series"
     stage = "output"
 
-    def __init__(self) -> None:
-        self.limits: Callable[[], list[tuple[float, str]]] = list
+    def __init__(self, limits: Callable[[], list[tuple[float, str]]]) -> None:
+        self.limits = limits
         self.owners: list[str] = []
         self.last = 0
 

@@ -9,8 +9,9 @@ from mpmfw.scene.locator import Path
 from mpmfw.scene.problem import Problem
 from mpmfw.scene.tables import Body, Side
 
-_AXIS = {"left": 0, "right": 0, "bottom": 1, "top": 1, "back": 2, "front": 2}
-_UPPER = ("right", "top", "front")
+#: Axis of the body across each side, and the sides at its upper end.
+AXIS = {"left": 0, "right": 0, "bottom": 1, "top": 1, "back": 2, "front": 2}
+UPPER = ("right", "top", "front")
 
 
 def check_sides(body: Body, path: Path, dim: int, end: float) -> Iterator[Problem]:
@@ -27,7 +28,7 @@ def check_sides(body: Body, path: Path, dim: int, end: float) -> Iterator[Proble
     """
     for (_, first), (index, second) in itertools.combinations(enumerate(body.sides), 2):
         at = (*path, "sides", index)
-        if _AXIS[first.side] == _AXIS[second.side] and first.side != second.side:
+        if AXIS[first.side] == AXIS[second.side] and first.side != second.side:
             if said := _meeting(body, first, second, end):
                 yield Problem(at, said)
         elif first.side == second.side or body.geometry.type in ("rectangle", "box"):
@@ -50,8 +51,8 @@ def _contradicting(first: Side, second: Side, at: Path, dim: int) -> Iterator[Pr
 
 def _meeting(body: Body, first: Side, second: Side, end: float) -> str:
     """When two opposite sides meet; empty if they do not before the end."""
-    lower, upper = (second, first) if first.side in _UPPER else (first, second)
-    axis = _AXIS[lower.side]
+    lower, upper = (second, first) if first.side in UPPER else (first, second)
+    axis = AXIS[lower.side]
     below, above = _component(lower, axis), _component(upper, axis)
     if below is None or above is None or body.geometry.type == "mesh":
         return ""
