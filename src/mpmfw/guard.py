@@ -7,7 +7,7 @@ a plug-in that is not mpmfw's own runs, these arrays are read-only, and the cloc
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Generator, Iterable
 from typing import Any
 
 import numpy as np
@@ -52,35 +52,61 @@ class Guard:
 
         @functools.wraps(function)
         def call(*arguments: Any) -> Any:
-            arrays = [self._array(name) for name in _SAID]
-            clock = [getattr(self.state, name) for name in _CLOCK]
-            for array in arrays:
-                array.flags.writeable = False
-            try:
-                result = function(*arguments)
-            except Exception as error:
-                if _of_read_only(error):
-                    said = "the material points' masses, initial volumes, positions or velocities"
-                    self._refuse(impl, said, error)
-                raise
-            finally:
-                for array in arrays:
-                    array.flags.writeable = True
-            changed = [
-                f"the material points' {said}"
-                for (name, said), array in zip(_SAID.items(), arrays, strict=True)
-                if self._array(name) is not array
-            ]
-            changed += [
-                f"the clock (state.{name})"
-                for name, before in zip(_CLOCK, clock, strict=True)
-                if getattr(self.state, name) != before
-            ]
-            if changed:
-                self._refuse(impl, " and ".join(changed))
-            return result
+            return self._hold(impl, lambda: function(*arguments))
 
-        return call
+        @functools.wraps(function)
+        def wrap(*arguments: Any) -> Generator[Any, Any, Any]:
+            """The wrapper's parts before and after its ``yield``, each held by itself."""
+            generator = function(*arguments)
+            part = functools.partial(next, generator)
+            while True:
+                ended, value = self._hold(impl, functools.partial(_advanced, part))
+                if ended:
+                    return value
+                try:
+                    sent = yield value
+                except BaseException as error:
+                    part = functools.partial(generator.throw, error)
+                else:
+                    part = functools.partial(generator.send, sent)
+
+        return wrap if impl.wrapper else call
+
+    def _hold(self, impl: pluggy.HookImpl, call: Callable[[], Any]) -> Any:
+        """The result of a call that may change nothing of what belongs to the step.
+
+        Raises
+        ------
+        PluginError
+            It did, or tried to.
+        """
+        arrays = [self._array(name) for name in _SAID]
+        clock = [getattr(self.state, name) for name in _CLOCK]
+        for array in arrays:
+            array.flags.writeable = False
+        try:
+            result = call()
+        except Exception as error:
+            if _of_read_only(error):
+                said = "the material points' masses, initial volumes, positions or velocities"
+                self._refuse(impl, said, error)
+            raise
+        finally:
+            for array in arrays:
+                array.flags.writeable = True
+        changed = [
+            f"the material points' {said}"
+            for (name, said), array in zip(_SAID.items(), arrays, strict=True)
+            if self._array(name) is not array
+        ]
+        changed += [
+            f"the clock (state.{name})"
+            for name, before in zip(_CLOCK, clock, strict=True)
+            if getattr(self.state, name) != before
+        ]
+        if changed:
+            self._refuse(impl, " and ".join(changed))
+        return result
 
     def check(self) -> None:
         """At outputs: refuse masses or initial volumes that are not those of the start.
@@ -109,6 +135,14 @@ class Guard:
 
     def _array(self, name: str) -> Any:
         return getattr(self.state.particles, name)
+
+
+def _advanced(part: Callable[[], Any]) -> tuple[bool, Any]:
+    """Whether a generator has ended with this part, and what it returned or yielded."""
+    try:
+        return False, part()
+    except StopIteration as stop:
+        return True, stop.value
 
 
 def _of_read_only(error: Exception) -> bool:

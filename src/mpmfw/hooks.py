@@ -39,13 +39,12 @@ def hook_names() -> list[str]:
 class BoundHooks:
     """The hooks of one simulation as plain callables: ``hook.advect(grid=…, dt=…)``.
 
-    A hook that nobody implements costs one empty call. Wrappers of the old style (``hookwrapper``) go through pluggy
-    itself.
+    A hook that nobody implements costs one empty call.
 
     Parameters
     ----------
     function_of
-        What is called for an implementation; its own function, unless it is to be watched.
+        What is called for an implementation; its own function, unless that is to be held.
     """
 
     __slots__ = tuple(hook_names())
@@ -69,11 +68,9 @@ def _bind(caller: pluggy.HookCaller, clock: Clock, function_of: FunctionOf) -> C
     implementations = list(reversed(caller.get_hookimpls()))  # pluggy calls the last registered first
     if not implementations:
         return _nothing
-    if any(impl.hookwrapper for impl in implementations):
-        return caller
     bound = _written_out(caller, [impl for impl in implementations if not impl.wrapper], clock, function_of)
     for impl in reversed([impl for impl in implementations if impl.wrapper]):
-        bound = _around(impl, bound, clock)
+        bound = _around(impl, bound, clock, function_of)
     return bound
 
 
@@ -134,9 +131,11 @@ def _compiled(text: str, name: str) -> CodeType:
     return compile(text, file, "exec")
 
 
-def _around(impl: pluggy.HookImpl, inner: Callable[..., Any], clock: Clock) -> Callable[..., Any]:
+def _around(
+    impl: pluggy.HookImpl, inner: Callable[..., Any], clock: Clock, function_of: FunctionOf
+) -> Callable[..., Any]:
     """A wrapper round a hook: what it does before its ``yield``, the hook, and what it does with the result."""
-    start: Callable[..., Any] = impl.function
+    start = function_of(impl)
     names = impl.argnames
     stage: str | None = getattr(impl.plugin, "stage", None)
 

@@ -18,8 +18,8 @@ def refuse_dead_hooks(plugin: type[Any]) -> None:
     Raises
     ------
     SceneError
-        A method with a hook's name is not marked with ``hookimpl``, or one that is marked has no hook's name, or asks
-        for what the hook does not give.
+        A method with a hook's name is not marked with ``hookimpl``, or one that is marked has no hook's name, asks
+        for what the hook does not give, or is a wrapper of pluggy's old style.
     """
     hooks = [name for name in vars(HookSpecs) if not name.startswith("_")]
     marks = pluggy.PluginManager("mpmfw")
@@ -31,6 +31,11 @@ def refuse_dead_hooks(plugin: type[Any]) -> None:
                 raise SceneError(
                     f"{_written(plugin, method)} is marked with @hookimpl, but there is no hook '{called}'; "
                     f"{did_you_mean(called, hooks)}"
+                )
+            if mark["hookwrapper"]:
+                raise SceneError(
+                    f"{_written(plugin, method)} is a wrapper of the old style; expected @hookimpl(wrapper=True), with "
+                    "'result = yield' and 'return result'"
                 )
             _refuse_arguments(plugin, method, called)
         elif method in hooks and inspect.isroutine(getattr(plugin, method)):

@@ -13,6 +13,7 @@ import shapely
 from contact_scenes import CELL, material
 from mpmfw import run
 from mpmfw.api import SimulationError
+from mpmfw.effects.surface import DEEPEST
 from mpmfw.errors import ResultsWarning
 from mpmfw.simulation import Simulation
 from mpmfw_contact.surfaces import detection, travel
@@ -151,6 +152,10 @@ def test_bodies_keep_their_sides_up_to_the_speed_of_waves(name: str, speed: floa
     assert not found.message
     assert found.behind < 0.0
     assert found.depth < 1.0
+    if speed == 0.05:
+        assert (
+            found.depth < DEEPEST
+        )  # no impact of this speed is reported as one in which surfaces stand for nothing
     assert found.overlap < 0.16  # measured: 0.151 head-on at 0.5 c, where either body is four cells across
 
 
@@ -218,7 +223,7 @@ def test_a_wedge_under_load_is_held_and_deep_penetration_is_reported(angle: floa
     """It went 3 to 4 cells deep, and its force fell to a hundredth, as nodes deeper than the search radius were dropped."""
     with pytest.warns(
         ResultsWarning,
-        match=r"wedge-block: the bodies penetrate by 0\.7\d? cells at time .*, more than 0\.15",
+        match=rf"wedge-block: the bodies penetrate by 0\.7\d? cells at time .*, more than {DEEPEST:g}",
     ):
         tree = run(pressed(angle))
     series = tree["series"].to_dataset()

@@ -11,8 +11,8 @@ import pytest
 
 PACKAGES = ("mpmfw_contact", "mpmfw.contact", "mpmfw.effects", "mpmfw.kernels")
 
-#: What is no choice: the length of a vector register of two doubles.
-NO_CHOICE = {"VECTOR"}
+#: What is no choice: the length of a vector register of two doubles, and an index that is none.
+NO_CHOICE = {"VECTOR", "TOO_MANY"}
 
 
 def constants() -> list[tuple[str, str]]:

@@ -9,8 +9,9 @@ import pytest
 
 import contact_kernels
 from contact_kernels import PLANE, empty_candidates, flat, join, star
-from contact_scenes import CELL, impact, wave_speed
+from contact_scenes import CELL, impact, rectangle, scene, wave_speed
 from interpreted import interpreted
+from mpmfw.api import SimulationError
 from mpmfw.contact.events import FEWEST_STEPS
 from mpmfw.kernels.facets import node_normal
 from mpmfw.kernels.gaps import BLOCK, minimum_gap
@@ -135,6 +136,27 @@ def test_with_more_that_counts_as_flush_nodes_beside_a_body_are_held_as_if_withi
 
     assert beside(found_with(monkeypatch, loops, FLUSH=FLUSH)) == 0
     assert beside(found_with(monkeypatch, loops, FLUSH=1.0)) > 0
+
+
+@pytest.mark.parametrize("segment", [0.01 * CELL, 0.004 * CELL])
+def test_a_corner_with_more_facets_than_can_be_looked_at_ends_the_run(segment):
+    """A block is a fifth of a cell deep in the face of one as wide: its corner is on the other's side, that far from the face."""
+    overlapping = scene(
+        {
+            "lower": rectangle([-0.3, -0.5], [0.3, 0.0], segment=segment),
+            "upper": rectangle([-0.3, -0.2 * CELL], [0.3, 0.4]),
+        },
+        friction=0.0,
+        allow_overlap=True,
+    )
+    simulation = Simulation(overlapping, contact="penalty")
+    if segment >= 0.01 * CELL:
+        simulation.advance(1)
+        return
+    with pytest.raises(
+        SimulationError, match=r"more than 64 facets .* body 'upper', .* Try: a larger segment"
+    ):
+        simulation.advance(1)
 
 
 def two_tips(angle, depth):

@@ -163,20 +163,11 @@ def test_time_goes_to_the_stage_of_the_plug_in_and_back() -> None:
     assert clock("gather") == "gather"
 
 
-@pytest.mark.parametrize("new_style", [True, False])
-def test_wrappers_go_through_pluggy(new_style: bool) -> None:
-    if new_style:
-
-        @hookimpl(wrapper=True)
-        def stable_timestep() -> Any:
-            found = yield
-            return [*found, "wrapped"]
-    else:
-
-        @hookimpl(hookwrapper=True)
-        def stable_timestep() -> Any:
-            outcome = yield
-            outcome.force_result([*outcome.get_result(), "wrapped"])
+def test_a_wrapper_changes_the_result() -> None:
+    @hookimpl(wrapper=True)
+    def stable_timestep() -> Any:
+        found = yield
+        return [*found, "wrapped"]
 
     hook, _ = bound(plugin("a", stable_timestep=answer("a")), plugin("w", stable_timestep=stable_timestep))
     assert hook.stable_timestep(state=None) == ["a", "wrapped"]

@@ -181,6 +181,19 @@ DURING = {
         f"{WHO} changed {OWNED} in its hook end_step, which belong to the step; docs/hooks.md says what each hook may change, "
         "in step 4: at time",
     ),
+    "positions before a hook": (
+        "@hookimpl(wrapper=True)\ndef end_step(self, state):\n    state.particles.position[0, 0] += 1e-9\n    return (yield)",
+        f"{WHO} changed {OWNED} in its hook end_step",
+    ),
+    "positions after a hook": (
+        "@hookimpl(wrapper=True)\ndef end_step(self, state):\n    result = yield\n    state.particles.position[0, 0] += 1e-9\n"
+        "    return result",
+        f"{WHO} changed {OWNED} in its hook end_step",
+    ),
+    "the clock after a hook": (
+        "@hookimpl(wrapper=True)\ndef end_step(self, state):\n    result = yield\n    state.steps += 1\n    return result",
+        f"{WHO} changed the clock (state.steps) in its hook end_step",
+    ),
     "positions by a kernel": (
         "import numba\n@staticmethod\n@numba.njit\ndef shift(position): position[0, 0] += 1e-9\n"
         "@hookimpl\ndef end_step(self, state): self.shift(state.particles.position)",

@@ -68,6 +68,17 @@ class Asking(ContactStrategy):
         """Cannot be called."""
 
 
+class OldStyle(ContactStrategy):
+    """A wrapper that pluggy would call itself."""
+
+    name = "old-style"
+
+    @hookimpl(hookwrapper=True)
+    def after_momentum_update(self) -> Any:
+        """Nothing before, and nothing after."""
+        yield
+
+
 class WithPart(ContactStrategy):
     """A law whose part has the fault."""
 
@@ -86,6 +97,10 @@ class WithPart(ContactStrategy):
         (
             Asking,
             r"Asking\.after_momentum_update asks for 'particle', which the hook does not give; did you mean 'particles'",
+        ),
+        (
+            OldStyle,
+            r"OldStyle\.after_momentum_update is a wrapper of the old style; expected @hookimpl\(wrapper=True\)",
         ),
         (Unknown, r"Unknown\.after_momentum_updat is marked .* did you mean 'after_momentum_update'\?"),
     ],
