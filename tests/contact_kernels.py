@@ -13,7 +13,7 @@ from mpmfw.kernels.gaps import bounding_boxes
 from mpmfw.kernels.pair_table import pair_table as pair_of_bodies
 from mpmfw_contact import _springs
 from mpmfw_contact.surfaces import search
-from mpmfw_contact.surfaces.assembly import Table, assemble
+from mpmfw_contact.surfaces.assembly import SurfaceTable, assemble
 from mpmfw_contact.surfaces.candidates import Candidates, SearchGrid
 from mpmfw_contact.surfaces.detection import SurfaceRows
 from mpmfw_contact.surfaces.outline import Outline
@@ -179,7 +179,7 @@ def rows_of(loops, found, *, across=False, ties=True, friction=True, tilts=False
     rows.hold(cohesion=False)
     rows.make_room(2 * found.facet.size, 400 * n)
     table = (np.arange(n + 1), np.arange(n, dtype=np.int32), np.ones(n)) if table is None else table
-    table = Table(**dict(zip(Table.member_names, table, strict=True)))
+    table = SurfaceTable(**dict(zip(SurfaceTable.member_names, table, strict=True)))
     rows.count = assemble(
         passes,
         across,

@@ -6,7 +6,7 @@ import copy
 from typing import Any
 
 from mpmfw.campaigns.judging import Judge
-from mpmfw.studies.grid import Grid, make_grid
+from mpmfw.studies.grid import StudyGrid, make_grid
 from mpmfw.studies.loading import load_study
 from scenes_for_tests import SOFT
 
@@ -46,7 +46,7 @@ def tiny_study(**changes: Any) -> dict[str, Any]:
     return {**study, **changes}
 
 
-def judge_of(study: Any) -> tuple[Judge, Grid]:
+def judge_of(study: Any) -> tuple[Judge, StudyGrid]:
     """All that is checked before the first run."""
     loaded = load_study(study)
     grid = make_grid(loaded)

@@ -22,7 +22,7 @@ SHALLOW = 0.01
 NOISE = 0.02
 
 
-class Springs(Struct):
+class SpringArrays(Struct):
     """A law's own arrays of n rows."""
 
     bears: Floats  #: (n,) area that bears [m^(dim−1)]
@@ -121,7 +121,7 @@ def first_of(c: int, identity: Ints) -> int:
 
 @kernel
 def set_springs(
-    rows: Rows, count: int, own: Springs, old: Rows, old_count: int, old_own: Springs, modulus: Floats, stiffest: float,
+    rows: Rows, count: int, own: SpringArrays, old: Rows, old_count: int, old_own: SpringArrays, modulus: Floats, stiffest: float,
     cell_size: float, linear_to: float, begins: bool,
 ) -> None:  # fmt: skip
     """Area that bears, rest gap and stiffness of every row; ``modulus`` is κ M / h of each pair.
@@ -187,7 +187,7 @@ def return_to_cone(c: int, limit: Float, k_t: Float, trial: Floats) -> tuple[Flo
 
 @kernel
 def spring_forces(
-    rows: Rows, count: int, own: Springs, old: Rows, old_count: int, old_own: Springs, tangential_ratio: float,
+    rows: Rows, count: int, own: SpringArrays, old: Rows, old_count: int, old_own: SpringArrays, tangential_ratio: float,
     dashpot: float, linear_to: float, records: Records, change: Floats,
 ) -> None:  # fmt: skip
     """f = f_n n + f_t of every row that overlaps; tangential forces have no rows where there is no friction.
@@ -240,7 +240,7 @@ def spring_forces(
 
 @kernel
 def add_losses(
-    rows: Rows, count: int, own: Springs, old: Rows, old_count: int, old_own: Springs, tangential_ratio: float,
+    rows: Rows, count: int, own: SpringArrays, old: Rows, old_count: int, old_own: SpringArrays, tangential_ratio: float,
     linear_to: float, work: Floats,
 ) -> None:  # fmt: skip
     """Add to every pair's ``work`` [J/m] the energy of the last step's springs, where they are now, less that of today's.

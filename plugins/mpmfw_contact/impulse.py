@@ -10,7 +10,7 @@ from mpmfw.kernels.contact import Rows, slip_bound
 from mpmfw.kernels.types import Floats
 
 
-class Own(Struct):
+class ImpulseArrays(Struct):
     """The law's own arrays of n rows."""
 
     active: Floats  #: (n,) 1 where the row takes part, else 0
@@ -19,7 +19,7 @@ class Own(Struct):
 
 
 @kernel
-def find_approach(rows: Rows, count: int, own: Own, spacing: tuple[float, ...]) -> None:
+def find_approach(rows: Rows, count: int, own: ImpulseArrays, spacing: tuple[float, ...]) -> None:
     """1 for rows that touch and whose sides approach, else 0: all decided before anything moves."""
     for c in range(count):
         approach = 0.0
@@ -32,7 +32,7 @@ def find_approach(rows: Rows, count: int, own: Own, spacing: tuple[float, ...]) 
 def stop(
     rows: Rows,
     count: int,
-    own: Own,
+    own: ImpulseArrays,
     projected: bool,
     work: Floats,
     spacing: tuple[float, ...],

@@ -177,8 +177,8 @@ def check_finite(plugin: Any, field: Field, values: AnyArray, time: float) -> No
         return
     if field.missing and not np.isinf(values).any():
         return
-    said = f"{field.group}/{field.name} of {described(plugin)} is not finite"
-    raise SimulationError(said, time=time, advice="a smaller time.safety")
+    text = f"{field.group}/{field.name} of {described(plugin)} is not finite"
+    raise SimulationError(text, time=time, advice="a smaller time.safety")
 
 
 def _shown(value: Any) -> str:

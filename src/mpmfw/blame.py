@@ -53,10 +53,10 @@ def blaming(plugins: Iterable[Any], state: State | None = None) -> Iterator[None
         if found is None:
             raise
         plugin, place = found
-        said = f"{described(plugin)} failed in {place}: {cause(error)}"
+        text = f"{described(plugin)} failed in {place}: {cause(error)}"
         if state is None:
-            raise SceneError(said) from error
-        raise PluginError(said, step=state.steps, time=state.time) from error
+            raise SceneError(text) from error
+        raise PluginError(text, step=state.steps, time=state.time) from error
 
 
 @contextmanager
@@ -109,10 +109,10 @@ def described(plugin: Any) -> str:
     """``plug-in 'penalty' of distribution mpmfw``."""
     kind = type(plugin)
     name = getattr(plugin, "name", kind.__qualname__)
-    return f"plug-in '{name}' of {distribution_said(kind)}"
+    return f"plug-in '{name}' of {distribution_text(kind)}"
 
 
-def distribution_said(kind: type[Any]) -> str:
+def distribution_text(kind: type[Any]) -> str:
     """``distribution spring_law``, or where the class stands that belongs to none."""
     package = kind.__module__.partition(".")[0]
     for entry in (entry for each in KINDS for entry in available(each).values()):

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mpmfw.api import ContactStrategy, FrictionLaw, Material, ShapeFunction
-from mpmfw.blame import distribution_said, refusing
+from mpmfw.blame import distribution_text, refusing
+from mpmfw.dead_hooks import refuse_dead_hooks
 from mpmfw.discovery import Kind, full_name, load, refuse_nameless
 from mpmfw.errors import SceneError
 from mpmfw.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, IntArray
 from mpmfw.geometry import Layout, discretise
 from mpmfw.hookspecs import HookSpecs
-from mpmfw.marks import refuse_dead_hooks
 from mpmfw.pairs import FEW, NearPairs, overlapping
 from mpmfw.sizing import check_box_inside, check_memory
 from mpmfw.state import Body, Particles, State, joined
@@ -106,7 +106,7 @@ def _plugin(kind: Any, name: str, options: Any) -> Any:
     plugin = load(kind, name)
     _check_base(kind, plugin)
     with refusing(
-        f"{kind} plug-in '{name}' of {distribution_said(plugin)} cannot be made from the scene's options"
+        f"{kind} plug-in '{name}' of {distribution_text(plugin)} cannot be made from the scene's options"
     ):
         given = options is not None and hasattr(plugin, "from_options")
         return plugin.from_options(options) if given else plugin()
@@ -119,7 +119,7 @@ def _check_base(kind: Kind, plugin: type[Any]) -> None:
     }[kind]  # fmt: skip
     if not issubclass(plugin, base):
         raise SceneError(
-            f"{kind} plug-in {full_name(plugin)} of {distribution_said(plugin)}: expected a class derived from "
+            f"{kind} plug-in {full_name(plugin)} of {distribution_text(plugin)}: expected a class derived from "
             f"mpmfw.api.{base.__name__}"
         )
 

@@ -119,7 +119,7 @@ class Checkpoints:
 
     def _ask_for_code(self) -> None:
         self.simulation.clock("output")
-        self._code = made_by(self.simulation.scene, self.objects)
+        self._code = dependencies_of(self.simulation.scene, self.objects)
 
     def _facts(self) -> dict[str, Any]:
         """What is to be known before the values are read."""
@@ -143,7 +143,7 @@ class Checkpoints:
         }
 
 
-def made_by(scene: Scene, objects: dict[str, Any]) -> dict[str, str]:
+def dependencies_of(scene: Scene, objects: dict[str, Any]) -> dict[str, str]:
     """What the bits of a run depend on beside the scene: code, libraries, interpreter and processor, by name."""
     code = code_of(scene, objects.get("contact"), objects.get("shape"))
     return {**code, "python": platform.python_version(), "processor": str(get_host_cpu_name())}

@@ -11,7 +11,7 @@ import xarray as xr
 
 from mpmfw.campaigns.campaign import campaign
 from mpmfw.campaigns.grid import label_of
-from mpmfw.campaigns.measures import About, exact_of, known_measures, measure_of
+from mpmfw.campaigns.measures import About, exact_of, measure_of, names_of_measures
 from mpmfw.campaigns.running import Progress, Repeats
 from mpmfw.campaigns.store import store_of
 from mpmfw.discovery import Kind
@@ -21,7 +21,7 @@ from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene.loading import load_scene
 from mpmfw.scene.requested import check_methods_run, check_requested
 from mpmfw.scene.sources import plain
-from mpmfw.scene.specification import called, known_specification, parse_specification
+from mpmfw.scene.specification import called, checked_specification, parse_specification
 from mpmfw.scene.toml_text import value_text
 
 
@@ -88,7 +88,7 @@ def compare(
     if output is not None:
         check_replaceable(output, "compare", "comparison")
     path = None if output is None else os.path.abspath(output)
-    known = _known_measures(scene, methods, set or {}) if measures is None else list(measures)
+    known = _applicable_measures(scene, methods, set or {}) if measures is None else list(measures)
     particles = any(measure_of(name).particles for name in known)
 
     def grown(dataset: xr.Dataset) -> None:
@@ -121,7 +121,9 @@ def compare(
     return dataset
 
 
-def _known_measures(scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str, Any]) -> list[str]:
+def _applicable_measures(
+    scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str, Any]
+) -> list[str]:
     """Measures that the scene can be judged by, but for those that a report reads off the series itself."""
     named = {f"{kind}.method": chosen[0] for kind, chosen in methods.items() if isinstance(chosen[0], str)}
     try:
@@ -130,7 +132,7 @@ def _known_measures(scene: Any, methods: Mapping[str, Sequence[Any]], shared: Ma
         return []  # the campaign says so, if no combination can run
     if reference_of({"scene": loaded.text}) is not None:
         return []
-    numbers = [measure_of(name) for name in known_measures()]
+    numbers = [measure_of(name) for name in names_of_measures()]
     exact = {one.name: exact_of(one, loaded, About()) for one in numbers if one.kind != "curve"}
     return [name for name, known in exact.items() if known is not None]
 
@@ -157,7 +159,7 @@ def _methods(kind: Kind, chosen: Sequence[Any]) -> list[Any]:
     """Methods, names in the one way of writing that labels have; a name that is not installed is an error at once."""
     if isinstance(chosen, str) or len(chosen) == 0:
         raise SceneError(f"{kind}: expected a list of at least one method, got {chosen!r}")
-    methods = [_known(kind, one) if isinstance(one, str) else one for one in chosen]
+    methods = [_canonical(kind, one) if isinstance(one, str) else one for one in chosen]
     for k, method in enumerate(methods):
         if any(method is other or (isinstance(method, str) and method == other) for other in methods[:k]):
             raise SceneError(
@@ -166,10 +168,10 @@ def _methods(kind: Kind, chosen: Sequence[Any]) -> list[Any]:
     return methods
 
 
-def _known(kind: Kind, text: str) -> str:
+def _canonical(kind: Kind, text: str) -> str:
     """A name or a name with options, in the one way of writing that labels have."""
     try:
-        return str(known_specification(kind, text))
+        return str(checked_specification(kind, text))
     except SceneError as error:
         raise SceneError(f"{kind} {error}") from error
 

@@ -123,7 +123,7 @@ def load(kind: Kind, name: str) -> type[Any]:
         raise SceneError(
             f"two distributions announce a {kind} plug-in '{name}': {announced}; uninstall one of them"
         )
-    said = f"{kind} plug-in '{name}' of distribution {distribution_of(entry)}"
+    text = f"{kind} plug-in '{name}' of distribution {distribution_of(entry)}"
     folder = _working_folder()
     try:
         plugin = entry.load()
@@ -133,21 +133,21 @@ def load(kind: Kind, name: str) -> type[Any]:
         BaseException
     ) as error:  # a stranger's module may raise anything while it is imported, SystemExit included
         raise SceneError(
-            f"{said} cannot be imported from {entry.value}: {type(error).__name__}: {error}"
+            f"{text} cannot be imported from {entry.value}: {type(error).__name__}: {error}"
         ) from error
     finally:
         if folder is not None and _working_folder() != folder:  # relative names of files would mean others
             os.chdir(folder)
     if not isinstance(plugin, type):
-        raise SceneError(f"{said}: {entry.value} is not a class")
+        raise SceneError(f"{text}: {entry.value} is not a class")
     try:
         refuse_class(plugin)
     except SceneError as error:
-        raise SceneError(f"{said}: {error}") from error
+        raise SceneError(f"{text}: {error}") from error
     if plugin.name != name:  # type: ignore[attr-defined]
         own = plugin.name  # type: ignore[attr-defined]
         raise SceneError(
-            f"{said}: {entry.value} has the name '{own}'; expected the same as the entry point's"
+            f"{text}: {entry.value} has the name '{own}'; expected the same as the entry point's"
         )
     return plugin
 

@@ -88,15 +88,15 @@ class Guard:
             result = call()
         except Exception as error:
             if _of_read_only(error):
-                said = "the material points' masses, initial volumes, positions or velocities"
-                self._refuse(impl, said, error)
+                text = "the material points' masses, initial volumes, positions or velocities"
+                self._refuse(impl, text, error)
             raise
         finally:
             for array in arrays:
                 array.flags.writeable = True
         changed = [
-            f"the material points' {said}"
-            for (name, said), array in zip(_SAID.items(), arrays, strict=True)
+            f"the material points' {text}"
+            for (name, text), array in zip(_SAID.items(), arrays, strict=True)
             if self._array(name) is not array
         ]
         changed += [
@@ -147,5 +147,5 @@ def _advanced(part: Callable[[], Any]) -> tuple[bool, Any]:
 
 def _of_read_only(error: Exception) -> bool:
     """Whether NumPy or Numba refused to write to an array."""
-    said = str(error).lower()
-    return "read-only" in said or "readonly array" in said
+    text = str(error).lower()
+    return "read-only" in text or "readonly array" in text

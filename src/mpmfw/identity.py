@@ -123,17 +123,20 @@ def _of_object(plugin: Any, known: frozenset[int] = frozenset()) -> list[str]:
     that lasts. ``known`` are those that hold it."""
     kind, state = type(plugin), dict(vars(plugin)) if hasattr(plugin, "__dict__") else {}
     options = state.pop("options", None)
-    told = options.model_dump() if hasattr(options, "model_dump") else repr(options)
-    said = [f"{kind.__module__}.{kind.__qualname__}", json.dumps(_rounded(told), sort_keys=True, default=str)]
+    given = options.model_dump() if hasattr(options, "model_dump") else repr(options)
+    message = [
+        f"{kind.__module__}.{kind.__qualname__}",
+        json.dumps(_rounded(given), sort_keys=True, default=str),
+    ]
     for name, value in sorted(state.items()):
         for part in value if isinstance(value, list | tuple) else [value]:
-            said.append(f"{name}=")
+            message.append(f"{name}=")
             if id(part) in known:
                 continue
             held = " at 0x" in repr(part) and hasattr(part, "__dict__") and not isinstance(part, type)
-            said += _of_object(part, known | {id(plugin)}) if held else [repr(part)]
-    lasting = package(kind.__module__.partition(".")[0]) and not any(" at 0x" in text for text in said)
-    return said if lasting else [*said, uuid.uuid4().hex]
+            message += _of_object(part, known | {id(plugin)}) if held else [repr(part)]
+    lasting = package(kind.__module__.partition(".")[0]) and not any(" at 0x" in text for text in message)
+    return message if lasting else [*message, uuid.uuid4().hex]
 
 
 def digest(*texts: str) -> str:

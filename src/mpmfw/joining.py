@@ -50,8 +50,8 @@ def join(
     """
     lead, shape = tuple(coords), tuple(len(values) for values in coords.values())
     status = np.full(shape, "not run", dtype=object)
-    for index, said in statuses.items():
-        status[index] = said
+    for index, text in statuses.items():
+        status[index] = text
     dataset = xr.Dataset(coords={name: list(values) for name, values in coords.items()})
     dataset["status"] = (lead, status, {"long_name": "ok, or why there is no complete result"})
     dataset = dataset.assign(_stepping(coords, trees))
@@ -60,11 +60,11 @@ def join(
     dataset.attrs = _attributes(coords, trees)
     if varied:
         dataset.attrs["varied"] = json.dumps(dict(varied))
-    told = {
+    by_label = {
         "/".join(map(str, _choice(coords, index))): list(words) for index, words in notes.items() if words
     }
-    if told:
-        dataset.attrs["notes"] = json.dumps(told)
+    if by_label:
+        dataset.attrs["notes"] = json.dumps(by_label)
     return dataset
 
 

@@ -73,8 +73,8 @@ def check_length(simulation: Simulation) -> None:
         raise SceneError(_too_many(simulation, f"time.end: {time.end:g} s", steps, step) + forced)
     settle = simulation.scene.settle
     if settle is not None and settle.max_time is not None and settle.max_time / step > MOST_STEPS:
-        said = f"settle.max_time: {settle.max_time:g} s"
-        raise SceneError(_too_many(simulation, said, settle.max_time / step, step) + forced)
+        text = f"settle.max_time: {settle.max_time:g} s"
+        raise SceneError(_too_many(simulation, text, settle.max_time / step, step) + forced)
 
 
 def _too_many(simulation: Simulation, span: str, steps: float, step: float) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from mpmfw.errors import SceneError
-from mpmfw.outputs import Results, bodies_of, frame_at, frame_of, known_name, opened, opened_run, times_of
+from mpmfw.outputs import Results, bodies_of, checked_name, frame_at, frame_of, opened, opened_run, times_of
 from mpmfw.point_fields import point_field
 from mpmfw.results import open as open_results
 
@@ -50,14 +50,14 @@ def history(
         There is no such series, body, pair or axis; the message says what is there.
     """
     dataset = _series(results)
-    array = dataset[known_name("series", name, sorted(str(one) for one in dataset.data_vars))]
+    array = dataset[checked_name("series", name, sorted(str(one) for one in dataset.data_vars))]
     for kind, label in {"body": body, "pair": pair, "axis": axis}.items():
         dim = "rotation" if kind == "axis" and "rotation" in array.dims else kind
         if label is None:
             continue
         if dim not in array.dims:
             raise SceneError(f"{kind} '{label}': has no effect, since '{name}' has no {kind}")
-        array = array.sel({dim: known_name(kind, label, [str(one) for one in array[dim].values])})
+        array = array.sel({dim: checked_name(kind, label, [str(one) for one in array[dim].values])})
     return array.squeeze("pair") if pair is None and array.sizes.get("pair") == 1 else array
 
 

@@ -148,7 +148,7 @@ def chosen_frames(tree: xr.DataTree, every: int) -> range:
     return range(0, frame_at(tree) + 1, every)
 
 
-def known_name(kind: str, name: str, valid: Sequence[str]) -> str:
+def checked_name(kind: str, name: str, valid: Sequence[str]) -> str:
     """The name, if it is among the valid ones.
 
     Raises

@@ -46,9 +46,9 @@ class PlugIn:
     @property
     def label(self) -> str:
         """Name and the options that were set, for tables and coordinates; wherever a method is named, it names this one."""
-        return self.said_with({key: getattr(self.options, key) for key in self.options.model_fields_set})
+        return self.label_with({key: getattr(self.options, key) for key in self.options.model_fields_set})
 
-    def said_with(self, options: Mapping[str, Any]) -> str:
+    def label_with(self, options: Mapping[str, Any]) -> str:
         """The plug-in's name and these options as one text, ``NAME(option=value, …)``.
 
         ``options`` are values by name; those that are None are not said.

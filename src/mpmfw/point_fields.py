@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from mpmfw.fields import FloatArray
-from mpmfw.outputs import bodies_of, frame_of, known_name
+from mpmfw.outputs import bodies_of, checked_name, frame_of
 
 _AXES = "xyz"
 #: Where the name with spaces is not what a reader calls it.
@@ -68,7 +68,7 @@ def point_field(tree: xr.DataTree, name: str, body: str | None = None) -> PointF
         There is none; the message lists what is there.
     """
     fields = point_fields(tree, body)
-    return fields[known_name("field", name, list(fields))]
+    return fields[checked_name("field", name, list(fields))]
 
 
 def values_at(tree: xr.DataTree, field: PointField, body: str, frame: int) -> FloatArray:

@@ -71,7 +71,7 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
     arrays
         Sizes of the arrays that are allocated already [bytes].
     """
-    costs, source = known_costs()
+    costs, source = measured_costs()
     state = simulation.state
     shape, contact = simulation.shape.name, simulation.contact
     unknown = [] if shape in costs["shape"] else [shape]
@@ -128,7 +128,7 @@ def _limits(simulation: Simulation) -> list[tuple[float, str]]:
     return after if len(after) >= len(before) else before
 
 
-def known_costs() -> tuple[Costs, str]:
+def measured_costs() -> tuple[Costs, str]:
     """Measured times per stage, and in words where they were measured."""
     own = own_table()
     if own.exists():

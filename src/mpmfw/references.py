@@ -116,9 +116,9 @@ def own_references(dataset: xr.Dataset) -> list[Reference | None]:
 
 def described(dataset: xr.Dataset) -> str:
     """What the rows of a comparison are compared with; empty if there is nothing."""
-    told = (str(array.attrs["against"]) for array in dataset.data_vars.values() if "against" in array.attrs)
-    if said := "; ".join(dict.fromkeys(told)):
-        return said
+    texts = (str(array.attrs["against"]) for array in dataset.data_vars.values() if "against" in array.attrs)
+    if text := "; ".join(dict.fromkeys(texts)):
+        return text
     references = own_references(dataset)
     if len(references) > 1:
         return "each row against its own closed form, as the varied keys change it"

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import netCDF4
 
-from mpmfw.checkpoints import Checkpoints, checkpoint_path, made_by, source_of
+from mpmfw.checkpoints import Checkpoints, checkpoint_path, dependencies_of, source_of
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.interruption import interruptible
 from mpmfw.results import RunWriter, check_results
@@ -176,7 +176,7 @@ def _restored(
 ) -> Simulation:
     """The simulation as it was."""
     scene = scene_from(source_of(facts), {})
-    then, now = facts["made_by"], made_by(scene, objects)
+    then, now = facts["made_by"], dependencies_of(scene, objects)
     changed = [
         f"{name} ({_short(then.get(name))} then, {_short(now.get(name))} now)"
         for name in sorted({*then, *now})

@@ -10,11 +10,11 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from mpmfw.apart import run_apart
 from mpmfw.checkpoints import EVERY, Checkpoints
 from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.interruption import interruptible
 from mpmfw.limits import check_length, remark_on_size
+from mpmfw.own_process import run_in_own_process
 from mpmfw.results import RunWriter
 from mpmfw.results.memory import peak_memory, restart_peak_memory
 from mpmfw.scene import load_scene, located
@@ -76,7 +76,7 @@ def run(
             raise SceneError("apart: a run in a process of its own takes plug-ins by name, no objects")
         request = {"contact": contact, "shape": shape, "set": dict(set or {}), "force": force}
         request["checkpoint"] = checkpoint
-        return run_apart(scene, output, progress, **request)
+        return run_in_own_process(scene, output, progress, **request)
     with _writing(scene, contact, shape, output, progress, set, force, checkpoint) as writer:
         return writer.results()
 
@@ -131,8 +131,8 @@ def _writing(
     except SceneError as error:
         raise located(error, loaded) from error
     header = simulation.header()
-    if path is not None and (said := remark_on_size(simulation, header)):
-        warnings.warn(said, ResultsWarning, stacklevel=4)
+    if path is not None and (text := remark_on_size(simulation, header)):
+        warnings.warn(text, ResultsWarning, stacklevel=4)
     objects = {
         kind: method
         for kind, method in (("contact", contact), ("shape", shape))
@@ -170,8 +170,8 @@ def run_on(
         raise
     except KeyboardInterrupt as error:
         writer.finish(_end(simulation, "interrupted"))
-        said = _kept(writer, simulation, checkpoints)
-        raise Interrupted(getattr(error, "number", signal.SIGINT), said) from None
+        text = _how_to_go_on(writer, simulation, checkpoints)
+        raise Interrupted(getattr(error, "number", signal.SIGINT), text) from None
     checkpoints.forget()
     if signals.waiting is not None:
         raise Interrupted(
@@ -181,17 +181,17 @@ def run_on(
         warnings.warn(concern, ResultsWarning, stacklevel=5)
 
 
-def _kept(writer: RunWriter, simulation: Simulation, checkpoints: Checkpoints) -> str:
+def _how_to_go_on(writer: RunWriter, simulation: Simulation, checkpoints: Checkpoints) -> str:
     """What an interrupted run leaves, and how to go on."""
-    said = f"interrupted at {simulation.state.time:.6g} s of {simulation.scene.time.end:g} s"
+    text = f"interrupted at {simulation.state.time:.6g} s of {simulation.scene.time.end:g} s"
     if checkpoints.written:
         python = ", contact= or shape= as before" if checkpoints.objects else ""
         how = f"mpmfw.resume({writer.path!r}{python})" if python else f"mpmfw resume {writer.path}"
-        return f"{said}: {writer.path} keeps the {writer.frames} outputs that it reached; {how} goes on"
+        return f"{text}: {writer.path} keeps the {writer.frames} outputs that it reached; {how} goes on"
     if writer.path is None or not writer.frames:
-        return f"{said}: nothing is kept; run it again"
+        return f"{text}: nothing is kept; run it again"
     return (
-        f"{said}: {writer.path} keeps the {writer.frames} outputs that it reached; run it again for the rest"
+        f"{text}: {writer.path} keeps the {writer.frames} outputs that it reached; run it again for the rest"
     )
 
 
@@ -203,5 +203,5 @@ def _end(simulation: Simulation, status: str) -> dict[str, Any]:
         if status == "ok":
             raise
         remarks = {}
-    said = {name: json.dumps(words) for name, words in remarks.items() if words}
-    return {**simulation.costs(), **said, "peak_memory": peak_memory(), "status": status}
+    text = {name: json.dumps(words) for name, words in remarks.items() if words}
+    return {**simulation.costs(), **text, "peak_memory": peak_memory(), "status": status}

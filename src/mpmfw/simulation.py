@@ -14,6 +14,7 @@ from mpmfw.blame import blaming, described
 from mpmfw.build import Build, build
 from mpmfw.clock import STAGES, STEP_STAGES, Clock
 from mpmfw.compilation import CompileTimer
+from mpmfw.dead_hooks import refuse_dead_hooks
 from mpmfw.effect import Effect
 from mpmfw.errors import PluginError, SceneError, SimulationError
 from mpmfw.fields import Field
@@ -21,13 +22,12 @@ from mpmfw.frames import Recorder
 from mpmfw.guard import Guard
 from mpmfw.hooks import BoundHooks, hook_names, make_manager
 from mpmfw.initial_motion import initial_velocity
-from mpmfw.marks import refuse_dead_hooks
 from mpmfw.pairs import list_near
 from mpmfw.plan import plan_effects
 from mpmfw.results import Frame, RunHeader
 from mpmfw.settling import Settling
 from mpmfw.setup import make_setup
-from mpmfw.sizing import remarks_on
+from mpmfw.sizing import warnings_about
 from mpmfw.snapshot import Snapshot, put, read_snapshot, take, write_snapshot
 from mpmfw.state import State
 from mpmfw.steppers import SCHEMES
@@ -315,7 +315,7 @@ class Simulation:
         NotSaved
             A plug-in holds something that cannot be saved.
         """
-        return take(self._kept())
+        return take(self._parts())
 
     def restore(self, snapshot: Snapshot) -> None:
         """Take the values of a simulation of the same scene and methods: this one goes on as that one does, to the bit.
@@ -325,7 +325,7 @@ class Simulation:
         NotSaved
             It was another scene, or other methods.
         """
-        put(snapshot, self._kept())
+        put(snapshot, self._parts())
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write :meth:`snapshot` to a file, in one step.
@@ -351,7 +351,7 @@ class Simulation:
         """
         self.restore(read_snapshot(path)[0])
 
-    def _kept(self) -> dict[str, Any]:
+    def _parts(self) -> dict[str, Any]:
         """Everything that has values, by its name in messages: the plug-ins and what is between them."""
         damping = None if self._settling is None else self._settling.damping  # registered while it steps
         plugins = {
@@ -391,13 +391,13 @@ class Simulation:
         with self.blaming():
             answers = self.hook.concerns() or []
         for plugin, answer in zip(self._callers("concerns"), answers, strict=False):
-            if not isinstance(answer, list | tuple) or not all(isinstance(said, str) for said in answer):
+            if not isinstance(answer, list | tuple) or not all(isinstance(text, str) for text in answer):
                 raise PluginError(
                     f"{described(plugin)} answered concerns with {answer!r:.80}; expected a list of sentences",
                     step=self.state.steps,
                     time=self.state.time,
                 )
-        return [*remarks_on(self.scene), *(said for answer in answers for said in answer)]
+        return [*warnings_about(self.scene), *(text for answer in answers for text in answer)]
 
     def remarks(self) -> dict[str, list[str]]:
         """Lists of words for the results: ``warnings``, and ``time_step_owners`` where these are followed."""

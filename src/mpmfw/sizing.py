@@ -137,23 +137,23 @@ def _point(x: Iterable[float]) -> str:
     return "(" + ", ".join(f"{value:.6g}" for value in x) + ")"
 
 
-def remarks_on(scene: Scene) -> list[str]:
+def warnings_about(scene: Scene) -> list[str]:
     """What is legal and hardly meant: points or cells that are larger than the body that they resolve."""
-    said = []
+    text = []
     for name, body in scene.bodies.items():
         lower, upper = body.geometry.bounds
         extent = upper - lower
         box, least = " by ".join(f"{edge:.4g}" for edge in extent), float(extent.min())
         own_elements = body.geometry.type == "mesh" and body.particles.layout == "fitted"
         if body.particles.size > least * (1.0 + 1e-9) and not own_elements:
-            said.append(
+            text.append(
                 f"bodies.{name}.particles.size, {body.particles.size:g} m, is larger than the body of {box} m"
             )
         if scene.grid.cell_size > least * (1.0 + 1e-9):
-            said.append(
+            text.append(
                 f"grid.cell_size, {scene.grid.cell_size:g} m, is larger than the body '{name}' of {box} m"
             )
-    return said
+    return text
 
 
 def _greediest(body: Body, size: Size, cell_size: float, name: str) -> tuple[str, str]:

@@ -36,7 +36,7 @@ FAULTS = {
     support.WrongIndex: "support-inside",
     support.SurfaceNeverOutside: "surface-inside",
     support.ReachAtTheStart: "reach",
-    support.TabulatedInCompany: "company",
+    support.TabulatedInCompany: "independence",
     domains.LeakyFaces: "constant-stress",
     domains.FrozenDomains: "constant-stress-deformed",
     domains.TransposedDeformation: "constant-stress-deformed",

@@ -7,9 +7,9 @@ import pytest
 from typer.testing import CliRunner
 
 from mpmfw.cli import app
+from mpmfw.dead_hooks import refuse_dead_hooks
 from mpmfw.discovery import KINDS, available, distribution_of, load
 from mpmfw.errors import SceneError
-from mpmfw.marks import refuse_dead_hooks
 
 
 @pytest.fixture

@@ -303,7 +303,7 @@ def test_a_folder_that_is_changed_loses_no_file(install, tmp_path):
 )
 def test_no_plugin_brings_down_the_others_of_a_comparison(does, message, install, monkeypatch):
     if "sleep" in does:
-        monkeypatch.setattr("mpmfw.apart.PATIENCE", 15.0)
+        monkeypatch.setattr("mpmfw.own_process.PATIENCE", 15.0)
     install(f"@hookimpl\ndef end_step(self, state):\n    if state.time > 0.06: {does}")
     scene = two_blocks("separate", time={"end": 0.1, "output_interval": 0.05}, output={"gap": False})
     dataset = mpmfw.compare(scene, ["oddity", "separate"], ["cpdi"])

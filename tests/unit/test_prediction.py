@@ -8,7 +8,7 @@ import pytest
 from contact_scenes import impact
 from mpmfw import prediction
 from mpmfw.clock import STEP_STAGES
-from mpmfw.prediction import known_costs, predict
+from mpmfw.prediction import measured_costs, predict
 from mpmfw.scene import load_scene
 from mpmfw.simulation import Simulation
 
@@ -76,7 +76,7 @@ def test_what_was_not_measured_is_named(table):
 
 def test_the_shipped_table_knows_every_bundled_method(tmp_path, monkeypatch):
     monkeypatch.setattr(prediction, "own_table", lambda: tmp_path / "none.json")
-    costs, source = known_costs()
+    costs, source = measured_costs()
     assert set(costs["shape"]) == {"linear", "gimp", "cpdi", "cpdi2", "bspline"}
     assert set(costs["contact"]) == {"none", "separate", "bardenhagen", "penalty"}
     assert all(slope >= 0.0 for stages in costs["shape"].values() for _, slope in stages.values())

@@ -19,7 +19,7 @@ from mpmfw.runs import run
 from mpmfw.scene import load_scene
 from mpmfw.scene.specification import (
     Specification,
-    known_specification,
+    checked_specification,
     parse_specification,
     split_specifications,
 )
@@ -93,7 +93,7 @@ def test_commas_in_brackets_and_quotes_do_not_separate():
 )  # fmt: skip
 def test_one_message_says_what_was_expected(text, message):
     with pytest.raises(SceneError) as error:
-        known_specification("contact", text)
+        checked_specification("contact", text)
     assert str(error.value) == f"{text}: {message}" or str(error.value).startswith(
         f"{text}: {message} (one of "
     )
@@ -111,7 +111,7 @@ OBJECTS = [
 def test_a_label_names_the_method_that_has_it(name, options):
     kind = "shape" if name == "gimp" else "contact"
     made = load(kind, name)(**options)
-    read = known_specification(kind, made.label)
+    read = checked_specification(kind, made.label)
     again = load(kind, name)(**read.options)
     assert (again.label, again.options) == (made.label, made.options)
     assert made.label == str(read)

@@ -33,7 +33,7 @@ class Places(Struct):
     lean: Floats  #: (n, dim, dim) tilt of each corner; (0, dim, dim) where the variation is exact
 
 
-class Table(Struct):
+class SurfaceTable(Struct):
     """The surface's table of interpolation."""
 
     row: Ints  #: (n_s + 1,) entries of surface node p are ``row[p]:row[p + 1]``
@@ -151,7 +151,7 @@ def write_motion(c: int, outline: Outline, rows: Rows, places: Places) -> None:
 
 @device
 def add_point(
-    p: int, share: Float, c: int, corner: int, top: int, table: Table, rows: Rows, places: Places
+    p: int, share: Float, c: int, corner: int, top: int, table: SurfaceTable, rows: Rows, places: Places
 ) -> int:
     """Add ``share`` times N_i of surface node p to the entries of row c, which end before ``top``; the new top.
 
@@ -217,7 +217,7 @@ def next_candidate(s: int, last: int, candidates: Candidates) -> int:
 @kernel
 def assemble(
     passes: float, across: bool, ties: bool, candidates: Candidates, outline: Outline, pair_of: Ints, pair_first: Ints,
-    table: Table, rows: Rows, places: Places, spacing: tuple[float, ...],
+    table: SurfaceTable, rows: Rows, places: Places, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """A row for each candidate, two where it meets two facets alike; their number, or −1 where there is no room for all.
 

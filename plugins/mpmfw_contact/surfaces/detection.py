@@ -26,7 +26,7 @@ from mpmfw.api import Field as ArrayField
 from mpmfw.kernels.gaps import bounding_boxes
 from mpmfw.kernels.pair_table import pair_table
 from mpmfw_contact.surfaces import search
-from mpmfw_contact.surfaces.assembly import Places, Table, assemble, point_forces
+from mpmfw_contact.surfaces.assembly import Places, SurfaceTable, assemble, point_forces
 from mpmfw_contact.surfaces.candidates import no_candidates, no_lists
 from mpmfw_contact.surfaces.facing import too_fine
 from mpmfw_contact.surfaces.outline import outline_of
@@ -135,7 +135,7 @@ class Surfaces(Detection):
         self.radius, self.cell_size = self.reach(setup.cell_size), setup.cell_size
         self.through = np.zeros(3)
         self.count, self.was_inside = 0, False
-        self.table: Table | None = None
+        self.table: SurfaceTable | None = None
         self.list_pairs(setup.state)
 
     def list_pairs(self, state: State) -> None:
@@ -204,7 +204,7 @@ class Surfaces(Detection):
         if phi is None:
             raise RuntimeError("the surface's table was not filled")
         if self.table is None or self.table.weight is not phi.weight:
-            self.table = Table(row=phi.row, nodes=phi.nodes, weight=phi.weight)
+            self.table = SurfaceTable(row=phi.row, nodes=phi.nodes, weight=phi.weight)
         passes, closest = 0.5 if self.two_passes else 1.0, not self.every_facet
         while True:
             rows.count = assemble(

@@ -11,7 +11,7 @@ import xarray as xr
 
 from mpmfw.campaigns.costs import conditions, costs_of, over_repeats
 from mpmfw.campaigns.executors import Executor, InProcess, executor_of
-from mpmfw.campaigns.grid import Grid, Index, make_grid
+from mpmfw.campaigns.grid import Index, RunGrid, make_grid
 from mpmfw.campaigns.judging import judge_all
 from mpmfw.campaigns.outcome import COSTS, Outcome
 from mpmfw.campaigns.running import Event, Progress, Repeats, complete, resumable
@@ -112,7 +112,7 @@ def campaign(
     return dataset
 
 
-def dataset_of(grid: Grid, store: Store, executor: Executor) -> xr.Dataset:
+def dataset_of(grid: RunGrid, store: Store, executor: Executor) -> xr.Dataset:
     """Join what the store knows of a grid: series, status, costs and the conditions that they were measured under."""
     known: dict[Index, Outcome] = {}
     statuses, trees = {}, {}

@@ -100,7 +100,7 @@ def kind_of(scene: Scene) -> str | None:
 
 
 @dataclass(frozen=True)
-class Column:
+class PressedBlocks:
     """Two blocks, one on the other between smooth walls, under a pressure from above.
 
     Attributes
@@ -116,7 +116,7 @@ class Column:
     pressure: float
 
 
-def column(scene: Scene) -> Column | None:
+def column(scene: Scene) -> PressedBlocks | None:
     """Recognise two pressed blocks; None for any other scene."""
     if scene.dim != 2 or len(scene.bodies) != 2 or scene.gravity is not None:
         return None
@@ -133,4 +133,4 @@ def column(scene: Scene) -> Column | None:
             ends["lower"] = (name, 0.0)
     if ends.keys() != {"lower", "upper"}:
         return None
-    return Column(ends["lower"][0], ends["upper"][0], ends["upper"][1])
+    return PressedBlocks(ends["lower"][0], ends["upper"][0], ends["upper"][1])

@@ -83,7 +83,7 @@ class Combination:
 
 
 @dataclass(frozen=True)
-class Grid:
+class RunGrid:
     """All combinations.
 
     Attributes
@@ -113,9 +113,9 @@ class Grid:
         filled = np.full([len(labels) for labels in self.coords.values()], empty, dtype=kind)
         for index, value in values.items():
             filled[index] = value
-        said = {"long_name": meaning, **attributes}
+        text = {"long_name": meaning, **attributes}
         return xr.DataArray(
-            filled, dims=tuple(self.coords), attrs=said if unit is None else {"units": unit, **said}
+            filled, dims=tuple(self.coords), attrs=text if unit is None else {"units": unit, **text}
         )
 
     def tasks(self, here: bool = False, force: bool = False) -> dict[str, Task]:
@@ -150,7 +150,7 @@ def is_strange(scene: Scene) -> bool:
 
 def make_grid(
     scenes: Mapping[str, Any], vary: Mapping[str, Sequence[Any]], shared: Mapping[str, Any]
-) -> Grid:
+) -> RunGrid:
     """Expand what varies.
 
     Parameters
@@ -171,7 +171,7 @@ def make_grid(
         labels = {dim: coords[dim][k] for dim, k in zip(coords, index, strict=True)}
         values = {key: vs[k] for (key, vs), k in zip(vary.items(), index[offset:], strict=True)}
         combinations[index] = _combination(scenes[labels.get("scene", "")], labels, values, shared)
-    return Grid(coords, {names[key]: key for key in vary}, _without_twins(combinations))
+    return RunGrid(coords, {names[key]: key for key in vary}, _without_twins(combinations))
 
 
 def _combination(

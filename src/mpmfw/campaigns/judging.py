@@ -14,7 +14,7 @@ from pydantic import Field
 
 from mpmfw.analysis import relative_l2
 from mpmfw.campaigns.exact import Exact
-from mpmfw.campaigns.grid import Grid, Index
+from mpmfw.campaigns.grid import Index, RunGrid
 from mpmfw.campaigns.keys import as_number, finer
 from mpmfw.campaigns.measures import About, Measure, Measured, exact_of, measure_of
 from mpmfw.errors import SceneError
@@ -104,7 +104,7 @@ class Judge:
     def __init__(
         self,
         error: ErrorTable,
-        grid: Grid,
+        grid: RunGrid,
         at: At | None = None,
         beside: Callable[[Any], Any] = lambda file: file,
     ) -> None:
@@ -168,11 +168,11 @@ class Judge:
         guilty = [
             key for key, about in alone.items() if exact_of(self.measure, scene, about) is not None
         ] or given
-        said = " and ".join(f"{key} = '{getattr(self.about, key)}'" for key in guilty)
+        text = " and ".join(f"{key} = '{getattr(self.about, key)}'" for key in guilty)
         what = "closed form" if error.kind == "closed-form" else "reference"
         raise self.at(
             ("error", guilty[0]),
-            f"the scene '{scene.name}' has a {what} of {error.quantity}, but none for {said}; leave "
+            f"the scene '{scene.name}' has a {what} of {error.quantity}, but none for {text}; leave "
             f"{' and '.join(guilty)} out, or take kind = 'finest'",
         )
 
@@ -234,7 +234,7 @@ class Judge:
 
 def measured(
     measure: Measure,
-    grid: Grid,
+    grid: RunGrid,
     results: Results,
     succeeded: Mapping[Index, bool],
     about: About = About(),  # noqa: B008
@@ -260,7 +260,7 @@ def _error_at(path: tuple[str, ...], message: str) -> SceneError:
 
 
 def judge_all(
-    grid: Grid, measures: tuple[str, ...], reference: Mapping[str, Any] | None
+    grid: RunGrid, measures: tuple[str, ...], reference: Mapping[str, Any] | None
 ) -> list[Callable[[Results, xr.DataArray], dict[str, xr.DataArray]]]:
     """What reads each measure off the runs of a grid, and its error where something is known to judge it by.
 
@@ -284,7 +284,7 @@ def judge_all(
 
 
 def _measured(
-    measure: Measure, judge: Judge | None, grid: Grid, results: Results, status: xr.DataArray
+    measure: Measure, judge: Judge | None, grid: RunGrid, results: Results, status: xr.DataArray
 ) -> dict[str, xr.DataArray]:
     """The variables of one measure: a number itself, and its relative error."""
     found = {}

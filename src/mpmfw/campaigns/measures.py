@@ -127,7 +127,7 @@ def measure_of(name: str) -> Measure:
     """
     if name not in MEASURES:
         if name not in announced("measure"):
-            raise SceneError(f"'{name}' is unknown; {did_you_mean(name, known_measures())}")
+            raise SceneError(f"'{name}' is unknown; {did_you_mean(name, names_of_measures())}")
         load_announced("measure", name)
         if name not in MEASURES:
             raise SceneError(
@@ -136,7 +136,7 @@ def measure_of(name: str) -> Measure:
     return MEASURES[name]
 
 
-def known_measures() -> list[str]:
+def names_of_measures() -> list[str]:
     """Names of all measures, announced ones included, which are not imported."""
     return sorted({*MEASURES, *announced("measure")})
 

@@ -100,7 +100,7 @@ def complete(
         if outcome is None or outcome.status != "ok":
             return 0  # a failed one needs no more
         costs = counted(outcome, exclusive)
-        return max(0, _wanted(repeats, outcome.costs) - len(costs))
+        return max(0, _number_of_runs(repeats, outcome.costs) - len(costs))
 
     missing = [task for task in tasks.values() if _is_missing(task, store)]
     timer: Executor = InProcess() if exclusive else executor
@@ -145,7 +145,7 @@ def _do(
         count(task.name, ended.outcome.status)
 
 
-def _wanted(repeats: Repeats, costs: Iterable[Cost]) -> int:
+def _number_of_runs(repeats: Repeats, costs: Iterable[Cost]) -> int:
     if repeats != "auto":
         return repeats
     short = all(cost.values.get("cpu_time", SHORT) < SHORT for cost in costs)
@@ -159,8 +159,8 @@ def counted(outcome: Outcome | None, exclusive: bool) -> list[Cost]:
 
 
 def _dead(task: Any) -> Outcome:
-    said = "failed: its process ended abruptly, perhaps for want of memory"
-    return Outcome(task.key, said, task.name, lasting=False)
+    text = "failed: its process ended abruptly, perhaps for want of memory"
+    return Outcome(task.key, text, task.name, lasting=False)
 
 
 def _with_repeat(known: Outcome, finished: Finished | None) -> Outcome:
@@ -193,13 +193,13 @@ def resumable(store: Store, what: str) -> Iterator[None]:
         try:
             yield
         except KeyboardInterrupt as error:
-            said = "nothing is kept"
+            text = "nothing is kept"
             if store.lasts:
                 kept = len(list(store.folder.glob("*.json")))
-                said = (
+                text = (
                     f"{store.folder} keeps the {kept} runs that were done; the same {what} goes on from there"
                 )
-            raise Interrupted(getattr(error, "number", signal.SIGINT), f"interrupted: {said}") from None
+            raise Interrupted(getattr(error, "number", signal.SIGINT), f"interrupted: {text}") from None
 
 
 class _Counter:

@@ -70,7 +70,7 @@ class Task:
 
 def run_once(task: Task, progress: Callable[[float, int], None] | None = None) -> Finished:
     """Run a task and return all that it wrote; nothing but an interruption is raised."""
-    with _ALONE, _warnings() as said, tempfile.TemporaryDirectory(prefix="mpmfw-") as folder:
+    with _ALONE, _warnings() as text, tempfile.TemporaryDirectory(prefix="mpmfw-") as folder:
         path = Path(folder) / "run.nc"
         status, lasting, tree, cost = _try(task, path, progress)
         outcome = Outcome(
@@ -79,7 +79,7 @@ def run_once(task: Task, progress: Callable[[float, int], None] | None = None) -
             task.name,
             task.scene.text,
             "" if tree is None else _digest(tree),
-            tuple(dict.fromkeys(str(warning.message) for warning in said)),
+            tuple(dict.fromkeys(str(warning.message) for warning in text)),
             () if cost is None else (cost,),
             code=task.code,
             lasting=lasting,

@@ -138,8 +138,8 @@ def chosen_scene(scene: str, contact: str | None, shape: str | None, set_: list[
     try:
         loaded = load_scene(scene, set=overrides)
     except SceneError as error:
-        said: dict[str, str] = {kind: f"--{kind} {name}" for kind, name in choices if name is not None}
-        raise SceneError(called(str(error), said)) from error
+        text: dict[str, str] = {kind: f"--{kind} {name}" for kind, name in choices if name is not None}
+        raise SceneError(called(str(error), text)) from error
     methods = {
         "contact": loaded.contact.tables if loaded.contact else (),
         "shape": (loaded.shape.method,),
@@ -156,10 +156,10 @@ def installed(kind: Kind, name: str) -> str:
     SceneError
         There is no such plug-in, or it has no such option or refuses a value.
     """
-    from mpmfw.scene.specification import known_specification
+    from mpmfw.scene.specification import checked_specification
 
     try:
-        return str(known_specification(kind, name))
+        return str(checked_specification(kind, name))
     except SceneError as error:
         raise SceneError(f"--{kind} {error}") from error
 

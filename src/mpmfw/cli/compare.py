@@ -76,7 +76,7 @@ def compare(
     contacts = contacts or [loaded.contact.method if loaded.contact else "none"]
     shapes = shapes or [loaded.shape.method]
     run = {
-        kind: [parse_specification(said).name for said in chosen]
+        kind: [parse_specification(text).name for text in chosen]
         for kind, chosen in (("contact", contacts), ("shape", shapes))
     }
     for option, keys in (("--set", shared), ("--vary", varied)):

@@ -77,7 +77,7 @@ def campaign_progress(
         task = bar.add_task(PREPARING, total=None, inner="")
 
         def tell(event: Event) -> None:
-            said = f"{event.name}: {event.status.partition(':')[0]}" if event.name else PREPARING
-            bar.update(task, completed=event.done, total=event.total, description=said, inner="")
+            text = f"{event.name}: {event.status.partition(':')[0]}" if event.name else PREPARING
+            bar.update(task, completed=event.done, total=event.total, description=text, inner="")
 
         yield tell, lambda time, steps: bar.update(task, inner=f"{steps} steps, {time:.4g} s simulated")

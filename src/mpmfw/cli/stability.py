@@ -114,9 +114,9 @@ def _print(dataset: xr.Dataset) -> None:
     letters = [name[0].upper() for name in dataset.attrs["classes"].split(", ")] + ["?"]  # -1 is not known
     for k, value in enumerate(dataset[axis].values):
         row = dataset.isel({axis: k})
-        said = [f"{value:g}", "–" if held[k] != held[k] else f"{held[k]:g}"]
-        said += [f"{float(row[name]):.3g}" for name in ("closed_form", "limit")]
+        text = [f"{value:g}", "–" if held[k] != held[k] else f"{held[k]:g}"]
+        text += [f"{float(row[name]):.3g}" for name in ("closed_form", "limit")]
         marks = " ".join(letters[int(c)].ljust(len(f"{v:g}")) for c, v in zip(row["class"], cfl, strict=True))
-        table.add_row(*map(Text, said), Text("   " + marks))
+        table.add_row(*map(Text, text), Text("   " + marks))
     Console().print(table)
     typer.echo("N no contact, S stable, B bounded, D diverged: " + dataset.attrs["bounds"])

@@ -65,14 +65,14 @@ def _search(made: Build, plan: Plan, reach: float | None) -> None:
         what = f"no two bodies' boxes are within its reach of {reach:.4g} m at the start"
         plan.note("contact search", False, f"asleep until bodies are near: {what}")
         return
-    apart = {f"{first.name}-{second.name}": _apart(first, second) for first, second in ends}
+    apart = {f"{first.name}-{second.name}": _box_distance(first, second) for first, second in ends}
     nearest = min(apart, key=lambda label: apart[label])
     awake = apart[nearest] <= reach
     what = f"the boxes of {nearest} are {apart[nearest]:.4g} m apart at the start, its reach is {reach:.4g} m"
     plan.note("contact search", awake, what if awake else f"asleep until bodies are near: {what}")
 
 
-def _apart(first: Body, second: Body) -> float:
+def _box_distance(first: Body, second: Body) -> float:
     """Distance of two bounding boxes along the axis on which they are farthest apart [m], as a search takes it."""
     gaps = zip(first.lower, first.upper, second.lower, second.upper, strict=True)
     return max(0.0, *(max(low - top, bottom - high) for bottom, top, low, high in gaps))

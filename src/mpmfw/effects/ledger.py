@@ -197,8 +197,8 @@ class EnergyLedger:
 
     def _contact_residual(self, state: State) -> float:
         """Work of contact up to the positions that the springs have seen, which are a step old, and what became of it."""
-        told = sum(float(state.arrays[f"{self.contact}/{name}"].sum()) for name in SPRING_RECORDS)
-        return self.contact_before + told - (self.loaded or 0.0)
+        accounted = sum(float(state.arrays[f"{self.contact}/{name}"].sum()) for name in SPRING_RECORDS)
+        return self.contact_before + accounted - (self.loaded or 0.0)
 
     def _balance(self, state: State) -> float:
         """What no term accounts for [J/m]; the guard looks at the whole energy."""
@@ -238,8 +238,8 @@ def _terms(made: Build, plan: Plan) -> tuple[str, ...]:
     found: dict[str, list[str]] = {"gravity": [], "external": [], "contact": [], "inertia": []}
     for plugin in plan.plugins:
         if (does := getattr(plugin, "ledger_term", None)) is not None:
-            term, said = does
-            found[term].append(said)
+            term, text = does
+            found[term].append(text)
     if made.contact is not None:  # its work counts by the place where it is done
         places = [
             ("contact", CONTACT_HOOKS),

@@ -162,8 +162,8 @@ class Drawing:
             force = (
                 f"{self.scales.largest_force / size:.3g} {prefix}{readable(place['force'].attrs['units'])}"
             )
-            said = f"contact force on surface nodes, longest arrow: {force}"
-            self.figure.supxlabel(said, fontsize=FONT - 1, color="#D55E00")
+            text = f"contact force on surface nodes, longest arrow: {force}"
+            self.figure.supxlabel(text, fontsize=FONT - 1, color="#D55E00")
 
 
 @contextmanager

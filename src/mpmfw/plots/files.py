@@ -55,8 +55,8 @@ def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
         )
     if "cpu_stage" in dataset and np.isfinite(dataset["cpu_stage"].values).any():
         figures["cost"] = (cost_bars(dataset), "CPU time per material point and step, by stage of the step.")
-    said = f" {drawn_values(dataset)}." if drawn_values(dataset) else ""
-    return {name: (figure, caption + said) for name, (figure, caption) in figures.items()}
+    text = f" {drawn_values(dataset)}." if drawn_values(dataset) else ""
+    return {name: (figure, caption + text) for name, (figure, caption) in figures.items()}
 
 
 def _rolling(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:

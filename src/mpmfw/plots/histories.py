@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from mpmfw.errors import SceneError
-from mpmfw.outputs import Results, known_name, opened
+from mpmfw.outputs import Results, checked_name, opened
 from mpmfw.plots.field_figure import labelled
 from mpmfw.plots.style import PANEL, Look, combinations, dress, head, legend_below, new_figure
 from mpmfw.plots.units import in_brackets, readable, time_scale
@@ -29,7 +29,7 @@ _STYLES: tuple[Any, ...] = ("-", "--", "-.", ":")
 
 
 @dataclass(frozen=True)
-class Source:
+class RunSeries:
     """Series of one run, and how its lines look."""
 
     label: str
@@ -97,7 +97,7 @@ def history(
     return _of_several(found, curves, key, compared)
 
 
-def _of_one(source: Source, curves: Sequence[Curve]) -> Figure:
+def _of_one(source: RunSeries, curves: Sequence[Curve]) -> Figure:
     """One panel a series, a colour for each body or pair, a style for each axis."""
     names = list(dict.fromkeys(curve.name for curve in curves))
     looks = _looks(curves)
@@ -138,7 +138,10 @@ def _legend(figure: Figure, entries: Sequence[Artist]) -> None:
 
 
 def _of_several(
-    sources: Sequence[Source], curves: Sequence[Curve], key: list[list[Artist]], compared: xr.Dataset | None
+    sources: Sequence[RunSeries],
+    curves: Sequence[Curve],
+    key: list[list[Artist]],
+    compared: xr.Dataset | None,
 ) -> Figure:
     """One panel for each curve, a colour or style for each run."""
     figure, grid = _figure(len(curves))
@@ -175,7 +178,7 @@ def _draw(axes: Any, series: xr.Dataset, curve: Curve, look: Mapping[str, Any]) 
         axes.plot(series["time"].values, values, **look)
 
 
-def _dress(axes: Any, sources: Sequence[Source], name: str, label: str) -> None:
+def _dress(axes: Any, sources: Sequence[RunSeries], name: str, label: str) -> None:
     """Labels with units; times in ms where all are short."""
     last = max(float(source.series["time"].values[-1]) for source in sources)
     scale, unit = time_scale(last)
@@ -189,7 +192,7 @@ def _dress(axes: Any, sources: Sequence[Source], name: str, label: str) -> None:
     dress(axes, f"time [{unit}]", in_brackets(words, readable(own.attrs.get("units", "1"))), label)
 
 
-def _sources(results: Any) -> tuple[list[Source], list[list[Artist]], xr.Dataset | None]:
+def _sources(results: Any) -> tuple[list[RunSeries], list[list[Artist]], xr.Dataset | None]:
     """The runs to draw, the rows of their legend, and the comparison that they are of."""
     if isinstance(results, xr.DataTree) and "series" not in results.children:
         results = results.to_dataset()
@@ -202,18 +205,18 @@ def _sources(results: Any) -> tuple[list[Source], list[list[Artist]], xr.Dataset
         if data.sizes.get("time", 0) < 2:
             raise SceneError(f"{label or 'the run'}: no series with two outputs or more")
         look = {"color": _CYCLE[k % len(_CYCLE)], "linestyle": _STYLES[k % len(_STYLES)], "linewidth": 1.1}
-        found.append(Source(label, data, look))
+        found.append(RunSeries(label, data, look))
     return found, [[Line2D([], [], label=one.label, **one.look) for one in found]], None
 
 
-def _compared(dataset: xr.Dataset) -> tuple[list[Source], list[list[Artist]], xr.Dataset]:
+def _compared(dataset: xr.Dataset) -> tuple[list[RunSeries], list[list[Artist]], xr.Dataset]:
     if not {"contact", "shape"} <= set(dataset.dims) or dataset.sizes.get("time", 0) < 2:
         kind = dataset.attrs.get("kind", "")
         raise SceneError(f"these results{f' of a {kind!r}' if kind else ''} hold no series over time to draw")
     look = Look(dataset)
     points = dataset.sizes["time"]
     found = [
-        Source(f"{contact}, {shape}", run, look.line(contact, shape, points, turn))
+        RunSeries(f"{contact}, {shape}", run, look.line(contact, shape, points, turn))
         for turn, (contact, shape, run) in enumerate(combinations(dataset))
     ]
     return found, look.key(), dataset
@@ -237,7 +240,7 @@ def _curves(
         for name, array in data.data_vars.items()
         if "time" in array.dims
     }
-    arrays = {name: known[known_name("series", name, sorted(known))] for name in names}
+    arrays = {name: known[checked_name("series", name, sorted(known))] for name in names}
     for kind, label in wanted.items():
         if label is not None:
             _check_choice(kind, label, arrays)
@@ -262,4 +265,4 @@ def _check_choice(kind: str, label: str, arrays: Mapping[str, xr.DataArray]) -> 
     if not having:
         raise SceneError(f"{kind} '{label}': has no effect, since {', '.join(arrays)} has no {kind}")
     for name, dim in having:
-        known_name(kind, label, [str(value) for value in arrays[name][dim].values])
+        checked_name(kind, label, [str(value) for value in arrays[name][dim].values])

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from mpmfw.plots.apart import Marker, draw_apart
 from mpmfw.plots.costs import _STAGE_COLOURS
+from mpmfw.plots.markers import Marker, draw_side_by_side
 from mpmfw.plots.study_grid import label_of, order_of, problems_of, resolution_of, runs_of, with_methods
 from mpmfw.plots.style import FONT, Look, dress, legend_below, new_figure
 
@@ -73,7 +73,7 @@ def front(dataset: xr.Dataset) -> Figure:
             axes,
             "CPU time [s]",
             f"error of {_quantity(dataset)} [%]" if axes is panels[0] else "",
-            _told(title, problem),
+            _title(title, problem),
         )
         _plain_ticks(axes)
     for axes in panels[len(problems) :]:
@@ -90,9 +90,9 @@ def front(dataset: xr.Dataset) -> Figure:
     )
     figure.draw_without_rendering()  # sizes and limits of the panels are final from here on
     for axes, (_, problem) in zip(panels, problems, strict=False):
-        drawn = [row for row in runs_of(problem) if _is_known(row["run"])]
+        drawn = [row for row in runs_of(problem) if _can_be_drawn(row["run"])]
         drawn.sort(key=lambda row: (not row["run"]["pareto"], float(row["run"]["cpu_time"])))
-        draw_apart(axes, [_marker(row, look, _size(named, resolution, row)) for row in drawn])
+        draw_side_by_side(axes, [_marker(row, look, _size(named, resolution, row)) for row in drawn])
     return figure
 
 
@@ -136,13 +136,13 @@ def _size(dataset: xr.Dataset, resolution: str | None, row: dict[str, Any]) -> f
     return float(np.interp(order.index(row[resolution]), (0, max(1, len(order) - 1)), _SIZES))
 
 
-def _told(title: str, problem: xr.Dataset) -> str:
+def _title(title: str, problem: xr.Dataset) -> str:
     """The title, and how many runs of the problem have no marker because they failed or were refused."""
     without = sum(not np.isfinite(row["run"]["error"]) for row in runs_of(problem))
     return f"{title} ({without} failed)" if without else title
 
 
-def _is_known(run: xr.Dataset) -> bool:
+def _can_be_drawn(run: xr.Dataset) -> bool:
     """Whether a run has an error and a cost that a logarithmic axis can show."""
     return bool(np.isfinite(run["error"]) and run["error"] > 0.0 and np.isfinite(run["cpu_time"]))
 
@@ -150,7 +150,7 @@ def _is_known(run: xr.Dataset) -> bool:
 def _draw_spread(axes: Any, row: dict[str, Any], look: Look) -> None:
     """The range of the repeats, where the run is."""
     run = row["run"]
-    if not _is_known(run):
+    if not _can_be_drawn(run):
         return
     cost, spread = float(run["cpu_time"]), float(np.nan_to_num(run["cpu_time_spread"]))
     axes.errorbar(

@@ -131,9 +131,9 @@ def drawn_values(dataset: xr.Dataset) -> str:
 
 def head(figure: Figure, dataset: xr.Dataset) -> None:
     """Say above the panels which of the varied values are drawn."""
-    said = drawn_values(dataset)
-    if said:
-        figure.suptitle(textwrap.fill(said, round(28 * figure.get_figwidth())), fontsize=FONT)
+    text = drawn_values(dataset)
+    if text:
+        figure.suptitle(textwrap.fill(text, round(28 * figure.get_figwidth())), fontsize=FONT)
 
 
 def combinations(dataset: xr.Dataset) -> Iterator[tuple[str, str, xr.Dataset]]:

@@ -80,8 +80,8 @@ def write_report(
 
 
 def _reference(dataset: xr.Dataset) -> str:
-    said = described(dataset) or "none is known for this scene"
-    return f"<p>Reference: {escape(said)}.</p>"
+    text = described(dataset) or "none is known for this scene"
+    return f"<p>Reference: {escape(text)}.</p>"
 
 
 def _columns(rows: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -119,8 +119,8 @@ def _notes(attributes: Mapping[str, Any]) -> str:
     """What the runs want their reader to know."""
     notes = json.loads(attributes.get("notes", "{}"))
     entries = "".join(
-        f"<li>{escape(label.replace('/', ', '))}: {escape('; '.join(said))}</li>"
-        for label, said in notes.items()
+        f"<li>{escape(label.replace('/', ', '))}: {escape('; '.join(text))}</li>"
+        for label, text in notes.items()
     )
     return f"<ul>{entries}</ul>" if entries else ""
 

@@ -53,8 +53,8 @@ def open(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree:
         The run that wrote it is not finished: it goes on, was killed or interrupted, or failed.
     """
     tree = read(path, lazy=lazy)
-    if said := unfinished(tree, path):
-        warnings.warn(said, ResultsWarning, stacklevel=2)
+    if text := unfinished(tree, path):
+        warnings.warn(text, ResultsWarning, stacklevel=2)
     return tree
 
 

@@ -176,7 +176,7 @@ class RunWriter:
     def results(self) -> xr.DataTree:
         """Close and return what was written, the same whether it is in memory or in a file."""
         self.close()
-        return read(self.path) if self.path is not None else _known(self._tree)
+        return read(self.path) if self.path is not None else _read_back(self._tree)
 
     def __enter__(self) -> Self:
         return self
@@ -292,7 +292,7 @@ def _storable(value: Any) -> Any:
     return value
 
 
-def _known(tree: xr.DataTree | None) -> xr.DataTree:
+def _read_back(tree: xr.DataTree | None) -> xr.DataTree:
     if tree is None:
         raise MpmfwError("the results could not be read back from memory")
     return tree

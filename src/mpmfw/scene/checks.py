@@ -8,12 +8,12 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from mpmfw.discovery import REFERENCES, announced, available, nearest
-from mpmfw.scene.complaint import choice_message
 from mpmfw.scene.gravity import ConstantGravity
 from mpmfw.scene.locator import Path
 from mpmfw.scene.problem import Problem
 from mpmfw.scene.sides import check_sides
 from mpmfw.scene.tables import Body, Tables
+from mpmfw.scene.wording import choice_message
 
 #: Least cell size over the largest coordinate: round-off of a position is then below 1e-6 of a cell.
 SMALLEST_CELL = 1e-9

@@ -12,9 +12,9 @@ from typing import Any, Literal
 
 from mpmfw.discovery import available, load
 from mpmfw.errors import SceneError
-from mpmfw.scene.complaint import choice_message, shown
 from mpmfw.scene.locator import Path
 from mpmfw.scene.problem import Problem
+from mpmfw.scene.wording import choice_message, shown
 
 #: The keys, each with the kind of plug-in that it names.
 PARTS: tuple[Literal["detection", "law"], ...] = ("detection", "law")

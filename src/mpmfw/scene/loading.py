@@ -13,7 +13,6 @@ from pydantic import ValidationError
 from mpmfw.errors import SceneError
 from mpmfw.scene.cells import with_lengths
 from mpmfw.scene.checks import check
-from mpmfw.scene.complaint import problems_of
 from mpmfw.scene.contact_parts import latest_spelling, without_effect
 from mpmfw.scene.content import check_content
 from mpmfw.scene.locator import Locator, dotted
@@ -24,6 +23,7 @@ from mpmfw.scene.problem import Origin, Problem, distinct
 from mpmfw.scene.scene import Scene, Source
 from mpmfw.scene.sources import plain, read_source, shipped_texts
 from mpmfw.scene.specification import keys_of
+from mpmfw.scene.wording import problems_of
 
 
 def shipped_scenes() -> dict[str, str]:

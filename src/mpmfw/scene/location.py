@@ -35,6 +35,6 @@ def located(error: SceneError, scene: Scene) -> SceneError:
     if path[0] not in Scene.model_fields or (scene.source.name and text.startswith(f"{scene.source.name}:")):
         return error
     origin = origin_of(scene.source, scene.source.overrides)
-    said = origin.of_key(path, text)
+    message = origin.of_key(path, text)
     option = f"--set {found.group()}:"
-    return SceneError(re.sub(rf"^{re.escape(option)} {re.escape(found.group())}:? ", f"{option} ", said))
+    return SceneError(re.sub(rf"^{re.escape(option)} {re.escape(found.group())}:? ", f"{option} ", message))

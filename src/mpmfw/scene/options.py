@@ -8,13 +8,13 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from mpmfw.blame import distribution_said
+from mpmfw.blame import distribution_text
 from mpmfw.discovery import Kind, available, choices, load
 from mpmfw.errors import SceneError
-from mpmfw.scene.complaint import choice_message, problems_of, shown, unknown_key
 from mpmfw.scene.contact_parts import PARTS, parts_of
 from mpmfw.scene.locator import Path
 from mpmfw.scene.problem import Problem
+from mpmfw.scene.wording import choice_message, problems_of, shown, unknown_key
 
 #: Keys of the tables that the core reads itself.
 CORE_KEYS: dict[str, tuple[str, ...]] = {
@@ -150,9 +150,9 @@ def with_options(
 ) -> tuple[BaseModel | None, list[Problem]]:
     """An instance of the plug-in's own model, or what is wrong with options that stand at ``path`` of the scene."""
     model: Any = getattr(plugin, "Options", _NoOptions)
-    said = f"Options of plug-in '{plugin.name}' of {distribution_said(plugin)}"
+    text = f"Options of plug-in '{plugin.name}' of {distribution_text(plugin)}"
     if not (isinstance(model, type) and issubclass(model, BaseModel)):
-        return None, [Problem(path, f"{said}: expected a pydantic model, found {shown(model)}")]
+        return None, [Problem(path, f"{text}: expected a pydantic model, found {shown(model)}")]
     try:
         return model.model_validate(dict(options)), []
     except ValidationError as error:
@@ -160,5 +160,5 @@ def with_options(
     except KeyboardInterrupt:
         raise
     except BaseException as error:  # a stranger's validators may raise anything
-        message = f"{said} cannot judge them: {type(error).__name__}: {error}"
+        message = f"{text} cannot judge them: {type(error).__name__}: {error}"
         return None, [Problem(path, message)]

@@ -29,8 +29,8 @@ def check_sides(body: Body, path: Path, dim: int, end: float) -> Iterator[Proble
     for (_, first), (index, second) in itertools.combinations(enumerate(body.sides), 2):
         at = (*path, "sides", index)
         if AXIS[first.side] == AXIS[second.side] and first.side != second.side:
-            if said := _meeting(body, first, second, end):
-                yield Problem(at, said)
+            if text := _meeting(body, first, second, end):
+                yield Problem(at, text)
         elif first.side == second.side or body.geometry.type in ("rectangle", "box"):
             yield from _contradicting(first, second, at, dim)
 

@@ -44,8 +44,8 @@ class Specification:
 
     def __str__(self) -> str:
         """The text that is read as this, options in the order of the alphabet."""
-        said = ", ".join(f"{key}={_bare(value)}" for key, value in sorted(self.options.items()))
-        return f"{self.name}({said})" if said else self.name
+        text = ", ".join(f"{key}={_bare(value)}" for key, value in sorted(self.options.items()))
+        return f"{self.name}({text})" if text else self.name
 
 
 def parse_specification(text: str) -> Specification:
@@ -83,7 +83,7 @@ def split_specifications(text: str) -> list[str]:
     return [part.strip() for part in _parts(text, text)]
 
 
-def known_specification(kind: Kind, text: str) -> Specification:
+def checked_specification(kind: Kind, text: str) -> Specification:
     """Read the specification of an installed plug-in, with options that its model knows and takes one by one.
 
     What must hold between options, its own and the scene's, is for the scene to say.
@@ -93,16 +93,16 @@ def known_specification(kind: Kind, text: str) -> Specification:
     SceneError
         As :func:`parse_specification`; no such plug-in is installed, it has no such option, or a value is refused.
     """
-    said = parse_specification(text)
-    if said.name not in choices(kind):
-        raise SceneError(f"{text}: no such {kind} plug-in; {did_you_mean(said.name, choices(kind))}")
-    if said.options:
-        path = (kind, said.name)
-        _, found = with_options(load(kind, said.name), said.options, path)
+    message = parse_specification(text)
+    if message.name not in choices(kind):
+        raise SceneError(f"{text}: no such {kind} plug-in; {did_you_mean(message.name, choices(kind))}")
+    if message.options:
+        path = (kind, message.name)
+        _, found = with_options(load(kind, message.name), message.options, path)
         of_one = [problem for problem in found if len(problem.path) > len(path)]
         if of_one:
             raise SceneError(f"{text}: {of_one[0].path[len(path)]}: {of_one[0].message}")
-    return said
+    return message
 
 
 def specification_of(name: str, options: Mapping[str, Any]) -> str:
@@ -126,9 +126,9 @@ def keys_of(key: str, value: Any) -> dict[Path, Any]:
         return {}
     if path not in [(kind, "method") for kind in METHODS] or not isinstance(value, str) or "(" not in value:
         return {}
-    said, kind = parse_specification(value), path[0]
-    options = said.options if said.name in choices(kind) else {}
-    return {path: said.name} | {(kind, said.name, option): given for option, given in options.items()}
+    text, kind = parse_specification(value), path[0]
+    options = text.options if text.name in choices(kind) else {}
+    return {path: text.name} | {(kind, text.name, option): given for option, given in options.items()}
 
 
 def called(message: str, methods: Mapping[str, str]) -> str:

@@ -85,7 +85,7 @@ class _Putting:
         """The class of a name: that of what is at the place, or one that is imported."""
         if name_of(type(old)) == name:
             return type(old)
-        found = self._found(name)
+        found = self._imported(name)
         if not isinstance(found, type):
             raise NotSaved(f"{where}: the plug-ins have no class {name.replace(':', '.')} here")
         return found
@@ -94,13 +94,13 @@ class _Putting:
         """Code at its place, or found by its name."""
         if code_name(old) == said:
             return old
-        found = self._found(said)
+        found = self._imported(said)
         if found is None:
             name = said.strip("()").replace(":", ".")
             raise NotSaved(f"{where} was {name}, which a run that is built anew does not have there")
         return found
 
-    def _found(self, name: str) -> Any:
+    def _imported(self, name: str) -> Any:
         """What an imported module has under a name, ``module:name``; None if nothing, or if it is none of the trusted ones."""
         module, _, path = name.partition(":")
         found: Any = sys.modules.get(module)

@@ -83,8 +83,10 @@ class _Taking:
                 [self.code(key, f"{where} keys"), self.code(item, f"{where}[{key!r}]")]
                 for key, item in value.items()
             ]
-            made_by = {"factory": self.code(value.default_factory, where)} if kind is defaultdict else {}
-            return {"dict": items, "of": kind.__name__, **made_by}
+            dependencies_of = (
+                {"factory": self.code(value.default_factory, where)} if kind is defaultdict else {}
+            )
+            return {"dict": items, "of": kind.__name__, **dependencies_of}
         if isinstance(value, np.random.Generator):
             return {"random": self.code(value.bit_generator.state, where)}
         if hasattr(value, "__setstate__") and any("__getstate__" in vars(base) for base in kind.__mro__[:-1]):

@@ -17,7 +17,7 @@ import xarray as xr
 
 from mpmfw._version import __version__
 from mpmfw.campaigns.executors import InProcess, Pool, executor_of
-from mpmfw.campaigns.grid import Combination, Grid, Index, is_strange, make_grid
+from mpmfw.campaigns.grid import Combination, Index, RunGrid, is_strange, make_grid
 from mpmfw.campaigns.running import Progress, do, resumable
 from mpmfw.campaigns.store import Store, store_of
 from mpmfw.discovery import load
@@ -120,7 +120,7 @@ def stability_map(
         runner = Pool(1)
     with resumable(runs, "map of stability"):
         do(functools.partial(probe_once, steps=steps), grid.tasks().values(), runs, runner, progress)
-    found = {index: _found(runs, one) for index, one in grid.combinations.items()}
+    found = {index: _invariants(runs, one) for index, one in grid.combinations.items()}
     least = int(np.argmin(cfl))
     limits = np.array([found[i, least].limit for i in range(len(values))]) / ticks
     dataset = _dataset(grid, found, {"limit": limits, "closed_form": closed})
@@ -162,7 +162,7 @@ def _grid(
     values: Sequence[float],
     cfl: Sequence[float],
     steps: int,
-) -> Grid:
+) -> RunGrid:
     """All points at all Courant numbers of a step of fixed length; the code that judges a run is part of what it is."""
     what = f"{steps} steps judged by {package('mpmfw.stability')}"
     combinations: dict[Index, Combination] = {}
@@ -173,10 +173,10 @@ def _grid(
         combinations[i, j] = replace(
             points[i], labels={axis: f"{value:g}", "cfl": f"{courant:g}"}, scene=fixed, what=what
         )
-    return Grid({axis: [*values], "cfl": [*cfl]}, {axis: axis, "cfl": "time.step"}, combinations)
+    return RunGrid({axis: [*values], "cfl": [*cfl]}, {axis: axis, "cfl": "time.step"}, combinations)
 
 
-def _found(runs: Store, one: Combination) -> Invariants:
+def _invariants(runs: Store, one: Combination) -> Invariants:
     """What came of a run; of one that died, or whose method raised an error, nothing is known but that.
 
     Raises
@@ -240,7 +240,7 @@ def classed(found: Invariants) -> int:
     return 1 if found.energy <= STABLE else 2
 
 
-def _dataset(grid: Grid, found: Mapping[Index, Invariants], lines: Mapping[str, FloatArray]) -> xr.Dataset:
+def _dataset(grid: RunGrid, found: Mapping[Index, Invariants], lines: Mapping[str, FloatArray]) -> xr.Dataset:
     axis, shape = next(iter(grid.coords)), tuple(len(labels) for labels in grid.coords.values())
     picks: dict[str, tuple[Callable[[Invariants], float], type]] = {
         "class": (classed, int),

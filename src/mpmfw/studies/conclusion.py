@@ -38,10 +38,10 @@ def conclusions(dataset: xr.Dataset, under: float | None = None) -> list[str]:
     """
     limit = float(dataset.attrs["under"]) if under is None else under
     problems = json.loads(dataset.attrs["problem_dims"])
-    said: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
+    text: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
     for row in rows(dataset):
-        said.setdefault(tuple(row[dim] for dim in problems), []).append(row)
-    return [_sentence(_named(problems, problem), problems, found, limit) for problem, found in said.items()]
+        text.setdefault(tuple(row[dim] for dim in problems), []).append(row)
+    return [_sentence(_named(problems, problem), problems, found, limit) for problem, found in text.items()]
 
 
 def _sentence(problem: str, problems: list[str], found: list[dict[str, Any]], limit: float) -> str:

@@ -18,7 +18,7 @@ from mpmfw.discovery import load
 from mpmfw.joining import STEPPING
 from mpmfw.results.provenance import provenance
 from mpmfw.scene import Scene
-from mpmfw.studies.grid import Grid, Index
+from mpmfw.studies.grid import Index, StudyGrid
 from mpmfw.studies.loading import Study
 from mpmfw.studies.pareto import front
 
@@ -28,7 +28,7 @@ BESIDE = {"noise": "force-noise", "penetration": "penetration"}
 
 def assemble(
     study: Study,
-    grid: Grid,
+    grid: StudyGrid,
     judge: Judge,
     records: Mapping[Index, Outcome | None],
     judgements: Mapping[Index, Judgement],
@@ -74,7 +74,7 @@ def assemble(
     return dataset
 
 
-def _methods(grid: Grid) -> dict[str, Any]:
+def _methods(grid: StudyGrid) -> dict[str, Any]:
     """Contact and shape where they are not varied, if all scenes have the same."""
     methods = {
         "contact": {_contact(scene) for scene in grid.scenes.values()},
@@ -87,7 +87,7 @@ def _methods(grid: Grid) -> dict[str, Any]:
     }
 
 
-def _stepping(grid: Grid) -> dict[str, xr.DataArray]:
+def _stepping(grid: StudyGrid) -> dict[str, xr.DataArray]:
     """Scheme and transfer of every combination that can run; where one is varied its dimension says it."""
     chosen = {
         index: one.scene.stepping.chosen(load("shape", one.scene.shape.method))
@@ -105,7 +105,7 @@ def _contact(scene: Scene) -> str:
     return scene.contact.method if scene.contact is not None else "none"
 
 
-def _errors(grid: Grid, judge: Judge, judgements: Mapping[Index, Judgement]) -> dict[str, xr.DataArray]:
+def _errors(grid: StudyGrid, judge: Judge, judgements: Mapping[Index, Judgement]) -> dict[str, xr.DataArray]:
     measure = judge.measure
     errors = {i: one.error for i, one in judgements.items()}
     found = {"error": grid.array(errors, f"relative error of: {measure.meaning}", "1")}
@@ -116,7 +116,7 @@ def _errors(grid: Grid, judge: Judge, judgements: Mapping[Index, Judgement]) -> 
     return found
 
 
-def _costs(grid: Grid, costs: Mapping[Index, list[Cost]], settling: bool) -> dict[str, xr.DataArray]:
+def _costs(grid: StudyGrid, costs: Mapping[Index, list[Cost]], settling: bool) -> dict[str, xr.DataArray]:
     """Medians of the repeats; with ``settling`` it counts: in CPU time, stages and steps."""
     each = costs_of(grid.coords, costs)
     what = "CPU time of the steps" + (" and of settling" if settling else "")
@@ -126,29 +126,29 @@ def _costs(grid: Grid, costs: Mapping[Index, list[Cost]], settling: bool) -> dic
             stages=each["stages"] + each["settling"],
             steps=each["steps"] + each["settle_steps"],
         )
-    said = {name: {"units": unit, "long_name": meaning} for name, unit, meaning in COSTS}
-    said["cpu_time"]["long_name"] = f"{what}, without compilation and output; median of the repeats"
-    said["steps"]["long_name"] += ", those of settling included" if settling else ""
+    message = {name: {"units": unit, "long_name": meaning} for name, unit, meaning in COSTS}
+    message["cpu_time"]["long_name"] = f"{what}, without compilation and output; median of the repeats"
+    message["steps"]["long_name"] += ", those of settling included" if settling else ""
     stages = {
         "stage_time": ("stages", f"{what} by stage; median of the repeats"),
         "settle_stage_time": ("settling", "CPU time of settling by stage; median of the repeats"),
     }
     medians = each.median("repeat")
     return {
-        **{name: medians[name].assign_attrs(attributes) for name, attributes in said.items()},
+        **{name: medians[name].assign_attrs(attributes) for name, attributes in message.items()},
         **{name: medians[of].assign_attrs(units="s", long_name=text) for name, (of, text) in stages.items()},
         **over_repeats(each),
     }
 
 
-def _status(grid: Grid, index: Index, record: Outcome | None) -> str:
+def _status(grid: StudyGrid, index: Index, record: Outcome | None) -> str:
     if record is not None:
         return record.status
     one = grid.combinations[index]
     return f"refused: {one.why}" if one.scene is None else "not run"
 
 
-def _front(grid: Grid, dataset: xr.Dataset) -> xr.DataArray:
+def _front(grid: StudyGrid, dataset: xr.Dataset) -> xr.DataArray:
     """The front of each problem; what failed has no error and is on none."""
     dims = tuple(grid.coords)
     inner = tuple(dim for dim in dims if dim not in grid.problem_dims)
@@ -163,7 +163,7 @@ def _front(grid: Grid, dataset: xr.Dataset) -> xr.DataArray:
 
 
 def _attributes(
-    study: Study, grid: Grid, judge: Judge, records: Mapping[Index, Outcome | None]
+    study: Study, grid: StudyGrid, judge: Judge, records: Mapping[Index, Outcome | None]
 ) -> dict[str, Any]:
     tables = study.tables
     notes = {

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from mpmfw.campaigns.grid import Grid as Points
+from mpmfw.campaigns.grid import RunGrid
 from mpmfw.campaigns.grid import make_grid as make_points
 from mpmfw.campaigns.keys import overrides_of
 from mpmfw.campaigns.measures import measure_of
@@ -19,7 +19,7 @@ Index = tuple[int, ...]
 
 
 @dataclass(frozen=True)
-class Grid(Points):
+class StudyGrid(RunGrid):
     """All combinations of a study.
 
     Attributes
@@ -31,7 +31,7 @@ class Grid(Points):
     scenes: Mapping[str, Scene]
 
 
-def make_grid(study: Study) -> Grid:
+def make_grid(study: Study) -> StudyGrid:
     """Expand a study.
 
     Raises
@@ -41,7 +41,7 @@ def make_grid(study: Study) -> Grid:
     """
     scenes = {label: _base(study, label, scene) for label, scene in study.scenes.items()}
     points = make_points(scenes, study.tables.vary, {})
-    grid = Grid(points.coords, points.keys, points.combinations, scenes)
+    grid = StudyGrid(points.coords, points.keys, points.combinations, scenes)
     _check(study, grid)
     return grid
 
@@ -68,7 +68,7 @@ def _base(study: Study, label: str, chosen: Any) -> Scene:
         raise study.at(("set", about) if about else ("set",), message) from error
 
 
-def _check(study: Study, grid: Grid) -> None:
+def _check(study: Study, grid: StudyGrid) -> None:
     """Refuse a study with a value that no combination can run."""
     varied, combinations = study.tables.vary, grid.combinations
     first = next(iter(combinations.values()))

@@ -15,12 +15,12 @@ from mpmfw.campaigns.keys import SHORT, full_key, written_alike
 from mpmfw.campaigns.measures import measure_of
 from mpmfw.errors import SceneError
 from mpmfw.scene import Scene, Source
-from mpmfw.scene.complaint import problems_of, unknown_key
 from mpmfw.scene.loading import origin_of
 from mpmfw.scene.locator import Path as KeyPath
 from mpmfw.scene.override import parse_path
 from mpmfw.scene.problem import Problem, distinct
 from mpmfw.scene.sources import read_source, shipped_texts
+from mpmfw.scene.wording import problems_of, unknown_key
 from mpmfw.studies.tables import StudyTables
 
 

@@ -21,7 +21,7 @@ from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene.override import parse_value
 from mpmfw.studies.dataset import BESIDE, assemble
-from mpmfw.studies.grid import Grid, Index, make_grid
+from mpmfw.studies.grid import Index, StudyGrid, make_grid
 from mpmfw.studies.loading import Study, load_study
 from mpmfw.units import to_si
 
@@ -119,7 +119,9 @@ def _with(study: Study, repeats: int | None, under: float | str | None) -> Study
     return replace(study, tables=tables.model_copy(update=update))
 
 
-def _dataset(study: Study, grid: Grid, judge: Judge, store: Store, exclusive: bool, cores: str) -> xr.Dataset:
+def _dataset(
+    study: Study, grid: StudyGrid, judge: Judge, store: Store, exclusive: bool, cores: str
+) -> xr.Dataset:
     keys = {index: one.key for index, one in grid.combinations.items() if one.scene is not None}
     outcomes: dict[Index, Outcome | None] = {
         index: store.outcome(keys[index]) if index in keys else None for index in grid.combinations

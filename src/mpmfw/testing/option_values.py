@@ -18,7 +18,7 @@ def candidates(field: FieldInfo) -> list[Any]:
     """
     default = field.get_default(call_default_factory=True)
     tried: list[Any] = []
-    for value in [*(field.examples or ()), *_made_up(field.annotation, default, field.metadata)]:
+    for value in [*(field.examples or ()), *_generated(field.annotation, default, field.metadata)]:
         if value not in tried:  # no set: values need not be hashable
             tried.append(value)
     return tried
@@ -33,13 +33,13 @@ def choices(annotation: Any) -> list[Any]:
     return []
 
 
-def _made_up(annotation: Any, default: Any, metadata: Sequence[Any]) -> Iterator[Any]:
+def _generated(annotation: Any, default: Any, metadata: Sequence[Any]) -> Iterator[Any]:
     if get_origin(annotation) is Annotated:
         inner, *more = get_args(annotation)
-        yield from _made_up(inner, default, [*metadata, *more])
+        yield from _generated(inner, default, [*metadata, *more])
     elif get_origin(annotation) in (Union, type(int | str)):
         for part in get_args(annotation):
-            yield from _made_up(part, default, metadata)
+            yield from _generated(part, default, metadata)
     elif choices(annotation):
         yield from choices(annotation)
     elif annotation is float or annotation is int:

@@ -116,10 +116,10 @@ def try_all(
         cannot be asked are left out.
     """
     ranks = itertools.product(*(range(len(values)) for values in cases.values()))
-    said = {name: (names or {}).get(name, name) for name in cases}
+    text = {name: (names or {}).get(name, name) for name in cases}
     for count, rank in enumerate(sorted(ranks, key=sum)):
         numbers = {name: values[k] for (name, values), k in zip(cases.items(), rank, strict=True)}
-        case = {said[name]: value for name, value in numbers.items()}
+        case = {text[name]: value for name, value in numbers.items()}
         try:
             trial(**numbers)
         except Violation as violation:
@@ -145,7 +145,7 @@ class _Trials:
         if self.count >= self.most:
             raise _Enough
         self.count += 1
-        case = {said: numbers[name] for name, said in self.names.items()}
+        case = {text: numbers[name] for name, text in self.names.items()}
         try:
             self.trial(**numbers)
         except Violation as violation:
@@ -197,7 +197,7 @@ def _lines(error: BaseException) -> list[str]:
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if not Path(frame.filename).resolve().is_relative_to(_CORE)]
     strange = [frame for frame in own if not _LIBRARY.search(frame.filename)]
-    said = []
+    text = []
     for frame in strange or frames[-1:]:
-        said += [f'File "{frame.filename}", line {frame.lineno}, in {frame.name}', f"  {frame.line}"]
-    return said
+        text += [f'File "{frame.filename}", line {frame.lineno}, in {frame.name}', f"  {frame.line}"]
+    return text

@@ -9,9 +9,9 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
+from mpmfw.dead_hooks import refuse_dead_hooks
 from mpmfw.discovery import Kind, did_you_mean, full_name, load, refuse_class, refuse_nameless
 from mpmfw.errors import SceneError
-from mpmfw.marks import refuse_dead_hooks
 from mpmfw.scene.specification import parse_specification, specification_of
 from mpmfw.testing.check import Inapplicable
 
@@ -74,24 +74,24 @@ def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None
     """
     given = dict(options or {})
     if isinstance(plugin, str):
-        said = parse_specification(plugin)
-        twice = sorted(set(said.options) & set(given))
+        text = parse_specification(plugin)
+        twice = sorted(set(text.options) & set(given))
         if twice:
             raise SceneError(
                 f"{plugin}: the option '{twice[0]}' is given beside it as well; leave one of them out"
             )
-        given = {**said.options, **given}
-        plugin = _from_module(said.name) if ":" in said.name else load(kind, said.name)
+        given = {**text.options, **given}
+        plugin = _from_module(text.name) if ":" in text.name else load(kind, text.name)
     if isinstance(plugin, type):
         _check_kind(plugin, kind)
         refuse_class(plugin)
         refuse_dead_hooks(plugin)
-        _made(plugin, given)
+        _one(plugin, given)
         return Subject(kind, _label(plugin, given), plugin, plugin, given)
     if hasattr(plugin, "options") and hasattr(plugin, "from_options"):
         return subject_of(type(plugin), kind, {**_options_set(plugin), **given})
     if callable(plugin):
-        made = _made(plugin, given)
+        made = _one(plugin, given)
         _check_kind(type(made), kind)
         refuse_nameless(type(made))
         refuse_dead_hooks(type(made))
@@ -125,14 +125,14 @@ def _check_kind(plugin: type[Any], kind: Kind) -> None:
         )
 
 
-def _made(factory: Callable[..., Any], options: Mapping[str, Any]) -> Any:
+def _one(factory: Callable[..., Any], options: Mapping[str, Any]) -> Any:
     """One object, to see that it can be made; a stranger's constructor may raise anything."""
     name = str(getattr(factory, "name", getattr(factory, "__qualname__", factory)))
     try:
         return factory(**options)
     except ValidationError as error:
-        said = "; ".join(_complaint(factory, problem) for problem in error.errors())
-        raise SceneError(f"{name}: {said}") from error
+        text = "; ".join(_problem_text(factory, problem) for problem in error.errors())
+        raise SceneError(f"{name}: {text}") from error
     except SceneError:
         raise
     except Exception as error:
@@ -143,7 +143,7 @@ def _made(factory: Callable[..., Any], options: Mapping[str, Any]) -> Any:
         raise SceneError(f"{name}(…) cannot be made: {type(error).__name__}: {error}") from error
 
 
-def _complaint(plugin: Any, problem: Any) -> str:
+def _problem_text(plugin: Any, problem: Any) -> str:
     where = ".".join(map(str, problem["loc"])) or "options"
     if problem["type"] == "extra_forbidden" and hasattr(plugin, "Options"):
         return f"no such option '{where}'; {did_you_mean(where, plugin.Options.model_fields)}"

@@ -86,10 +86,10 @@ class Case:
     def table(self, name: str = "reference.csv") -> dict[str, np.ndarray[Any, Any]]:
         """Columns of a CSV file of the case by their headings; comment lines begin with ``#``."""
         lines = (self.folder / name).read_text(encoding="utf-8").splitlines()
-        told = [
+        texts = [
             line for line in lines if line and not line.startswith("#")
         ]  # numpy would take names from comments
-        read = np.genfromtxt(told, delimiter=",", names=True, dtype=None)
+        read = np.genfromtxt(texts, delimiter=",", names=True, dtype=None)
         return {column: np.atleast_1d(read[column]) for column in read.dtype.names or ()}
 
     def methods(

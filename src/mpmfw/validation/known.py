@@ -48,18 +48,18 @@ def departures(rows: Iterable[Row], known: Iterable[KnownRed], *, quick: bool = 
     A gate on the list must be among the rows of its case, unless the case did not run or ran in its ``quick`` version,
     which leaves gates out.
     """
-    rows, known, said = list(rows), list(known), []
+    rows, known, text = list(rows), list(known), []
     ran = set() if quick else {row.case for row in rows}
     for gate in known:
         if gate.case in ran and not any(gate.is_of(row) for row in rows):
-            said.append(
+            text.append(
                 f"{gate.case}: {gate.method}, {gate.quantity}: known as red, and there is no such gate"
             )
     for row in rows:
         listed = any(gate.is_of(row) for gate in known)
         name = f"{row.case}: {row.method}, {row.quantity}"
         if row.verdict is Verdict.RED and not listed:
-            said.append(f"{name}: red, and not known to be")
+            text.append(f"{name}: red, and not known to be")
         elif listed and row.verdict is Verdict.HOLDS:
-            said.append(f"{name}: known as red, and it holds now; take it off the list")
-    return said
+            text.append(f"{name}: known as red, and it holds now; take it off the list")
+    return text

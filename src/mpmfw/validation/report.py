@@ -61,12 +61,12 @@ def summary(outcomes: Sequence[CaseResult]) -> str:
     count = {verdict: sum(row.verdict is verdict for row in rows) for verdict in Verdict}
     broken = [outcome.folder.name for outcome in outcomes if outcome.error]
     gates = count[Verdict.HOLDS] + count[Verdict.RED]
-    said = (
+    text = (
         f"{len(outcomes)} {'case' if len(outcomes) == 1 else 'cases'}, {gates} gates: {count[Verdict.HOLDS]} hold, "
         f"{count[Verdict.RED]} red; {len(rows) - gates} more values, of which {count[Verdict.OUTSIDE]} outside the "
         f"gates' limits and {count[Verdict.FAILED]} of runs that failed"
     )
-    return said + (f"; broken cases: {', '.join(broken)}" if broken else "")
+    return text + (f"; broken cases: {', '.join(broken)}" if broken else "")
 
 
 #: Columns of the CSV file: attributes of a row, but for the last heading but one, which says the unit.
@@ -134,8 +134,8 @@ def _head(outcomes: Sequence[CaseResult], known: Sequence[KnownRed]) -> str:
 
 def _written_by(outcomes: Sequence[CaseResult]) -> str:
     """The commands that were run, each with the cores that it ran on."""
-    said = dict.fromkeys((outcome.command, outcome.cores) for outcome in outcomes if outcome.command)
-    return ", ".join(f"`{command}` on {cores}" for command, cores in said)
+    text = dict.fromkeys((outcome.command, outcome.cores) for outcome in outcomes if outcome.command)
+    return ", ".join(f"`{command}` on {cores}" for command, cores in text)
 
 
 def _red(outcomes: Sequence[CaseResult], known: Sequence[KnownRed]) -> list[str]:

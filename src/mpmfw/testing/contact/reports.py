@@ -65,20 +65,20 @@ def _never_falls(motion: Motion) -> None:
 def _is_the_impulse(motion: Motion, meeting: Meeting) -> None:
     """Hold the reported force of every step against the momentum that the first body gets."""
     dt = np.array(motion.dt)[:, np.newaxis]
-    said, did = motion.of("contact_force")[1:, 0] * dt, motion.impulse[:, 0]
+    text, did = motion.of("contact_force")[1:, 0] * dt, motion.impulse[:, 0]
     time, n = np.cumsum(motion.dt), meeting.normal
-    step = int(np.abs(said - did).max(axis=1).argmax())
+    step = int(np.abs(text - did).max(axis=1).argmax())
     within(
-        float(np.abs(said - did).max()) / max(float(np.abs(did).sum()), 1e-300),
+        float(np.abs(text - did).max()) / max(float(np.abs(did).sum()), 1e-300),
         REPORTED,
         "the reported contact_force is not the momentum that the first body gets",
         {
             "step": step + 1,
-            "reported [N s/m]": said[step].tolist(),
+            "reported [N s/m]": text[step].tolist(),
             "measured [N s/m]": did[step].tolist(),
         },
         histories(
-            {"measured": (time, did @ n), "reported": (time, said @ n)},
+            {"measured": (time, did @ n), "reported": (time, text @ n)},
             "normal impulse, each step [N s/m]",
         ),
     )

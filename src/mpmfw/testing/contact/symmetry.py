@@ -63,9 +63,9 @@ def shift(subject: Subject) -> None:
     def whole(meeting: Meeting) -> bool:
         return meeting.shift.is_integer() and meeting.rise.is_integer()
 
-    said = "the motion depends on where the scene lies: a shift by whole cells changes it"
+    text = "the motion depends on where the scene lies: a shift by whole cells changes it"
     cases = {"shift": (0.0, 1.0, 0.5), "rise": (0.0, -5.0, -0.5)}
-    _placed_elsewhere(subject, cases, back, whole, said)
+    _placed_elsewhere(subject, cases, back, whole, text)
 
 
 def rotation(subject: Subject) -> None:
@@ -80,9 +80,9 @@ def rotation(subject: Subject) -> None:
     def quarter(meeting: Meeting) -> bool:
         return meeting.turn % 90.0 == 0.0
 
-    said = "a quarter turn of the scene does not turn the motion"
+    text = "a quarter turn of the scene does not turn the motion"
     turns = (90.0, 180.0, 270.0, 15.0, 45.0, 75.0, 120.0, 210.0, 330.0)
-    _placed_elsewhere(subject, {"turn": turns}, back, quarter, said)
+    _placed_elsewhere(subject, {"turn": turns}, back, quarter, text)
 
 
 def _placed_elsewhere(

@@ -34,7 +34,7 @@ def runs(subject: Subject) -> None:
     """
 
     def trial(dim: int, case: dict[str, Any]) -> None:
-        _company(subject, dim, case).table()
+        _one_among_three(subject, dim, case).table()
 
     search_dimensions(subject, points, trial, examples=1)
 
@@ -47,7 +47,7 @@ def structure(subject: Subject) -> None:
     """
 
     def trial(dim: int, case: dict[str, Any]) -> None:
-        placed = _company(subject, dim, case)
+        placed = _one_among_three(subject, dim, case)
         table = placed.table()
         _require_table(table, placed.particles.count, dim, True, placed)
         if dim == 2:
@@ -66,13 +66,13 @@ def repeatable(subject: Subject) -> None:
     """The same points give the same bits: filled again, and by a fresh object after other points."""
 
     def trial(dim: int, case: dict[str, Any]) -> None:
-        placed = _company(subject, dim, case)
+        placed = _one_among_three(subject, dim, case)
         first = _copied(placed.table())
         again = _copied(placed.fill())
         start = placed.particles.position.copy()
-        other = _company(subject, dim, {**case, "x [cells]": 0.4})
+        other = _one_among_three(subject, dim, {**case, "x [cells]": 0.4})
         other.table()
-        fresh = _copied(_company(subject, dim, case).table())
+        fresh = _copied(_one_among_three(subject, dim, case).table())
         for name, table in (("filled again", again), ("from a fresh object", fresh)):
             if not all(np.array_equal(a, b) for a, b in zip(first, table, strict=True)):
                 raise Violation(
@@ -90,7 +90,7 @@ def saved(subject: Subject) -> None:
 
     def trial(dim: int, case: dict[str, Any]) -> None:
         turn = 0.02 * (np.eye(dim) + np.diag(np.ones(dim - 1), 1))
-        placed, anew = _company(subject, dim, case), _company(subject, dim, case)
+        placed, anew = _one_among_three(subject, dim, case), _one_among_three(subject, dim, case)
         centre = placed.particles.position.mean(axis=0)
         placed.deform(turn, centre, steps=2)
         try:
@@ -118,7 +118,7 @@ def changes_nothing_else(subject: Subject) -> None:
     """``particle_reach``, ``interpolate`` and ``interpolate_surface`` leave every array of points and grid as it was."""
 
     def trial(dim: int, case: dict[str, Any]) -> None:
-        placed = _company(subject, dim, case)
+        placed = _one_among_three(subject, dim, case)
         placed.lay()
         position = placed.particles.position.copy()
         before = {name: array.copy() for name, array in _arrays(placed).items()}
@@ -204,7 +204,7 @@ def dimensions(subject: Subject) -> None:
         raise Violation(f"name must be an identifier, for the table [shape.NAME] of a scene; it is {name!r}")
 
 
-def _company(subject: Subject, dim: int, case: dict[str, Any]) -> Placement:
+def _one_among_three(subject: Subject, dim: int, case: dict[str, Any]) -> Placement:
     """One point of one body and two of another, the last of them where the case says."""
     centre, edge = MIDDLE + within(case, dim), float(case["edge [cells]"])
     bodies = [centre[None] - 1.4, np.stack([centre + 0.8, centre])]

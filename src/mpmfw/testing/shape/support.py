@@ -148,7 +148,7 @@ def reach(subject: Subject) -> None:
     search_dimensions(subject, cases, trial)
 
 
-def company(subject: Subject) -> None:
+def independence(subject: Subject) -> None:
     """Weights and gradients h ∇φ differ by at most 1e-14 whether a point is alone or the last of five."""
 
     def trial(dim: int, case: dict[str, Any]) -> None:
@@ -233,5 +233,5 @@ def support_checks() -> list[Check]:
             surface_inside,
         ),
         Check("reach", "Windows laid by particle_reach hold the supports of stretched domains.", reach),
-        Check("company", "A point's table does not depend on the other points.", company),
+        Check("independence", "A point's table does not depend on the other points.", independence),
     ]

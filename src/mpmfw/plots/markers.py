@@ -34,7 +34,7 @@ class Marker(NamedTuple):
     style: dict[str, Any]  #: keywords of ``Axes.plot``
 
 
-def draw_apart(axes: Any, markers: Sequence[Marker]) -> None:
+def draw_side_by_side(axes: Any, markers: Sequence[Marker]) -> None:
     """Draw markers, up or down from their place as far as needed; a thin line leads back to it, and a dot marks it.
 
     Parameters

@@ -29,10 +29,10 @@ PATIENCE = 600.0
 
 #: Not ``multiprocessing``, whose processes import the program's main module again: a script without a guard would start
 #: its comparison once more in each of them.
-_COMMAND = "from mpmfw.apart import answer_request; answer_request()"
+_COMMAND = "from mpmfw.own_process import answer_request; answer_request()"
 
 
-def run_apart(
+def run_in_own_process(
     scene: Any,
     output: str | os.PathLike[str] | None = None,
     progress: Callable[[float, int], None] | None = None,
@@ -68,8 +68,8 @@ def run_apart(
         request = {"path": sys.path, "arguments": {"scene": scene, "output": path, **request}}
         with interruptible():
             end = _follow(request, progress, PATIENCE if patience is None else patience)
-        for said in end.get("notes", ()):
-            warnings.warn(said, ResultsWarning, stacklevel=3)
+        for text in end.get("notes", ()):
+            warnings.warn(text, ResultsWarning, stacklevel=3)
         if "error" not in end:
             return read(path)
         kinds = {"SceneError": SceneError, "SimulationError": SimulationError, "MpmfwError": MpmfwError}
@@ -109,11 +109,11 @@ def _follow(
             process.stdin.write(base64.b64encode(pickle.dumps(request)))
             process.stdin.close()
             while line := lines.get(timeout=patience):
-                said: dict[str, Any] = json.loads(line)
-                if "steps" not in said:
-                    return said
+                text: dict[str, Any] = json.loads(line)
+                if "steps" not in text:
+                    return text
                 if progress is not None:
-                    progress(said["time"], said["steps"])
+                    progress(text["time"], text["steps"])
             return _failed(f"its process ended: {_how(process.wait())}")
         except Empty:
             return _failed(f"its process did nothing for {patience:g} s, and was ended")

@@ -8,7 +8,7 @@ import pytest
 
 import mpmfw
 from mpmfw.api import ContactStrategy, Grid, SceneError, hookimpl
-from mpmfw.marks import refuse_dead_hooks
+from mpmfw.dead_hooks import refuse_dead_hooks
 from scenes_for_tests import two_blocks
 
 
@@ -92,8 +92,14 @@ class WithPart(ContactStrategy):
 @pytest.mark.parametrize(
     ("plugin", "said"),
     [
-        (Forgotten, r"test_marks\.Forgotten\.after_momentum_update has the name of a hook and is not marked"),
-        (MarkLost, r"test_marks\.MarkLost\.after_momentum_update has the name of a hook and is not marked"),
+        (
+            Forgotten,
+            r"test_dead_hooks\.Forgotten\.after_momentum_update has the name of a hook and is not marked",
+        ),
+        (
+            MarkLost,
+            r"test_dead_hooks\.MarkLost\.after_momentum_update has the name of a hook and is not marked",
+        ),
         (
             Asking,
             r"Asking\.after_momentum_update asks for 'particle', which the hook does not give; did you mean 'particles'",
