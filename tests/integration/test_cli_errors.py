@@ -123,7 +123,7 @@ def test_a_bad_scene_is_status_2_and_one_message(mpmfw, command, old, new, messa
             "--set contact.penalty.kappa: has no effect",
         ),
         (["run", "s.toml", "--set", "contact.penalty.kappa=2"], "--set contact.penalty.kappa: has no effect"),
-        (["benchmark", "--counts=-5"], "--counts -5: expected"),
+        (["benchmark", "--scenes", ","], "--scenes: expected at least one scene"),
         (["benchmark", "--scenes", "nosuch"], "nosuch: no such file, and no shipped scene (shipped"),
         (
             ["run", "s.toml", "--contact", "penlty"],

@@ -12,7 +12,7 @@ _RATIOS = ("ratio", "ratio_low", "ratio_high")
 
 
 def table(rows: Sequence[Mapping[str, Any]], title: str = "ns per material point and step") -> Table:
-    """Rows of :func:`measure_kernels` or :func:`measure_scene`, a column for each key."""
+    """Rows as :func:`measure_scene` makes them, a column for each key."""
     made = Table(title=title)
     keys = list(dict.fromkeys(key for row in rows for key in row))
     for key in keys:

@@ -1,14 +1,14 @@
-"""The benchmark measures what it says: the plain loops take the very steps that the stepper takes."""
+"""The yardstick measures what it says: the plain loops take the very steps that the stepper takes."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from mpmfw.benchmark import measure_kernels, table
-from mpmfw.benchmark.block import make_block
-from mpmfw.benchmark.kernels import SHAPES
-from mpmfw.benchmark.plain import STAGES, PlainLoop, compiled_library
+from mpmfw.benchmark import table
+from yardstick.block import make_block
+from yardstick.kernels import SHAPES, measure_kernels
+from yardstick.plain import STAGES, PlainLoop, compiled_library
 
 needs_compiler = pytest.mark.skipif(compiled_library() is None, reason="needs a C++ compiler")
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.benchmark.block import Block, make_block
-from mpmfw.benchmark.plain import STAGES, PlainLoop
 from mpmfw.benchmark.sampling import quartiles, stage_times
+from yardstick.block import Block, make_block
+from yardstick.plain import STAGES, PlainLoop
 
 #: Shape functions that the plain loop knows.
 SHAPES = ("linear", "gimp", "bspline", "cpdi")

@@ -10,15 +10,14 @@ import shutil
 import subprocess
 import tempfile
 from collections.abc import Callable
-from importlib.resources import as_file, files
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 
-from mpmfw.benchmark import block
-from mpmfw.benchmark.block import Block
 from mpmfw.clock import STEP_STAGES
+from yardstick import block
+from yardstick.block import Block
 
 FLAGS = ("-O3", "-march=native", "-std=c++17", "-shared", "-fPIC")
 #: Stages of a step without contact.
@@ -52,11 +51,13 @@ def compiled_library() -> ctypes.CDLL | None:
     compiler = next((path for path in found if path), None)
     if compiler is None:
         return None
-    source = files("mpmfw.benchmark") / "plain.cpp"
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, as_file(source) as path:
+    source = Path(__file__).with_name("plain.cpp")
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         target = Path(folder) / "plain.so"
         try:
-            subprocess.run([compiler, *FLAGS, str(path), "-o", str(target)], check=True, capture_output=True)
+            subprocess.run(
+                [compiler, *FLAGS, str(source), "-o", str(target)], check=True, capture_output=True
+            )
             return ctypes.CDLL(str(target))
         except (OSError, subprocess.CalledProcessError):
             return None
@@ -132,7 +133,7 @@ class PlainLoop:
         if library is not None:
             self.stages = _foreign_calls(library, f"{shape}_{particles.dim}", self.problem)
         elif particles.dim == 2:
-            from mpmfw.benchmark.plain_numba import calls
+            from yardstick.plain_numba import calls
 
             self.stages = calls(shape, self.problem)
         else:
