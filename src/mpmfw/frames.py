@@ -41,8 +41,8 @@ class Recorder:
             "particles": scene.output.particles,
             "surface": scene.output.surface,
         }
-        wanted = [field for field in (*core, *declared) if field.output and groups.get(field.group, False)]
-        self.fields = {field.name + "/" + field.group: _stored(field) for field in wanted}
+        recorded = [field for field in (*core, *declared) if field.output and groups.get(field.group, False)]
+        self.fields = {field.name + "/" + field.group: _stored(field) for field in recorded}
         self._particle_interval, self._output_interval = (
             scene.output.particle_interval,
             scene.time.output_interval,
@@ -101,20 +101,20 @@ class Recorder:
             for field in self.fields.values() if points or group == "surface" else ():
                 if field.group == group and field.name not in found[group]:
                     found[group][field.name] = getattr(struct, field.name)
-        wanted = {
+        recorded = {
             group: {name: values for name, values in arrays.items() if f"{name}/{group}" in self.fields}
             for group, arrays in found.items()
         }
         return Frame(
             time=state.time,
-            particles=wanted["particles"] if points else {},
-            surface=wanted["surface"],
-            series=wanted["series"],
+            particles=recorded["particles"] if points else {},
+            surface=recorded["surface"],
+            series=recorded["series"],
             contact={
-                pair.label: {name: values[pair.index] for name, values in wanted["contact"].items()}
+                pair.label: {name: values[pair.index] for name, values in recorded["contact"].items()}
                 for pair in state.pairs
             }
-            if wanted["contact"]
+            if recorded["contact"]
             else {},
             pairs=() if state.near is None else tuple(pair.label for pair in state.pairs),
         )

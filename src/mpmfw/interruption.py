@@ -96,13 +96,13 @@ def unbroken() -> Iterator[None]:
         return
     taken = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     before = {number: handler for number, handler in taken.items() if callable(handler)}
-    came: list[tuple[int, FrameType | None]] = []
+    received: list[tuple[int, FrameType | None]] = []
     for number in before:
-        signal.signal(number, lambda *arrived: came.append(arrived))
+        signal.signal(number, lambda *arrived: received.append(arrived))
     try:
         yield
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-        if came:
-            before[signal.Signals(came[0][0])](*came[0])
+        if received:
+            before[signal.Signals(received[0][0])](*received[0])

@@ -61,22 +61,22 @@ def opened_run(results: Results) -> Iterator[xr.DataTree]:
         yield tree
 
 
-def bodies_of(tree: xr.DataTree, wanted: Sequence[str] | None = None) -> list[str]:
-    """Bodies whose material points are stored, in the scene's order; ``wanted`` chooses among them, or is one's name.
+def bodies_of(tree: xr.DataTree, selection: Sequence[str] | None = None) -> list[str]:
+    """Bodies whose material points are stored, in the scene's order; ``selection`` chooses among them, or is one's name.
 
     Raises
     ------
     SceneError
-        The run stored no material points, or there is no such body, or none is wanted.
+        The run stored no material points, or there is no such body, or none is chosen.
     """
     groups = tree["particles"].children if "particles" in tree.children else {}
     order = tree.coords["body"].values.tolist() if "body" in tree.coords else list(groups)
     present = [str(name) for name in order if name in groups and groups[name].data_vars]
     if not present:
         raise SceneError("the run stored no material points; run it with output.particles = true")
-    if wanted is None:
+    if selection is None:
         return present
-    names = [wanted] if isinstance(wanted, str) else list(wanted)
+    names = [selection] if isinstance(selection, str) else list(selection)
     if not names:
         raise SceneError(f"bodies: none is named; expected some of {', '.join(present)}, or None for all")
     for name in names:

@@ -210,11 +210,11 @@ class Judge:
         return tuple(chosen)
 
     def _label_index(self, key: str, labels: list[Any]) -> int:
-        wanted = self.table.finest[key]
-        if wanted not in labels:
-            message = f"{wanted!r} is not varied; expected one of {', '.join(map(str, labels))}"
+        target = self.table.finest[key]
+        if target not in labels:
+            message = f"{target!r} is not varied; expected one of {', '.join(map(str, labels))}"
             raise self.at(("error", "finest", key), message)
-        return labels.index(wanted)
+        return labels.index(target)
 
     def _compare(self, measured: Measured, expected: FloatArray) -> Judgement:
         values = measured.values
@@ -224,12 +224,12 @@ class Judge:
             value, exact = float(values[0]), float(expected[0])
             error = abs(value - exact) / abs(exact) if exact else np.nan
             return Judgement(error, value, exact)
-        wanted = np.broadcast_to(expected, values.shape)
+        target = np.broadcast_to(expected, values.shape)
         if self.norm == "largest":
-            return Judgement(float(np.max(np.abs(values - wanted)) / np.max(np.abs(wanted))))
+            return Judgement(float(np.max(np.abs(values - target)) / np.max(np.abs(target))))
         if self.measure.kind == "curve":
-            return Judgement(relative_l2(measured.time, values, wanted))
-        return Judgement(float(np.sqrt(np.mean((values - wanted) ** 2) / np.mean(wanted**2))))
+            return Judgement(relative_l2(measured.time, values, target))
+        return Judgement(float(np.sqrt(np.mean((values - target) ** 2) / np.mean(target**2))))
 
 
 def measured(
@@ -319,10 +319,10 @@ def _read_reference(error: ErrorTable, at: At, beside: Callable[[Any], Any]) -> 
     others = [name for name in columns if name != "time"]
     column = error.column or (others[0] if len(others) == 1 else None)
     if "time" not in columns or column not in others:
-        wanted = f"'{error.column}'" if error.column else "one other (or error.column, which says which)"
+        target = f"'{error.column}'" if error.column else "one other (or error.column, which says which)"
         raise at(
             ("error", "column" if error.column else "file"),
-            f"{error.file} has the columns {', '.join(columns) or 'none'}; expected 'time' and {wanted}",
+            f"{error.file} has the columns {', '.join(columns) or 'none'}; expected 'time' and {target}",
         )
     time, values = np.atleast_1d(table["time"]), np.atleast_1d(table[column])
     if len(time) < 2 or not np.all(np.diff(time) > 0.0) or not np.isfinite(values).all():

@@ -29,14 +29,14 @@ def polygon_mesh(loops: tuple[FloatArray, ...], size: float) -> FloatArray:
     with _gmsh() as gmsh:
         # In units of the size, far from gmsh's absolute tolerances; the last subdivision halves edges
         scaled = tuple(loop / size for loop in loops)
-        wanted = 2.0
+        target = 2.0
         for _ in range(ATTEMPTS):
-            corners = _mesh(gmsh, scaled, wanted)
+            corners = _mesh(gmsh, scaled, target)
             largest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
             if largest <= 1.0:
                 return size * corners
             # gmsh takes a size as an average: ask for less until the largest edge fits
-            wanted *= max(0.5, 0.98 / largest)
+            target *= max(0.5, 0.98 / largest)
     raise ValueError(f"gmsh made no quadrilaterals with edges below {size} m: choose layout = 'lattice'")
 
 
@@ -60,19 +60,19 @@ def _gmsh() -> Iterator[Any]:
             gmsh.finalize()
 
 
-def _mesh(gmsh: Any, loops: tuple[FloatArray, ...], wanted: float) -> FloatArray:
+def _mesh(gmsh: Any, loops: tuple[FloatArray, ...], target: float) -> FloatArray:
     """One attempt: quadrilaterals (n, 4, 2) of the region within ``loops``, counter-clockwise."""
     gmsh.model.add("polygon")
     try:
         geo = gmsh.model.geo
         curves = []
         for loop in loops:
-            nodes = [geo.addPoint(x, y, 0.0, wanted) for x, y in loop]
+            nodes = [geo.addPoint(x, y, 0.0, target) for x, y in loop]
             lines = [geo.addLine(a, b) for a, b in zip(nodes, nodes[1:] + nodes[:1], strict=True)]
             curves.append(geo.addCurveLoop(lines))
         geo.addPlaneSurface(curves)
         geo.synchronize()
-        for option, value in (("RecombineAll", 1), ("SubdivisionAlgorithm", 1), ("MeshSizeMax", wanted)):
+        for option, value in (("RecombineAll", 1), ("SubdivisionAlgorithm", 1), ("MeshSizeMax", target)):
             gmsh.option.setNumber(f"Mesh.{option}", value)
         gmsh.model.mesh.generate(2)
         return _quadrilaterals(gmsh)

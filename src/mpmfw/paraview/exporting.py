@@ -93,10 +93,10 @@ def _export(
     tree: xr.DataTree,
     target: Target,
     every: int,
-    wanted: Sequence[str] | None,
+    selection: Sequence[str] | None,
     progress: Callable[[int, int], None] | None,
 ) -> list[Path]:
-    chosen, frames = bodies_of(tree, wanted), chosen_frames(tree, every)
+    chosen, frames = bodies_of(tree, selection), chosen_frames(tree, every)
     indices = {body: k for k, body in enumerate(bodies_of(tree)) if body in chosen}
     domains = {body: domains_of(tree, body) for body in indices}
     _tell(left_out(tree, chosen))

@@ -90,8 +90,10 @@ def history(
             results = (tree["series"] if "series" in tree.children else tree).to_dataset().load()
             results = xr.DataTree.from_dict({"series": results}) if "series" in tree.children else results
     found, key, compared = _sources(results)
-    wanted = [names] if isinstance(names, str) else list(names)
-    curves = _curves([source.series for source in found], wanted, {"body": body, "pair": pair, "axis": axis})
+    selection = [names] if isinstance(names, str) else list(names)
+    curves = _curves(
+        [source.series for source in found], selection, {"body": body, "pair": pair, "axis": axis}
+    )
     if len(found) == 1 and not compared:
         return _of_one(found[0], curves)
     return _of_several(found, curves, key, compared)
@@ -223,7 +225,7 @@ def _compared(dataset: xr.Dataset) -> tuple[list[RunSeries], list[list[Artist]],
 
 
 def _curves(
-    series: Sequence[xr.Dataset], names: Sequence[str], wanted: Mapping[str, str | None]
+    series: Sequence[xr.Dataset], names: Sequence[str], selection: Mapping[str, str | None]
 ) -> list[Curve]:
     """Every curve of the series that the choice leaves.
 
@@ -241,22 +243,22 @@ def _curves(
         if "time" in array.dims
     }
     arrays = {name: known[checked_name("series", name, sorted(known))] for name in names}
-    for kind, label in wanted.items():
+    for kind, label in selection.items():
         if label is not None:
             _check_choice(kind, label, arrays)
     found = []
     for name, array in arrays.items():
         dims = [str(dim) for dim in array.dims if dim != "time"]
         labels = [
-            [value for value in array[dim].values.tolist() if _choice(dim, wanted) in (None, value)]
+            [value for value in array[dim].values.tolist() if _choice(dim, selection) in (None, value)]
             for dim in dims
         ]
         found += [Curve(name, tuple(zip(dims, one, strict=True))) for one in itertools.product(*labels)]
     return found
 
 
-def _choice(dim: str, wanted: Mapping[str, str | None]) -> str | None:
-    return wanted.get("axis" if dim == "rotation" else dim)
+def _choice(dim: str, selection: Mapping[str, str | None]) -> str | None:
+    return selection.get("axis" if dim == "rotation" else dim)
 
 
 def _check_choice(kind: str, label: str, arrays: Mapping[str, xr.DataArray]) -> None:
