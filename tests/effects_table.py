@@ -130,7 +130,9 @@ EFFECTS = {
         modules="mpmfw.effects.constraint mpmfw.effects.faces mpmfw.effects.side_rows",
     ),
     "settling": brings(),
-    "pressure": brings("pressure", hooks="add_nodal_force", modules="mpmfw.effects.pressure"),
+    "pressure": brings(
+        "pressure", hooks="add_nodal_force", modules="mpmfw.effects.pressure mpmfw.effects.faces"
+    ),
     "surfaces": brings(
         "surface",
         hooks="setup detect advect",

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.kernels import scratch
+from mpmfw.kernels import rows, scratch
 
 #: What :mod:`mpmfw.kernels.scratch` gives on the stack; NaN until it is written.
 ON_THE_HEAP = SimpleNamespace(
@@ -17,6 +17,22 @@ ON_THE_HEAP = SimpleNamespace(
     integers=lambda like: np.full(len(like), -(2**62)),
     matrix=lambda rows, columns: np.full((len(rows), len(columns)), np.nan),
 )
+
+
+def _set_scaled_row(out: Any, i: int, factor: float, other: Any, j: int, _spacing: Any) -> None:
+    out[i] = factor * other[j]
+
+
+def _add_scaled_row(out: Any, i: int, factor: float, other: Any, j: int, _spacing: Any) -> None:
+    out[i] += factor * other[j]
+
+
+#: In place of what emits its own code.
+IN_PYTHON = [
+    (scratch, ON_THE_HEAP),
+    (rows.set_scaled_row, _set_scaled_row),
+    (rows.add_scaled_row, _add_scaled_row),
+]
 
 
 def interpreted(kernel: Any, **constants: Any) -> Callable[..., Any]:
@@ -35,14 +51,16 @@ def interpreted(kernel: Any, **constants: Any) -> Callable[..., Any]:
                 function.__code__, names, function.__name__, function.__defaults__, function.__closure__
             )
             for name in function.__code__.co_names:
-                value = names.get(name)
+                if name not in names:
+                    continue
+                value = names[name]
                 if name in constants:
                     names[name] = constants[name]
                     met.add(name)
-                elif value is scratch:
-                    names[name] = ON_THE_HEAP
                 elif hasattr(value, "py_func"):
                     names[name] = in_python(value)
+                else:
+                    names[name] = next((other for one, other in IN_PYTHON if value is one), value)
         return made[function]
 
     function = in_python(kernel)

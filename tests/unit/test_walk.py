@@ -12,25 +12,21 @@ import pytest
 import mpmfw
 from mpmfw.runs import run
 from mpmfw.scene import load_scene
+from mpmfw.simulation import Simulation
 from mpmfw.steppers import SCHEMES
 
 ROOT = Path(mpmfw.__file__).parent
 #: What builds, plans and runs. The rest holds data and errors, or is entered whole (scene, geometry, results), or is what a
 #: plug-in offers to all of these (its base classes).
-ROOMS = [
-    *(
-        "runs.py",
-        "checkpoints.py",
-        "simulation.py",
-        "build.py",
-        "plan.py",
-        "recording.py",
-        "setup.py",
-        "hooks.py",
-    ),
-    *("windows.py", "timestep.py", "frames.py", "settling.py", "initial_motion.py", "contact/planning.py"),
-    *(path.relative_to(ROOT).as_posix() for path in sorted((ROOT / "effects").glob("*.py"))),
-]
+ROOMS = {
+    str(ROOT / name): name
+    for name in (
+        *("runs.py", "checkpoints.py", "simulation.py", "build.py", "plan.py", "recording.py", "setup.py"),
+        *("hooks.py", "windows.py", "timestep.py", "frames.py", "settling.py", "initial_motion.py"),
+        "contact/planning.py",
+        *(path.relative_to(ROOT).as_posix() for path in sorted((ROOT / "effects").glob("*.py"))),
+    )
+}
 
 
 class Walk:
@@ -42,13 +38,11 @@ class Walk:
 
     @staticmethod
     def room(frame: FrameType) -> str:
-        path = Path(frame.f_code.co_filename)
-        name = path.relative_to(ROOT).as_posix() if path.is_relative_to(ROOT) else ""
-        return name if name in ROOMS else ""
+        return ROOMS.get(frame.f_code.co_filename, "")
 
     def __call__(self, frame: FrameType, event: str, _: Any) -> None:
-        name = frame.f_code.co_name
-        if event != "call" or name.startswith("<") or name[0].isupper() or not (room := self.room(frame)):
+        room, name = self.room(frame), frame.f_code.co_name
+        if not room or event != "call" or name.startswith("<") or name[0].isupper():
             return
         if room not in self.entered:
             self.entered.append(room)
@@ -78,6 +72,7 @@ def test_the_walk_to_the_first_step_is_straight(monkeypatch: pytest.MonkeyPatch)
         "rolling-cylinder-slip",
         set={"grid.cell_size": 0.8, "output.ledger": True, "output.stability": True},
     )
+    Simulation(scene)  # compiles what is needed so far
     walk = Walk()
     sys.setprofile(walk)
     try:
