@@ -96,17 +96,12 @@ def remark_on_size(simulation: Simulation, header: RunHeader) -> str:
 
 def results_size(simulation: Simulation, header: RunHeader) -> tuple[float, float, float]:
     """Number of the frames with material points, bytes of each, and of all results, outputs without points included."""
-    frames, groups = particle_frames_of(simulation), _group_bytes(header)
+    frames, groups = particle_frames_of(simulation), bytes_of_groups(header)
     points, others = groups.pop("particles", 0.0), sum(groups.values())
     return frames, points + others, frames * points + frames_of(simulation) * others
 
 
-def frame_bytes(header: RunHeader) -> float:
-    """Bytes of one frame with material points, fields of unknown dimensions left out."""
-    return sum(_group_bytes(header).values())
-
-
-def _group_bytes(header: RunHeader) -> dict[str, float]:
+def bytes_of_groups(header: RunHeader) -> dict[str, float]:
     """Bytes of one frame by group."""
     counts = {
         "particle": sum(header.particle_count.values()),

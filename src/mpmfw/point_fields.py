@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from mpmfw.fields import FloatArray
-from mpmfw.outputs import bodies_of, checked_name, frame_of
+from mpmfw.outputs import bodies_of, checked_name
 
 _AXES = "xyz"
 #: Where the name with spaces is not what a reader calls it.
@@ -69,11 +69,6 @@ def point_field(tree: xr.DataTree, name: str, body: str | None = None) -> PointF
     """
     fields = point_fields(tree, body)
     return fields[checked_name("field", name, list(fields))]
-
-
-def values_at(tree: xr.DataTree, field: PointField, body: str, frame: int) -> FloatArray:
-    """Values (n,) of a field on one body's material points at one output."""
-    return field.of(frame_of(tree, f"particles/{body}", frame))
 
 
 def _of_array(name: str, array: xr.DataArray) -> dict[str, PointField]:

@@ -11,11 +11,17 @@ import mpmfw
 from drop_for_tests import drop, drop_scene
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
+from mpmfw.outputs import frame_of
 from mpmfw.plots.units import readable, time_scale, with_prefix
-from mpmfw.point_fields import point_field, point_fields, values_at
+from mpmfw.point_fields import point_field, point_fields
 from scenes_for_tests import box
 
 BODIES = ("upper", "floor")
+
+
+def values_at(tree, field, body, frame):
+    """Values (n,) of a field on one body's material points at one output."""
+    return field.of(frame_of(tree, f"particles/{body}", frame))
 
 
 @pytest.fixture(scope="module")

@@ -81,9 +81,3 @@ def _division(n: int) -> tuple[FloatArray, IntArray]:
         for j in range(n - 1 - i)
     ]
     return share, np.array(pieces)
-
-
-def volume_of(nodes: FloatArray, triangles: IntArray) -> float:
-    """Volume [m^3] that a closed surface encloses; negative where it is oriented inwards."""
-    about = nodes - nodes.mean(axis=0)
-    return float(np.linalg.det(about[triangles]).sum() / 6.0)
