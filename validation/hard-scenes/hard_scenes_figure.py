@@ -42,6 +42,6 @@ def matrix(found: Mapping[tuple[str, str], float], limits: Mapping[str, float]) 
     axes.set_yticks(range(len(scenes)), scenes, fontsize=FONT)
     axes.xaxis.tick_top()
     axes.tick_params(length=0)
-    title = "Deepest penetration [cells]: green within its limit, yellow up to half a cell, red beyond; blue: never in touch"
-    axes.set_xlabel(title, fontsize=FONT)
+    title = "Deepest penetration [cells]: green within its limit, yellow up to 0.5, red beyond; blue: never in touch"
+    figure.supxlabel(title, fontsize=FONT)
     return figure
