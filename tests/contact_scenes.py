@@ -28,6 +28,10 @@ STRATEGIES: dict[str, tuple[str, dict[str, Any]]] = {
     "penalty": ("penalty", {}),
     "penalty-one-pass": ("penalty", {"passes": "one"}),
     "hamad2017": ("hamad2017", {}),
+    "lcp": ("lcp", {}),
+    "lcp-nodes": ("nodes+lcp", {}),
+    "hybrid": ("hybrid", {}),
+    "nairn": ("nairn", {}),
 }
 #: Those that report an impulse.
 ACTING = [name for name in STRATEGIES if name not in ("none", "separate")]

@@ -235,6 +235,26 @@ def _bardenhagen(option: str, first: Any, second: Any, /, **beside: Any) -> Acts
     return values(pair("bardenhagen"), BARDENHAGEN, {**beside, option: first}, {**beside, option: second})
 
 
+def _on_surfaces(contact: str) -> dict[str, Acts]:
+    """Options of the surfaces, as a contact of impulses has them."""
+    values_of = {
+        "passes": ("two", "one", {}),
+        "master": ("left", "right", {"passes": "one"}),
+        "normal_variation": ("exact", "hamad2017", {}),
+        "search_radius": (1.0, 0.002, {}),
+        "interface_thickness": (0.0, 0.01, {}),
+        "map": ("plain", "mass_weighted", {}),
+    }
+    return {
+        f"contact.{contact}.{option}": _contact(contact, option, first, second, **beside)
+        for option, (first, second, beside) in values_of.items()
+    }
+
+
+def _contact(contact: str, option: str, first: Any, second: Any, /, **beside: Any) -> Acts:
+    return values(pair(contact), f"contact__{contact}", {**beside, option: first}, {**beside, option: second})
+
+
 def _material(model: str, option: str, first: Any, second: Any) -> Acts:
     flow = {"materials__soft__yield_stress": 1e2} if model == "j2" else {}
     return values(held(materials__soft__model=model, **flow), f"materials__soft__{option}", first, second)
@@ -270,6 +290,15 @@ PLUGINS: dict[str, Acts] = {
     "contact.bardenhagen.cut_off": _bardenhagen("cut_off", 0.8, 0.1, criterion="position"),
     "contact.bardenhagen.normal": _bardenhagen("normal", "averaged", "master"),
     "contact.bardenhagen.direction": _bardenhagen("direction", [1.0, 0.0], [0.8, 0.6], normal="specified"),
+    **_on_surfaces("lcp"),
+    "contact.lcp.tolerance": _contact("lcp", "tolerance", 1e-9, 0.5),
+    "contact.lcp.sweeps": _contact("lcp", "sweeps", 500, 1),
+    "contact.lcp.recovery": _contact("lcp", "recovery", 0.0, 0.2),
+    **_on_surfaces("hybrid"),
+    "contact.hybrid.kappa": _contact("hybrid", "kappa", 10.0, 0.01),
+    "contact.nairn.slope_penalty": _contact("nairn", "slope_penalty", 1e-7, 1.0),
+    "contact.nairn.turn": _contact("nairn", "turn", 1e-9, 0.9),
+    "contact.nairn.cut_off": _contact("nairn", "cut_off", 0.0, 0.5),
     **{
         f"material.{model}.{option}": _material(model, option, first, second)
         for model in ("neo_hookean", "linear_elastic", "j2")

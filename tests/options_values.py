@@ -66,6 +66,14 @@ EACH: dict[str, Each] = {
         {word: {"contact__hamad2017": {"map": word}} for word in ("plain", "mass_weighted", "auto")},
         "plain",
     ),
+    **{
+        f"contact.{contact}.map": Each(
+            pair(contact),
+            {word: {f"contact__{contact}": {"map": word}} for word in ("plain", "mass_weighted", "auto")},
+            "plain",
+        )
+        for contact in ("lcp", "hybrid")
+    },
     "contact.bardenhagen.normal": Each(
         UNEQUAL,
         {

@@ -6,7 +6,7 @@ import math
 
 from mpmfw.kernels import Struct, device, kernel, scratch
 from mpmfw.kernels.contact import Rows
-from mpmfw.kernels.types import Floats, Indices, Ints
+from mpmfw.kernels.types import Float, Floats, Indices, Ints
 
 
 class NodePairs(Struct):
@@ -139,6 +139,38 @@ def direction_out(
     return length > 0.0
 
 
+@device
+def area_across(i: int, j: int, normal: Floats, grid: GridNodes) -> Float:
+    """What both bodies have across the ``normal`` (dim,), S_i = Σ V ∇φ = ∮ φ n dS [m^(dim−1)]; 0 without volume gradients."""
+    of_first, of_second = 0.0, 0.0
+    if len(grid.gradient) > 0:
+        for d in range(len(normal)):
+            of_first -= grid.gradient[i, d] * normal[d]
+            of_second += grid.gradient[j, d] * normal[d]
+    return max(min(of_first, of_second), 0.0)
+
+
+@device
+def write_row(
+    c: int, i: int, j: int, p: int, gap: Float, normal: Floats, pairs: NodePairs, grid: GridNodes, dt: float, rows: Rows,
+    spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """Row c: node i of the first body's window against node j of the second's, pair p."""
+    dim, size = len(spacing), 1
+    for d in range(dim):
+        size *= grid.nodes[d]
+    rows.pair[c], rows.sign[c] = p, 1.0
+    rows.identity[c] = p * size + background_index(i, pairs.first[p], grid)
+    rows.gap[c] = gap
+    rows.area[c], rows.whole[c] = area_across(i, j, normal, grid), spacing[0] ** (dim - 1)
+    for d in range(dim):
+        rows.normal[c, d] = normal[d]
+        rows.motion[c, d] = dt * (grid.start_velocity[i, d] - grid.start_velocity[j, d])
+    rows.start[c] = 2 * c
+    rows.dof[2 * c], rows.weight[2 * c] = i, 1.0
+    rows.dof[2 * c + 1], rows.weight[2 * c + 1] = j, -1.0
+
+
 @kernel
 def write_rows(
     listed: int, shared: SharedNodes, pairs: NodePairs, grid: GridNodes, given: Floats, cut_off: float, least_mass: float,
@@ -146,14 +178,10 @@ def write_rows(
 ) -> int:  # fmt: skip
     """A row for each shared node that has a normal and where the bodies are near; their number.
 
-    The gap is the bodies' extrapolated separation less the cut-off, and the area what both have across the normal,
-    S_i = Σ V ∇φ = ∮ φ n dS.
+    The gap is the bodies' extrapolated separation less the cut-off.
     """
     dim = len(spacing)
     n = scratch.vector(spacing)
-    size = 1
-    for d in range(dim):
-        size *= grid.nodes[d]
     c = 0
     for f in range(listed):
         i, j, p = shared.first[f], shared.second[f], shared.pair[f]
@@ -161,25 +189,14 @@ def write_rows(
             continue
         if not direction_out(i, j, p, pairs, grid, given, n):
             continue
-        separation, of_first, of_second = 0.0, 0.0, 0.0
+        separation = 0.0
         for d in range(dim):
             if len(grid.mean) > 0:
                 separation += (grid.mean[i, d] - grid.mean[j, d]) * n[d]
-            if len(grid.gradient) > 0:
-                of_first -= grid.gradient[i, d] * n[d]
-                of_second += grid.gradient[j, d] * n[d]
         if len(grid.mean) > 0 and separation >= cut_off:
             continue
-        rows.pair[c], rows.sign[c] = p, 1.0
-        rows.identity[c] = p * size + background_index(i, pairs.first[p], grid)
-        rows.gap[c] = separation - cut_off if len(grid.mean) > 0 else 0.0
-        rows.area[c], rows.whole[c] = max(min(of_first, of_second), 0.0), spacing[0] ** (dim - 1)
-        for d in range(dim):
-            rows.normal[c, d] = n[d]
-            rows.motion[c, d] = dt * (grid.start_velocity[i, d] - grid.start_velocity[j, d])
-        rows.start[c] = 2 * c
-        rows.dof[2 * c], rows.weight[2 * c] = i, 1.0
-        rows.dof[2 * c + 1], rows.weight[2 * c + 1] = j, -1.0
+        gap = separation - cut_off if len(grid.mean) > 0 else 0.0
+        write_row(c, i, j, p, gap, n, pairs, grid, dt, rows, spacing)
         c += 1
     rows.start[c] = 2 * c
     return c

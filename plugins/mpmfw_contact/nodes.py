@@ -59,8 +59,103 @@ class NodesOptions(BaseModel):
         return self
 
 
-class Nodes(Detection):
-    """Grid nodes with mass of both bodies of a pair; a row is v_a − v_b there."""
+class AtNodes(Detection):
+    """Base of detections at grid nodes with mass of both bodies of a pair; a row is v_a − v_b there."""
+
+    #: Whether forces act on the rows, which need nodes that have some mass.
+    forces = False
+    #: What is projected on the nodes: volume gradients, and mean positions.
+    projects_gradient = True
+    projects_mean = False
+
+    def prepare(self, setup: Setup, owner: str) -> None:
+        """The bodies of the pairs, and the least mass of a node."""
+        self.state, self.owner = setup.state, owner
+        cell = min(body.density for body in setup.bodies) * setup.cell_size**setup.dim
+        self.least_mass = LEAST_MASS * cell if self.forces else 0.0
+        self.make_room(64)
+        self.grid: GridNodes | None = None
+        self.list_pairs(setup.state)
+
+    def make_room(self, nodes: int) -> None:
+        """Room for so many shared nodes."""
+        names = SharedNodes.member_names
+        self.shared = SharedNodes(**{name: np.zeros(nodes, dtype=np.int64) for name in names})
+
+    def weights(self, state: State) -> tuple[FloatArray, FloatArray]:
+        """What the volume gradients of every pair's bodies weigh in its normal, (pair,) each."""
+        ones = np.ones(len(state.pairs))
+        return ones, ones
+
+    def list_pairs(self, state: State) -> None:
+        """Bodies of all pairs, and which of their gradients make up the normal."""
+        weight_first, weight_second = self.weights(state)
+        self.pairs = NodePairs(
+            first=np.array([pair.first for pair in state.pairs], dtype=np.int64),
+            second=np.array([pair.second for pair in state.pairs], dtype=np.int64),
+            weight_first=weight_first,
+            weight_second=weight_second,
+        )
+
+    def new_rows(self, own: dict[str, int | None]) -> ContactRows:
+        """Rows of two entries, without a couple: both sides are at one place."""
+        return ContactRows(self.state.grid.dim, couples=False, own=own)
+
+    def nodes_of(self, grid: Grid) -> GridNodes:
+        """The grid's arrays and those projected on it, made anew whenever its windows were laid anew."""
+        if self.grid is not None and self.grid.mass is grid.mass:
+            return self.grid
+        empty = np.zeros((0, grid.dim))
+        self.grid = GridNodes(
+            window_lower=grid.window_lower, window_shape=grid.window_shape, offset=grid.offset, nodes=grid.nodes,
+            mass=grid.mass, start_velocity=grid.start_velocity,
+            gradient=np.zeros_like(grid.momentum) if self.projects_gradient else empty,
+            mean=np.zeros_like(grid.momentum) if self.projects_mean else empty,
+        )  # fmt: skip
+        for name, array in (("volume_gradient", self.grid.gradient), ("mean_position", self.grid.mean)):
+            if len(array):
+                self.state.arrays[f"{self.owner}/{name}"] = array
+        return self.grid
+
+    @property
+    def gradient(self) -> FloatArray:
+        """Volume gradients of the last detection, Σ V ∇φ (n_nodes, dim) [m^(dim−1)]."""
+        assert self.grid is not None
+        return self.grid.gradient
+
+    def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:
+        """Find the shared nodes, project what normals and gaps are made of, and write the rows."""
+        nodes = self.nodes_of(grid)
+        listed = self._list(nodes)
+        rows.count = 0
+        if listed == 0:
+            return
+        if len(nodes.gradient):
+            project_volume_gradient(
+                phi.row, phi.nodes, phi.gradient, particles.volume, nodes.gradient, grid.spacing
+            )
+        if len(nodes.mean):
+            project_position(
+                phi.row, phi.nodes, phi.weight, particles.mass, particles.position, grid.mass, nodes.mean, grid.spacing
+            )  # fmt: skip
+        if len(rows.pair) < listed:
+            rows.make_room(2 * listed, 4 * listed)
+        rows.count = self.write(listed, grid, phi, particles, rows)
+
+    def write(self, listed: int, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> int:
+        """Write rows of the ``listed`` shared nodes; their number."""
+        raise NotImplementedError
+
+    def _list(self, nodes: GridNodes) -> int:
+        listed = find_shared_nodes(self.pairs, nodes, self.shared)
+        if listed > len(self.shared.pair):
+            self.make_room(2 * listed)
+            find_shared_nodes(self.pairs, nodes, self.shared)
+        return listed
+
+
+class Nodes(AtNodes):
+    """Rows where the normal of the volume gradients, or the given one, says that bodies touch."""
 
     name = "nodes"
     Options = NodesOptions
@@ -70,7 +165,6 @@ class Nodes(Detection):
         super().__init__(**options)
         self.by_position = self.options.criterion == "position"
         self.measures_area = self.options.normal != "specified"
-        self.forces = False
 
     def for_law(self, *, needs_gap: bool, forces: bool) -> None:
         """A gap is that of positions; forces need an area, and nodes that have some mass.
@@ -106,7 +200,7 @@ class Nodes(Detection):
         return [LeaningNormals(contact, self)]
 
     def prepare(self, setup: Setup, owner: str) -> None:
-        """The given direction, and the bodies of the pairs.
+        """The given direction, the cut-off, and the bodies of the pairs.
 
         Raises
         ------
@@ -118,85 +212,27 @@ class Nodes(Detection):
             raise SceneError(
                 f"contact.{owner}.direction: expected {setup.dim} components, found {len(direction)}"
             )
-        self.state, self.owner = setup.state, owner
         self.given = np.array(direction if direction is not None else [0.0] * setup.dim)
         self.cut_off = self.options.cut_off * setup.cell_size if self.by_position else np.inf
-        cell = min(body.density for body in setup.bodies) * setup.cell_size**setup.dim
-        self.least_mass = LEAST_MASS * cell if self.forces else 0.0
-        self.make_room(64)
-        self.grid: GridNodes | None = None
-        self.list_pairs(setup.state)
+        self.projects_gradient = self.options.normal != "specified"
+        self.projects_mean = self.by_position
+        super().prepare(setup, owner)
 
-    def make_room(self, nodes: int) -> None:
-        """Room for so many shared nodes."""
-        names = SharedNodes.member_names
-        self.shared = SharedNodes(**{name: np.zeros(nodes, dtype=np.int64) for name in names})
-
-    def list_pairs(self, state: State) -> None:
-        """Bodies of all pairs, and which of their gradients make up the normal: both, or the stiffer body's alone."""
+    def weights(self, state: State) -> tuple[FloatArray, FloatArray]:
+        """Both gradients where normals are averaged, or the stiffer body's alone."""
         bodies, pairs = state.bodies, state.pairs
         stiffer_second = np.array(
             [bodies[p.second].p_wave_modulus > bodies[p.first].p_wave_modulus for p in pairs], dtype=bool
         )
         averaged = self.options.normal == "averaged"
-        self.pairs = NodePairs(
-            first=np.array([pair.first for pair in pairs], dtype=np.int64),
-            second=np.array([pair.second for pair in pairs], dtype=np.int64),
-            weight_first=np.where(averaged | ~stiffer_second, 1.0, 0.0),
-            weight_second=np.where(averaged | stiffer_second, 1.0, 0.0),
+        return (
+            np.where(averaged | ~stiffer_second, 1.0, 0.0),
+            np.where(averaged | stiffer_second, 1.0, 0.0),
         )
 
-    def new_rows(self, own: dict[str, int | None]) -> ContactRows:
-        """Rows of two entries, without a couple: both sides are at one place."""
-        return ContactRows(self.state.grid.dim, couples=False, own=own)
-
-    def _nodes(self, grid: Grid) -> GridNodes:
-        """The grid's arrays and those projected on it, made anew whenever its windows were laid anew."""
-        if self.grid is not None and self.grid.mass is grid.mass:
-            return self.grid
-        empty = np.zeros((0, grid.dim))
-        self.grid = GridNodes(
-            window_lower=grid.window_lower, window_shape=grid.window_shape, offset=grid.offset, nodes=grid.nodes,
-            mass=grid.mass, start_velocity=grid.start_velocity,
-            gradient=np.zeros_like(grid.momentum) if self.options.normal != "specified" else empty,
-            mean=np.zeros_like(grid.momentum) if self.by_position else empty,
+    def write(self, listed: int, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> int:  # noqa: ARG002
+        """Rows of the shared nodes that have a normal and where the bodies are near."""
+        return write_rows(
+            listed, self.shared, self.pairs, self.nodes_of(grid), self.given, self.cut_off, self.least_mass,
+            self.state.dt, rows, grid.spacing,
         )  # fmt: skip
-        for name, array in (("volume_gradient", self.grid.gradient), ("mean_position", self.grid.mean)):
-            if len(array):
-                self.state.arrays[f"{self.owner}/{name}"] = array
-        return self.grid
-
-    @property
-    def gradient(self) -> FloatArray:
-        """Volume gradients of the last detection, Σ V ∇φ (n_nodes, dim) [m^(dim−1)]."""
-        assert self.grid is not None
-        return self.grid.gradient
-
-    def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:
-        """Find the shared nodes, project what normals and gaps are made of, and write the rows."""
-        nodes = self._nodes(grid)
-        listed = self._find(nodes)
-        rows.count = 0
-        if listed == 0:
-            return
-        if len(nodes.gradient):
-            project_volume_gradient(
-                phi.row, phi.nodes, phi.gradient, particles.volume, nodes.gradient, grid.spacing
-            )
-        if len(nodes.mean):
-            project_position(
-                phi.row, phi.nodes, phi.weight, particles.mass, particles.position, grid.mass, nodes.mean, grid.spacing
-            )  # fmt: skip
-        if len(rows.pair) < listed:
-            rows.make_room(2 * listed, 4 * listed)
-        rows.count = write_rows(
-            listed, self.shared, self.pairs, nodes, self.given, self.cut_off, self.least_mass, self.state.dt, rows,
-            grid.spacing,
-        )  # fmt: skip
-
-    def _find(self, nodes: GridNodes) -> int:
-        listed = find_shared_nodes(self.pairs, nodes, self.shared)
-        if listed > len(self.shared.pair):
-            self.make_room(2 * listed)
-            find_shared_nodes(self.pairs, nodes, self.shared)
-        return listed

@@ -18,15 +18,24 @@ from mpmfw_contact.penalty import PenaltyLaw
 from mpmfw_contact.surfaces import Surfaces
 from scenes_for_tests import two_blocks
 
-REFUSED = {"nodes+hamad2017": "law 'hamad2017' acts on facets of surfaces, and detection 'nodes' lists none"}
+REFUSED = {
+    f"{detection}+{law}": f"law '{law}' acts on facets of surfaces, and detection '{detection}' lists none"
+    for detection in ("nodes", "logistic")
+    for law in ("hamad2017", "hybrid")
+} | {"logistic+penalty": "detection 'logistic' is for laws of impulses: its gap jumps as points come and go"}
 COMBINED = [f"{detection}+{law}" for detection in available("detection") for law in available("law")]
 
 #: Bounds of the error of the fitted acceleration of the slipping cylinder in its first half second [%].
 SLIPPING = {
     "nodes+impulse": (-20.0, -5.0),  # averaged normals hold the cylinder back
     "nodes+penalty": (-6.0, 1.0),
+    "nodes+lcp": (-20.0, -5.0),  # as with impulses
+    "logistic+impulse": (-6.0, 1.0),
+    "logistic+lcp": (-6.0, 1.0),
     "surfaces+hamad2017": (-3.0, 1.0),
+    "surfaces+hybrid": (-3.0, 1.0),
     "surfaces+impulse": (-3.0, 1.0),
+    "surfaces+lcp": (-3.0, 1.0),
     "surfaces+penalty": (-3.0, 1.0),
 }
 
@@ -82,7 +91,13 @@ def test_an_unknown_part_is_told_with_the_nearest():
 
 @pytest.mark.parametrize(
     ("published", "combined"),
-    [("penalty", "surfaces+penalty"), ("bardenhagen", "nodes+impulse")],
+    [
+        ("penalty", "surfaces+penalty"),
+        ("bardenhagen", "nodes+impulse"),
+        ("nairn", "logistic+impulse"),
+        ("lcp", "surfaces+lcp"),
+        ("hybrid", "surfaces+hybrid"),
+    ],
 )
 def test_a_published_method_is_its_combination(published, combined):
     positions = []

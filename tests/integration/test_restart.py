@@ -48,7 +48,9 @@ COARSE: dict[str, dict[str, Any]] = {
         "output.stability": True,
     },
 }
-CONTACTS = [name for name in choices("contact") if name != "nodes+hamad2017"]
+#: Without those that are refused.
+REFUSED = {"nodes+hamad2017", "nodes+hybrid", "logistic+hamad2017", "logistic+hybrid", "logistic+penalty"}
+CONTACTS = [name for name in choices("contact") if name not in REFUSED]
 
 
 def run(simulation: Simulation, step: int = -1, path: Path | None = None) -> tuple[list[Any], int]:

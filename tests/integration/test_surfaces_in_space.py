@@ -84,7 +84,7 @@ def momentum(particles):
     return particles.mass @ particles.velocity
 
 
-@pytest.mark.parametrize("method", ["penalty", "surfaces+hamad2017", "surfaces+impulse"])
+@pytest.mark.parametrize("method", ["penalty", "surfaces+hamad2017", "surfaces+impulse", "lcp", "hybrid"])
 def test_impact_keeps_momentum_and_pushes_apart(method):
     sim = Simulation(load_scene(impact(method)))
     sim.advance(1)

@@ -68,6 +68,10 @@ class ContactLaw(PlugIn):
     def restart(self) -> None:
         """Time zero, after settling: forget accumulated work."""
 
+    def concerns(self) -> list[str]:
+        """After the last step: what a reader of the results must know, a sentence each."""
+        return []
+
 
 class ForceLaw(ContactLaw):
     """A force on every row, which acts beside internal forces and limits the step."""
@@ -106,6 +110,9 @@ class ForceLaw(ContactLaw):
 
 class ImpulseLaw(ContactLaw):
     """An impulse on every row, which corrects the grid's momentum and needs no shorter step."""
+
+    #: Length of the step [s], known whenever impulses are asked for.
+    dt: float = 0.0
 
     def impulses(
         self, rows: ContactRows, grid: Grid, scratch: FloatArray, work: FloatArray | None, *, projected: bool

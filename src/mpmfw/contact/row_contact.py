@@ -32,6 +32,8 @@ class RowContact(ContactStrategy):
     Law: ClassVar[type[ContactLaw]]
     velocity_fields = "per_body"
     stage = "contact"
+    #: The hook, of laws that have something to say.
+    concerns: ClassVar[Any]
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
@@ -50,6 +52,8 @@ class RowContact(ContactStrategy):
             cls.needs_surface = cls.Detection.needs_surface
             cls.dimensions = cls.Detection.dimensions
             cls.uses_friction = cls.takes_friction_law = cls.Law.uses_friction
+            if cls.Law.concerns is not ContactLaw.concerns:
+                cls.concerns = _concerns
 
     def parts(self) -> list[Any]:
         """Those of the detection."""
@@ -239,8 +243,12 @@ class ImpulseContact(RowContact):
         )  #: forces; in the rows stand the impulses of each correction
 
     @hookimpl
-    def after_momentum_projection(self, grid: Grid) -> None:
-        """Correct the projected momentum; cohesion holds against the forces of the step, which have not acted yet."""
+    def after_momentum_projection(self, grid: Grid, dt: float) -> None:
+        """Correct the projected momentum; cohesion holds against the forces of the step, which have not acted yet.
+
+        ``dt`` [s] is the length of the step.
+        """
+        self.law.dt = dt
         self.rows.cohesion[:] = 0.0
         self._correct(grid, projected=True)
 
@@ -274,6 +282,12 @@ class ImpulseContact(RowContact):
     def advect(self) -> None:
         """What was detected is the past."""
         self.detection.keep()
+
+
+@hookimpl
+def _concerns(self: RowContact) -> list[str]:
+    """What a reader must know of the law's work, of those laws that have to say something."""
+    return self.law.concerns()  # type: ignore[no-any-return]
 
 
 def _part(kind: type[Any], options: BaseModel) -> Any:

@@ -1,0 +1,95 @@
+"""Impulses that a spring bounds: what approaches is stopped, with no more than a penalty force gives in the step.
+
+Source: J. E. Guilkey, R. Lander, L. Bonnell (2021), A hybrid penalty and grid based contact method for the material point method,
+CMAME 379, 113739, as far as the public code of Uintah tells (branch yoyodyne, Materials/Contact/PenaltyContact.cc and
+LineSegment/LSTasks.cc); the paper itself was not at hand. There the penalty force of surface points is mapped to the nodes, its
+direction is the normal, and the velocity of a body at a node changes by the lesser of what the force would give and of what takes
+it to the velocity of the centre of mass; friction is the lesser of μ times that and of what stops the slip. The stiffness is
+10 K_1 K_2 / (K_1 + K_2) of the bulk moduli, times a segment's length in a cell as deep as it is wide.
+
+Assumed here. The cap is that of a row, so that impulses are equal and opposite; there it is that of a body at a node, each by
+itself. Only approach is stopped; there bodies that separate are pushed as well. All that overlaps bears; there what is less deep
+than 0.1 cells. That the strain of a step is no more than 0.1 is left out.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseContact, Setup, State
+from mpmfw_contact.impulse import Impulse, find_approach, stop
+from mpmfw_contact.surfaces import Surfaces, SurfacesOptions
+
+
+class HybridOptions(BaseModel):
+    """Stiffness of the spring that is the bound."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    kappa: float = Field(
+        10.0,
+        gt=0,
+        description="stiffness factor: k = kappa K area / h, K = K_1 K_2 / (K_1 + K_2) of the bulk moduli",
+    )
+
+
+class Hybrid(Impulse):
+    """J_n = min(k |g| Δt, m approach) on every row that overlaps, and J_t = min(μ J_n, m |Δv_t|); no step limit of its own.
+
+    The mass m is that of :class:`Impulse`. The impulse is that of the updated momentum, as it is published, and of MUSL's second.
+    """
+
+    name = "hybrid"
+    Options = HybridOptions
+    options: HybridOptions
+    needs_gap = True
+    needs_facets = True
+    softness_option = "kappa"
+
+    def row_arrays(self, *, friction: bool) -> dict[str, int | None]:
+        """Those, and the bound."""
+        return {**super().row_arrays(friction=friction), "limit": 0}
+
+    def prepare(self, setup: Setup, owner: str) -> None:  # noqa: ARG002
+        """Stiffness of the pairs."""
+        self.cell_size, self.strain_first = setup.cell_size, setup.scheme == "usf"
+        self.list_pairs(setup.state)
+
+    def list_pairs(self, state: State) -> None:
+        """κ K / h of all pairs [Pa/m]."""
+        both = [
+            (state.bodies[pair.first].bulk_modulus, state.bodies[pair.second].bulk_modulus)
+            for pair in state.pairs
+        ]
+        reduced = [a * b / (a + b) for a, b in both]
+        self.modulus: FloatArray = self.options.kappa * np.array(reduced, dtype=float) / self.cell_size
+
+    def impulses(
+        self, rows: ContactRows, grid: Grid, scratch: FloatArray, work: FloatArray | None, *, projected: bool
+    ) -> None:
+        """Stop what approaches, as far as the spring bears."""
+        own, n, spacing = rows.own, slice(rows.count), grid.spacing
+        if projected and not self.strain_first:
+            rows.force[n] = 0.0
+            return
+        own.limit[n] = self.modulus[rows.pair[n]] * rows.area[n] * np.maximum(-rows.gap[n], 0.0) * self.dt
+        rows.momentary_velocity(grid, own.velocity)
+        find_approach(rows, rows.count, own, spacing)
+        rows.couplings(own.active, grid, scratch, own.compliance)
+        stop(
+            rows, rows.count, own, own.limit, projected, np.zeros(0) if work is None else work, spacing
+        )  # fmt: skip
+
+
+class HybridContactOptions(HybridOptions, SurfacesOptions):
+    """Those of the law and of the surfaces."""
+
+
+class HybridContact(ImpulseContact):
+    """Rows between surfaces, each stopped as far as its spring bears."""
+
+    name = "hybrid"
+    Detection = Surfaces
+    Law = Hybrid
+    Options = HybridContactOptions

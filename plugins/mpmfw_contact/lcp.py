@@ -1,0 +1,137 @@
+"""Impulses of all rows at once: no approach beyond the gap, and Coulomb's cone as it is, without a stiffness.
+
+Source: the time stepping is that of J. J. Moreau (1988), Unilateral contact and dry friction in finite freedom dynamics, and
+M. Jean (1999), The non-smooth contact dynamics method; the projections are those of P. Alart & A. Curnier (1991), A mixed
+formulation for frictional contact problems prone to Newton like solution methods. With friction it is no linear complementarity
+problem, from which such laws have their name: the cone is round and not a pyramid.
+
+Assumed here is its place in a step of MPM. The whole impulse is that of the updated momentum, where all forces have acted; with
+USF, whose strain comes from the projected momentum, that one is met as well, and with MUSL the second. What is open by g may
+close by g and no more, so that a first touch leaves no overlap. An overlap that there is, from the scene or by a turn of the
+surface, is not taken back, unless ``recovery`` names the share of it that a step takes: that makes energy of nothing.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseContact, ImpulseLaw, Setup
+from mpmfw_contact._gauss_seidel import add_friction_work, solve, state_problem
+from mpmfw_contact.surfaces import Surfaces, SurfacesOptions
+
+#: By how many times the tolerance a solution may miss it, unsaid.
+MISSED = 10.0
+
+
+#: Part of the area of a place on a surface that lies across the normal, from which it takes part: open, and where bodies overlap.
+#: The normal of a place ahead of a corner that slides, or just under it, is along the face, and would stop the corner.
+FACING, BEARING = 0.9, 0.1
+
+
+class LcpOptions(BaseModel):
+    """How closely the conditions are met, and what becomes of an overlap."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    tolerance: float = Field(
+        1e-3, gt=0, lt=1, description="change of a row's velocity that ends the sweeps, over the largest"
+    )
+    sweeps: int = Field(500, ge=1, description="most sweeps, to and fro, in a solution")
+    recovery: float = Field(0.0, ge=0, le=1, description="share of an overlap that a step takes back")
+
+
+class Lcp(ImpulseLaw):
+    """0 ≤ g / Δt + u_n ⊥ J_n ≥ 0 and Coulomb's cone in all rows at once, by projected Gauss-Seidel.
+
+    Sweeps run to and fro in the rows' order, from the forces of the last step: bitwise repeatable. Rows that say nearly the same
+    share a force in a way that is not the only one, and the tolerance leaves which.
+    """
+
+    name = "lcp"
+    Options = LcpOptions
+    options: LcpOptions
+    uses_friction = True
+
+    def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002
+        """Compliance, allowed approach, velocity, and what the sweeps keep."""
+        return {"compliance": 0, "allowed": 0, "velocity": 1, "before": 1, "direction": 1}
+
+    def prepare(self, setup: Setup, owner: str) -> None:  # noqa: ARG002
+        """Whether the strain is taken from the projected momentum."""
+        self.strain_first = setup.scheme == "usf"
+        self.velocity = np.zeros((0, setup.dim))
+        self.identity, self.force = np.zeros(0, dtype=np.int64), np.zeros((0, setup.dim))
+        self.solutions, self.unfinished, self.worst = 0, 0, 0.0
+
+    def impulses(
+        self,
+        rows: ContactRows,
+        grid: Grid,
+        scratch: FloatArray,  # noqa: ARG002
+        work: FloatArray | None,
+        *,
+        projected: bool,
+    ) -> None:
+        """Solve for all rows; the projected momentum is left as it is unless the strain is taken from it."""
+        if projected and not self.strain_first:
+            rows.force[: rows.count] = 0.0
+            return
+        if len(self.velocity) != len(grid.mass):
+            self.velocity = np.zeros_like(grid.momentum)
+        on_surfaces = hasattr(rows, "places")
+        parts = (FACING, BEARING) if on_surfaces else (0.0, 0.0)
+        own, options, spacing = rows.own, self.options, grid.spacing
+        self._begin(rows, anew=work is None)
+        fastest = state_problem(
+            rows, rows.count, own, grid.mass, grid.momentum, self.velocity, 1.0 / self.dt, options.recovery,
+            *parts, spacing
+        )  # fmt: skip
+        sweeps, change = solve(
+            rows, rows.count, own, grid.mass, self.velocity, fastest, options.tolerance, options.sweeps,
+            spacing,
+        )  # fmt: skip
+        self.solutions += 1
+        if sweeps > options.sweeps and change > MISSED * options.tolerance:
+            self.unfinished += 1
+            self.worst = max(self.worst, change)
+        if work is not None:
+            n = rows.count
+            self.identity, self.force = rows.identity[:n].copy(), rows.force[:n] / self.dt
+            add_friction_work(rows, rows.count, own, self.velocity, projected, work, spacing)
+
+    def _begin(self, rows: ContactRows, *, anew: bool) -> None:
+        """Impulses to begin with: those of the last step, where the place was there, else none."""
+        n = rows.count
+        rows.force[:n] = 0.0
+        if anew or len(self.identity) == 0:
+            return
+        place = np.minimum(np.searchsorted(self.identity, rows.identity[:n]), len(self.identity) - 1)
+        same = self.identity[place] == rows.identity[:n]
+        rows.force[:n][same] = self.force[place[same]] * self.dt
+
+    def restart(self) -> None:
+        """Forget how the settling was solved."""
+        self.solutions, self.unfinished, self.worst = 0, 0, 0.0
+
+    def concerns(self) -> list[str]:
+        """Solutions that ended before the conditions were met."""
+        if self.unfinished == 0:
+            return []
+        return [
+            f"contact law 'lcp': {self.unfinished} of {self.solutions} solutions ended after sweeps = {self.options.sweeps} with "
+            f"rows that still changed by up to {self.worst:.1g} of the largest; expected {self.options.tolerance:g}"
+        ]
+
+
+class LcpContactOptions(LcpOptions, SurfacesOptions):
+    """Those of the law and of the surfaces."""
+
+
+class LcpContact(ImpulseContact):
+    """Rows between surfaces, solved at once."""
+
+    name = "lcp"
+    Detection = Surfaces
+    Law = Lcp
+    Options = LcpContactOptions

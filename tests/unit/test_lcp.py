@@ -1,0 +1,225 @@
+"""Impulses of all rows at once, against plain NumPy and a solver of another kind."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.optimize import nnls
+
+from mpmfw.contact.rows import ContactRows
+from mpmfw_contact._gauss_seidel import add_friction_work, solve, state_problem
+from mpmfw_contact.lcp import Lcp
+
+DT = 0.1
+
+
+def problem(seed, dim, count=30, *, couples=False, tilts=False, friction=0.0, nodes=40):
+    """Rows between two bodies of ``nodes`` grid nodes each, that share them, with random normals about one axis."""
+    rng = np.random.default_rng(seed)
+    own = Lcp().row_arrays(friction=True)
+    rows = ContactRows(dim, couples=couples, tilts=tilts, own=own)
+    rows.hold(cohesion=False)
+    rows.make_room(count, 6 * count)
+    rows.count = count
+    rows.pair[:] = rng.integers(0, 2, count)
+    rows.friction[:] = np.array([friction, 2.0 * friction])[rows.pair]
+    rows.identity[:] = np.arange(count)
+    rows.gap[:] = DT * rng.uniform(-0.5, 1.0, count)
+    for c in range(count):
+        n = np.eye(dim)[0] + 0.5 * rng.normal(size=dim)
+        rows.normal[c] = n / np.linalg.norm(n)
+        entries = slice(6 * c, 6 * c + 6)
+        rows.start[c + 1] = 6 * c + 6
+        rows.dof[entries] = [
+            *rng.choice(nodes, 3, replace=False),
+            *(nodes + rng.choice(nodes, 3, replace=False)),
+        ]
+        weights = rng.uniform(0.2, 1.0, (2, 3))
+        rows.weight[entries] = (weights / weights.sum(axis=1, keepdims=True) * [[1.0], [-1.0]]).ravel()
+        for name in (["couple"] if couples else []) + (["tilt"] if tilts else []):
+            tangent = 0.1 * rng.normal(size=(6, dim))
+            getattr(rows, name)[entries] = tangent - np.outer(tangent @ rows.normal[c], rows.normal[c])
+    mass = rng.uniform(0.5, 2.0, 2 * nodes)
+    return SimpleNamespace(
+        dim=dim, rows=rows, mass=mass, momentum=rng.normal(size=(2 * nodes, dim)) * mass[:, None],
+        friction=np.array([friction, 2.0 * friction]), spacing=(1.0,) * dim,
+    )  # fmt: skip
+
+
+def operator(p):
+    """B (n dim, n_nodes dim) of all rows, as a dense matrix, and what maps impulses to momenta."""
+    rows, dim, size = p.rows, p.dim, len(p.mass)
+    forward, back = np.zeros((rows.count, dim, size, dim)), np.zeros((size, dim, rows.count, dim))
+    for c in range(rows.count):
+        n = rows.normal[c]
+        for k in range(rows.start[c], rows.start[c + 1]):
+            i = rows.dof[k]
+            block = rows.weight[k] * np.eye(dim)
+            if len(rows.couple):
+                block = block + np.outer(rows.couple[k], n)
+            forward[c, :, i] += block
+            back[i, :, c] += block.T + (np.outer(rows.tilt[k], n) if len(rows.tilt) else 0.0)
+    return forward.reshape(rows.count * dim, -1), back.reshape(size * dim, -1)
+
+
+def solved(p, *, tolerance=1e-13, sweeps=20000, recovery=0.0, work=None, begin=None):
+    """Impulses J (n, dim), final row velocities u (n, dim), what is allowed b (n,), and the sweeps that it took."""
+    rows, own, velocity = p.rows, p.rows.own, np.zeros_like(p.momentum)
+    rows.force[:] = 0.0 if begin is None else begin
+    fastest = state_problem(
+        rows, rows.count, own, p.mass, p.momentum, velocity, 1.0 / DT, recovery, 0.9, 0.1, p.spacing
+    )
+    took, _ = solve(rows, rows.count, own, p.mass, velocity, fastest, tolerance, sweeps, p.spacing)
+    if work is not None:
+        add_friction_work(rows, rows.count, own, velocity, False, work, p.spacing)
+    inverse = np.repeat(np.divide(1.0, p.mass, out=np.zeros_like(p.mass), where=p.mass > 0.0), p.dim)
+    b, transposed = operator(p)
+    after = inverse * (p.momentum.ravel() + transposed @ rows.force.ravel())
+    held = np.isin(np.arange(len(p.mass)), rows.dof) & (p.mass > 0.0)
+    np.testing.assert_allclose(velocity[held], after.reshape(velocity.shape)[held], rtol=0.0, atol=1e-10)
+    return rows.force.copy(), (b @ after).reshape(-1, p.dim), own.allowed.copy(), took
+
+
+def parts(p, vectors):
+    """Normal parts (n,) and what is left (n, dim)."""
+    normal = (vectors * p.rows.normal).sum(axis=1)
+    return normal, vectors - normal[:, None] * p.rows.normal
+
+
+def residuals(p, impulse, velocity, allowed):
+    """Largest violation of each condition, velocities over their size and impulses over theirs."""
+    j_n, j_t = parts(p, impulse)
+    u_n, u_t = parts(p, velocity)
+    fast, strong = np.abs(velocity).max(), np.abs(impulse).max()
+    limit, size = p.friction[p.rows.pair] * j_n, np.linalg.norm(j_t, axis=1)
+    slip = np.linalg.norm(u_t, axis=1)
+    return {
+        "approach": max(-(u_n + allowed).min(), 0.0) / fast,
+        "pull": max(-j_n.min(), 0.0) / strong,
+        "complementarity": np.abs((u_n + allowed) * j_n).max() / (fast * strong),
+        "cone": max((size - limit).max(), 0.0) / strong,
+        "dissipation": np.abs((u_t * j_t).sum(axis=1) + limit * slip).max() / (fast * strong),
+    }
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("couples", [False, True], ids=["plain", "couples"])
+@pytest.mark.parametrize("seed", range(4))
+def test_all_conditions_are_met(seed, dim, couples):
+    p = problem(seed, dim, couples=couples, friction=0.3)
+    impulse, velocity, allowed, _ = solved(p)
+    found = residuals(p, impulse, velocity, allowed)
+    assert max(found.values()) < 1e-10, found
+    j_n, j_t = parts(p, impulse)
+    size, limit = np.linalg.norm(j_t, axis=1), p.friction[p.rows.pair] * j_n
+    touches = j_n > 1e-6
+    assert 5 < touches.sum() < p.rows.count  # some touch, some do not
+    assert (size[touches] > 0.999999 * limit[touches]).any()  # some slip
+
+
+def test_rows_stick_that_the_cone_lets_stick():
+    p = problem(0, 3, couples=True, friction=2.0)
+    impulse, velocity, allowed, _ = solved(p)
+    found = residuals(p, impulse, velocity, allowed)
+    assert max(found.values()) < 1e-10, found
+    j_n, j_t = parts(p, impulse)
+    slip = np.linalg.norm(parts(p, velocity)[1], axis=1)
+    sticks = (j_n > 1e-6) & (np.linalg.norm(j_t, axis=1) < 0.999 * p.friction[p.rows.pair] * j_n)
+    assert sticks.sum() > 3
+    assert slip[sticks].max() < 1e-10
+
+
+def test_conditions_are_met_where_the_normal_is_varied():
+    p = problem(1, 2, tilts=True, friction=0.3)
+    found = residuals(p, *solved(p)[:3])
+    assert max(found.values()) < 1e-10, found
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_without_friction_it_is_the_quadratic_program(dim):
+    """min ½ |M^−½ Bᵀ n J|² + J·(u + b), J ≥ 0, by Lawson & Hanson's active sets."""
+    p = problem(5, dim, count=50, nodes=60)
+    impulse, _, allowed, _ = solved(p)
+    b, _ = operator(p)
+    along = np.einsum("ca,cai->ci", p.rows.normal, b.reshape(p.rows.count, dim, -1))
+    scaled = along / np.sqrt(np.repeat(p.mass, dim))
+    free = along @ (p.momentum / p.mass[:, None]).ravel() + allowed
+    target = np.linalg.lstsq(scaled, free, rcond=None)[0]
+    np.testing.assert_allclose(scaled @ target, free, atol=1e-10)  # rows are independent: J is the only one
+    expected, _ = nnls(scaled.T, -target, maxiter=1000)
+    found, across = parts(p, impulse)
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-6 * expected.max())
+    np.testing.assert_allclose(across, 0.0, atol=1e-14)
+
+
+def test_impulses_of_both_sides_are_equal_and_opposite():
+    p = problem(2, 3, couples=True, friction=0.5)
+    p.rows.couple[1::2] = -p.rows.couple[::2]  # a facet's couples add up to nothing
+    solved(p)
+    nodal = np.zeros_like(p.momentum)
+    p.rows.add_to(nodal, p.spacing)
+    assert np.abs(nodal).max() > 0.1
+    np.testing.assert_allclose(nodal.sum(axis=0), 0.0, atol=1e-13)
+
+
+def test_friction_takes_work_and_gives_none():
+    p, work = problem(3, 2, friction=0.2), np.zeros(2)
+    impulse, velocity, _, _ = solved(p, work=work)
+    j_t, u_t = parts(p, impulse)[1], parts(p, velocity)[1]
+    taken = -(j_t * u_t).sum(axis=1)
+    np.testing.assert_allclose(work, np.bincount(p.rows.pair, taken), rtol=1e-9)
+    assert (work > 0.0).all()
+    assert taken.min() > -1e-10 * taken.max()
+
+
+def test_nodes_of_hardly_any_mass_do_no_harm():
+    """Light nodes take a large share of the velocity, and nothing else changes; those without mass take no part."""
+    p = problem(4, 2, friction=0.3)
+    p.mass[:5] *= 1e-12
+    p.momentum[:5] *= 1e-12
+    p.mass[5:8] = p.momentum[5:8] = 0.0
+    impulse, velocity, allowed, took = solved(p)
+    found = residuals(p, impulse, velocity, allowed)
+    assert took < 20000
+    assert np.isfinite(impulse).all()
+    assert max(found.values()) < 1e-9, found
+
+
+def test_a_gap_may_close_and_an_overlap_opens_by_the_share_that_is_asked_for():
+    p = problem(6, 2)
+    for recovery in (0.0, 0.25):
+        _, _, allowed, _ = solved(p, recovery=recovery)
+        expected = np.where(p.rows.gap > 0.0, p.rows.gap, recovery * p.rows.gap) / DT
+        np.testing.assert_allclose(allowed, expected, rtol=1e-14)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_from_the_solution_it_takes_a_sweep_and_from_elsewhere_it_gets_there(friction):
+    p = problem(8, 2, friction=friction)
+    impulse, velocity, _, took = solved(p)
+    *_, again = solved(p, tolerance=1e-9, begin=impulse)
+    assert again == 1 < took
+    _, elsewhere, _, _ = solved(p, begin=np.roll(impulse, 1, axis=0))
+    np.testing.assert_allclose(elsewhere, velocity, atol=1e-9)
+
+
+def test_a_row_that_takes_no_part_loses_the_impulse_that_it_began_with():
+    """Open, and its area along the normal: the impulse of a step before must not act on."""
+    p = problem(9, 2)
+    p.rows.gap[:10], p.rows.whole[:10], p.rows.area[:10] = 0.01, 1.0, 0.5
+    impulse, *_ = solved(p, begin=np.ones((30, 2)))
+    np.testing.assert_array_equal(impulse[:10], 0.0)
+    assert np.abs(impulse[10:]).max() > 0.1
+
+
+def test_the_limit_of_sweeps_is_told():
+    p = problem(0, 2, friction=0.3)
+    assert solved(p)[-1] > 8
+    assert solved(p, sweeps=4)[-1] == 5
+
+
+def test_solutions_are_bitwise_the_same():
+    first, second = (solved(problem(7, 3, couples=True, friction=0.4))[0] for _ in range(2))
+    np.testing.assert_array_equal(first, second)
