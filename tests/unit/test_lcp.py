@@ -9,6 +9,7 @@ import pytest
 from scipy.optimize import nnls
 
 from mpmfw.contact.rows import ContactRows
+from mpmfw_contact import lcp
 from mpmfw_contact._gauss_seidel import add_friction_work, solve, state_problem
 from mpmfw_contact.lcp import Lcp
 
@@ -223,3 +224,22 @@ def test_the_limit_of_sweeps_is_told():
 def test_solutions_are_bitwise_the_same():
     first, second = (solved(problem(7, 3, couples=True, friction=0.4))[0] for _ in range(2))
     np.testing.assert_array_equal(first, second)
+
+
+def cut_short(monkeypatch, missed):
+    """What is said of one sweep over a stiff problem, which misses the tolerance of 1e-3 some hundred times."""
+    p = problem(3, 2, friction=0.5)
+    monkeypatch.setattr(lcp, "MISSED", missed)
+    law = Lcp(sweeps=1)
+    state = SimpleNamespace(pairs=())
+    law.prepare(SimpleNamespace(state=state, scheme="usl", dim=2), "lcp")
+    law.dt = DT
+    grid = SimpleNamespace(mass=p.mass, momentum=p.momentum, spacing=p.spacing)
+    law.impulses(p.rows, grid, np.zeros(len(p.mass)), None, projected=False)
+    return law.concerns()
+
+
+def test_what_misses_the_tolerance_by_more_than_missed_is_told(monkeypatch):
+    """MISSED too large: nothing is ever said; too small: every solution that ends with its sweeps is complained of."""
+    assert cut_short(monkeypatch, lcp.MISSED) != []
+    assert cut_short(monkeypatch, 1e6) == []

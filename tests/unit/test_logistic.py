@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
+from interpreted import interpreted
 from mpmfw.contact.rows import ContactRows
 from mpmfw_contact import _regression as regression
 from mpmfw_contact import _shared_nodes as shared
@@ -209,3 +210,36 @@ def test_a_node_whose_points_are_at_one_place_has_no_row():
     assert not regression.fit_plane(
         0, 1, clouds, position, np.zeros(2), 1e-7, 1e-5, normal, (1.0, 1.0), (1.0, 1.0, 1.0)
     )
+
+
+def plane_of(position, split, **constants):
+    """Normal of the plane between the first ``split`` points and the others, or None, with other constants."""
+    count = len(position)
+    clouds = regression.Clouds(
+        slot=np.array([0, 1]), start=np.array([0, split, count]), point=np.arange(count)
+    )
+    normal = np.zeros(2)
+    fit = interpreted(regression.fit_plane, **constants) if constants else regression.fit_plane
+    found = fit(0, 1, clouds, position, np.zeros(2), 1e-7, 1e-5, normal, (1.0, 1.0), (1.0, 1.0, 1.0))
+    return normal if found else None
+
+
+def test_one_iteration_is_a_linear_fit_and_leans():
+    """ITERATIONS too small: points far from the plane count as much as those beside it. More than are used cost nothing."""
+    rng = np.random.default_rng(5)
+    position = rng.uniform(-1.0, 1.0, (60, 2))
+    side = position @ [0.8, 0.6]
+    position = np.concatenate([position[side < -0.05], position[side > 0.05], [[2.0, 3.0]]])
+    split = int((side < -0.05).sum())
+    exact, one = (plane_of(position, split, ITERATIONS=most) for most in (regression.ITERATIONS, 1))
+    assert np.degrees(np.arccos(exact @ [0.8, 0.6])) < 2.0
+    assert np.degrees(np.arccos(one @ [0.8, 0.6])) > 4.0
+    np.testing.assert_array_equal(plane_of(position, split, ITERATIONS=500), exact)
+
+
+def test_a_pivot_too_large_loses_planes():
+    """SINGULAR too large: a thin row of points on each side of a plane that lies across no axis has none any more."""
+    along, across = np.array([0.8, 0.6]), np.array([-0.6, 0.8])
+    position = np.array([x * along + y * across for y in (-0.01, 0.01) for x in np.linspace(-1.0, 1.0, 9)])
+    np.testing.assert_allclose(plane_of(position, 9, SINGULAR=regression.SINGULAR), across, atol=1e-3)
+    assert plane_of(position, 9, SINGULAR=0.01) is None
