@@ -114,7 +114,7 @@ class Lcp(ImpulseLaw):
         """Forget how the settling was solved."""
         self.solutions, self.unfinished, self.worst = 0, 0, 0.0
 
-    def concerns(self) -> list[str]:
+    def remarks(self) -> list[str]:
         """Solutions that ended before the conditions were met."""
         if self.unfinished == 0:
             return []

@@ -236,7 +236,7 @@ def cut_short(monkeypatch, missed):
     law.dt = DT
     grid = SimpleNamespace(mass=p.mass, momentum=p.momentum, spacing=p.spacing)
     law.impulses(p.rows, grid, np.zeros(len(p.mass)), None, projected=False)
-    return law.concerns()
+    return law.remarks()
 
 
 def test_what_misses_the_tolerance_by_more_than_missed_is_told(monkeypatch):

@@ -9,7 +9,7 @@ from mpmfw.geometry.facets import neighbours_of, stars_of
 from mpmfw.kernels import signed_distance
 from mpmfw.kernels.facets import project
 from mpmfw.kernels.pair_table import pair_table
-from mpmfw_contact.surfaces.assembly import Table, assemble
+from mpmfw_contact.surfaces.assembly import SurfaceTable, assemble
 from mpmfw_contact.surfaces.candidates import Candidates
 from mpmfw_contact.surfaces.detection import SurfaceRows
 from mpmfw_contact.surfaces.outline import Outline
@@ -66,7 +66,7 @@ def row_of(position, displacement=None, *, tilts=False):
     )  # fmt: skip
     moved = np.zeros_like(position) if displacement is None else displacement
     rows = SurfaceRows(3, couples=True, tilts=tilts, own={})
-    table = Table(row=np.arange(6), nodes=np.arange(5, dtype=np.int32), weight=np.ones(5))
+    table = SurfaceTable(row=np.arange(6), nodes=np.arange(5, dtype=np.int32), weight=np.ones(5))
     pairs = pair_table(np.array([0]), np.array([1]))
     rows.count = assemble(
         1.0, False, False, candidates, outline_of(position, moved), pairs, np.array([0]), table, rows, rows.places, SPACE

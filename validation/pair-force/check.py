@@ -16,7 +16,7 @@ from mpmfw.kernels.pair_table import pair_table
 from mpmfw.plots.style import dress, legend_below, new_figure
 from mpmfw.validation import Case
 from mpmfw_contact._springs import spring_forces
-from mpmfw_contact.surfaces.assembly import Table, assemble
+from mpmfw_contact.surfaces.assembly import SurfaceTable, assemble
 from mpmfw_contact.surfaces.candidates import Candidates
 from mpmfw_contact.surfaces.detection import SurfaceRows
 from mpmfw_contact.surfaces.outline import Outline
@@ -186,7 +186,7 @@ def row_of(points: FloatArray, moved: FloatArray, *, tilts: bool = False) -> Sur
         facet_first=np.array([0, 1, 3]), facets=np.stack([np.arange(3), follow], axis=1),
         neighbours=np.stack([follow, follow], axis=1), star_first=np.arange(4), star=np.arange(3),
     )  # fmt: skip
-    table = Table(row=np.arange(4), nodes=np.arange(3, dtype=np.int32), weight=np.ones(3))
+    table = SurfaceTable(row=np.arange(4), nodes=np.arange(3, dtype=np.int32), weight=np.ones(3))
     pair_of = pair_table(np.array([0]), np.array([1]))
     rows = SurfaceRows(2, couples=True, tilts=tilts, own=OWN)
     rows.count = assemble(

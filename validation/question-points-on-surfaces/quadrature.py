@@ -17,7 +17,7 @@ from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw_contact import _springs as springs
 from mpmfw_contact.penalty import PenaltyLaw
 from mpmfw_contact.surfaces import Surfaces, SurfacesOptions
-from mpmfw_contact.surfaces.assembly import Places, Table, add_point, write_geometry
+from mpmfw_contact.surfaces.assembly import Places, SurfaceTable, add_point, write_geometry
 from mpmfw_contact.surfaces.candidates import SearchGrid
 from mpmfw_contact.surfaces.detection import SurfaceRows
 from mpmfw_contact.surfaces.outline import Outline
@@ -56,7 +56,7 @@ def motion_between(c: int, s: int, share: Float, outline: Outline, rows: Rows, p
 @kernel
 def rows_of_points(
     points: Floats, parts: Floats, radius: float, length: Floats, outline: Outline, rank: Ints, lists: SearchGrid,
-    pair_of: Ints, pair_first: Ints, table: Table, rows: Rows, places: Places, spacing: tuple[float, ...],
+    pair_of: Ints, pair_first: Ints, table: SurfaceTable, rows: Rows, places: Places, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """A row for every point within ``radius`` of another body, against its closest segment; −1 where there is no room.
 
@@ -125,7 +125,7 @@ class Quadrature(Surfaces):
         assert isinstance(rows, SurfaceRows)
         stencil = self.surface.stencil
         assert stencil is not None
-        table = Table(row=stencil.row, nodes=stencil.nodes, weight=stencil.weight)
+        table = SurfaceTable(row=stencil.row, nodes=stencil.nodes, weight=stencil.weight)
         bounding_boxes(
             self.outline.body_first, self.outline.position, self.lists.box_lower, self.lists.box_upper
         )

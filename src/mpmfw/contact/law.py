@@ -68,7 +68,7 @@ class ContactLaw(PlugIn):
     def restart(self) -> None:
         """Time zero, after settling: forget accumulated work."""
 
-    def concerns(self) -> list[str]:
+    def remarks(self) -> list[str]:
         """After the last step: what a reader of the results must know, a sentence each."""
         return []
 

@@ -52,7 +52,7 @@ class RowContact(ContactStrategy):
             cls.needs_surface = cls.Detection.needs_surface
             cls.dimensions = cls.Detection.dimensions
             cls.uses_friction = cls.takes_friction_law = cls.Law.uses_friction
-            if cls.Law.concerns is not ContactLaw.concerns:
+            if cls.Law.remarks is not ContactLaw.remarks:
                 cls.concerns = _concerns
 
     def parts(self) -> list[Any]:
@@ -287,7 +287,7 @@ class ImpulseContact(RowContact):
 @hookimpl
 def _concerns(self: RowContact) -> list[str]:
     """What a reader must know of the law's work, of those laws that have to say something."""
-    return self.law.concerns()  # type: ignore[no-any-return]
+    return self.law.remarks()  # type: ignore[no-any-return]
 
 
 def _part(kind: type[Any], options: BaseModel) -> Any:
