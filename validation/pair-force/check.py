@@ -160,9 +160,8 @@ def kernel_force(points: FloatArray, moved: FloatArray) -> FloatArray:
     rows.before[:] = -1
     rows.own.k[:] = rows.own.bears[:] = STIFFNESS
     records = Records(**{name: np.zeros((1, 2) if name == "impulse" else 1) for name in Records.member_names})
-    spring_forces(
-        rows, 1, rows.own, old, 0, old.own, np.array([FRICTION]), 1.0, 0.0, np.inf, records, np.zeros(1)
-    )  # fmt: skip
+    rows.set(friction=np.full(len(rows.gap), FRICTION))
+    spring_forces(rows, 1, rows.own, old, 0, old.own, 1.0, 0.0, np.inf, records, np.zeros(1))
     force = np.zeros((3, 2))
     rows.add_to(force, (1.0, 1.0))
     return force
