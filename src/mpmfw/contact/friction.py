@@ -14,7 +14,7 @@ class FrictionLaw(PlugIn):
 
     The tangential force on a row is at most T = μ N + a, with N the normal one. A friction law says μ and a, once a step, after
     the rows are detected and before the step's length is chosen: what depends on the slip follows that of the step before. A
-    contact law obeys it with :func:`mpmfw.kernels.contact.slip_bound`.
+    contact law obeys it with ``mpmfw.kernels.contact.slip_bound``.
     """
 
     #: Whether rows hold something without a normal force, a > 0, so that pairs with μ = 0 have friction as well.

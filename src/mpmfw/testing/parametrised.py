@@ -126,7 +126,7 @@ def check_plugin(
     plugin
         A class or a configured object.
     expected_failures, only, pictures
-        As of :func:`contact_conformance`.
+        As of :func:`mpmfw.testing.contact_conformance`.
 
     Raises
     ------
