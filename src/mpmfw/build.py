@@ -143,13 +143,16 @@ def _list_pairs(scene: Scene, state: State, contact: ContactStrategy | None) -> 
 
 
 def _check_unused_contact(scene: Scene, contact: ContactStrategy | None) -> None:
-    """Refuse options of the scene's contact where there is one body and so nothing to touch."""
-    if contact is None and scene.contact is not None and scene.contact.options is not None:
-        given = sorted(scene.contact.options.model_fields_set)
-        if given:
-            raise SceneError(
-                f"contact.{scene.contact.method}.{given[0]}: has no effect, since the scene has one body only"
-            )
+    """Refuse options of the scene's contact, and a friction law, where there is one body and so nothing to touch."""
+    given = scene.contact
+    if contact is not None or given is None:
+        return
+    options = () if given.options is None else sorted(given.options.model_fields_set)
+    keys = [f"{given.method}.{option}" for option in options]
+    if given.friction_law is not None:
+        keys.append("friction_law")
+    if keys:
+        raise SceneError(f"contact.{keys[0]}: has no effect, since the scene has one body only")
 
 
 def _check_methods(scene: Scene, shape: ShapeFunction, contact: ContactStrategy | None) -> None:

@@ -19,7 +19,7 @@ from mpmfw.errors import SceneError
 from mpmfw.references import reference_of
 from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene.loading import load_scene
-from mpmfw.scene.requested import check_methods_run, check_requested
+from mpmfw.scene.requested import check_methods_run, check_requested, friction_laws
 from mpmfw.scene.sources import plain
 from mpmfw.scene.specification import called, checked_specification, parse_specification
 from mpmfw.scene.toml_text import value_text
@@ -84,7 +84,7 @@ def compare(
     """
     methods = {"contact": _methods("contact", contact), "shape": _methods("shape", shape)}
     varied = dict(vary or {})
-    _check(methods, set or {}, varied)
+    _check(scene, methods, set or {}, varied)
     if output is not None:
         check_replaceable(output, "compare", "comparison")
     path = None if output is None else os.path.abspath(output)
@@ -177,11 +177,12 @@ def _canonical(kind: Kind, text: str) -> str:
 
 
 def _check(
-    methods: Mapping[str, Sequence[Any]], shared: Mapping[str, Any], varied: Mapping[str, Any]
+    scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str, Any], varied: Mapping[str, Any]
 ) -> None:
     """Refuse keys that choose methods, have no effect on those that run, or take each other's place."""
     names = {kind: [_plugin(one) for one in chosen] for kind, chosen in methods.items()}
     check_requested(shared, varied)
+    names["friction"] = friction_laws(scene, shared, varied)
     check_methods_run(shared, names, "set")
     check_methods_run(varied, names, "vary")
     for key, values in varied.items():

@@ -11,10 +11,12 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import mpmfw
+from mpmfw.cli.arguments import chosen_scene
 from mpmfw.cli.unused import unused_facts
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.references import rolling
 from mpmfw.simulation import Simulation
+from scenes_for_tests import two_blocks
 
 CONTACTS = ("penalty", "bardenhagen(normal=master)", "surfaces+impulse")
 GRAVITY, TILT = 10.0, math.radians(30.0)
@@ -128,3 +130,49 @@ def test_cohesion_needs_an_area() -> None:
     contact = "bardenhagen(normal=specified, direction=[0, 1])"
     with pytest.raises(SceneError, match=r"cohesion, which acts on an area; detection 'nodes' measures none"):
         Simulation(mpmfw.load_scene("sliding-block", set=set_), contact=contact)
+
+
+@pytest.mark.parametrize("contact", ["penalty", "nodes+impulse"])
+def test_options_of_the_law_that_runs_are_used(contact: str) -> None:
+    set_ = {"contact.friction_law": "mohr_coulomb", "contact.mohr_coulomb.cohesion": 10.0}
+    scene = mpmfw.load_scene("sliding-block", set={**set_, "contact.method": contact})
+    assert not [line for line in unused_facts(Simulation(scene)) if "mohr" in line]
+    coulomb = mpmfw.load_scene(scene, set={"contact.friction_law": "coulomb"})
+    assert f"contact.mohr_coulomb.cohesion: contact '{contact}' runs, not 'mohr_coulomb'" in unused_facts(
+        Simulation(coulomb)
+    )
+
+
+COHESION = "contact.mohr_coulomb.cohesion"
+
+
+def test_options_of_a_law_that_does_not_run_are_refused() -> None:
+    said = rf"--set {COHESION}: has no effect: friction 'mohr_coulomb' does not run here; what runs is no law"
+    with pytest.raises(SceneError, match=said):
+        chosen_scene("sliding-block", None, None, [f"{COHESION}=10"])
+    assert chosen_scene(
+        "sliding-block", None, None, ["contact.friction_law=mohr_coulomb", f"{COHESION}=10"]
+    ).contact
+    with pytest.raises(SceneError, match=rf"set {COHESION}: has no effect"):
+        mpmfw.compare("sliding-block", set={COHESION: 10.0})
+    vary = {"contact.friction_law": ["coulomb"]}
+    with pytest.raises(SceneError, match=rf"set {COHESION}: has no effect"):
+        mpmfw.compare("sliding-block", set={COHESION: 10.0}, vary=vary)
+
+
+def test_a_comparison_varies_friction_laws() -> None:
+    vary = {"contact.friction_law": ["coulomb", "mohr_coulomb"]}
+    short = {"time.end": 1e-3, "time.output_interval": 1e-3, COHESION: 10.0}
+    dataset = mpmfw.compare(
+        "sliding-block", contact=["penalty"], shape=["linear"], set=short, vary=vary, jobs=1
+    )
+    assert (dataset["status"] == "ok").all()
+
+
+def test_a_friction_law_of_one_body_is_refused() -> None:
+    scene = two_blocks("penalty", contact__friction_law="coulomb")
+    scene["bodies"] = {"lower": next(iter(scene["bodies"].values()))}
+    with pytest.raises(
+        SceneError, match=r"contact\.friction_law: has no effect, since the scene has one body"
+    ):
+        Simulation(mpmfw.load_scene(scene))

@@ -28,7 +28,7 @@ def costs_of(coords: Mapping[str, Sequence[Any]], costs: Mapping[Index, Sequence
         (…, repeat, stage) [s].
     """
     shape = tuple(len(labels) for labels in coords.values())
-    most = max((len(many) for many in costs.values()), default=1)
+    most = max((1, *(len(many) for many in costs.values())))
     names = [name for name, _, _ in COSTS]
     values = np.full((*shape, most, len(names) + 1), np.nan)
     stages, settling = (np.full((*shape, most, len(STEP_STAGES)), np.nan) for _ in range(2))
@@ -44,11 +44,20 @@ def costs_of(coords: Mapping[str, Sequence[Any]], costs: Mapping[Index, Sequence
     return xr.Dataset({**found, **by_stage}, {**named, "stage": list(STEP_STAGES)})
 
 
+def least(each: xr.Dataset) -> xr.Dataset:
+    """Of every run the repeat of the least CPU time: what else the machine does only adds to it.
+
+    Peak memory is the largest, since it is known of the first run of a process alone.
+    """
+    one = each.isel(repeat=each["cpu_time"].fillna(np.inf).argmin("repeat"))
+    return one.assign(peak_memory=each["peak_memory"].max("repeat"))
+
+
 def over_repeats(each: xr.Dataset) -> dict[str, xr.DataArray]:
     """Spread of the CPU time (half the range, NaN of a single one), number of repeats, and load in the mean."""
     times = each["cpu_time"]
     count = times.count("repeat")
-    spread = 0.5 * (times.max("repeat") - times.min("repeat")) if times.sizes["repeat"] else np.nan * count
+    spread = 0.5 * (times.max("repeat") - times.min("repeat"))
     return {
         "cpu_time_spread": spread.where(count > 1).assign_attrs(_SPREAD),
         "repeats": count.astype(float).assign_attrs(_REPEATS),

@@ -17,7 +17,7 @@ from mpmfw.interruption import interruptible
 
 #: CPU seconds below which a run is short: it is repeated where nobody says how often, since its time is noisy.
 SHORT = 1.0
-#: Runs of a short one, of which the median is its cost.
+#: Runs of a short one, of which the cheapest is its cost.
 REPEATS = 3
 
 Repeats = int | Literal["auto"]
@@ -114,13 +114,19 @@ def complete(
 
     once = work if report is not None and isinstance(executor, InProcess) else run_once
     _do(once, [replace(task, timing=executor.timing) for task in missing], store, executor, count, left)
-    again = [replace(task, timing=timer.timing) for key, task in tasks.items() for _ in range(lacking(key))]
+    again = _rounds({key: (replace(task, timing=timer.timing), lacking(key)) for key, task in tasks.items()})
     count.total = count.done + len(again)
     for task, finished in timer.outcomes(time_once, again):
         known = store.outcome(task.key)
         if known is not None:
             store.put(_with_repeat(known, finished))
         count(task.name, "repeat")
+
+
+def _rounds(times: Mapping[str, tuple[Task, int]]) -> list[Task]:
+    """Tasks as often as each is named, in rounds of all, so that an hour in which the machine is slow is shared by all."""
+    last = max((n for _, n in times.values()), default=0)
+    return [task for k in range(last) for task, n in times.values() if n > k]
 
 
 def _is_missing(task: Task, store: Store) -> bool:

@@ -122,7 +122,7 @@ def chosen_scene(scene: str, contact: str | None, shape: str | None, set_: list[
         The scene or an option is wrong, or two options choose the same thing.
     """
     from mpmfw.scene import load_scene
-    from mpmfw.scene.requested import check_methods_run
+    from mpmfw.scene.requested import check_methods_run, friction_laws
     from mpmfw.scene.specification import called
 
     overrides = assignments(set_)
@@ -142,6 +142,7 @@ def chosen_scene(scene: str, contact: str | None, shape: str | None, set_: list[
         raise SceneError(called(str(error), text)) from error
     methods = {
         "contact": loaded.contact.tables if loaded.contact else (),
+        "friction": friction_laws(loaded, {}, {}),
         "shape": (loaded.shape.method,),
     }
     check_methods_run(assignments(set_), methods, "--set")

@@ -58,7 +58,7 @@ def compare(
     comparison that was broken off goes on from there.
     """
     from mpmfw.scene import load_scene
-    from mpmfw.scene.requested import check_methods_run, check_requested
+    from mpmfw.scene.requested import check_methods_run, check_requested, friction_laws
     from mpmfw.scene.specification import parse_specification
 
     contacts, shapes = names(contact, "contact"), names(shape, "shape")
@@ -75,10 +75,11 @@ def compare(
     # A single body needs no contact; the dimension is there all the same
     contacts = contacts or [loaded.contact.method if loaded.contact else "none"]
     shapes = shapes or [loaded.shape.method]
-    run = {
+    run: dict[str, list[str]] = {
         kind: [parse_specification(text).name for text in chosen]
         for kind, chosen in (("contact", contacts), ("shape", shapes))
     }
+    run["friction"] = friction_laws(loaded, {}, varied)
     for option, keys in (("--set", shared), ("--vary", varied)):
         check_methods_run(keys, run, option)
     from mpmfw.cli.summary import print_comparison

@@ -19,11 +19,13 @@ def _alternatives(simulation: Simulation) -> Iterator[str]:
     """Options of methods that do not run here; a comparison of several methods may use them."""
     from mpmfw.scene.options import CORE_KEYS
 
-    tables = simulation.scene.to_mapping()
-    for kind, chosen in (("contact", simulation.scene.contact), ("shape", simulation.scene.shape)):
+    scene = simulation.scene
+    tables = scene.to_mapping()
+    for kind, chosen in (("contact", scene.contact), ("shape", scene.shape)):
         runs = None if chosen is None else chosen.method
+        used = (*CORE_KEYS[kind], runs, getattr(chosen, "friction_law", None))
         for name, options in tables.get(kind, {}).items():
-            if name not in CORE_KEYS[kind] and name != runs:
+            if name not in used:
                 yield from (f"{kind}.{name}.{key}: {kind} '{runs}' runs, not '{name}'" for key in options)
 
 

@@ -4,16 +4,23 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Literal
+from typing import Any, Literal
 
 from mpmfw.discovery import choices
 from mpmfw.errors import SceneError
 from mpmfw.scene.contact_parts import PARTS
+from mpmfw.scene.loading import load_scene
 from mpmfw.scene.locator import Path
 from mpmfw.scene.options import CORE_KEYS
 from mpmfw.scene.override import parse_path
 
 _KINDS: tuple[Literal["contact", "shape"], ...] = ("contact", "shape")
+
+#: Tables in which options of each kind of plug-in stand.
+_TABLES: Mapping[Literal["contact", "shape", "friction"], Literal["contact", "shape"]] = {
+    **{kind: kind for kind in _KINDS},
+    "friction": "contact",
+}
 
 
 def check_requested(
@@ -56,7 +63,7 @@ def check_methods_run(keys: Iterable[str], methods: Mapping[str, Sequence[str]],
     keys
         Keys of the request; tables of other methods in a scene's file are alternatives, and allowed.
     methods
-        Names of the plug-ins that run, by kind.
+        Names of the plug-ins that run, by kind; ``friction`` absent is not known.
     said
         What the request calls the keys.
 
@@ -67,15 +74,26 @@ def check_methods_run(keys: Iterable[str], methods: Mapping[str, Sequence[str]],
     """
     for key in keys:
         path = _path(key, said)
-        for kind in _KINDS:
-            name = path[1] if path[0] == kind and len(path) > 1 else None
-            if not isinstance(name, str) or name in CORE_KEYS[kind] or name not in choices(kind):
+        for kind, table in _TABLES.items():
+            name = path[1] if path[0] == table and len(path) > 1 else None
+            if not isinstance(name, str) or name in CORE_KEYS[table] or name not in choices(kind):
                 continue
-            if name not in methods.get(kind, ()):
-                runs = ", ".join(methods.get(kind, ())) or "no method"
+            if name not in methods.get(kind, (name,) if kind == "friction" else ()):
+                runs = ", ".join(methods.get(kind, ())) or f"no {'law' if kind == 'friction' else 'method'}"
                 raise SceneError(
                     f"{said} {key}: has no effect: {kind} '{name}' does not run here; what runs is {runs}"
                 )
+
+
+def friction_laws(scene: Any, shared: Mapping[str, Any], varied: Mapping[str, Any]) -> list[str]:
+    """The friction laws that a comparison runs: those that it varies, or its scene's."""
+    if "contact.friction_law" in varied:
+        return list(varied["contact.friction_law"])
+    try:
+        contact = load_scene(scene, set=shared).contact
+    except SceneError:
+        return list(choices("friction"))  # the runs will say what is wrong
+    return [] if contact is None or contact.friction_law is None else [contact.friction_law]
 
 
 def _path(key: str, said: str) -> Path:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from mpmfw.campaigns.costs import conditions, costs_of, over_repeats, timing_of
+from mpmfw.campaigns.costs import conditions, costs_of, least, over_repeats, timing_of
 from mpmfw.campaigns.judging import Judge, Judgement
 from mpmfw.campaigns.measures import measure_of
 from mpmfw.campaigns.outcome import COSTS, Cost, Outcome
@@ -117,7 +117,7 @@ def _errors(grid: StudyGrid, judge: Judge, judgements: Mapping[Index, Judgement]
 
 
 def _costs(grid: StudyGrid, costs: Mapping[Index, list[Cost]], settling: bool) -> dict[str, xr.DataArray]:
-    """Medians of the repeats; with ``settling`` it counts: in CPU time, stages and steps."""
+    """Those of the cheapest repeat; with ``settling`` it counts: in CPU time, stages and steps."""
     each = costs_of(grid.coords, costs)
     what = "CPU time of the steps" + (" and of settling" if settling else "")
     if settling:
@@ -127,16 +127,16 @@ def _costs(grid: StudyGrid, costs: Mapping[Index, list[Cost]], settling: bool) -
             steps=each["steps"] + each["settle_steps"],
         )
     message = {name: {"units": unit, "long_name": meaning} for name, unit, meaning in COSTS}
-    message["cpu_time"]["long_name"] = f"{what}, without compilation and output; median of the repeats"
+    message["cpu_time"]["long_name"] = f"{what}, without compilation and output; least of the repeats"
     message["steps"]["long_name"] += ", those of settling included" if settling else ""
     stages = {
-        "stage_time": ("stages", f"{what} by stage; median of the repeats"),
-        "settle_stage_time": ("settling", "CPU time of settling by stage; median of the repeats"),
+        "stage_time": ("stages", f"{what} by stage, in the cheapest repeat"),
+        "settle_stage_time": ("settling", "CPU time of settling by stage, in the cheapest repeat"),
     }
-    medians = each.median("repeat")
+    one = least(each)
     return {
-        **{name: medians[name].assign_attrs(attributes) for name, attributes in message.items()},
-        **{name: medians[of].assign_attrs(units="s", long_name=text) for name, (of, text) in stages.items()},
+        **{name: one[name].assign_attrs(attributes) for name, attributes in message.items()},
+        **{name: one[of].assign_attrs(units="s", long_name=text) for name, (of, text) in stages.items()},
         **over_repeats(each),
     }
 

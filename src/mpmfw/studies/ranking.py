@@ -51,8 +51,8 @@ def rank(
     -------
     xarray.Dataset
         ``cost`` [s], CPU time of the cheapest run, and ``over_best`` [1], the same over the cheapest method's, by (quantity,
-        problem, level, ``by``), NaN where the level is not reached; ``best`` (…) the settings of that run, ``least`` [1]
-        (quantity, problem, ``by``) the least value of the quantity. The attribute ``failures`` lists runs without a result.
+        problem, level, ``by``), NaN where the level is not reached; ``best`` (…) the settings of that run. The
+        attribute ``failures`` lists runs without a result.
 
     Raises
     ------
@@ -67,14 +67,12 @@ def rank(
     problems, methods = (list(dict.fromkeys(row[key] for row in found)) for key in ("problem", "method"))
     shape = (len(QUANTITIES), len(problems), len(levels), len(methods))
     cost, best = np.full(shape, np.nan), np.full(shape, "", dtype=object)
-    least = np.full((shape[0], shape[1], shape[3]), np.nan)
     for (q, quantity), (p, problem), (m, method) in itertools.product(
         enumerate(QUANTITIES), enumerate(problems), enumerate(methods)
     ):
         runs = [row for row in judged if row["problem"] == problem and row["method"] == method]
         runs = [row for row in runs if quantity == "error" or row["error"] <= levels[0]]
         runs = [row for row in runs if np.isfinite(row.get(quantity, np.nan))]
-        least[q, p, m] = min((row[quantity] for row in runs), default=np.nan)
         for k, level in enumerate(levels):
             if reached := [row for row in runs if row[quantity] <= level]:
                 cheapest = min(reached, key=lambda row: row["cpu_time"])
@@ -93,11 +91,6 @@ def rank(
                 {"units": "1", "long_name": "the same over the cheapest method's"},
             ),
             "best": (dims, best, {"long_name": "settings of that run"}),
-            "least": (
-                ("quantity", "problem", by),
-                least,
-                {"units": "1", "long_name": "least value reached"},
-            ),
         },
         coords={"quantity": list(QUANTITIES), "problem": problems, "level": list(levels), by: methods},
     )

@@ -53,10 +53,10 @@ def study(
         ``<output>.runs`` beside it, from which a study that was broken off, or changed, takes what still applies.
         Without it nothing is kept.
     timing
-        ``exclusive`` measures costs one run at a time in this process, after all results are there; ``shared`` takes
-        the cost of every run as it comes.
+        ``exclusive`` measures costs one run at a time in this process; ``shared`` takes the cost of every run as it comes.
     jobs, executor, store, progress, force
-        As :func:`mpmfw.campaign` takes them, but that jobs are one for each core by default and the store ``<output>.runs``.
+        As :func:`mpmfw.campaign` takes them, but that the store is ``<output>.runs`` and jobs are by default one for each core,
+        for exclusive costs a single one; with more of them, or an executor, results come from there first.
         A script that starts processes needs its ``if __name__ == "__main__":``.
     scheduler
         Address of a Dask scheduler, such as ``tcp://127.0.0.1:8786``, whose workers run the study instead.
@@ -91,8 +91,9 @@ def study(
     judge = Judge(loaded.tables.error, grid, loaded.at, loaded.beside)
     if scheduler is not None and (executor is not None or jobs is not None):
         raise SceneError("jobs and executor: have no effect with a scheduler, whose workers run the study")
-    runner = executor_of(scheduler if scheduler is not None else executor, jobs)
-    exclusive = timing == "exclusive"
+    exclusive, elsewhere = timing == "exclusive", scheduler if scheduler is not None else executor
+    # One at a time from the start: what ran beside others would give no cost that counts
+    runner = executor_of(elsewhere, 1 if exclusive and elsewhere is None and jobs is None else jobs)
     runs = Store(store if store is not None else store_of(path))
     with resumable(runs, "study"):
         try:

@@ -22,7 +22,7 @@ class CostTable(Table):
     Attributes
     ----------
     repeats
-        Runs of each combination; the median and the spread of their CPU times are the cost.
+        Runs of each combination; the least of their CPU times is the cost.
     settling
         Whether settling counts: it is the whole work of a scene that ends at rest.
     """
