@@ -32,8 +32,8 @@ HEAD = """\
 Every contact with every shape function at two or three cell sizes, error against a closed form or the finite elements, and
 CPU time of the steps (without compilation and output; `contact-stress` ends at rest, where settling is the work), taken one
 run at a time: the least of three runs, in rounds of all, and half their range. How a study is written and read:
-[studies](guide/studies.md); what follows from these: [choosing a method](guide/choosing.md). `auto` leaves scheme and transfer to the shape
-function: tables show both. Classical contact has two rows, in its plainest form and in its strongest.
+[studies](guide/studies.md); what follows from these: [choosing a method](guide/choosing.md). `auto` leaves scheme and
+transfer to the shape function: tables show both. Classical contact has two rows, in its plainest form and in its strongest.
 
 On the **front** (●) is a run that no other one of the same problem beats in both. A run may be on it with an error of 100 %: the
 front says what is not beaten, not what is good. In the figures what is on the front is filled; markers that would cover

@@ -154,10 +154,10 @@ def test_options_of_a_law_that_does_not_run_are_refused() -> None:
         "sliding-block", None, None, ["contact.friction_law=mohr_coulomb", f"{COHESION}=10"]
     ).contact
     with pytest.raises(SceneError, match=rf"set {COHESION}: has no effect"):
-        mpmfw.compare("sliding-block", set={COHESION: 10.0})
+        mpmfw.compare("sliding-block", ["penalty"], ["linear"], set={COHESION: 10.0})
     vary = {"contact.friction_law": ["coulomb"]}
     with pytest.raises(SceneError, match=rf"set {COHESION}: has no effect"):
-        mpmfw.compare("sliding-block", set={COHESION: 10.0}, vary=vary)
+        mpmfw.compare("sliding-block", ["penalty"], ["linear"], set={COHESION: 10.0}, vary=vary)
 
 
 def test_a_comparison_varies_friction_laws() -> None:
