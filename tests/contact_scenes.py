@@ -32,6 +32,7 @@ STRATEGIES: dict[str, tuple[str, dict[str, Any]]] = {
     "lcp-nodes": ("nodes+lcp", {}),
     "hybrid": ("hybrid", {}),
     "nairn": ("nairn", {}),
+    "particles": ("particles", {}),
 }
 #: Those that report an impulse.
 ACTING = [name for name in STRATEGIES if name not in ("none", "separate")]

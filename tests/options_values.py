@@ -72,7 +72,7 @@ EACH: dict[str, Each] = {
             {word: {f"contact__{contact}": {"map": word}} for word in ("plain", "mass_weighted", "auto")},
             "plain",
         )
-        for contact in ("lcp", "hybrid")
+        for contact in ("lcp", "hybrid", "impulse")
     },
     "contact.bardenhagen.normal": Each(
         UNEQUAL,

@@ -19,9 +19,9 @@ from mpmfw.errors import SceneError
 from mpmfw.references import reference_of
 from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene.loading import load_scene
-from mpmfw.scene.requested import check_methods_run, check_requested, friction_laws
+from mpmfw.scene.requested import check_compared, check_requested
 from mpmfw.scene.sources import plain
-from mpmfw.scene.specification import called, checked_specification, parse_specification
+from mpmfw.scene.specification import called, checked_specification
 from mpmfw.scene.toml_text import value_text
 
 
@@ -180,19 +180,10 @@ def _check(
     scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str, Any], varied: Mapping[str, Any]
 ) -> None:
     """Refuse keys that choose methods, have no effect on those that run, or take each other's place."""
-    names = {kind: [_plugin(one) for one in chosen] for kind, chosen in methods.items()}
     check_requested(shared, varied)
-    names["friction"] = friction_laws(scene, shared, varied)
-    check_methods_run(shared, names, "set")
-    check_methods_run(varied, names, "vary")
+    check_compared(scene, methods, shared, varied)
     for key, values in varied.items():
         _check_values(key, values)
-
-
-def _plugin(method: Any) -> str:
-    if isinstance(method, str):
-        return parse_specification(method).name
-    return str(getattr(method, "name", type(method).__name__))
 
 
 def _check_values(key: str, values: Sequence[Any]) -> None:

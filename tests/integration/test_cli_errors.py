@@ -71,9 +71,11 @@ def mpmfw(tmp_path, monkeypatch):
         ("end = 1", 'end = "1 m"', "s.toml:7: time.end: '1 m' is not convertible to s; expected a time in s, a number or a "
          "string such as '5 us'\n"),
         ('method = "none"', 'method = "nonne"', "s.toml:14: contact.method: no such contact plug-in: 'nonne' is unknown; "
-         "did you mean 'none'? (one of bardenhagen, hamad2017, hybrid, lcp, nairn, none, penalty, separate, logistic+hamad2017, "
+         "did you mean 'none'? (one of bardenhagen, hamad2017, hybrid, impulse, lcp, nairn, none, particles, penalty, separate, "
+         "logistic+hamad2017, "
          "logistic+hybrid, logistic+impulse, logistic+lcp, logistic+penalty, nodes+hamad2017, nodes+hybrid, nodes+impulse, "
-         "nodes+lcp, nodes+penalty, surfaces+hamad2017, surfaces+hybrid, surfaces+impulse, surfaces+lcp, surfaces+penalty)\n"),
+         "nodes+lcp, nodes+penalty, points+hamad2017, points+hybrid, points+impulse, points+lcp, "
+         "points+penalty, surfaces+hamad2017, surfaces+hybrid, surfaces+impulse, surfaces+lcp, surfaces+penalty)\n"),
         ('"block", "floor"', '"blok", "floor"', "s.toml:17: contact.pairs[0].bodies[0]: no body 'blok'; did you mean "
          "'block'?\n"),
         ("[shape]", '[stepping]\ntransfer = "flip"\ntransported = true\n[shape]', "s.toml:12: stepping.transported: has no "

@@ -20,7 +20,7 @@ from scenes_for_tests import two_blocks
 
 REFUSED = {
     f"{detection}+{law}": f"law '{law}' acts on facets of surfaces, and detection '{detection}' lists none"
-    for detection in ("nodes", "logistic")
+    for detection in ("nodes", "logistic", "points")
     for law in ("hamad2017", "hybrid")
 } | {"logistic+penalty": "detection 'logistic' is for laws of impulses: its gap jumps as points come and go"}
 COMBINED = [f"{detection}+{law}" for detection in available("detection") for law in available("law")]
@@ -32,6 +32,9 @@ SLIPPING = {
     "nodes+lcp": (-20.0, -5.0),  # as with impulses
     "logistic+impulse": (-6.0, 1.0),
     "logistic+lcp": (-6.0, 1.0),
+    "points+impulse": (-35.0, -10.0),
+    "points+lcp": (-35.0, -10.0),
+    "points+penalty": (-35.0, -10.0),
     "surfaces+hamad2017": (-3.0, 1.0),
     "surfaces+hybrid": (-3.0, 1.0),
     "surfaces+impulse": (-3.0, 1.0),
@@ -97,6 +100,8 @@ def test_an_unknown_part_is_told_with_the_nearest():
         ("nairn", "logistic+impulse"),
         ("lcp", "surfaces+lcp"),
         ("hybrid", "surfaces+hybrid"),
+        ("impulse", "surfaces+impulse"),
+        ("particles", "points+penalty"),
     ],
 )
 def test_a_published_method_is_its_combination(published, combined):

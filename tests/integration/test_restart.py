@@ -49,7 +49,9 @@ COARSE: dict[str, dict[str, Any]] = {
     },
 }
 #: Without those that are refused.
-REFUSED = {"nodes+hamad2017", "nodes+hybrid", "logistic+hamad2017", "logistic+hybrid", "logistic+penalty"}
+REFUSED = {f"{name}+{law}" for name in ("nodes", "logistic", "points") for law in ("hamad2017", "hybrid")} | {
+    "logistic+penalty"
+}
 CONTACTS = [name for name in choices("contact") if name not in REFUSED]
 
 

@@ -18,6 +18,7 @@ from mpmfw_contact import _springs
 TILTED = "averaged normals tilt at the block's corners, where half of the impulse then has a tangential part"
 CORNERS = "what a row at a corner bears is along its normal, which half looks sideways, whatever its part of the face"
 LAYER = "the interface layer has a momentum of its own beside the material points'"
+BUMPS = "spheres in the hollows of others hold along the face"
 
 LACKS: dict[str, dict[str, str]] = {
     "momentum": {"hamad2017": LAYER},
@@ -32,6 +33,7 @@ LACKS: dict[str, dict[str, str]] = {
         "hamad2017": LAYER,
     },
     "cone of the pair": {
+        "particles": BUMPS,
         "none": "one velocity field sticks without limit",
         "bardenhagen": TILTED,
         "bardenhagen-position": TILTED,
@@ -39,6 +41,7 @@ LACKS: dict[str, dict[str, str]] = {
         "lcp-nodes": TILTED,
     },
     "frictionless": {
+        "particles": BUMPS,
         "none": "one velocity field sticks without limit",
         "bardenhagen": TILTED,
         "bardenhagen-position": TILTED,

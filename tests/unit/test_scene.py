@@ -187,8 +187,8 @@ def test_shipped_scenes_are_valid(name):
         ("[shape]", '[stepping]\ntransfer = "apic"\npic_fraction = 0.1\n[shape]', "s.toml:14: stepping.pic_fraction: has "
          "no effect with transfer apic, only with flip"),
         ("friction = 0.2", "[contact.penlty]\nstiffness = 1", "s.toml:17: contact.penlty: no such contact plug-in: "
-         "'penlty' is unknown; did you mean 'penalty'? (one of bardenhagen, hamad2017, hybrid, lcp, nairn, none, penalty, separate, "
-         "logistic, nodes, surfaces, impulse, coulomb, mohr_coulomb, stribeck, method, detection, law, friction, friction_law, pairs)"),
+         "'penlty' is unknown; did you mean 'penalty'? (one of bardenhagen, hamad2017, hybrid, impulse, lcp, nairn, none, particles, penalty, separate, "
+         "logistic, nodes, points, surfaces, coulomb, mohr_coulomb, stribeck, method, detection, law, friction, friction_law, pairs)"),
         ("friction = 0.2", "[contact.none]\nstiffness = 1", "s.toml:18: contact.none.stiffness: unknown key; no key is "
          "valid here"),
         ("[bodies.block]", '[bodies."a-b"]', "s.toml:20: contact.pairs[0].bodies[0]: no body 'block'; the scene has a-b, "

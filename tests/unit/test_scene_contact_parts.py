@@ -52,7 +52,10 @@ def test_a_scene_written_again_is_the_same():
             {"detection": "nodes"},
             "contact.law: missing beside detection = 'nodes'; expected one of hamad2017, hybrid, impulse, lcp, penalty",
         ),
-        ({"law": "penalty"}, "contact.detection: missing beside law = 'penalty'; expected one of logistic, nodes, surfaces"),
+        (
+            {"law": "penalty"},
+            "contact.detection: missing beside law = 'penalty'; expected one of logistic, nodes, points, surfaces",
+        ),
         ({"detecton": "nodes", "law": "penalty"}, "contact.detecton: unknown key; did you mean 'detection'?"),
         ({"detection": "nods", "law": "penalty"}, "contact.detection: no such detection: 'nods' is unknown; did you"),
         ({"detection": 3, "law": "penalty"}, "contact.detection: expected the name of a detection, not 3"),

@@ -58,8 +58,7 @@ def compare(
     comparison that was broken off goes on from there.
     """
     from mpmfw.scene import load_scene
-    from mpmfw.scene.requested import check_methods_run, check_requested, friction_laws
-    from mpmfw.scene.specification import parse_specification
+    from mpmfw.scene.requested import check_compared, check_requested
 
     contacts, shapes = names(contact, "contact"), names(shape, "shape")
     varied = variations(vary)
@@ -75,13 +74,7 @@ def compare(
     # A single body needs no contact; the dimension is there all the same
     contacts = contacts or [loaded.contact.method if loaded.contact else "none"]
     shapes = shapes or [loaded.shape.method]
-    run: dict[str, list[str]] = {
-        kind: [parse_specification(text).name for text in chosen]
-        for kind, chosen in (("contact", contacts), ("shape", shapes))
-    }
-    run["friction"] = friction_laws(loaded, {}, varied)
-    for option, keys in (("--set", shared), ("--vary", varied)):
-        check_methods_run(keys, run, option)
+    check_compared(loaded, {"contact": contacts, "shape": shapes}, shared, varied, ("--set", "--vary"))
     from mpmfw.cli.summary import print_comparison
     from mpmfw.comparison import compare as run_all
     from mpmfw.report import write_report

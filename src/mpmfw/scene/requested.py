@@ -13,6 +13,7 @@ from mpmfw.scene.loading import load_scene
 from mpmfw.scene.locator import Path
 from mpmfw.scene.options import CORE_KEYS
 from mpmfw.scene.override import parse_path
+from mpmfw.scene.specification import parse_specification
 
 _KINDS: tuple[Literal["contact", "shape"], ...] = ("contact", "shape")
 
@@ -83,6 +84,36 @@ def check_methods_run(keys: Iterable[str], methods: Mapping[str, Sequence[str]],
                 raise SceneError(
                     f"{said} {key}: has no effect: {kind} '{name}' does not run here; what runs is {runs}"
                 )
+
+
+def check_compared(
+    scene: Any,
+    methods: Mapping[str, Sequence[Any]],
+    shared: Mapping[str, Any],
+    varied: Mapping[str, Any],
+    said: tuple[str, str] = ("set", "vary"),
+) -> None:
+    """Refuse options of methods that a comparison does not run.
+
+    Parameters
+    ----------
+    scene
+        That is compared, before ``shared`` is set.
+    methods
+        Names with or without options, and strategy objects, by kind.
+    shared, varied, said
+        As :func:`check_requested` takes them, with values.
+    """
+    names = {kind: [_plugin(one) for one in chosen] for kind, chosen in methods.items()}
+    names["friction"] = friction_laws(scene, shared, varied)
+    for keys, word in zip((shared, varied), said, strict=True):
+        check_methods_run(keys, names, word)
+
+
+def _plugin(method: Any) -> str:
+    if isinstance(method, str):
+        return parse_specification(method).name
+    return str(getattr(method, "name", type(method).__name__))
 
 
 def friction_laws(scene: Any, shared: Mapping[str, Any], varied: Mapping[str, Any]) -> list[str]:

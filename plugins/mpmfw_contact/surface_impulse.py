@@ -1,0 +1,19 @@
+"""Contact of tracked surfaces by impulses, row by row: no stiffness, no history, no step limit of its own."""
+
+from __future__ import annotations
+
+from mpmfw.api import ImpulseContact
+from mpmfw_contact.impulse import Impulse
+from mpmfw_contact.surfaces import Surfaces, SurfacesOptions
+
+
+class SurfaceImpulse(ImpulseContact):
+    """What approaches at a surface node is stopped, with Coulomb friction; what overlaps is not pushed apart.
+
+    Detection is that of ``penalty``, the impulses are those of ``bardenhagen``: of the two it has one each.
+    """
+
+    name = "impulse"
+    Detection = Surfaces
+    Law = Impulse
+    Options = SurfacesOptions
