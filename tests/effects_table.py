@@ -123,7 +123,9 @@ EFFECTS = {
     ),
     "affine field": brings(arrays="particles/affine", series="affine_energy"),
     "affine moments": brings(arrays="particles/moment"),
-    "gravity": brings("gravity", hooks="add_nodal_force", modules="mpmfw.effects.gravity"),
+    "gravity": brings(
+        "gravity", hooks="add_nodal_force", modules="mpmfw.effects.gravity mpmfw.effects.time_table"
+    ),
     "prescribed sides": brings(
         "constraint",
         hooks="setup constrain_momentum advect end_step",
@@ -131,7 +133,9 @@ EFFECTS = {
     ),
     "settling": brings(),
     "pressure": brings(
-        "pressure", hooks="add_nodal_force", modules="mpmfw.effects.pressure mpmfw.effects.faces"
+        "side_loads",
+        hooks="add_nodal_force",
+        modules="mpmfw.effects.side_loads mpmfw.effects.faces mpmfw.effects.time_table",
     ),
     "surfaces": brings(
         "surface",

@@ -147,6 +147,9 @@ CORE: dict[str, Acts] = {
     "Side.pressure": values(
         held(), SIDES, [{"side": "top", "pressure": 1e3}], [{"side": "top", "pressure": 2e3}]
     ),
+    "Side.traction": values(
+        held(), SIDES, [{"side": "top", "traction": [1e3, 0]}], [{"side": "top", "traction": [2e3, 0]}]
+    ),
     "Gravity.vector": values(held(), "gravity", G, {"vector": [1, -100]}),
     "Gravity.magnitude": values(
         held(), "gravity", {"magnitude": 9.0, "tilt": 0.1}, {"magnitude": 8.0, "tilt": 0.1}

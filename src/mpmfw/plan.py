@@ -64,13 +64,13 @@ def _domains(made: Build, plan: Plan) -> None:
 
 
 def _surface(made: Build, plan: Plan) -> None:
-    """Outlines are tracked if the contact, a pressure or the gap diagnostic needs them."""
+    """Outlines are tracked if the contact, a load or the gap diagnostic needs them."""
     contact = made.contact
-    pressed = any(side.pressure is not None for body in made.scene.bodies.values() for side in body.sides)
+    loaded = any(side.is_loaded for body in made.scene.bodies.values() for side in body.sides)
     measured = _gap(made, plan)
     users = [
         *([f"contact '{contact.name}'"] if contact is not None and contact.needs_surface else []),
-        *(["pressure"] if pressed else []),
+        *(["loads on sides"] if loaded else []),
         *(["min_gap"] if measured else []),
     ]
     if not plan.note(
@@ -79,7 +79,7 @@ def _surface(made: Build, plan: Plan) -> None:
         return
     from mpmfw.effects.surface import planned
 
-    chosen, plugins = planned(made, pressed=pressed, measured=measured)
+    chosen, plugins = planned(made, loaded=loaded, measured=measured)
     plan.note(f"surface map {chosen}", True, f"shape {made.shape.name}")
     plan.plugins += plugins
 
@@ -106,16 +106,16 @@ def _gravity(made: Build, plan: Plan) -> None:
 
 def _sides(made: Build, plan: Plan) -> None:
     given = [(body, side) for body in made.state.bodies for side in made.scene.bodies[body.name].sides]
-    held = ", ".join(f"{body.name} {side.side}" for body, side in given if side.pressure is None)
+    held = ", ".join(f"{body.name} {side.side}" for body, side in given if not side.is_loaded)
     if plan.note("prescribed sides", bool(held), held or "no fixed or moving side"):
         from mpmfw.effects import constraint
 
         plan.plugins.append(constraint.planned(made))
-    pressed = ", ".join(f"{body.name} {side.side}" for body, side in given if side.pressure is not None)
-    if plan.note("pressure", bool(pressed), pressed or "no side under pressure"):
-        from mpmfw.effects import pressure
+    loaded = ", ".join(f"{body.name} {side.side}" for body, side in given if side.is_loaded)
+    if plan.note("loads on sides", bool(loaded), loaded or "no side has a pressure or traction"):
+        from mpmfw.effects import side_loads
 
-        plan.plugins.append(pressure.planned(made))
+        plan.plugins.append(side_loads.planned(made))
 
 
 def _rotation(made: Build, plan: Plan) -> None:
@@ -147,7 +147,7 @@ def _rotation(made: Build, plan: Plan) -> None:
 
 def _is_held(made: Build, body: Body) -> bool:
     """Whether the body has prescribed sides."""
-    return any(side.pressure is None for side in made.scene.bodies[body.name].sides)
+    return any(not side.is_loaded for side in made.scene.bodies[body.name].sides)
 
 
 def _rotation_of(made: Build, body: Body) -> tuple[str, str]:

@@ -222,6 +222,7 @@ def imported(scene: dict[str, Any]) -> set[str]:
                 "mpmfw_material._isotropic",
                 "mpmfw_contact.separate",
                 "mpmfw.effects.gravity",
+                "mpmfw.effects.time_table",
                 "mpmfw.effects.local_spin",
                 "mpmfw.effects.second_moments",
             },
@@ -277,7 +278,7 @@ def test_effects_say_why_they_are_off() -> None:
         "surfaces",
         "gravity",
         "prescribed sides",
-        "pressure",
+        "loads on sides",
         "von Mises stress",
     ):
         assert not effects[name].on

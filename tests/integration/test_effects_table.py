@@ -91,7 +91,7 @@ PLANNED = {
     "gravity": {"gravity"},
     "settled": {"settling", "gravity", "prescribed sides"},
     "ledger": {"energy ledger"},
-    "pressure": {"pressure", "surfaces", "surface map mass_weighted", "surface frames"},
+    "pressure": {"loads on sides", "surfaces", "surface map mass_weighted", "surface frames"},
     "least gap": {"least gap", *_TOUCHED, *_TURNING},
     "moving domains": {"domain tracking", "affine field", "transported affine gradient"},
     "apic": {"affine field", "affine moments"},

@@ -11,7 +11,7 @@ import pytest
 
 from interpreted import interpreted
 from mpmfw.api import SceneError, SimulationError
-from mpmfw.effects import constraint, energy_guard, local_inertia, pressure, side_rows
+from mpmfw.effects import constraint, energy_guard, local_inertia, side_loads, side_rows
 from mpmfw.effects.constraint import AGREED, PASSES
 from mpmfw.effects.faces import FLAT
 from mpmfw.effects.side_rows import QUADRATURE, add_rows, quadrature, splines
@@ -142,12 +142,12 @@ def test_facets_of_a_turned_side_lie_on_it_but_for_rounding(monkeypatch: pytest.
     """Without an allowance some are lost; with a large one those round the corner are taken for it as well."""
 
     def loaded(flat: float) -> int:
-        monkeypatch.setattr(pressure, "FLAT", flat)
+        monkeypatch.setattr(side_loads, "FLAT", flat)
         turned = block(
             bodies__solid__geometry__angle=0.3, bodies__solid__sides=[{"side": "top", "pressure": 1.0}]
         )
         with contextlib.suppress(SceneError):  # there is none
-            return len(Simulation(turned).manager.get_plugin("pressure").loads[0][1])
+            return len(Simulation(turned).manager.get_plugin("side_loads").loads[0].facets)
         return 0
 
     assert loaded(FLAT) == 16

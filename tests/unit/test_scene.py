@@ -171,7 +171,7 @@ def test_shipped_scenes_are_valid(name):
         ("fixed = true", 'fixed = ["w"]', "s.toml:43: bodies.floor.sides[0].fixed[0]: 'w' is unknown; expected one of x, "
          "y, z"),
         ("fixed = true", "pressure = 1\nfixed = true", "s.toml:41: bodies.floor.sides[0]: has fixed and pressure; "
-         "expected exactly one of: fixed, velocity, pressure"),
+         "expected exactly one of: fixed, velocity, pressure, traction"),
         ("fixed = true", 'velocity = ["free", "free"]', "s.toml:43: bodies.floor.sides[0].velocity: has no effect: every "
          "component is free"),
         ("magnitude = 10", "vector = [0, -10]", "s.toml:45: gravity: has tilt and vector; expected exactly one of: vector, "

@@ -127,8 +127,8 @@ def column(scene: Scene) -> PressedBlocks | None:
         if not walls or not isinstance(body.geometry, Rectangle) or body.geometry.angle != 0.0:
             return None
         top, bottom = sides.get("top"), sides.get("bottom")
-        if top is not None and top.pressure is not None and bottom is None:
-            ends["upper"] = (name, float(top.pressure))
+        if top is not None and isinstance(top.pressure, float) and bottom is None:
+            ends["upper"] = (name, top.pressure)
         elif bottom is not None and bottom.fixed and top is None:
             ends["lower"] = (name, 0.0)
     if ends.keys() != {"lower", "upper"}:

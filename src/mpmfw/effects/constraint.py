@@ -185,7 +185,7 @@ def _plane(side: PrescribedSide, cell_size: float, degree: int) -> PlaneSide:
 
 def planned(made: Build) -> Constraint:
     """The fixed and moving sides of all bodies."""
-    sides = tuple(_prescribed(made, body, side) for body, side in sides_of(made, pressed=False))
+    sides = tuple(_prescribed(made, body, side) for body, side in sides_of(made, loaded=False))
     return Constraint(sides, made.shape.boundary_degree)
 
 

@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 FLAT = 1e-6
 
 
-def sides_of(made: Build, *, pressed: bool) -> list[tuple[Body, Side]]:
-    """Bodies and their sides under pressure, or those whose motion is prescribed."""
+def sides_of(made: Build, *, loaded: bool) -> list[tuple[Body, Side]]:
+    """Bodies and their sides under a load, or those whose motion is prescribed."""
     given = [(body, side) for body in made.state.bodies for side in made.scene.bodies[body.name].sides]
-    return [(body, side) for body, side in given if (side.pressure is not None) == pressed]
+    return [(body, side) for body, side in given if side.is_loaded == loaded]
 
 
 def face_of(made: Build, body: Body, side: Side) -> tuple[FloatArray, float]:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mpmfw.effects.time_table import TimeTable
 from mpmfw.fields import FloatArray
 from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels.nodal import add_body_force
@@ -17,21 +18,19 @@ if TYPE_CHECKING:
 
 
 class Gravity:
-    """f_i += m_i g(t); g is linear between the rows of a table and constant outside.
+    """f_i += m_i g(t).
 
     Parameters
     ----------
-    times
-        (m,) [s], increasing.
-    values
-        (m, dim) [m/s^2].
+    table
+        g (dim,) [m/s^2] in time.
     """
 
     name = "gravity"
     ledger_term = ("gravity", "gravity")
 
-    def __init__(self, times: FloatArray, values: FloatArray) -> None:
-        self.times, self.values = times, np.ascontiguousarray(values)
+    def __init__(self, table: TimeTable) -> None:
+        self.table = table
         #: While a scene settles, the gravity that it settles under.
         self.override: FloatArray | None = None
 
@@ -42,11 +41,7 @@ class Gravity:
 
     def at(self, time: float) -> FloatArray:
         """g(t), (dim,) [m/s^2]."""
-        if self.override is not None:
-            return self.override
-        if len(self.times) == 1:
-            return np.asarray(self.values[0])
-        return np.array([np.interp(time, self.times, column) for column in self.values.T])
+        return self.table.at(time) if self.override is None else self.override
 
     @hookimpl
     def add_nodal_force(self, grid: Grid, state: State) -> None:
@@ -58,8 +53,5 @@ def planned(made: Build) -> Gravity:
     """That of the scene; none where the scene only settles under one."""
     gravity = made.scene.gravity
     if gravity is None:
-        return Gravity(np.zeros(1), np.zeros((1, made.scene.dim)))
-    if gravity.is_constant:
-        return Gravity(np.zeros(1), np.array([gravity.at(0.0)]))
-    rows = np.array(gravity.table)
-    return Gravity(rows[:, 0], rows[:, 1:])
+        return Gravity(TimeTable.constant([0.0] * made.scene.dim))
+    return Gravity(TimeTable.constant(gravity.at(0.0)) if gravity.table is None else TimeTable(gravity.table))

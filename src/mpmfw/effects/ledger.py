@@ -1,6 +1,6 @@
 """Energy ledger: where every joule comes from and goes to, measured where it changes hands.
 
-Between the projection and the gather a node's momentum changes from m v⁰ to m v¹ by impulses: of gravity, pressures,
+Between the projection and the gather a node's momentum changes from m v⁰ to m v¹ by impulses: of gravity, loads on sides,
 contact, inertia corrections, prescribed sides, and of the internal forces. The work of an impulse is its product with
 (v⁰ + v¹) / 2; the works of all add up to the change of the grid's kinetic energy exactly. What the transfer loses is
 measured across it: the kinetic and affine energy of the material points less the grid's energy at the projection, and
@@ -39,7 +39,7 @@ def _series(name: str, meaning: str) -> Field:
 
 LEDGER_FIELDS = [
     _series("gravity_work", "work of gravity on all bodies since time zero"),
-    _series("external_work", "work of pressures and prescribed sides on all bodies since time zero"),
+    _series("external_work", "work of loads and prescribed sides on all bodies since time zero"),
     _series(
         "contact_work", "work of contact on all bodies since time zero (spring energy taken up is negative)"
     ),
@@ -229,7 +229,7 @@ def planned(made: Build, plan: Plan, strain: StrainEnergies) -> tuple[EnergyLedg
         accounted="spring_work" in [field.name for field in declared],
         guard=None if made.scene.allow_unstable else EnergyGuard.of(made.state, softer_by),
     )
-    after = AfterImpulses(ledger, plan.plugin("gravity"), plan.plugin("pressure"))
+    after = AfterImpulses(ledger, plan.plugin("gravity"), plan.plugin("side_loads"))
     return ledger, [BeforeImpulses(ledger), after]
 
 

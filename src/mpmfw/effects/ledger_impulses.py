@@ -47,15 +47,15 @@ class AfterImpulses:
     ----------
     ledger
         Takes the impulses.
-    gravity, pressure
+    gravity, loads
         The plug-ins of these names, or None.
     """
 
     name = "energy_ledger_after"
     stage = "output"
 
-    def __init__(self, ledger: EnergyLedger, gravity: Any, pressure: Any) -> None:
-        self.ledger, self.gravity, self.pressure = ledger, gravity, pressure
+    def __init__(self, ledger: EnergyLedger, gravity: Any, loads: Any) -> None:
+        self.ledger, self.gravity, self.loads = ledger, gravity, loads
 
     @hookimpl(trylast=True)
     def after_momentum_projection(self, grid: Grid) -> None:
@@ -65,7 +65,7 @@ class AfterImpulses:
 
     @hookimpl(trylast=True)
     def add_nodal_force(self, grid: Grid, state: State, dt: float) -> None:
-        """Gravity, pressures, and what is left, contact."""
+        """Gravity, loads on sides, and what is left, contact."""
         ledger = self.ledger
         if not ledger.running:
             return
@@ -74,11 +74,11 @@ class AfterImpulses:
             gravity = grid.mass[:, None] * self.gravity.at(state.time)
             ledger.add("gravity", dt * gravity)
             rest -= gravity
-        if self.pressure is not None:
-            pressure = np.zeros_like(rest)
-            self.pressure.add_nodal_force(grid=SimpleNamespace(force=pressure), state=state)
-            ledger.add("external", dt * pressure)
-            rest -= pressure
+        if self.loads is not None:
+            loads = np.zeros_like(rest)
+            self.loads.add_nodal_force(grid=SimpleNamespace(force=loads), state=state)
+            ledger.add("external", dt * loads)
+            rest -= loads
         ledger.add("contact", dt * rest)
         ledger.forced = True
 

@@ -233,8 +233,8 @@ class GapDiagnostic:
         ]
 
 
-def planned(made: Build, *, pressed: bool, measured: bool) -> tuple[SurfaceMap, list[Any]]:
-    """Track the surfaces, of which a contact, a pressure or the gap diagnostic has need.
+def planned(made: Build, *, loaded: bool, measured: bool) -> tuple[SurfaceMap, list[Any]]:
+    """Track the surfaces, of which a contact, a load on a side or the gap diagnostic has need.
 
     Returns
     -------
@@ -242,7 +242,7 @@ def planned(made: Build, *, pressed: bool, measured: bool) -> tuple[SurfaceMap, 
     """
     contact, state = made.contact, made.state
     by_contact = contact is not None and contact.needs_surface
-    stage = "contact" if by_contact else "force" if pressed else "gap"
+    stage = "contact" if by_contact else "force" if loaded else "gap"
     state.surface = make_surface(state.bodies, state.grid.n_fields, stage)
     chosen: Any = contact.surface_map if contact is not None and by_contact else "auto"
     if chosen == "auto":

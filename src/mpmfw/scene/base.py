@@ -27,6 +27,11 @@ def _length(value: Any) -> str:
     return "three" if isinstance(value, list | tuple) and len(value) == 4 else "two"
 
 
+def _vector_or_rows(value: Any) -> str:
+    rows = isinstance(value, list | tuple) and len(value) > 0 and isinstance(value[0], list | tuple)
+    return "rows" if rows else "vector"
+
+
 def _free_or_value(value: Any) -> str:
     return "free" if value == "free" else "value"
 
@@ -68,4 +73,26 @@ GravityRow = Annotated[
     | Annotated[tuple[Time, Acceleration, Acceleration, Acceleration], Strict(False), Tag("three")],
     Discriminator(_length),
 ]
-SidePressure = Pressure
+#: A pressure, or rows (t, p).
+SidePressure = Annotated[
+    Annotated[Pressure, Tag("single")]
+    | Annotated[
+        tuple[Annotated[tuple[Time, Pressure], Strict(False)], ...],
+        Strict(False),
+        Field(min_length=2),
+        Tag("array"),
+    ],
+    Discriminator(_array_or_single),
+]
+
+_TractionRow = Annotated[
+    Annotated[tuple[Time, Pressure, Pressure], Strict(False), Tag("two")]
+    | Annotated[tuple[Time, Pressure, Pressure, Pressure], Strict(False), Tag("three")],
+    Discriminator(_length),
+]
+#: A vector, or rows (t, t_x, t_y[, t_z]).
+SideTraction = Annotated[
+    Annotated[tuple[Pressure, ...], Strict(False), _PLANE_OR_SPACE, Tag("vector")]
+    | Annotated[tuple[_TractionRow, ...], Strict(False), Field(min_length=2), Tag("rows")],
+    Discriminator(_vector_or_rows),
+]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from mpmfw.discovery import REFERENCES, announced, available, nearest
@@ -12,7 +12,7 @@ from mpmfw.scene.gravity import ConstantGravity
 from mpmfw.scene.locator import Path
 from mpmfw.scene.problem import Problem
 from mpmfw.scene.sides import check_sides
-from mpmfw.scene.tables import Body, Tables
+from mpmfw.scene.tables import Body, Side, Tables
 from mpmfw.scene.wording import choice_message
 
 #: Least cell size over the largest coordinate: round-off of a position is then below 1e-6 of a cell.
@@ -150,9 +150,11 @@ def _loads(scene: Tables) -> Iterator[Problem]:
     if scene.settle.gravity is not None:
         yield from _gravity(scene.settle.gravity, ("settle", "gravity"), scene.grid.dim)
     elif scene.gravity is None and not any(
-        side.pressure is not None for body in scene.bodies.values() for side in body.sides
+        side.is_loaded for body in scene.bodies.values() for side in body.sides
     ):
-        yield Problem(("settle",), "has no effect: the scene has no gravity and no pressure to settle under")
+        yield Problem(
+            ("settle",), "has no effect: the scene has no gravity and no load on a side to settle under"
+        )
 
 
 def _gravity(gravity: ConstantGravity, path: Path, dim: int) -> Iterator[Problem]:
@@ -173,10 +175,14 @@ def _gravity(gravity: ConstantGravity, path: Path, dim: int) -> Iterator[Problem
 
 def _gravity_table(scene: Tables) -> Iterator[Problem]:
     rows = (scene.gravity.table if scene.gravity else None) or ()
-    path: Path = ("gravity", "table")
+    yield from _rows_in_time(rows, ("gravity", "table"), scene.grid.dim)
+
+
+def _rows_in_time(rows: Sequence[tuple[float, ...]], path: Path, components: int) -> Iterator[Problem]:
+    """Rows of a time and so many components, with times that increase."""
     for index, row in enumerate(rows):
-        if len(row) != scene.grid.dim + 1:
-            message = f"has {len(row)} entries; expected the time and {scene.grid.dim} components"
+        if len(row) != components + 1:
+            message = f"has {len(row)} entries; expected the time and {components} components"
             yield Problem((*path, index), message)
     for index, (before, after) in enumerate(itertools.pairwise(rows)):
         if after[0] <= before[0]:
@@ -207,12 +213,22 @@ def _body(scene: Tables, path: Path, body: Body) -> Iterator[Problem]:
     yield from wrong or check_sides(body, path, dim, scene.time.end)
 
 
+def _load_in_time(side: Side, path: Path, dim: int) -> Iterator[Problem]:
+    """Tables of a load, and the components of a traction."""
+    if isinstance(side.pressure, tuple):
+        yield from _rows_in_time(side.pressure, (*path, "pressure"), 1)
+    if side.traction is not None and isinstance(side.traction[0], tuple):
+        yield from _rows_in_time(side.traction, (*path, "traction"), dim)
+    elif side.traction is not None and len(side.traction) != dim:
+        yield Problem((*path, "traction"), _wrong_length(len(side.traction), dim))
+
+
 def _side(body: Body, path: Path, index: int, dim: int) -> Iterator[Problem]:
     side = body.sides[index]
-    given = sorted(side.model_fields_set & {"fixed", "velocity", "pressure"})
+    given = sorted(side.model_fields_set & {"fixed", "velocity", "pressure", "traction"})
     if len(given) != 1:
         has = " and ".join(given) or "none of them"
-        yield Problem(path, f"has {has}; expected exactly one of: fixed, velocity, pressure")
+        yield Problem(path, f"has {has}; expected exactly one of: fixed, velocity, pressure, traction")
     if dim == 2 and side.side in ("back", "front"):
         yield Problem(
             (*path, "side"), f"'{side.side}' is a side in 3D; expected one of left, right, bottom, top"
@@ -227,6 +243,7 @@ def _side(body: Body, path: Path, index: int, dim: int) -> Iterator[Problem]:
         yield Problem((*path, "fixed"), "names a component twice")
     if side.velocity is not None and len(side.velocity) != dim:
         yield Problem((*path, "velocity"), _wrong_length(len(side.velocity), dim))
+    yield from _load_in_time(side, path, dim)
     if side.velocity is not None and all(component == "free" for component in side.velocity):
         yield Problem((*path, "velocity"), "has no effect: every component is free")
     same = [

@@ -17,6 +17,7 @@ from mpmfw.scene.base import (
     PositiveNumber,
     PositiveTime,
     SidePressure,
+    SideTraction,
     SideVelocity,
     Spin,
     Table,
@@ -118,12 +119,21 @@ class Material(Table):
 
 
 class Side(Table):
-    """A condition on one side of a body: fixed components, a velocity [m/s], or a pressure [Pa]."""
+    """A condition on one side of a body: fixed components, a velocity [m/s], a pressure [Pa], or a traction [Pa].
+
+    A load is constant, or rows of a time [s] and its values: linear in between, constant outside.
+    """
 
     side: Literal["left", "right", "bottom", "top", "back", "front"]
     fixed: FixedComponents | None = None
     velocity: SideVelocity | None = None
     pressure: SidePressure | None = None
+    traction: SideTraction | None = None
+
+    @property
+    def is_loaded(self) -> bool:
+        """Whether the side has a load, and not a prescribed motion."""
+        return self.pressure is not None or self.traction is not None
 
 
 class Body(Table):
