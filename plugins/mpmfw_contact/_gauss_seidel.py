@@ -108,13 +108,13 @@ def state_problem(
 
 @device
 def meet_row(
-    c: int, rows: Rows, own: LcpArrays, mass: Floats, velocity: Floats, u: Floats, change: Floats,
+    c: int, rows: Rows, own: LcpArrays, mass: Floats, velocity: Floats, touching: Float, u: Floats, change: Floats,
     spacing: tuple[float, ...],
 ) -> Float:  # fmt: skip
     """Replace J_c by what meets its own conditions as the others stand; w |ΔJ_c|, the velocity that this took [m/s].
 
     J_n ← max(0, J_n − (u_n + b) / w), and J_t ← J_t − u_t / w shortened to μ J_n + a (Alart & Curnier 1991); a, of cohesion,
-    acts where J_n > 0. What this leaves as it is has 0 ≤ u_n + b ⊥ J_n ≥ 0 and |J_t| ≤ μ J_n + a with slip against J_t, whatever
+    acts where the row ends the step closed, u_n + b ≤ ``touching`` [m/s]: of rows that say the same few have a J_n > 0. What this leaves as it is has 0 ≤ u_n + b ⊥ J_n ≥ 0 and |J_t| ≤ μ J_n + a with slip against J_t, whatever
     w > 0.
     """
     dim, w = len(spacing), own.compliance[c]
@@ -131,7 +131,8 @@ def meet_row(
         tangential = rows.force[c, d] - old * rows.normal[c, d] - (u[d] - along * rows.normal[c, d]) / w
         change[d] = tangential
         square += tangential * tangential
-    size, limit = square**0.5, slip_bound(rows, c, new) if new > 0.0 else 0.0
+    closed = new > 0.0 or along + own.allowed[c] <= touching
+    size, limit = square**0.5, slip_bound(rows, c, new) if closed else 0.0
     kept = limit / size if size > limit else 1.0
     square = 0.0
     for d in range(dim):
@@ -208,7 +209,7 @@ def solve(
             for d in range(len(spacing)):
                 bears = bears or rows.force[c, d] != 0.0
             if bears:
-                took = meet_row(c, rows, own, mass, velocity, u, change, spacing)
+                took = meet_row(c, rows, own, mass, velocity, tolerance * fastest, u, change, spacing)
                 last = max(last, took)
         largest = max(largest, last)
         agreed = last <= max(tolerance * largest, ROUNDING * fastest)

@@ -61,15 +61,16 @@ def test_a_block_sticks_below_the_static_angle_and_slides_on_above_the_kinetic_o
     assert moving - by_coulomb == pytest.approx(expected, rel=0.25)
 
 
-@pytest.mark.parametrize("contact", CONTACTS)
+@pytest.mark.parametrize("contact", [*CONTACTS, "lcp", "hybrid"])
 def test_cohesion_alone_holds_its_shear_strength(contact: str) -> None:
     """A block of 180 kg/m on 0.6 m without μ: 1 kPa brakes it by 600 N/m of 900, 2 kPa holds it.
 
     Shared nodes that approach in one step and part in the next hold in the first alone: classical contact lacks a quarter.
+    Of places that just touch a solution without overlap leaves some open, which hold nothing: lcp lacks 15 %.
     """
     friction = {"friction": 0.0}
     braked = slide(contact, "mohr_coulomb", **friction, **{"mohr_coulomb.cohesion": 1000.0})
-    missing = 0.3 if contact.startswith("bardenhagen") else 0.03
+    missing = {"bardenhagen": 0.3, "lcp": 0.2}.get(contact.partition("(")[0], 0.03)
     assert (ALONG - braked[-1] / END) * 180.0 / 600.0 == pytest.approx(1.0, abs=missing)
     held = slide(contact, "mohr_coulomb", **friction, **{"mohr_coulomb.cohesion": 2000.0})
     assert abs(held[-1]) < 0.05 * END * ALONG
