@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -21,7 +21,11 @@ from mpmfw.cli.arguments import (
     variations,
 )
 from mpmfw.cli.errors import check_apart, check_result, check_writable
+from mpmfw.cli.formats import Format, FormatOption, write_rows
 from mpmfw.cli.progress import campaign_progress
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def compare(
@@ -51,6 +55,7 @@ def compare(
     jobs: JobsOption = None,
     scheduler: SchedulerOption = None,
     repeats: RepeatsOption = None,
+    form: FormatOption = Format.table,
 ) -> None:
     """Run SCENE with every combination of methods and join the results, by default in a file named as the scene.
 
@@ -75,7 +80,6 @@ def compare(
     contacts = contacts or [loaded.contact.method if loaded.contact else "none"]
     shapes = shapes or [loaded.shape.method]
     check_compared(loaded, {"contact": contacts, "shape": shapes}, shared, varied, ("--set", "--vary"))
-    from mpmfw.cli.summary import print_comparison
     from mpmfw.comparison import compare as run_all
     from mpmfw.report import write_report
 
@@ -95,9 +99,21 @@ def compare(
         )
     if report is not None:
         write_report(dataset, report)
-    print_comparison(dataset)
-    typer.echo(f"{path}: all series and costs")
-    if report is not None:
-        typer.echo(f"{report}: tables and figures")
+    _print(dataset, path, report, form)
+
+
+def _print(dataset: xr.Dataset, path: Path, report: Path | None, form: Format) -> None:
+    """The table, and where everything is."""
+    from mpmfw.cli.summary import print_comparison
+    from mpmfw.report import table
+
+    alone = form is not Format.table
+    if alone:
+        write_rows(table(dataset), form)
     else:
-        typer.echo(f"For figures: mpmfw plot {path}, or --report FILE.html the next time")
+        print_comparison(dataset)
+    typer.echo(f"{path}: all series and costs", err=alone)
+    if report is not None:
+        typer.echo(f"{report}: tables and figures", err=alone)
+    else:
+        typer.echo(f"For figures: mpmfw plot {path}, or --report FILE.html the next time", err=alone)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mpmfw.cli.arguments import OutputOption
+from mpmfw.cli.formats import Format, FormatOption, write_rows
 from mpmfw.errors import SceneError
 
 if TYPE_CHECKING:
@@ -32,6 +33,7 @@ def rank(
         str, typer.Option(metavar="ERRORS", help="Relative errors to be reached, falling.")
     ] = "10%,5%,2%,1%,0.5%",
     output: OutputOption = None,
+    form: FormatOption = Format.table,
 ) -> None:
     """Rank the methods of studies by the problems that they solve, and by what that costs over the cheapest.
 
@@ -43,15 +45,18 @@ def rank(
     from mpmfw.studies import ranking
 
     found = ranking.rank(results, by, _levels(levels))
-    for quantity, meaning in ranking.QUANTITIES.items():
-        if bool(found["over_best"].sel(quantity=quantity).notnull().any()):
-            _print(found, quantity, meaning)
-    _print_failures(json.loads(found.attrs["failures"]))
+    known = [name for name in ranking.QUANTITIES if found["over_best"].sel(quantity=name).notnull().any()]
+    if form is not Format.table:
+        write_rows([{"quantity": name} | row for name in known for row in ranking.summary(found, name)], form)
+    else:
+        for quantity in known:
+            _print(found, quantity, ranking.QUANTITIES[quantity])
+        _print_failures(json.loads(found.attrs["failures"]))
     if output is not None:
         from mpmfw.plots.ranking import profiles
 
         profiles(found).savefig(output)
-        typer.echo(str(output))
+        typer.echo(str(output), err=form is not Format.table)
 
 
 def _levels(text: str) -> list[float]:

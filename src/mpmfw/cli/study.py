@@ -18,6 +18,7 @@ from mpmfw.cli.arguments import (
     jobs_of,
 )
 from mpmfw.cli.errors import check_result
+from mpmfw.cli.formats import Format, FormatOption, write_rows
 from mpmfw.cli.progress import campaign_progress
 from mpmfw.errors import SceneError
 
@@ -44,7 +45,7 @@ def study(
     output: OutputOption = None,
     timing: Annotated[
         Timing,
-        typer.Option(help="Take costs as runs come, or one run at a time after all results are there."),
+        typer.Option(help="Take costs as runs come, or of one run at a time."),
     ] = Timing.shared,
     jobs: JobsOption = None,
     scheduler: SchedulerOption = None,
@@ -58,13 +59,14 @@ def study(
         ),
     ] = None,
     force: ForceOption = False,
+    form: FormatOption = Format.table,
 ) -> None:
     """Run all combinations of STUDY, and say what accuracy costs in time.
 
     The results are written to a file, by default named as the study. Finished runs are kept in the folder FILE.runs: a
     study that was broken off goes on from there.
     """
-    from mpmfw.studies.conclusion import conclusions
+    from mpmfw.studies.conclusion import conclusions, rows
     from mpmfw.studies.loading import load_study
 
     loaded = load_study(study)
@@ -86,10 +88,13 @@ def study(
             progress=progress,
             force=force,
         )
-    _print(dataset)
-    for sentence in conclusions(dataset):
-        typer.echo(sentence)
-    typer.echo(f"{path}: errors and costs. For figures: mpmfw plot {path}")
+    if form is not Format.table:
+        write_rows(list(rows(dataset)), form)
+    else:
+        _print(dataset)
+        for sentence in conclusions(dataset):
+            typer.echo(sentence)
+    typer.echo(f"{path}: errors and costs. For figures: mpmfw plot {path}", err=form is not Format.table)
 
 
 def _check_apart(study: Study, path: Path) -> None:
@@ -101,10 +106,9 @@ def _check_apart(study: Study, path: Path) -> None:
 
 def _print(dataset: xr.Dataset) -> None:
     """One line a combination; those without a result say why below the table."""
-    from rich.console import Console
     from rich.text import Text
 
-    from mpmfw.cli.tables import plain_table
+    from mpmfw.cli.tables import broken_label, console, plain_table
     from mpmfw.studies.conclusion import rows
 
     dims = [str(dim) for dim in dataset["status"].dims]
@@ -112,14 +116,14 @@ def _print(dataset: xr.Dataset) -> None:
     table = plain_table(dataset.attrs["title"])
     chosen = [name for name in ("scheme", "transfer") if name not in dims and name in dataset]
     for dim in (*dims, *chosen):
-        table.add_column(dim.replace("_", " "), overflow="fold")
+        table.add_column(dim.replace("_", "\n"), overflow="fold")
     for head in ("error\n[%]", "noise\n[%]", "CPU\n[s]", "±\n[s]", "steps", "front"):
         table.add_column(Text(head), justify="right", no_wrap=True)
     for before, row in zip([None, *found], found, strict=False):
         if before is not None and before[dims[0]] != row[dims[0]]:
             table.add_section()
-        table.add_row(*(Text(str(row[dim])) for dim in (*dims, *chosen)), *_cells(row))
-    Console().print(table)
+        table.add_row(*(Text(broken_label(str(row[dim]))) for dim in (*dims, *chosen)), *_cells(row))
+    console().print(table)
     for row in found:
         if row["status"] != "ok":
             typer.echo(f"{', '.join(str(row[dim]) for dim in dims)}: {row['status']}")

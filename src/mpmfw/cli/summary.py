@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from mpmfw.cli.tables import plain_table
+from mpmfw.cli.tables import broken_label, plain_table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,7 +36,7 @@ def print_comparison(dataset: xr.Dataset) -> None:
     wide = sum(max(len(str(row[label])) for row in rows) + 2 for label in labels) > console.width // 3
     cells = [
         {
-            **{label: _broken(str(row[label])) if wide else str(row[label]) for label in labels},
+            **{label: broken_label(str(row[label])) if wide else str(row[label]) for label in labels},
             **{name: row.get(name, "") for name in chosen},
             **{name: shown(row.get(name, float("nan")), column_of(name)) for name in measured},
         }
@@ -52,11 +52,6 @@ def print_comparison(dataset: xr.Dataset) -> None:
     if reference:
         own = reference.startswith("each row")
         console.print(Text(f"Errors: {reference}" if own else f"Errors against {reference}", style="dim"))
-
-
-def _broken(label: str) -> str:
-    """A method with options, an option a line."""
-    return label.replace(", ", ",\n ") if label.endswith(")") else label
 
 
 def _unit(unit: str) -> str:

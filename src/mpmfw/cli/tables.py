@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping, Sequence
 from numbers import Integral
 from typing import TYPE_CHECKING, Any
@@ -45,6 +46,18 @@ def print_rows(rows: Sequence[Mapping[str, Any]], title: str | None = None) -> N
         console.print(_table(keys, cells, numeric, wrap_last=spare < 0))
     else:
         _print_blocks(console, keys, cells)
+
+
+def console() -> Console:
+    """As wide as the terminal; in a pipe or a file a hundred columns."""
+    from rich.console import Console
+
+    return Console(width=None if sys.stdout.isatty() else 100)
+
+
+def broken_label(label: str) -> str:
+    """A method with options, an option a line."""
+    return label.replace("(", "(\n ", 1).replace(", ", ",\n ") if label.endswith(")") else label
 
 
 def plain_table(title: str | None = None) -> Table:
