@@ -52,6 +52,21 @@ def announced(what: Literal["measure", "reference"]) -> dict[str, EntryPoint]:
     return {entry.name: entry for entry in entry_points(group=f"mpmfw.{what}")}
 
 
+def unknown_groups() -> list[str]:
+    """One line for each group of entry points ``mpmfw.…`` that nothing here reads: a misspelt one would be lost without a word."""
+    known = [f"mpmfw.{what}" for what in (*KINDS, "measure", "reference")]
+    found = []
+    for group in sorted(entry_points().groups):
+        if group.startswith("mpmfw.") and group not in known:
+            names = ", ".join(
+                f"{entry.name} of {distribution_of(entry)}" for entry in entry_points(group=group)
+            )
+            found.append(
+                f"{group}: no such group, so that nothing finds {names}; {did_you_mean(group, known)}"
+            )
+    return found
+
+
 def load_announced(what: Literal["measure", "reference"], name: str) -> Any:
     """Import what a distribution announces.
 

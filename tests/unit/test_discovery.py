@@ -69,6 +69,14 @@ def test_an_unknown_name_gets_the_nearest_and_the_list(install):
         load("contact", "sprnig")
 
 
+def test_a_misspelt_group_is_reported(install):
+    install("spring_law", {"spring": "spring_law:Spring"}, kind="contacts")
+    said = CliRunner().invoke(app, ["plugins"])
+    assert said.exit_code == 0
+    line = "mpmfw.contacts: no such group, so that nothing finds spring of spring_law; did you mean 'mpmfw.contact'?"
+    assert line in said.output
+
+
 @pytest.mark.parametrize(
     ("source", "cause"),
     [

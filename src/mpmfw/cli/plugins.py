@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import typer
+
 from mpmfw.cli.tables import print_rows
 from mpmfw.errors import SceneError
 
@@ -15,9 +17,11 @@ if TYPE_CHECKING:
 
 def plugins() -> None:
     """List the installed plug-ins: name, kind, distribution, version and what each is."""
-    from mpmfw.discovery import KINDS, available
+    from mpmfw.discovery import KINDS, available, unknown_groups
 
     print_rows([_row(kind, name, entry) for kind in KINDS for name, entry in available(kind).items()])
+    for line in unknown_groups():
+        typer.echo(line)
 
 
 def _row(kind: Kind, name: str, entry: EntryPoint) -> dict[str, Any]:
