@@ -53,7 +53,7 @@ def announced(what: Literal["measure", "reference"]) -> dict[str, EntryPoint]:
 
 
 def unknown_groups() -> list[str]:
-    """One line for each group of entry points ``mpmfw.…`` that nothing here reads: a misspelt one would be lost without a word."""
+    """One line for each group of entry points ``mpmfw.…`` that nothing here reads, such as a misspelt one."""
     known = [f"mpmfw.{what}" for what in (*KINDS, "measure", "reference")]
     found = []
     for group in sorted(entry_points().groups):

@@ -9,7 +9,7 @@ import pytest
 from pydantic import BaseModel, Field
 
 import mpmfw.discovery
-from faulty_plugins.contact import frame, keeping, momentum, slip
+from faulty_plugins.contact import frame, keeping, momentum, slip, units
 from faulty_plugins.contact.plain import PlainContact
 from mpmfw.api import ContactStrategy, SceneError, hookimpl
 from mpmfw.testing import contact_checks, contact_conformance, examine, subject_of
@@ -39,6 +39,11 @@ FAULTS = {
     frame.AlongAxes: "rotation",
     frame.NineEntries: "shapes",
     frame.Flat: "three-dimensions",
+    units.SpeedTolerance: "similarity",
+    units.LengthTolerance: "similarity",
+    units.UnsharedMass: "three-bodies",
+    units.OneFriction: "three-bodies",
+    units.SeesOutputs: "outputs",
     keeping.IgnoredOption: "options",
     keeping.IgnoredWithinBounds: "options",
     keeping.IgnoredBehindRefusals: "options",
@@ -51,7 +56,7 @@ FAULTS = {
     keeping.WorkOfOneInterval: "reports",
 }
 #: Checks whose violations have nothing to show: two runs with the same motion.
-WITHOUT_PICTURE = {"options"}
+WITHOUT_PICTURE = {"options", "outputs"}
 #: Of a scene with one body the host does not call the law: no law can break this, so that no fault can be planted.
 OF_THE_HOST = {"one-body"}
 
@@ -62,6 +67,7 @@ LACKS_NONE = {
     "no-adhesion": STICKS,
     "coulomb-cone": STICKS,
     "frictionless": STICKS,
+    "three-bodies": "the common field strains the bodies at once, as in energy",
     "energy": "the common field strains the bodies at once, and FLIP slows their points only by the forces that follow",
     "shift": "how many nodes the bodies share, and so how firmly they stick, depends on where they lie",
     "rotation": "how many nodes the bodies share, and so how firmly they stick, depends on how they lie",
@@ -73,13 +79,16 @@ LACKS_NONE = {
 THROWN = "a node near a corner is behind the line of a far face too (eq. 10), a cell deep, and is thrown out along the near one"
 LAYER = "the interface layer has inertia and momentum of its own beside the material points'"
 LACKS_HAMAD_2017 = {
-    **dict.fromkeys(("coulomb-cone", "slip-on-the-cone", "sticking", "frictionless", "time-step"), THROWN),
+    **dict.fromkeys(
+        ("coulomb-cone", "slip-on-the-cone", "sticking", "frictionless", "time-step", "three-bodies"), THROWN
+    ),
     "relabelling": "of two equally stiff bodies the first is the master, and its nodes are no slaves",
     **dict.fromkeys(
         ("equal-and-opposite", "moment-balance", "pushes-apart", "no-adhesion", "asleep-apart", "bystander"),
         LAYER,
     ),
     **dict.fromkeys(("shapes", "reports"), LAYER),
+    "similarity": f"{LAYER}, and its thickness is an option in metres",
 }
 #: Without its layer.
 LACKS_THIN = {name: why for name, why in LACKS_HAMAD_2017.items() if LAYER not in why}

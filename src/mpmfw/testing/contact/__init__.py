@@ -11,6 +11,7 @@ from mpmfw.testing.contact.options import options_act
 from mpmfw.testing.contact.reports import reported_force
 from mpmfw.testing.contact.separation import asleep_apart, no_adhesion, pushes_apart
 from mpmfw.testing.contact.shapes import every_shape, runs
+from mpmfw.testing.contact.similarity import outputs_change_nothing, similarity, three_bodies
 from mpmfw.testing.contact.space import three_dimensions
 from mpmfw.testing.contact.state import restart, saved, used_twice
 from mpmfw.testing.contact.symmetry import relabelling, rotation, shift
@@ -32,6 +33,9 @@ _CHECKS = (
     Check("sticking", "Where less friction is enough to stick, no more acts.", sticking),
     Check("frictionless", "Without friction, contact leaves the tangential velocity alone.", frictionless),
     Check("energy", "Contact gives the bodies no energy.", energy_kept),
+    Check("three-bodies", "Three bodies get no energy, and each pair has its own friction.", three_bodies),
+    Check("similarity", "The scene in other units moves alike.", similarity),
+    Check("outputs", "How often outputs are asked for does not matter, to the bit.", outputs_change_nothing),
     Check("relabelling", "The order in which the scene names the bodies does not matter.", relabelling),
     Check("shift", "Where the scene lies on the grid does not matter.", shift),
     Check("rotation", "Which way the scene is turned does not matter.", rotation),

@@ -32,7 +32,9 @@ def relabelling(subject: Subject) -> None:
     """
 
     def trial(bodies: int, **numbers: Any) -> None:
-        mapping = _three(numbers) if bodies == 3 else Meeting(gap=0.05, friction=0.3, **numbers).mapping()
+        mapping = (
+            three_blocks(numbers) if bodies == 3 else Meeting(gap=0.05, friction=0.3, **numbers).mapping()
+        )
         names = list(mapping["bodies"])
         reference = simulate(subject, mapping, STEPS)
         for order in list(itertools.permutations(names))[1:]:
@@ -138,7 +140,7 @@ def difference(reference: Motion, motion: Motion, back: Any = np.asarray) -> flo
     return float(max(apart, pushed / np.abs(reference.momentum).max()))
 
 
-def _three(numbers: dict[str, Any]) -> dict[str, Any]:
+def three_blocks(numbers: dict[str, Any]) -> dict[str, Any]:
     """Three blocks that meet at one spot; the second and the third by the ratios of the case."""
     slide = numbers["slide"]
     first = rectangle(*_corners(-0.41, -0.4, -0.01, 0.0))
