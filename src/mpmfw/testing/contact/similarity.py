@@ -133,14 +133,14 @@ def _own_friction(subject: Subject) -> None:
     materials = {"far": material(), **alone["materials"]}
     beside = {**scene({"far": far, **alone["bodies"]}, materials, 0.1), "contact": contact}
     dt = simulate(subject, alone, 1).dt[0]
-    motions = [
+    without, with_it = (
         simulate(subject, {**mapping, "time": {**mapping["time"], "step": 0.5 * dt}}, STEPS)
         for mapping in (alone, beside)
-    ]
+    )
     within(
-        difference(*motions),
+        difference(without, with_it),
         SAME,
         "two bodies feel the friction of a pair that is far away",
         {"friction of the two": 0.1, "friction of the far pairs": 0.9},
-        places(*motions),
+        places(without, with_it),
     )
