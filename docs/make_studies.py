@@ -1,7 +1,7 @@
 """Write docs/studies.md and docs/studies/: the shipped studies, ``python docs/make_studies.py [FOLDER]``.
 
-Costs are taken one run at a time, so that nothing else should use the computer; about half an hour. FOLDER keeps the runs,
-and a second call goes on from them. ``pytest tests/unit/test_choosing.py`` then says which sentences of docs/guide/choosing.md
+Costs are taken with one process on each core, so that nothing else should use the computer; a quarter of an hour on a quiet
+one of two cores, twice that on a slow one. FOLDER keeps the runs, and a second call goes on from them. ``pytest tests/unit/test_choosing.py`` then says which sentences of docs/guide/choosing.md
 the new tables contradict.
 """
 
@@ -30,9 +30,9 @@ HEAD = """\
 <!-- Made by docs/make_studies.py, which runs all that it quotes. -->
 
 Every contact with every shape function at two or three cell sizes, error against a closed form or the finite elements, and
-CPU time of the steps (without compilation and output; `contact-stress` ends at rest, where settling is the work), taken one
-run at a time: the least of three runs, in rounds of all, and half their range. How a study is written and read:
-[studies](guide/studies.md); what follows from these: [choosing a method](guide/choosing.md). `auto` leaves scheme and
+CPU time of the steps (without compilation and output; `contact-stress` ends at rest, where settling is the work): the least of
+three runs, taken in rounds of all, and half their range. {conditions}
+How a study is written and read: [studies](guide/studies.md); what follows from these: [choosing a method](guide/choosing.md). `auto` leaves scheme and
 transfer to the shape function: tables show both. Classical contact has two rows, in its plainest form and in its strongest.
 
 On the **front** (●) is a run that no other one of the same problem beats in both. A run may be on it with an error of 100 %: the
@@ -67,7 +67,7 @@ def section(name: str, dataset: xr.Dataset) -> str:
 ## {dataset.attrs["title"]}
 
 ```sh
-mpmfw study {name} --timing exclusive -o {name}.nc && mpmfw plot {name}.nc
+mpmfw study {name} -o {name}.nc && mpmfw plot {name}.nc
 ```
 
 Error of {dataset.attrs["quantity"]}, against {dataset.attrs["error_against"]}.
@@ -122,15 +122,20 @@ def main() -> None:
         folder.mkdir(parents=True, exist_ok=True)
         datasets = []
         for name in STUDIES:
-            datasets.append(mpmfw.study(name, output=folder / f"{name}.nc", timing="exclusive"))
+            datasets.append(mpmfw.study(name, output=folder / f"{name}.nc"))
             print(name, *conclusions(datasets[-1]), sep="\n", flush=True)
     write(datasets)
 
 
 def write(datasets: list[xr.Dataset]) -> None:
     """The page and its figures."""
+    attributes = datasets[0].attrs
+    conditions = (
+        f"Here: {attributes['processor']}, {attributes['cores']}, {attributes['timing']}. Costs compare within this page alone, and "
+        "where ± is large the machine was not quiet."
+    )
     sections = [section(name, dataset) for name, dataset in zip(STUDIES, datasets, strict=True)]
-    (HERE / "studies.md").write_text(HEAD + who_wins(datasets) + "".join(sections), encoding="utf-8")
+    (HERE / "studies.md").write_text(HEAD.format(conditions=conditions) + who_wins(datasets) + "".join(sections), encoding="utf-8")
 
 
 if __name__ == "__main__":
