@@ -110,7 +110,7 @@ def _figure(results: dict[Method, xr.Dataset]) -> Figure:
     axes.axhline(MOST_DISPLACEMENT, color="k", linewidth=1.0)
     axes.annotate("limit", (0.5, MOST_DISPLACEMENT), xytext=(0, 2), textcoords="offset points", fontsize=7)
     axes.set_ylim(1e-10, 1.0)
-    dress(axes, "time [s]", "displacement of the block / its height [–]")
+    dress(axes, "time [s]", "displacement / height [–]")
     contacts = {m.contact for m in results}
     rows[0] = [
         Line2D([], [], color=colour, linewidth=2.5, label=name)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
@@ -48,13 +49,13 @@ def new_figure(columns: int, rows: int, height: float = 58.0) -> Figure:
 
 
 def dress(axes: Any, xlabel: str, ylabel: str, title: str = "") -> None:
-    """Label one panel, in type that is legible at column width."""
+    """Label one panel, in type that is legible at column width; a title has a method's options on a line of their own."""
     axes.set_xlabel(xlabel, fontsize=FONT)
     axes.set_ylabel(ylabel, fontsize=FONT)
     axes.tick_params(labelsize=FONT - 1)
     axes.grid(True, linewidth=0.3, alpha=0.5)
     if title:
-        axes.set_title(title, fontsize=FONT, loc="left")
+        axes.set_title(re.sub(r"(?<=\w)\((?=\w+=)", "\n(", title), fontsize=FONT, loc="left")
 
 
 class Look:
