@@ -122,7 +122,8 @@ def _print(dataset: xr.Dataset) -> None:
     for before, row in zip([None, *found], found, strict=False):
         if before is not None and before[dims[0]] != row[dims[0]]:
             table.add_section()
-        table.add_row(*(Text(broken_label(str(row[dim]))) for dim in (*dims, *chosen)), *_cells(row))
+        labels = (broken_label(str(row[dim])).replace("(", "(\n ", 1) for dim in (*dims, *chosen))
+        table.add_row(*map(Text, labels), *_cells(row))
     console().print(table)
     for row in found:
         if row["status"] != "ok":

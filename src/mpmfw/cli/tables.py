@@ -57,7 +57,7 @@ def console() -> Console:
 
 def broken_label(label: str) -> str:
     """A method with options, an option a line."""
-    return label.replace("(", "(\n ", 1).replace(", ", ",\n ") if label.endswith(")") else label
+    return label.replace(", ", ",\n ") if label.endswith(")") else label
 
 
 def plain_table(title: str | None = None) -> Table:
