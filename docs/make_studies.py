@@ -1,8 +1,8 @@
 """Write docs/studies.md and docs/studies/: the shipped studies, ``python docs/make_studies.py [FOLDER]``.
 
 Costs are taken with one process on each core, so that nothing else should use the computer; a quarter of an hour on a quiet
-one of two cores, twice that on a slow one. FOLDER keeps the runs, and a second call goes on from them. ``pytest tests/unit/test_choosing.py`` then says which sentences of docs/guide/choosing.md
-the new tables contradict.
+one of two cores, twice that on a slow one. FOLDER keeps the runs, and a second call goes on from them.
+``pytest tests/unit/test_choosing.py`` then says which sentences of docs/guide/choosing.md the new tables contradict.
 """
 
 from __future__ import annotations
@@ -32,8 +32,9 @@ HEAD = """\
 Every contact with every shape function at two or three cell sizes, error against a closed form or the finite elements, and
 CPU time of the steps (without compilation and output; `contact-stress` ends at rest, where settling is the work): the least of
 three runs, taken in rounds of all, and half their range. {conditions}
-How a study is written and read: [studies](guide/studies.md); what follows from these: [choosing a method](guide/choosing.md). `auto` leaves scheme and
-transfer to the shape function: tables show both. Classical contact has two rows, in its plainest form and in its strongest.
+How a study is written and read: [studies](guide/studies.md); what follows from these:
+[choosing a method](guide/choosing.md). `auto` leaves scheme and transfer to the shape function: tables show both. Classical
+contact has two rows, in its plainest form and in its strongest.
 
 On the **front** (●) is a run that no other one of the same problem beats in both. A run may be on it with an error of 100 %: the
 front says what is not beaten, not what is good. In the figures what is on the front is filled; markers that would cover
@@ -131,11 +132,12 @@ def write(datasets: list[xr.Dataset]) -> None:
     """The page and its figures."""
     attributes = datasets[0].attrs
     conditions = (
-        f"Here: {attributes['processor']}, {attributes['cores']}, {attributes['timing']}. Costs compare within this page alone, and "
-        "where ± is large the machine was not quiet."
+        f"Here: {attributes['processor']}, {attributes['cores']}, {attributes['timing']}. Costs compare within this page alone, "
+        "and where ± is large the machine was not quiet."
     )
     sections = [section(name, dataset) for name, dataset in zip(STUDIES, datasets, strict=True)]
-    (HERE / "studies.md").write_text(HEAD.format(conditions=conditions) + who_wins(datasets) + "".join(sections), encoding="utf-8")
+    page = HEAD.format(conditions=conditions) + who_wins(datasets) + "".join(sections)
+    (HERE / "studies.md").write_text(page, encoding="utf-8")
 
 
 if __name__ == "__main__":
