@@ -31,7 +31,7 @@ HEAD = """\
 
 Every contact with every shape function at two or three cell sizes, error against a closed form or the finite elements, and
 CPU time of the steps (without compilation and output; `contact-stress` ends at rest, where settling is the work): the least of
-three runs, taken in rounds of all, and half their range. {conditions}
+the repeats, taken in rounds of all, and half their range. {conditions}
 How a study is written and read: [studies](guide/studies.md); what follows from these:
 [choosing a method](guide/choosing.md). `auto` leaves scheme and transfer to the shape function: tables show both. Classical
 contact has two rows, in its plainest form and in its strongest.
@@ -71,7 +71,7 @@ def section(name: str, dataset: xr.Dataset) -> str:
 mpmfw study {name} -o {name}.nc && mpmfw plot {name}.nc
 ```
 
-Error of {dataset.attrs["quantity"]}, against {dataset.attrs["error_against"]}.
+Error of {dataset.attrs["quantity"]}, against {dataset.attrs["error_against"]}. Costs: the least of {_runs(dataset)}.
 
 ![Error over CPU time](studies/{name}-front.png)
 
@@ -81,6 +81,12 @@ Error of {dataset.attrs["quantity"]}, against {dataset.attrs["error_against"]}.
 
 {table(dataset)}
 """
+
+
+def _runs(dataset: xr.Dataset) -> str:
+    """How many runs a cost is the least of; fewer than the study asks for where it was broken off."""
+    least, most = int(dataset["repeats"].min()), int(dataset["repeats"].max())
+    return f"{most} runs" if least == most else f"{least} to {most} runs (it was broken off)"
 
 
 def table(dataset: xr.Dataset) -> str:
@@ -107,6 +113,9 @@ def who_wins(datasets: list[xr.Dataset]) -> str:
     profiles(ranking).savefig(FIGURES / "ranking.png", dpi=200)
     text = RANKING.format(files=" ".join(f"{name}.nc" for name in STUDIES), count=ranking.sizes["problem"])
     for quantity, meaning in QUANTITIES.items():
+        if not bool(ranking["over_best"].sel(quantity=quantity).notnull().any()):
+            text += f"\nNo run with an error below 10 % has a **{quantity}** ({meaning}) below 10 %, or none is known.\n"
+            continue
         found = summary(ranking, quantity)
         head = [name for name in found[0] if name != "method"]
         text += f"\n**{quantity}**, {meaning}:\n\n| method | {' | '.join(head)} |\n|{' --- |' * (len(head) + 1)}\n"

@@ -104,21 +104,11 @@ def cost(change: dict[str, object], **labels: object) -> tuple[float, float]:
     return span(run.cpu / other.cpu for run, other in pairs(change, **labels))
 
 
-def coarse_against_fine() -> tuple[float, ...]:
-    """CPU time of coarse ``penalty`` over fine ``bardenhagen``; not a number where its error is not the smaller one."""
-    against = pairs({"contact": "bardenhagen", "fineness": 2}, **ROLLING, contact="penalty", fineness=0)
-    fair = [(a, b) for a, b in against if (a.scene, a.shape) != ("no slip", "linear")]
-    return (max(a.cpu / b.cpu if a.error < b.error else math.nan for a, b in fair),)
-
-
 def front_with_slip() -> tuple[float, ...]:
-    """Cost and error of the three steps of the front, and what is gained beyond them [%]."""
-    front = sorted(pick(**SLIP, front=True), key=lambda run: run.cpu)
-    bardenhagen = next(run for run in front if run.contact == "bardenhagen")
-    penalty = next(run for run in front if run.contact == "penalty")
-    named = front[0].contact == "none" and bardenhagen.shape == penalty.shape == "gimp"
-    told = (front[0].cpu, bardenhagen.cpu, bardenhagen.error, penalty.cpu, penalty.error)
-    return (*told, penalty.error - front[-1].error) if named else (math.nan,) * 6
+    """Errors of the two last runs of the front [%], GIMP's and CPDI's with the strongest classical form at coarse cells."""
+    last = sorted(pick(**SLIP, front=True), key=lambda run: run.cpu)[-2:]
+    named = [(run.contact, run.shape, run.fineness) for run in last] == [(STRONG, "gimp", 0), (STRONG, "cpdi", 0)]
+    return tuple(run.error for run in last) if named else (math.nan,) * 2
 
 
 def front_without_slip() -> tuple[float, ...]:
@@ -146,34 +136,47 @@ BLOCK = {"study": "sliding-block"}
 STRESS = {"study": "contact-stress"}
 OWN = ("cpdi", "cpdi2")
 OTHERS = ("linear", "gimp", "bspline")
+STRONG = "bardenhagen(criterion=position, normal=master)"
+GIVEN = "bardenhagen(direction=[0.0, 1.0], normal=specified)"
+CENTRES = ("gimp", "cpdi", "cpdi2")
 HATS = ("linear", "gimp", "cpdi", "cpdi2")
 
 #: Sentences with their numbers, what the tables have for each, and how they are compared: e errors, in the last digit
 #: that is stated; c costs, within ``COST``; m at most what is stated, and no less than a quarter of it.
 CLAIMS = [
     ("an error of {} to {} % wherever", errors(study=("rolling-cylinder", "sliding-block"), contact="none"), "ee"),
-    ("cells a fourth of that, in at most {} of its time", coarse_against_fine(), "m"),
+    ("(rolling: {} to {} %", errors(**SLIP, contact="penalty"), "ee"),
+    ("and {} to {} %, B-splines apart; the block within {} %)",
+     (*errors(**SLIP, contact=STRONG, shape=HATS), *errors(**BLOCK, contact=(STRONG, "penalty"), shape=HATS)[1:]), "eem"),
+    ("`penalty` has {} to {} % with all but linear", errors(**NO_SLIP, contact="penalty", shape=SOFT), "ee"),
+    ("the strongest classical form {} to {} % with GIMP", errors(**NO_SLIP, contact=STRONG, shape=CENTRES), "ee"),
+    ("impulse curve {} to {} % and {} to {} %, the plain form {} to {} %",
+     (*errors(study="rings", contact="penalty"), *errors(study="rings", contact=STRONG),
+      *errors(study="rings", contact="bardenhagen")), "eeeeee"),
     ("{} % of a uniform pressure", errors(**STRESS, contact="penalty", shape=OWN)[1:], "e"),
     ("other shape functions {} to {} %, `bardenhagen` {} to {} %",
      (*errors(**STRESS, contact="penalty", shape=OTHERS), *errors(**STRESS, contact="bardenhagen")), "eeee"),
+    ("interface's normal given {} to {} %", errors(**STRESS, contact=GIVEN), "ee"),
     ("rings take {} to {} of the time of `penalty`", cost({"contact": "penalty"}, study="rings", contact="bardenhagen"), "cc"),
     ("linear functions too slowly by {} to {} %", errors(**BLOCK, contact="bardenhagen", shape="linear"), "ee"),
     ("With `penalty` every shape function has {} to {} %", errors(**SLIP, contact="penalty"), "ee"),
+    ("classical form has {} to {} % with all but B-splines ({}, {}, {} %)",
+     (*errors(**SLIP, contact=STRONG, shape=HATS), *error(**SLIP, contact=STRONG, shape="bspline")), "eeeee"),
+    ("GIMP's {} % and CPDI's {} % at the coarsest", front_with_slip(), "ee"),
     ("{} to {} % at h = 0.8 m", errors(**SLIP, contact="bardenhagen", shape=HATS, fineness=0), "ee"),
     ("{} to {} % at 0.4 m", errors(**SLIP, contact="bardenhagen", shape=HATS, fineness=1), "ee"),
     ("{} to {} % at 0.2 m", errors(**SLIP, contact="bardenhagen", shape=HATS, fineness=2), "ee"),
     ("(B-splines {}, {}, {} %: smoother", error(**SLIP, contact="bardenhagen", shape="bspline"), "eee"),
-    ("`none` at {} s, with all of the error, over `bardenhagen` with GIMP at {} s and {} %, to `penalty` with GIMP at {} s "
-     "and {} %, and ends there: all that costs more buys less than {} %", front_with_slip(), "ccecem"),
-    ("{} to {} times the CPU time of `bardenhagen` at the coarse cells",
-     cost({"contact": "bardenhagen"}, **ROLLING, contact="penalty", fineness=0), "cc"),
-    ("and {} to {} at the fine ones", cost({"contact": "bardenhagen"}, **ROLLING, contact="penalty", fineness=2), "cc"),
+    ("{} to {} times the CPU time of the strongest form at the coarse cells",
+     cost({"contact": STRONG}, **ROLLING, contact="penalty", fineness=0), "cc"),
+    ("and {} to {} at the fine ones", cost({"contact": STRONG}, **ROLLING, contact="penalty", fineness=2), "cc"),
     ("`penalty` is within {} % with every", errors(**NO_SLIP, contact="penalty", shape=SOFT)[1:], "m"),
     ("but the linear ones ({}, {} and {} %", error(**NO_SLIP, contact="penalty", shape="linear"), "eee"),
     ("that of B-splines: {} % at {} s, {} % at {} s", front_without_slip(), "ecec"),
-    ("`bardenhagen` has {} to {}, {} to {} and {} to {} %",
-     tuple(e for k in range(3) for e in errors(**NO_SLIP, contact="bardenhagen", shape=HATS, fineness=k)), "eeeeee"),
-    ("and {}, {}, {} % with B-splines", error(**NO_SLIP, contact="bardenhagen", shape="bspline"), "eee"),
+    ("form has {} to {}, {} and {} to {} %, the plain one {} to {}, {} and {} to {} %, and {}, {}, {} % with B-splines",
+     tuple(e for contact in (STRONG, "bardenhagen") for k in range(3)
+           for e in errors(**NO_SLIP, contact=contact, shape=CENTRES, fineness=k)[k == 1:])
+     + error(**NO_SLIP, contact="bardenhagen", shape="bspline"), "eeeeeeeeeeeee"),
     ("`none` has {} to {} % with CPDI", errors(**STRESS, contact="none", shape=OWN), "ee"),
     ("CPDI2, in {} to {} of the time of `penalty`", cost({"contact": "penalty"}, **STRESS, contact="none", shape=OWN), "cc"),
     ("up to {} times the time of `gimp` with `penalty`", cost({"shape": "gimp"}, contact="penalty", shape="cpdi")[1:], "c"),
@@ -188,7 +191,7 @@ CLAIMS = [
     ("contact stress is off by up to {} % (largest departure of a point; {} to {} %",
      (departure("penalty, bspline"), *errors(**STRESS, contact="penalty", shape="bspline")), "eee"),
     ("without slip has {} % at cells a fourth", error(**NO_SLIP, contact="penalty", shape="linear", fineness=2), "e"),
-    ("where others have less than {} %", errors(**NO_SLIP, contact="penalty", shape=SOFT, fineness=0)[1:], "m"),
+    ("where others have at most {} %", errors(**NO_SLIP, contact="penalty", shape=SOFT, fineness=0)[1:], "m"),
 ]  # fmt: skip
 
 
@@ -233,7 +236,8 @@ def test_what_the_guide_says_in_words():
     for labels in (NO_SLIP, {"study": "rings"}):
         for fineness in {run.fineness for run in pick(**labels)}:
             same = pick(**labels, contact="penalty", fineness=fineness)
-            assert min(same, key=lambda run: run.error).shape == "bspline"
+            least = min(run.error for run in same)
+            assert next(run.error for run in same if run.shape == "bspline") < 1.2 * least
     assert errors(**BLOCK, contact="bardenhagen", shape=SOFT)[0] > 99.0
     assert errors(**STRESS, contact="penalty", shape=OWN)[1] <= errors(**STRESS, contact="none", shape=OWN)[1]
 
