@@ -108,7 +108,7 @@ def stages(dataset: xr.Dataset) -> Figure:
     resolution = resolution_of(named)
     problems = list(problems_of(named))
     bars = {title: list(runs_of(_finest(problem, resolution))) for title, problem in problems}
-    longest = max(map(len, bars.values()))
+    longest = max(len(rows) + len(_places(rows)[1]) for rows in bars.values())
     columns = min(2, len(problems))
     lines = -(-len(problems) // columns)
     figure = new_figure(columns, lines, 16.0 + 4.2 * longest)
@@ -251,15 +251,38 @@ def _finest(problem: xr.Dataset, resolution: str | None) -> xr.Dataset:
     )
 
 
+def _places(rows: list[dict[str, Any]]) -> tuple[list[float], dict[float, str]]:
+    """Where the bars are, and the contacts' names above theirs; none where only one of contact and shape varies."""
+    if not rows or not {"contact", "shape"} <= set(rows[0]["dims"]):
+        return [float(k) for k in range(len(rows))], {}
+    places: list[float] = []
+    heads: dict[float, str] = {}
+    at, last = 0.0, None
+    for row in rows:
+        if row["contact"] != last:
+            last = row["contact"]
+            heads[at] = str(last)
+            at += 1.0
+        places.append(at)
+        at += 1.0
+    return places, heads
+
+
 def _draw_bars(axes: Any, rows: list[dict[str, Any]], names: list[str]) -> None:
+    """Bars of the shape functions under the name of each contact, which may be long with its options."""
+    places, heads = _places(rows)
     left = np.zeros(len(rows))
     for name, colour in zip(names, itertools.cycle(_COLOURS), strict=False):
         widths = np.array([float(np.nan_to_num(row["run"]["stage_time"].sel(stage=name))) for row in rows])
-        axes.barh(np.arange(len(rows)), widths, left=left, color=colour, label=name, height=0.72)
+        axes.barh(places, widths, left=left, color=colour, label=name, height=0.72)
         left += widths
-    labels = [", ".join(str(row[dim]) for dim in row["dims"] if dim in ("contact", "shape")) for row in rows]
-    axes.set_yticks(np.arange(len(rows)), labels)
+    dims = ("shape",) if heads else ("contact", "shape")
+    labels = [", ".join(str(row[dim]) for dim in row["dims"] if dim in dims) for row in rows]
+    axes.set_yticks(places, labels)
+    axes.set_ylim(-0.8, max(places, default=0.0) + 0.8)
+    for place, contact in heads.items():
+        axes.text(0.01, place, contact, va="center", fontsize=FONT - 1, transform=axes.get_yaxis_transform())
     for k, row in enumerate(rows):
         status = str(row["run"]["status"].item()).partition(":")[0]
         if status != "ok":
-            axes.text(left[k], k, f" {status}", va="center", fontsize=FONT - 2)
+            axes.text(left[k], places[k], f" {status}", va="center", fontsize=FONT - 2)
