@@ -158,7 +158,7 @@ def test_short_runs_are_repeated():
     data = mpmfw.campaign(SLIDING, {"contact": ["separate"]})
     assert data["repeats"].item() == 3
     assert data["cpu_time_spread"].item() >= 0.0
-    assert data["cpu_time"].item() == np.median(data["cpu_time_repeat"])
+    assert data["cpu_time"].item() == np.min(data["cpu_time_repeat"])
 
 
 # -- the store
