@@ -114,8 +114,8 @@ def meet_row(
     """Replace J_c by what meets its own conditions as the others stand; w |ΔJ_c|, the velocity that this took [m/s].
 
     J_n ← max(0, J_n − (u_n + b) / w), and J_t ← J_t − u_t / w shortened to μ J_n + a (Alart & Curnier 1991); a, of cohesion,
-    acts where the row ends the step closed, u_n + b ≤ ``touching`` [m/s]: of rows that say the same few have a J_n > 0. What this leaves as it is has 0 ≤ u_n + b ⊥ J_n ≥ 0 and |J_t| ≤ μ J_n + a with slip against J_t, whatever
-    w > 0.
+    acts where the row ends the step closed, u_n + b ≤ ``touching`` [m/s]: of rows that say the same few have a J_n > 0. What
+    this leaves as it is has 0 ≤ u_n + b ⊥ J_n ≥ 0 and |J_t| ≤ μ J_n + a with slip against J_t, whatever w > 0.
     """
     dim, w = len(spacing), own.compliance[c]
     if w <= 0.0:

@@ -107,7 +107,10 @@ def cost(change: dict[str, object], **labels: object) -> tuple[float, float]:
 def front_with_slip() -> tuple[float, ...]:
     """Errors of the two last runs of the front [%], GIMP's and CPDI's with the strongest classical form at coarse cells."""
     last = sorted(pick(**SLIP, front=True), key=lambda run: run.cpu)[-2:]
-    named = [(run.contact, run.shape, run.fineness) for run in last] == [(STRONG, "gimp", 0), (STRONG, "cpdi", 0)]
+    named = [(run.contact, run.shape, run.fineness) for run in last] == [
+        (STRONG, "gimp", 0),
+        (STRONG, "cpdi", 0),
+    ]
     return tuple(run.error for run in last) if named else (math.nan,) * 2
 
 

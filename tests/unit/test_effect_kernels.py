@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from mpmfw.effects.local_inertia import correct_locally
-from mpmfw.effects.pressure import add_pressure
 from mpmfw.effects.rotation import correct_rotation
+from mpmfw.effects.side_loads import add_traction
 from mpmfw.effects.side_rows import PlaneSide, SideTable, add_rows, meet, quadrature, splines
 from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, move_points, weigh_by_mass, weigh_plain
 from mpmfw.settling import damp_locally
@@ -142,12 +142,14 @@ def test_pressure_is_that_of_the_outward_normals():
     t = table()
     facets, loaded = np.stack([np.arange(POINTS), following], axis=1), np.array([0, 1, 2, 7])
     force = np.zeros((NODES, 2))
-    add_pressure(5.0, loaded, facets, position, *t, force, (1.0, 1.0))
+    traction = np.array([3.0, -2.0])
+    add_traction(5.0, traction, loaded, facets, position, *t, force, (1.0, 1.0))
     on_nodes = np.zeros((POINTS, 2))
     for a in loaded:
         tangent = position[following[a]] - position[a]
         load = -5.0 * np.array([tangent[1], -tangent[0]])
         assert load @ (position[a] + position[following[a]]) < 0.0  # pushes inwards
+        load += np.linalg.norm(tangent) * traction
         on_nodes[a] += 0.5 * load
         on_nodes[following[a]] += 0.5 * load
     np.testing.assert_allclose(force, dense(*t).T @ on_nodes, atol=1e-14)

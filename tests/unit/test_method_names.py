@@ -14,8 +14,9 @@ PACKAGE = Path(mpmfw.__file__).parent
 #: The validation cases are bundled with an installed package, and compare methods by name.
 SOURCES = sorted(path for path in PACKAGE.rglob("*.py") if path.relative_to(PACKAGE).parts[0] != "cases")
 BUNDLED = [name for name, entry in available("contact").items() if distribution_of(entry) == "mpmfw"]
-#: Also a word of the messages ("none is installed"), which no grep can tell from the method.
-WORDS = ("none",)
+#: Also words of messages ("none is installed"), of output groups ("particles") and of records ("impulse"), which no grep can
+#: tell from the method.
+WORDS = ("none", "particles", "impulse")
 
 
 def docstrings(tree: ast.AST) -> set[int]:
