@@ -4,9 +4,8 @@ Source: M. Xiao, C. Liu, W. C. Sun (2021), DP-MPM: Domain partitioning material 
 thermal-mechanical contacts during dynamic fracture and fragmentation, CMAME 385, 114063, and A. de Vaucorbeil, V. P. Nguyen
 (2021), Modelling contacts with a total Lagrangian material point method, CMAME 373, 113503, where points of different bodies
 repel each other along the line of their centres, as in the discrete element method. Neither paper was at hand. Assumed here: a
-sphere has
-half the edge of a cube of the point's present volume as its radius, bears with the area of the smaller point's cube, and acts at
-the place between the two, to which the weights of both points are taken by their gradients.
+sphere has half the edge of a cube of the point's present volume as its radius, bears with the area of the smaller point's
+cube, and acts at the place between the two, to which the weights of both points are taken by their gradients.
 """
 
 from __future__ import annotations

@@ -51,7 +51,7 @@ def rank(
     else:
         for quantity in known:
             _print(found, quantity, ranking.QUANTITIES[quantity])
-        _print_failures(json.loads(found.attrs["failures"]))
+    _print_failures(json.loads(found.attrs["failures"]), err=form is not Format.table)
     if output is not None:
         from mpmfw.plots.ranking import profiles
 
@@ -75,11 +75,11 @@ def _print(found: xr.Dataset, quantity: str, meaning: str) -> None:
     print_rows(summary(found, quantity), title)
 
 
-def _print_failures(failures: list[dict[str, Any]]) -> None:
+def _print_failures(failures: list[dict[str, Any]], *, err: bool) -> None:
     """Runs without a result, counted by method and reason."""
     counts: dict[tuple[str, str], int] = {}
     for one in failures:
         key = one["method"], one["status"]
         counts[key] = counts.get(key, 0) + 1
     for (method, status), times in counts.items():
-        typer.echo(f"{method}: {times} {'run' if times == 1 else 'runs'} without a result: {status}")
+        typer.echo(f"{method}: {times} {'run' if times == 1 else 'runs'} without a result: {status}", err=err)
