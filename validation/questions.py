@@ -12,24 +12,18 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from rings import force_of, particles_of, series_of
-from rolling import GRAVITY, RADIUS, SERIES_ONLY
+from rings import force_of, measures_of, series_of
+from rolling import GRAVITY, RADIUS, SERIES_ONLY, errors
 
 from mpmfw.analysis import running_average
 from mpmfw.fields import FloatArray
 
-sys.path.insert(0, str(Path(__file__).parent / "contact-stress"))
+sys.path.append(str(Path(__file__).parent / "contact-stress"))
 from measures import PRESSURE, Points, points_of
 
 STRESS = "../contact-stress/scene.toml"
 BLOCK = "../sliding-block/scene.toml"
 
-#: Energy balances and frames that no row needs are left out.
-RINGS_SERIES: dict[str, Any] = {"output.particles": False, "output.ledger": False}
-#: Rings of a quarter of the material points: four instead of sixteen in a cell.
-RINGS_COARSE: dict[str, Any] = {**RINGS_SERIES, **particles_of("0.5 cells")}
-#: Rolling, with outputs close enough to see a force chatter.
-ROLLING_FINE: dict[str, Any] = {**SERIES_ONLY, "time.output_interval": 0.002}
 #: Averages against which a force's noise is counted [s]: about two passages of a wave through the body, and what the
 #: rings' forces are compared over.
 ROLLING_WINDOW, RINGS_WINDOW = 0.02, 100e-6
@@ -61,9 +55,32 @@ def rings_noise(tree: xr.DataTree) -> float:
     return noise(*force_of(series_of(tree)), RINGS_WINDOW)
 
 
-def segments(size: float, *bodies: str) -> dict[str, Any]:
-    """Segments of ``size`` [cells] for the surfaces of some bodies."""
-    return {f"bodies.{body}.segment": f"{size:g} cells" for body in bodies}
+def of_rolling(tree: xr.DataTree, roll: str) -> dict[str, float]:
+    """What the cases measure of a cylinder that rolls with ``slip`` or ``no slip``, and its cost."""
+    return {**errors(tree, roll), **costs_of(tree)}
+
+
+def of_rings(tree: xr.DataTree) -> dict[str, float]:
+    """What the cases measure of the rings, the ``noise`` of their force [%], and their cost."""
+    return {**measures_of(tree), "noise": rings_noise(tree), **costs_of(tree)}
+
+
+def of_blocks(tree: xr.DataTree) -> dict[str, float]:
+    """Largest ``departure`` of σ_yy between two blocks, and that ``off the walls`` [%]."""
+    points = points_of(tree)
+    return {"departure": points.oscillation(), "off the walls": points.oscillation(margin=2.0)}
+
+
+def costs_of(tree: xr.DataTree) -> dict[str, float]:
+    """``steps``, CPU time ``cpu`` [s], that of a ``step`` [ms], and the ``share`` of contact in it [%]."""
+    cost = cost_of(tree)
+    share = 100.0 * cost["contact"] / cost["cpu"]
+    return {
+        "steps": cost["steps"],
+        "cpu": cost["cpu"],
+        "step": 1e3 * cost["cpu"] / cost["steps"],
+        "share": share,
+    }
 
 
 def cost_of(tree: xr.DataTree) -> dict[str, float]:

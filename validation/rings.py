@@ -7,7 +7,6 @@ of ``mpmfw/reference``; its README says where the tolerances come from.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -18,19 +17,9 @@ from mpmfw.fields import FloatArray
 from mpmfw.references import RingsReference, rings_table
 from mpmfw.report.table import gap_measures, rings_measures
 
-SCENE = "colliding-rings"
 REFERENCE = RingsReference("left", "right")
-#: Of the reference's fine run [ms]; all but the first contact, which is exact, to ±0.06.
-FIRST_CONTACT, GAP_START, GAP_END, SEPARATION, SLACK = 4.0 / 60.0, 1.458, 1.741, 2.971, 0.06
-REBOUND = 25.03  #: mean velocity of a ring after the collision, fine run [m/s]
 #: Share of the total impulse by which it may be away from its plateau between the two contacts.
 NEAR = 0.005
-STIFF = {"contact.penalty.kappa": 1.0}
-
-
-def particles_of(size: str) -> dict[str, Any]:
-    """Material points of another size in both rings, such as ``"0.5 cells"``."""
-    return {f"bodies.{body}.particles.size": size for body in ("left", "right")}
 
 
 def series_of(tree: xr.DataTree) -> xr.Dataset:

@@ -130,6 +130,11 @@ def measures(motion: Motion, roll: Roll) -> dict[str, float]:
     }
 
 
+def errors(run: xr.DataTree, roll: str) -> dict[str, float]:
+    """The measures of a run with ``slip`` or ``no slip``."""
+    return measures(motion_of(run), SLIP if roll == "slip" else NO_SLIP)
+
+
 def fitted_slope(time: FloatArray, values: FloatArray, start: float, end: float) -> float:
     """Slope of the least-squares line between ``start`` and ``end``; NaN if a value there is missing."""
     inside = (time >= start - 1e-9) & (time <= end + 1e-9)

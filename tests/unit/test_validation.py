@@ -152,7 +152,7 @@ def command(folder, tmp_path, *arguments):
 
 def test_no_suite_is_a_wrong_request(tmp_path):
     assert command(tmp_path / "nowhere", tmp_path).exit_code == 2
-    with pytest.raises(SceneError, match=r"no folder in it has a check\.py"):
+    with pytest.raises(SceneError, match=r"no folder in it has a case\.toml or a check\.py"):
         find_cases(tmp_path)
 
 
@@ -296,6 +296,6 @@ def test_the_cases_are_found_wherever_one_is(tmp_path, monkeypatch):
     assert "hertz" in [folder.name for folder in find_cases(shipped_suite())]
     settings = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))
     wheel = settings["tool"]["hatch"]["build"]["targets"]["wheel"]
-    assert wheel["force-include"] == {"validation": "mpmfw/cases"}
+    assert wheel["force-include"]["validation"] == "mpmfw/cases"
     result = CliRunner().invoke(app, ["validate", "herz"])
     assert (result.exit_code, "did you mean 'hertz'?" in result.output) == (2, True)

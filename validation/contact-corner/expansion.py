@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
+
+if TYPE_CHECKING:
+    from mpmfw.validation import CaseRun
 
 Array = npt.NDArray[np.float64]
 
@@ -15,6 +20,20 @@ POISSON = 0.3
 #: Free expansion in plane strain: σ_xx = 0, ε_zz = 0, hence ε_xx = −ν/(1 − ν) ε_yy; u of each side over the strain [m].
 SLOPE = POISSON * WIDTH / (2.0 * (1.0 - POISSON))
 PLACES = {"mid-height": 0.5, "bottom corners": 0.0, "top corners": 1.0}  #: height over that of the block
+
+
+def slopes(run: xr.DataTree) -> dict[str, float]:
+    """Errors of the slope at :data:`PLACES` and the ``worst`` of them, and kinetic over strain ``energy``, at most [%]."""
+    found = expansion_of(run)
+    errors = {name: found.slope_error(height) for name, height in PLACES.items()}
+    return {**errors, "worst": max(errors.values(), key=abs), "energy": 100.0 * found.energy_ratio}
+
+
+def change(runs: Sequence[CaseRun]) -> dict[str, float]:
+    """Change of the slopes of penalty contact with CPDI at half the speed [%]."""
+    found = {run.runs: expansion_of(run.results) for run in runs if str(run.method) == "penalty, cpdi"}
+    slow, fast = found["half speed"], found["methods"]
+    return {name: 100.0 * (slow.slope(height) / fast.slope(height) - 1.0) for name, height in PLACES.items()}
 
 
 def placed(cell_size: float, offset: float) -> dict[str, object]:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from expansion import PLACES, SLOPE, Expansion
+from expansion import PLACES, SLOPE, Expansion, expansion_of
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from mpmfw.plots.style import FONT, dress, legend_below, new_figure
+
+if TYPE_CHECKING:
+    from mpmfw.validation import CaseRun
 
 LOOKS = {
     "penalty, cpdi": ("#0072B2", "-", "o"),
@@ -18,6 +22,17 @@ LOOKS = {
     "bardenhagen, cpdi, stiffer body's normal": ("#E69F00", "--", "^"),
     "none, cpdi": ("#009E73", ":", "D"),
 }
+
+
+def methods(runs: Sequence[CaseRun]) -> Figure:
+    """Expansion of every method."""
+    return expansion_figure({str(run.method): expansion_of(run.results) for run in runs})
+
+
+def sizes(runs: Sequence[CaseRun]) -> Figure:
+    """Errors of penalty contact with CPDI over cell size and place, by both."""
+    own = [run for run in runs if str(run.method) == "penalty, cpdi"]
+    return size_figure({(run.scene.grid.cell_size, run.place.at): expansion_of(run.results) for run in own})
 
 
 def expansion_figure(results: Mapping[str, Expansion]) -> Figure:
@@ -49,7 +64,7 @@ def expansion_figure(results: Mapping[str, Expansion]) -> Figure:
     return figure
 
 
-def size_figure(found: Mapping[tuple[float, float], Expansion]) -> Figure:
+def size_figure(found: Mapping[tuple[float, str], Expansion]) -> Figure:
     """Errors of the slopes over the cell size, for all places of the side within a cell."""
     figure = new_figure(1, 1, 62.0)
     panel = figure.subplots()

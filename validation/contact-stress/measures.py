@@ -2,29 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+if TYPE_CHECKING:
+    from mpmfw.validation import CaseRun
+
 Array = npt.NDArray[np.float64]
 
 PRESSURE = 0.2e6  #: of the platen [Pa]
 WIDTH = 1.0  #: of the blocks [m]
-HEIGHT = 1.0  #: of the upper block [m]
 BODIES = ("lower", "upper")
-
-
-def shifted(cell_size: float, offset: float) -> dict[str, object]:
-    """Values of the scene for a cell size [m] and the interface at ``offset`` cells above a grid line."""
-    interface = 1.0 + offset * cell_size
-    return {
-        "grid.cell_size": cell_size,
-        "bodies.lower.geometry.upper": [WIDTH, interface],
-        "bodies.upper.geometry.lower": [0.0, interface],
-        "bodies.upper.geometry.upper": [WIDTH, interface + HEIGHT],
-    }
 
 
 @dataclass(frozen=True)
@@ -89,6 +82,23 @@ def _interface(tree: xr.DataTree) -> float:
         y = tree[f"surface/{body}"]["position"].values[..., 1]
         heights.append(y[-1][np.abs(y[0] - at(y[0])) < 0.05 * tree.attrs["cell_size"]].mean())
     return float(np.mean(heights))
+
+
+def stress(tree: xr.DataTree) -> dict[str, float]:
+    """Errors of σ_yy [%]: of its ``mean``, its largest ``departure``, that ``off the walls`` by two cells, and ``l2``."""
+    points = points_of(tree)
+    departure, off = points.oscillation(), points.oscillation(margin=2.0)
+    return {"mean": points.mean_error, "departure": departure, "off the walls": off, "l2": points.l2_error}
+
+
+def orders(runs: Sequence[CaseRun]) -> dict[str, float]:
+    """Observed orders of the errors of :func:`stress` over the cell size."""
+    sizes = np.array([float(run.results.attrs["cell_size"]) for run in runs])
+    errors = [stress(run.results) for run in runs]
+    return {
+        name: observed_order(sizes, np.array([one[name] for one in errors]))
+        for name in ("l2", "off the walls")
+    }
 
 
 def observed_order(cell_sizes: Array, errors: Array) -> float:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from rolling import EXACT, Motion, Roll, line
+from rolling import EXACT, NO_SLIP, SLIP, Motion, Roll, line, motion_of
 
 from mpmfw.plots.style import Look, dress, legend_below, new_figure
-from mpmfw.validation import CLASSICAL, SHAPES, Method
+from mpmfw.validation import CLASSICAL, SHAPES, CaseRun, Method
 
 Motions = Mapping[Roll, Mapping[Method, Motion]]
 
@@ -30,6 +30,28 @@ _LOOKS: dict[tuple[str, str], tuple[str, Any]] = {
 _PUBLISHED = [("none", ""), *((contact, "") for contact in CLASSICAL), ("penalty", "")]
 #: Slip, then no slip: by how much displacements may depart in the figure [m]; what sticks lies outside.
 _DEPARTURES = ((-1.0, 0.3), (-2.2, 2.2))
+
+
+def published(runs: Sequence[CaseRun]) -> Figure:
+    """Displacement and velocity."""
+    return as_published(_motions(runs))
+
+
+def spins(runs: Sequence[CaseRun]) -> Figure:
+    """Spin, and displacement less the closed form."""
+    return spin_and_departure(_motions(runs))
+
+
+def shapes(runs: Sequence[CaseRun]) -> Figure:
+    """Every shape function."""
+    return all_shapes(_motions(runs))
+
+
+def _motions(runs: Sequence[CaseRun]) -> Motions:
+    return {
+        roll: {run.method: motion_of(run.results) for run in runs if run.runs == roll.name}
+        for roll in (SLIP, NO_SLIP)
+    }
 
 
 def as_published(motions: Motions) -> Figure:

@@ -58,6 +58,15 @@ def stresses_of(tree: xr.DataTree) -> Stresses:
     )
 
 
+def of_run(tree: xr.DataTree) -> dict[str, float]:
+    """95th percentile and mean at each time but the first [Pa]."""
+    stresses, found = stresses_of(tree), {}
+    for k, time in enumerate(TIMES[1:], start=1):
+        at = f"{1e3 * time:.1f} ms"
+        found |= {f"p95 {at}": stresses.percentile(k, 95.0), f"mean {at}": stresses.mean(k)}
+    return found
+
+
 def _body(tree: xr.DataTree, body: str, centre: float) -> Stresses:
     """The half-edges R_0 are not stored with the results: they are laid out again as the scene does."""
     frames = tree[f"particles/{body}"].to_dataset().sel(time=list(TIMES), method="nearest")

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
+
+if TYPE_CHECKING:
+    from mpmfw.validation import CaseRun
 
 Array = npt.NDArray[np.float64]
 
@@ -92,6 +97,37 @@ def from_stress(tree: xr.DataTree) -> Profile:
     load = -end["stress"].values[rim, 1, 1] * volume
     windows, pressure = _averages(rest[rim, 0] - CENTRE, load, volume, h)
     return Profile(windows, pressure, h)
+
+
+def of_forces(tree: xr.DataTree) -> dict[str, float]:
+    """Errors by the forces: ``peak``, ``fitted peak`` and ``load`` [%], ``width`` and ``touching`` [cells]."""
+    profile = from_forces(tree)
+    return {
+        "peak": profile.peak_error,
+        "fitted peak": profile.fitted_peak_error,
+        "width": profile.width_error,
+        "touching": profile.touching_error,
+        "load": 100.0 * (profile.force / WEIGHT - 1.0),
+    }
+
+
+def of_stress(tree: xr.DataTree) -> dict[str, float]:
+    """Errors by the stress: ``peak`` [%] and ``width`` [cells]."""
+    profile = from_stress(tree)
+    return {"peak": profile.peak_error, "width": profile.width_error}
+
+
+def orders(runs: Sequence[CaseRun]) -> dict[str, float]:
+    """Observed orders of the errors by the forces, and the ``most`` that one is over that of the coarser cells."""
+    profiles = sorted((from_forces(run.results) for run in runs), key=lambda one: -one.cell_size)
+    sizes = np.array([one.cell_size for one in profiles])
+    errors = {
+        "peak": np.abs([one.peak_error for one in profiles]),
+        "fitted peak": np.abs([one.fitted_peak_error for one in profiles]),
+        "width": np.abs([one.width_error * one.cell_size for one in profiles]),
+    }
+    most = float(np.max(errors["peak"][1:] / errors["peak"][:-1]))
+    return {**{name: observed_order(sizes, error) for name, error in errors.items()}, "most": most}
 
 
 def _lower_rim(tree: xr.DataTree, x: Array) -> Array:

@@ -11,7 +11,7 @@ from questions import BLUE, GREY, ORANGE, REFERENCE
 from mpmfw.plots.style import FONT, dress, legend_below, new_figure
 
 if TYPE_CHECKING:
-    from check import Difference
+    from differences import Difference
 
 LOOKS: dict[str, dict[str, Any]] = {
     "with Q": {"color": BLUE, "label": "Q term"},

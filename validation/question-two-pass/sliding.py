@@ -24,8 +24,9 @@ def acceleration_error(series: xr.Dataset) -> float:
     return 100.0 * (fitted / ACCELERATION - 1.0)
 
 
-def friction_error(series: xr.Dataset) -> float:
+def friction_error(run: xr.DataTree) -> float:
     """Of mean T over μ times mean N [%]."""
+    series = run["series"].to_dataset()
     time = series["time"].values
     force = series["contact_force"].sel(pair="block-plane")[time > FROM * time[-1]].mean("time")
     return 100.0 * (-float(force.sel(axis="x")) / (FRICTION * float(force.sel(axis="y"))) - 1.0)

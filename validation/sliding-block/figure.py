@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from matplotlib.lines import Line2D
 
+from mpmfw.campaigns.exact import incline
 from mpmfw.plots.style import FONT, dress, legend_below, new_figure
-from mpmfw.validation import CLASSICAL, Method
+from mpmfw.validation import CLASSICAL, CaseRun
+from mpmfw.validation.tables import QuantityTable
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.figure import Figure
 
 #: (contact, label): name and colour in the figure; markers are the shape functions'.
@@ -30,8 +31,12 @@ STYLES = ("-", "-", (0, (1, 1)), "-", "--", "-.", (0, (3, 1, 1, 1)), (0, (5, 2))
 MARKERS = {"linear": "s", "gimp": "^", "cpdi": "o", "cpdi2": "D", "bspline": "v"}
 
 
-def draw(results: Mapping[Method, xr.Dataset], exact: float, fitted: Callable[[xr.Dataset], float]) -> Figure:
+def draw(runs: Sequence[CaseRun]) -> Figure:
     """Speed with CPDI against a t, and the acceleration over the exact one [m/s²]."""
+    results = {run.method: run.results["series"].to_dataset() for run in runs}
+    known = incline(runs[0].scene)
+    assert known is not None
+    exact = known.acceleration
     figure = new_figure(2, 1, 62.0)
     left, right = figure.subplots(1, 2)
     drawn = [key for key in GROUPS if any((m.contact, m.label) == key for m in results)]
@@ -52,7 +57,7 @@ def draw(results: Mapping[Method, xr.Dataset], exact: float, fitted: Callable[[x
         )
     )
     dress(left, "time [s]", "speed of the block [m/s]", "(a) CPDI")
-    _accelerations(right, drawn, results, exact, fitted)
+    _accelerations(right, drawn, runs)
     markers = [
         Line2D([], [], color="0.3", marker=marker, markersize=4, linestyle="", label=shape)
         for shape, marker in MARKERS.items()
@@ -65,16 +70,16 @@ def draw(results: Mapping[Method, xr.Dataset], exact: float, fitted: Callable[[x
 def _accelerations(
     axes: Any,
     drawn: list[tuple[str, str]],
-    results: Mapping[Method, xr.Dataset],
-    exact: float,
-    fitted: Callable[[xr.Dataset], float],
+    runs: Sequence[CaseRun],
 ) -> None:
+    error = QuantityTable(measure="acceleration", relative=True)
     for row, key in enumerate(drawn):
-        for method, series in results.items():
+        for run in runs:
+            method = run.method
             if (method.contact, method.label) == key:
                 shift = 0.14 * (list(MARKERS).index(method.shape) - 2)
                 axes.plot(
-                    fitted(series) / exact,
+                    1.0 + float(run.quantity(error) or 0.0),
                     row + shift,
                     MARKERS[method.shape],
                     color=GROUPS[key][1],

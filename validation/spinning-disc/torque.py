@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.api import FloatArray, Grid, Particles, State, Stencil, hookimpl
+from mpmfw.scene import Scene
 from mpmfw.simulation import Simulation
 
 
@@ -54,6 +55,16 @@ class Torque:
         self.impulse += dt * moment(p, a, lever)
         point = np.repeat(np.arange(p.count), np.diff(phi.row))
         np.add.at(grid.force, phi.nodes, phi.weight[:, None] * (p.mass[:, None] * a)[point])
+
+
+def inertia(scene: Scene) -> dict[str, float]:
+    """Relative error of the inertia under a torque on the whole ``disc``, and on its ``rim`` alone."""
+    return {name: effective_inertia(scene, inner) - 1.0 for name, inner in (("disc", 0.0), ("rim", 0.7))}
+
+
+def answer(found: dict[str, float]) -> dict[str, float]:
+    """What :func:`inertia` found, as it is."""
+    return found
 
 
 def effective_inertia(scene: Any, inner: float, end: float = 0.1) -> float:

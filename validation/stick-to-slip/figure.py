@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.lines import Line2D
+from slipping import FRICTION, GRAVITY, LENGTH, rate_of, sliding
 
 from mpmfw.plots.style import dress, legend_below, new_figure
-from mpmfw.validation import CLASSICAL, Method
+from mpmfw.validation import CLASSICAL, CaseRun
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.figure import Figure
 
 #: (contact, label): name, colour and line in the figure, with CPDI; the width tells coinciding curves apart.
@@ -29,14 +29,10 @@ GROUPS = {
 }
 
 
-def draw(
-    results: Mapping[Method, tuple[xr.Dataset, np.ndarray]],
-    rate: float,
-    friction: float,
-    g: float,
-    length: float,
-) -> Figure:
+def draw(runs: Sequence[CaseRun]) -> Figure:
     """Force ratio, and sliding over the block's length [m], against Coulomb's rigid block."""
+    results = {run.method: (run.results["series"].to_dataset(), sliding(run.results)) for run in runs}
+    rate = rate_of(runs[0].results)
     figure = new_figure(2, 1, 62.0)
     left, right = figure.subplots(1, 2)
     handles = []
@@ -49,13 +45,13 @@ def draw(
             if "contact_force" in series:
                 force = series["contact_force"].sel(pair="block-plane").values[1:]
                 left.plot(time[1:], -force[:, 0] / force[:, 1], **look)
-            right.plot(time, 1e3 * slid / length, **look)
+            right.plot(time, 1e3 * slid / LENGTH, **look)
             handles.append(Line2D([], [], label=name, **look))
-    start, end = friction * g / rate, max(float(s["time"].values[-1]) for s, _ in results.values())
+    start, end = FRICTION * GRAVITY / rate, max(float(s["time"].values[-1]) for s, _ in results.values())
     time = np.linspace(0.0, end, 24)
     exact = {"color": "k", "marker": "o", "markersize": 3.5, "fillstyle": "none", "linestyle": ""}
-    left.plot(time, np.minimum(rate * time / g, friction), **exact)
-    right.plot(time, 1e3 * rate * np.maximum(time - start, 0.0) ** 3 / 6.0 / length, **exact)
+    left.plot(time, np.minimum(rate * time / GRAVITY, FRICTION), **exact)
+    right.plot(time, 1e3 * rate * np.maximum(time - start, 0.0) ** 3 / 6.0 / LENGTH, **exact)
     handles.append(Line2D([], [], label="closed form", **exact))
     right.axhline(1.0, color="k", linewidth=0.8)
     right.annotate("threshold", (0.45 * end, 1.0), xytext=(0, 2), textcoords="offset points", fontsize=7)

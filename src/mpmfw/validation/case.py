@@ -1,4 +1,4 @@
-"""What a case's ``check.py`` works with: runs, rows and figures."""
+"""What checks a case, a table or its ``check.py``, works with: runs, rows and figures."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _METHODS = tomllib.loads((files("mpmfw.validation") / "methods.toml").read_text(encoding="utf-8"))
-_RECOMMENDED = _METHODS["recommended"]
+#: Contacts and shapes that the gates are for.
+RECOMMENDED = _METHODS["recommended"]
 
 CLASSICAL, CONTACTS, SHAPES = (tuple(_METHODS[name]) for name in ("classical", "contacts", "shapes"))
 
@@ -51,8 +52,8 @@ class Method:
     @property
     def recommended(self) -> bool:
         """Whether it is a combination that the gates are for (``methods.toml``), all else as given by the scene."""
-        contacts = ("", *_RECOMMENDED["contacts"])
-        return self.contact in contacts and self.shape in _RECOMMENDED["shapes"] and not self.label
+        contacts = ("", *RECOMMENDED["contacts"])
+        return self.contact in contacts and self.shape in RECOMMENDED["shapes"] and not self.label
 
     def __str__(self) -> str:
         return ", ".join(filter(None, (self.contact, self.shape, self.label)))
@@ -60,7 +61,7 @@ class Method:
 
 @dataclass
 class Case:
-    """A case while it is checked; ``check.py`` receives one.
+    """A case while it is checked; a ``check.py`` receives one.
 
     Attributes
     ----------
@@ -94,8 +95,8 @@ class Case:
 
     def methods(
         self,
-        contact: Sequence[str] = tuple(_RECOMMENDED["contacts"]),
-        shape: Sequence[str] = tuple(_RECOMMENDED["shapes"][:1]),
+        contact: Sequence[str] = tuple(RECOMMENDED["contacts"]),
+        shape: Sequence[str] = tuple(RECOMMENDED["shapes"][:1]),
         settings: Mapping[str, Mapping[str, Any]] | None = None,
     ) -> list[Method]:
         """Every combination; ``settings`` are values by dotted key, under the label that says what they are."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
+import importlib
 import sys
 import time
 import traceback
@@ -10,12 +10,12 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from types import ModuleType
 
 from mpmfw.campaigns.outcome import Finished, Outcome
-from mpmfw.errors import SceneError
 from mpmfw.validation.case import Case
+from mpmfw.validation.measuring import check_tables
 from mpmfw.validation.rows import Verdict
+from mpmfw.validation.tables import load_case
 
 
 @dataclass(frozen=True)
@@ -33,12 +33,11 @@ class CaseTask:
 
 
 def check_once(task: CaseTask) -> Finished:
-    """Run the ``check`` of a case and save its figures; an error in it is part of the outcome, beside the rows before it."""
+    """Check a case and save its figures; an error in it is part of the outcome, beside the rows before it."""
     start = time.perf_counter()
     case, error = Case(task.folder, task.quick), ""
     try:
-        with _loaded(task.folder) as module:
-            module.check(case)
+        check_case(case)
         for name, figure in case.figures.items():
             figure.savefig(task.output / f"{name}.png")
     except (Exception, SystemExit):
@@ -57,24 +56,26 @@ def check_once(task: CaseTask) -> Finished:
     return Finished(Outcome(task.key, status, task.name, values=values, code=task.code))
 
 
+def check_case(case: Case) -> None:
+    """Do what the tables of a case say, or its ``check.py``."""
+    with _on_the_path(case.folder.resolve()):
+        if (case.folder / "case.toml").is_file():
+            check_tables(case, load_case(case.folder))
+        else:
+            importlib.import_module("check").check(case)
+
+
 @contextmanager
-def _loaded(folder: Path) -> Iterator[ModuleType]:
-    """Import ``check.py`` with its folder and the suite's on the path; afterwards both are forgotten, so that
-    cases may name their modules alike."""
-    folder = folder.resolve()
+def _on_the_path(folder: Path) -> Iterator[None]:
+    """Context in which modules of a case and of its suite can be imported; afterwards they are forgotten, so that cases
+    may name their modules alike."""
     before, path = set(sys.modules), list(sys.path)
     sys.path[:0] = [str(folder), str(folder.parent)]
-    spec = importlib.util.spec_from_file_location("check", folder / "check.py")
-    if spec is None or spec.loader is None:
-        raise SceneError(f"{folder / 'check.py'} cannot be imported")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["check"] = module  # dataclasses look their module up
     try:
-        spec.loader.exec_module(module)
-        yield module
+        yield
     finally:
         sys.path[:] = path
         for name in set(sys.modules) - before:
             origin = getattr(sys.modules[name], "__file__", None)
-            if name == "check" or (origin and Path(origin).is_relative_to(folder.parent)):
+            if origin and Path(origin).is_relative_to(folder.parent):
                 del sys.modules[name]

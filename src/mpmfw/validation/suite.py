@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -17,6 +18,9 @@ from mpmfw.identity import code_of_plugins, digest, package, sources
 from mpmfw.validation.checking import CaseTask, check_once
 from mpmfw.validation.rows import Row, Verdict
 
+#: What says how a case is checked: tables, or a function.
+CHECKS = ("case.toml", "check.py")
+
 
 @dataclass(frozen=True)
 class CaseResult:
@@ -29,7 +33,7 @@ class CaseResult:
     rows, figures
         What it recorded; figures are PNG files.
     error
-        The traceback, if ``check.py`` itself went wrong; empty if not.
+        The traceback, if the check itself went wrong; empty if not.
     seconds
         Wall time, compilation included.
     command, cores
@@ -58,27 +62,32 @@ def shipped_suite() -> Path:
 
 
 def find_cases(suite: Path, names: Sequence[str] = ()) -> list[Path]:
-    """Folders of the suite with a ``check.py``: all, or the named ones.
+    """Folders of the suite with a ``case.toml`` or a ``check.py``: all, or the named ones.
 
     Raises
     ------
     SceneError
-        There is no such suite, or no such case.
+        There is no such suite, or no such case, or one has both files.
     """
     if not suite.is_dir():
         raise SceneError(
             f"--suite {suite}: there is no such folder; expected one with a folder for each case, "
             "such as validation/ of the mpmfw repository"
         )
-    known = {check.parent.name: check.parent for check in sorted(suite.glob("*/check.py"))}
+    known = {file.parent.name: file.parent for name in CHECKS for file in suite.glob(f"*/{name}")}
     if not known:
-        raise SceneError(f"--suite {suite}: no folder in it has a check.py")
+        raise SceneError(f"--suite {suite}: no folder in it has a {' or a '.join(CHECKS)}")
+    for folder in known.values():
+        if all((folder / check).is_file() for check in CHECKS):
+            raise SceneError(
+                f"{folder}: has a {' and a '.join(CHECKS)}, and one would have no effect; leave one of them out"
+            )
     for name in names:
         if name not in known:
             near = get_close_matches(name, known, n=1)
             hint = f"did you mean '{near[0]}'?" if near else f"expected one of {', '.join(known)}"
             raise SceneError(f"there is no case '{name}' in {suite}: {hint}")
-    return [known[name] for name in names] if names else list(known.values())
+    return [known[name] for name in names or sorted(known)]
 
 
 def run_cases(
@@ -166,13 +175,12 @@ def _result(folder: Path, output: Path, outcome: Outcome | None) -> CaseResult:
 
 
 def _longest_first(cases: Iterable[Path]) -> list[Path]:
-    """By the CPU seconds that a case says it takes (``# cost: 60`` in its check.py), so that no long one is left
-    to run alone at the end."""
+    """By the CPU seconds that a case says it takes (``cost = 60`` in its table, ``# cost: 60`` in its check.py), so that no
+    long one is left to run alone at the end."""
     return sorted(cases, key=_cost, reverse=True)
 
 
 def _cost(folder: Path) -> float:
-    for line in (folder / "check.py").read_text(encoding="utf-8").splitlines():
-        if line.startswith("# cost:"):
-            return float(line.removeprefix("# cost:").split()[0])
-    return 10.0
+    file = next(folder / name for name in CHECKS if (folder / name).is_file())
+    found = re.search(r"^(?:# cost:|cost =) *([0-9.]+)", file.read_text(encoding="utf-8"), re.MULTILINE)
+    return float(found.group(1)) if found else 10.0
