@@ -16,11 +16,11 @@ from mpmfw.fields import FloatArray
 
 @dataclass(frozen=True)
 class RollingSolution:
-    """Rigid cylinder on an incline, from rest (eq. 13 of [H17] and the spin that belongs to it)."""
+    """Rigid cylinder (eq. 13 of [H17] and the spin that belongs to it) or sphere on an incline, from rest."""
 
     acceleration: float  #: of the centre along the plane [m/s²]
     angular_acceleration: float  #: counter-clockwise positive: negative when rolling towards +x [rad/s²]
-    slips: bool  #: tan θ > 3 μ
+    slips: bool  #: tan θ > 3 μ, of a sphere 3.5 μ
 
     def displacement(self, time: FloatArray | float) -> FloatArray:
         """d = a t²/2 [m]."""
@@ -39,8 +39,10 @@ class RollingSolution:
         return float(np.sqrt(2.0 * distance / self.acceleration))
 
 
-def rolling_solution(tilt: float, friction: float, g: float, radius: float) -> RollingSolution:
-    """Return the motion of a rigid cylinder on an inclined plane, released from rest.
+def rolling_solution(
+    tilt: float, friction: float, g: float, radius: float, inertia: float = 0.5
+) -> RollingSolution:
+    """Return the motion of a rigid cylinder or sphere on an inclined plane, released from rest.
 
     Parameters
     ----------
@@ -51,19 +53,20 @@ def rolling_solution(tilt: float, friction: float, g: float, radius: float) -> R
     g
         Gravitational acceleration [m/s²].
     radius
-        R of the cylinder [m].
+        R of the body [m].
+    inertia
+        β = I/(m R²): 1/2 of a cylinder, 2/5 of a sphere.
 
     Notes
     -----
-    With slip (tan θ > 3 μ): a = g (sin θ - μ cos θ), α = 2 μ g cos θ / R. Without: a = 2 g sin θ / 3, α = a /
-    R.
+    With slip (tan θ > (1 + 1/β) μ): a = g (sin θ - μ cos θ), α = μ g cos θ / (β R). Without: a = g sin θ / (1 + β), α = a / R.
     """
-    slips = bool(np.tan(tilt) > 3.0 * friction)
+    slips = bool(np.tan(tilt) > (1.0 + 1.0 / inertia) * friction)
     if slips:
         acceleration = g * (np.sin(tilt) - friction * np.cos(tilt))
-        angular = 2.0 * friction * g * np.cos(tilt) / radius
+        angular = friction * g * np.cos(tilt) / (inertia * radius)
     else:
-        acceleration = 2.0 * g * np.sin(tilt) / 3.0
+        acceleration = g * np.sin(tilt) / (1.0 + inertia)
         angular = acceleration / radius
     return RollingSolution(float(acceleration), -float(angular), slips)
 

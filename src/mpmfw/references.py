@@ -18,26 +18,30 @@ import xarray as xr
 from mpmfw.analysis import RollingSolution, rolling_solution
 from mpmfw.errors import MpmfwError
 from mpmfw.fields import FloatArray
-from mpmfw.geometry import Disc, Rectangle, Ring
+from mpmfw.geometry import Ball, Box, Disc, Rectangle, Ring
 from mpmfw.scene import Body, Scene, load_scene
 from mpmfw.scene.override import merge, parse_value
 from mpmfw.units import to_si
 
+#: Where the cylinder's motion is given.
+EQUATION = " (eq. 13 of Hamad, Giridharan & Moormann 2017, Procedia Engineering 175, 116-123)"
+
 
 @dataclass(frozen=True)
 class RollingReference:
-    """A disc that rolls down a fixed plane under tilted gravity."""
+    """A disc or a ball that rolls down a fixed plane under tilted gravity."""
 
-    body: str  #: the disc
+    body: str  #: the disc or ball
     solution: RollingSolution
     distance: float = 10.0  #: at which the displacement is judged [m]
+    rigid: str = "cylinder"  #: what the solution is of
 
     def describe(self) -> str:
         """Say in one sentence what the results are compared with."""
         solution = self.solution
         return (
-            f"a rigid cylinder that {'slips' if solution.slips else 'rolls without slip'}, from rest "
-            "(eq. 13 of Hamad, Giridharan & Moormann 2017, Procedia Engineering 175, 116-123): acceleration "
+            f"a rigid {self.rigid} that {'slips' if solution.slips else 'rolls without slip'}, from rest"
+            f"{EQUATION if self.rigid == 'cylinder' else ''}: acceleration "
             f"{solution.acceleration:.4g} m/s², angular acceleration "
             f"{abs(solution.angular_acceleration):.4g} rad/s², "
             f"{self.distance:g} m after {solution.time_to(self.distance):.4g} s"
@@ -151,6 +155,8 @@ def reference_of(attributes: Mapping[str, Any]) -> Reference | None:
     declared = None if scene.reference is None else scene.reference.kind
     if declared in (None, "rolling-cylinder") and (found := rolling(scene)) is not None:
         return found
+    if declared in (None, "rolling-sphere") and (found := rolling_sphere(scene)) is not None:
+        return found
     return rings(scene) if declared in (None, "colliding-rings") else None
 
 
@@ -185,6 +191,32 @@ def rolling(scene: Scene) -> RollingReference | None:
         return None
     return RollingReference(
         discs[0], rolling_solution(tilt, scene.pairs[0][2], magnitude, float(geometry.radius))
+    )
+
+
+def rolling_sphere(scene: Scene) -> RollingReference | None:
+    """A single free ball, at rest at the start, on one fixed box along the axes, gravity towards +x and −y; judged at the end."""
+    balls = [
+        n for n, b in scene.bodies.items() if isinstance(b.geometry, Ball) and not b.sides and at_rest(b)
+    ]
+    planes = [name for name, body in scene.bodies.items() if _is_plane(body)]
+    vector = None if scene.gravity is None or not scene.gravity.is_constant else scene.gravity.vector
+    if (
+        (len(scene.bodies), len(balls), len(planes)) != (2, 1, 1)
+        or vector is None
+        or len(vector) != 3
+        or scene.contact is None
+        or not scene.has_coulomb_friction
+    ):
+        return None
+    along, down, across = (float(part) for part in vector)
+    geometry = scene.bodies[balls[0]].geometry
+    if along <= 0.0 or down >= 0.0 or across != 0.0 or not isinstance(geometry, Ball):
+        return None
+    tilt, g = float(np.arctan2(along, -down)), float(np.hypot(along, down))
+    solution = rolling_solution(tilt, scene.pairs[0][2], g, float(geometry.radius), inertia=0.4)
+    return RollingReference(
+        balls[0], solution, distance=float(solution.displacement(scene.time.end)), rigid="sphere"
     )
 
 
@@ -229,10 +261,13 @@ def rings(scene: Scene) -> RingsReference | None:
 
 
 def _is_plane(body: Body) -> bool:
-    """A rectangle along the axes that fixed sides, and nothing else, hold."""
+    """A rectangle or box along the axes that fixed sides, and nothing else, hold."""
+    shape = body.geometry
     return (
-        isinstance(body.geometry, Rectangle)
-        and body.geometry.angle == 0.0
+        (
+            (isinstance(shape, Rectangle) and shape.angle == 0.0)
+            or (isinstance(shape, Box) and not any(shape.angles))
+        )
         and all(side.fixed for side in body.sides)
         and any(side.fixed is True for side in body.sides)
         and at_rest(body)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkCommonDataModel import VTK_LINE, VTK_QUAD, VTK_VERTEX
+from vtkmodules.vtkCommonDataModel import VTK_LINE, VTK_QUAD, VTK_TRIANGLE, VTK_VERTEX
 from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline as Pipeline
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
@@ -22,10 +22,12 @@ from mpmfw.cli import app
 from mpmfw.domains import domains_of
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
 from mpmfw.geometry.facets import neighbours_of, stars_of
+from mpmfw.geometry.triangles import sphere_surface
 from mpmfw.kernels import Facets, minimum_gap
 from mpmfw.paraview.gaps import signed_distances
+from mpmfw.paraview.triangles import distances_in_space
 from mpmfw.scene import load_scene
-from scenes_for_tests import box
+from scenes_for_tests import ball_on_a_box, box
 
 BODIES = ("upper", "floor")
 
@@ -247,6 +249,61 @@ def test_points_of_three_dimensions(tmp_path):
     np.testing.assert_array_equal(found["stress"], stored["stress"].values.reshape(-1, 9))
 
 
+def test_surfaces_of_three_dimensions(tmp_path):
+    tree = mpmfw.run(ball_on_a_box())
+    _, surfaces, _ = mpmfw.export(tree, tmp_path)
+    for k, (_, file) in enumerate(listed(surfaces)):
+        grid, _ = read(file)
+        assert {grid.GetCellType(cell) for cell in range(grid.GetNumberOfCells())} == {VTK_TRIANGLE}
+        facets = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 3)
+        neighbours_of(facets)  # closed
+        found, points = arrays(grid.GetPointData()), vtk_to_numpy(grid.GetPoints().GetData())
+        stored = [tree[f"surface/{body}"].to_dataset().isel(time=k) for body in ("solid", "ball")]
+        np.testing.assert_array_equal(points, np.concatenate([one["position"].values for one in stored]))
+        np.testing.assert_allclose(found["gap"].min(), float(tree["series/min_gap"][k, 0]), rtol=1e-9)
+        np.testing.assert_array_equal(found["body"][facets[:, 0]], arrays(grid.GetCellData())["body"])
+    force = np.concatenate([one["force"].values for one in stored])
+    corners = points[facets]
+    third = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 6.0
+    area = np.zeros_like(points)
+    np.add.at(area, facets.T.ravel(), np.tile(third, (3, 1)))
+    pressed = -(force * area).sum(axis=1) / (area * area).sum(axis=1)
+    np.testing.assert_allclose(found["pressure"], pressed, rtol=1e-9, atol=1e-6)
+    assert found["pressure"].max() > 1e3
+    share = found["friction_share"][found["pressure"] > 0.1 * found["pressure"].max()]
+    assert 0.05 < np.median(share) <= 0.3 * (1.0 + 1e-6)  # the springs of friction are still closing
+
+
+def test_signed_distances_in_space_are_those_of_the_kernel():
+    random = np.random.default_rng(3)
+    nodes, facets = sphere_surface(np.zeros(3), 1.0, 0.6)
+    nodes = nodes * random.uniform(0.7, 1.3, (len(nodes), 1))
+    points = np.concatenate([random.uniform(-1.6, 1.6, (300, 3)), nodes[facets[:20]].mean(axis=1)])
+    first, star = stars_of(facets, len(nodes))
+    surface = Facets(
+        position=np.concatenate([nodes, points]),
+        facets=facets,
+        neighbours=neighbours_of(facets),
+        star_first=first,
+        star=star,
+    )
+    start = len(nodes)
+    least = [
+        minimum_gap(k, k + 1, 0, len(facets), surface, (1.0,) * 3) for k in range(start, start + len(points))
+    ]
+    found = distances_in_space(points, nodes, facets)
+    np.testing.assert_allclose(found, least, atol=1e-12)
+    assert (found < 0.0).any()
+    assert (found > 0.0).any()
+
+
+def test_triangles_that_do_not_fit_are_refused(tmp_path):
+    tree = mpmfw.run(ball_on_a_box())
+    tree.attrs["scene"] = tree.attrs["scene"].replace("radius = 0.5", "radius = 0.9")
+    with pytest.raises(MpmfwError, match="surface of 'ball': its triangles are not in the file"):
+        mpmfw.export(tree, tmp_path)
+
+
 def test_fields_of_another_form_are_told_of(tree, tmp_path):
     floor = tree["particles/floor"]
     floor["spectrum"] = (("time", "particle", "mode"), np.zeros((5, floor.sizes["particle"], 7)))
@@ -326,7 +383,7 @@ def test_a_wrong_request_is_status_2(files, monkeypatch, arguments, message):
 def test_no_import_before_it_is_needed():
     code = (
         "import sys, mpmfw; from mpmfw.cli import app; dir(mpmfw); "
-        "heavy = ('numpy', 'xarray', 'matplotlib', 'meshio', 'vtkmodules', 'pandas'); "
+        "heavy = ('numpy', 'xarray', 'matplotlib', 'vtkmodules', 'pandas'); "
         "print([name for name in heavy if name in sys.modules]); import mpmfw.paraview; "
         "print([name for name in ('matplotlib', 'numba', 'vtkmodules') if name in sys.modules])"
     )

@@ -1,4 +1,4 @@
-"""Surfaces of boxes and balls: closed, oriented outwards, of the right volume, area and symmetry."""
+"""Surfaces of solids: closed, oriented outwards, of the right volume, area and symmetry; and the cells that they cut."""
 
 from __future__ import annotations
 
@@ -7,14 +7,37 @@ import pytest
 
 from mpmfw.geometry.ball import Ball
 from mpmfw.geometry.box import Box
+from mpmfw.geometry.cut_cells import cut_cells
+from mpmfw.geometry.disc import Disc
+from mpmfw.geometry.extrusion import Cylinder, Extrusion
 from mpmfw.geometry.facets import closed_loop, neighbours_of, stars_of, tributaries_of
+from mpmfw.geometry.layout import layout_of_boxes
+from mpmfw.geometry.polygon import Polygon
+from mpmfw.geometry.revolution import Revolution, Torus
+from mpmfw.geometry.ring import Ring
+from mpmfw.geometry.solid import joined, turning
 from mpmfw.scene.tables import Body
 from mpmfw.sizing import size_of
 
+ELL = ((0, 0), (2, 0), (2, 0.8), (0.9, 1), (0.9, 2), (0, 2))
+HOLE = ((0.3, 0.3), (0.6, 0.3), (0.45, 0.7))
 SOLIDS = {
     "box": Box(lower=(-0.5, 0.1, 0.2), upper=(0.5, 2.1, 0.7)),
     "ball": Ball(centre=(0.3, -0.2, 1.0), radius=1.6),
+    "cylinder": Cylinder(centre=(0.1, 0.2, 0.3), radius=0.8, length=1.2, axis="x"),
+    "turned cylinder": Cylinder(centre=(0.1, 0.2, 0.3), radius=0.8, length=1.2, angles=(0.3, 0.2, 0.1)),
+    "extrusion": Extrusion(
+        outline=Polygon(points=ELL, holes=(HOLE,)), low=0.0, high=1.0, angles=(0.3, 0.2, 0.1)
+    ),
+    "torus": Torus(centre=(0.5, 0.0, 0.1), radius=2.0, tube_radius=0.8, angles=(0.3, 0.2, 0.1)),
+    "cone": Revolution(outline=Polygon(points=((0, 0), (1, 0), (0, 1.4))), axis="y"),
+    "hollow ring": Revolution(outline=Ring(centre=(2, 0), inner_radius=0.5, outer_radius=0.9)),
+    "turned box": Box(lower=(0, 0, 0), upper=(1, 0.7, 0.4), angles=("20 deg", "35 deg", "50 deg")),
 }
+#: Shells of a body's surface, and holes through them all.
+SHELLS = {"extrusion": (1, 1), "torus": (1, 1), "hollow ring": (2, 2)}
+PLANE_FACES = ("box", "turned box", "extrusion")
+MIRRORED = ("box", "ball", "cylinder")
 every_solid = pytest.mark.parametrize("name", SOLIDS)
 
 
@@ -26,14 +49,16 @@ def volume_of(nodes, facets):
 @every_solid
 @pytest.mark.parametrize("edge", [0.1, 0.23, 0.7, 9.0])
 def test_surface_is_closed_and_oriented(name, edge):
-    ((nodes, facets),) = SOLIDS[name].surfaces(edge)
+    nodes, facets = joined(SOLIDS[name].surfaces(edge))
     neighbours = neighbours_of(facets)
     for a in range(3):
         side = facets[:, [(a + 1) % 3, (a + 2) % 3]]
         other = facets[neighbours[:, a]]
         runs_back = [(other[:, [(b + 2) % 3, (b + 1) % 3]] == side).all(axis=1) for b in range(3)]
         assert np.any(runs_back, axis=0).all()
-    assert len(nodes) - len(facets) // 2 == 2  # Euler: as a sphere has, with 3/2 edges a triangle
+    shells, holes = SHELLS.get(name, (1, 0))
+    assert len(nodes) - len(facets) // 2 == 2 * (shells - holes)  # Euler, with 3/2 edges a triangle
+    assert longest(nodes, facets) <= (edge if name in ("box", "ball") else 2.0 * edge) * (1.0 + 1e-12)
     assert volume_of(nodes, facets) > 0.0
 
 
@@ -72,11 +97,11 @@ def test_a_ball_has_nodes_on_the_sphere_and_a_volume_of_second_order():
 def test_the_estimate_of_memory_counts_no_fewer_nodes(name, edge):
     solid = SOLIDS[name]
     body = Body(material="m", geometry=solid, particles={"layout": "lattice", "size": 0.2}, segment=edge)
-    ((nodes, _),) = solid.surfaces(edge)
-    assert len(nodes) <= size_of(body, 0.4).surface_nodes <= 5 * len(nodes)
+    nodes, _ = joined(solid.surfaces(edge))
+    assert len(nodes) <= size_of(body, 0.4).surface_nodes <= 10 * len(nodes) + 40
 
 
-@every_solid
+@pytest.mark.parametrize("name", MIRRORED)
 def test_surfaces_have_the_mirror_planes_of_the_body(name):
     ((nodes, facets),) = SOLIDS[name].surfaces(0.23)
     tributary = tributaries_of(nodes, facets)
@@ -100,3 +125,88 @@ def test_polylines_have_the_segments_before_and_after_each_node():
     first, star = stars_of(facets, 9)
     assert first.tolist() == list(range(0, 19, 2))
     assert star[:10].tolist() == [4, 0, 0, 1, 1, 2, 2, 3, 3, 4]
+
+
+def moments_of(volume, position, half_edges):
+    """Volume, centroid, and inertia about it for a density of 1, of parallelepipeds."""
+    centre = volume @ position / volume.sum()
+    about = position - centre
+    second = np.einsum("n,ni,nj->ij", volume, about, about)
+    second += np.einsum("n,nia,nja->ij", volume, half_edges, half_edges) / 3.0
+    return volume.sum(), centre, np.trace(second) * np.eye(3) - second
+
+
+def inertia_by_fine_cells(solid, size):
+    """Principal moments of inertia for a density of 1, from fine triangles and cells, brought to the exact volume."""
+    nodes, facets = joined(solid.surfaces(9.0 if solid.has_plane_faces else 0.25 * size))
+    lower = nodes.min(axis=0)
+    counts = np.ceil((nodes.max(axis=0) - lower) / (size / 3) - 1e-9).astype(int)
+    cuts = cut_cells(((nodes - lower) / (size / 3))[facets], tuple(counts.tolist()))
+    own = cuts.volume > 1e-9
+    edges = np.repeat(np.cbrt(cuts.volume[own])[:, np.newaxis], 3, axis=1)
+    cells = layout_of_boxes(cuts.moment[own] / cuts.volume[own][:, np.newaxis], edges)
+    volume, _, inertia = moments_of(cells.volume, cells.position, cells.half_edges)
+    scale = solid.exact_volume / (volume * (size / 3) ** 3)
+    return np.linalg.eigvalsh(inertia) * (size / 3) ** 5 * scale ** (5 / 3)
+
+
+#: Sixteen points across the least extent, as eight cells of two points each: a ball of four cells' radius.
+SIZES = {"extrusion": 0.09, "turned box": 0.4 / 12, "cone": 0.08, "hollow ring": 0.1, "torus": 0.15}
+
+
+@every_solid
+@pytest.mark.parametrize("offset", [(0.0, 0.0, 0.0), (0.3, 0.7, 0.1)])
+def test_a_lattice_has_volume_centroid_and_inertia_of_the_body(name, offset):
+    solid = SOLIDS[name]
+    size = SIZES.get(name, float(np.ptp(solid.bounds, axis=0).min()) / 16)
+    layout = solid.lattice(size, offset)
+    volume, centre, inertia = moments_of(layout.volume, layout.position, layout.half_edges)
+    assert volume == pytest.approx(solid.exact_volume, rel=1e-9)
+    np.testing.assert_allclose(centre, solid.centroid, atol=2e-3 * size)
+    if offset == (0.0, 0.0, 0.0):
+        exact = inertia_by_fine_cells(solid, size)
+        np.testing.assert_allclose(np.linalg.eigvalsh(inertia) / exact, 1.0, atol=1e-3)
+        assert layout.volume.min() > (0.25 - 1e-6) * size**3
+
+
+def test_inertia_of_a_ball_and_a_cylinder_are_the_closed_forms():
+    ball = Ball(centre=(0.3, -0.2, 1.0), radius=1.6)
+    layout = ball.lattice(0.2, (0.0, 0.0, 0.0))
+    _, _, inertia = moments_of(layout.volume, layout.position, layout.half_edges)
+    np.testing.assert_allclose(inertia / (0.4 * ball.exact_volume * 1.6**2), np.eye(3), atol=2e-4)
+    cylinder = Cylinder(centre=(0, 0, 0), radius=1.6, length=1.0)
+    layout = cylinder.lattice(0.2, (0.0, 0.0, 0.0))
+    _, _, inertia = moments_of(layout.volume, layout.position, layout.half_edges)
+    across = cylinder.exact_volume * (3 * 1.6**2 + 1.0**2) / 12
+    exact = np.diag([across, across, 0.5 * cylinder.exact_volume * 1.6**2])
+    np.testing.assert_allclose(inertia, exact, rtol=1e-3, atol=1e-9)
+
+
+def test_cells_are_cut_exactly():
+    """The parts that a tetrahedron of edges 2 has in the eight cells at its corner, by hand."""
+    corners = np.array([[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]], dtype=float)
+    facets = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    cuts = cut_cells(corners[facets], (2, 2, 2))
+    exact = np.array([[[5 / 6, 1 / 6], [1 / 6, 0]], [[1 / 6, 0], [0, 0]]])
+    np.testing.assert_allclose(cuts.volume, exact, atol=1e-15)
+    np.testing.assert_allclose(cuts.moment.sum(axis=(0, 1, 2)), np.full(3, 4 / 3 * 0.5), rtol=1e-14)
+    np.testing.assert_allclose(cuts.moment[1, 0, 0], np.array([1.25, 0.25, 0.25]) / 6, rtol=1e-14)
+    np.testing.assert_allclose(cuts.faces[0][1, 0, 0], 0.5, rtol=1e-14)
+
+
+def test_turns_are_about_x_then_y_then_z():
+    quarter = np.pi / 2
+    np.testing.assert_allclose(turning((quarter, 0.0, 0.0)) @ [0, 1, 0], [0, 0, 1], atol=1e-15)
+    np.testing.assert_allclose(turning((quarter, quarter, 0.0)) @ [0, 1, 0], [1, 0, 0], atol=1e-15)
+    box = Box(lower=(0, 0, 0), upper=(3, 2, 1), angles=(0.0, 0.0, quarter))
+    np.testing.assert_allclose(np.ptp(box.bounds, axis=0), [2, 3, 1], atol=1e-12)
+    np.testing.assert_allclose(box.axes[0], [0, 1, 0], atol=1e-15)
+
+
+def test_shapes_that_are_none_are_refused():
+    with pytest.raises(ValueError, match=r"the outline reaches 0\.5 m beyond the axis"):
+        Revolution(outline=Disc(centre=(0.5, 0.0), radius=1.0))
+    with pytest.raises(ValueError, match="must be smaller than radius"):
+        Torus(centre=(0, 0, 0), radius=1.0, tube_radius=1.0)
+    with pytest.raises(ValueError, match="must be below high"):
+        Extrusion(outline=Disc(centre=(0, 0), radius=1), low=1.0, high=1.0)

@@ -9,7 +9,7 @@ import numpy as np
 
 from mpmfw.fields import FloatArray
 from mpmfw.geometry import Rectangle
-from mpmfw.references import at_rest, rings, rolling, tilt_of
+from mpmfw.references import at_rest, rings, rolling, rolling_sphere, tilt_of
 from mpmfw.scene import Scene
 
 
@@ -56,8 +56,8 @@ class Incline:
 
 
 def incline(scene: Scene) -> Incline | None:
-    """Recognise a cylinder or a block on an inclined plane; None for any other scene."""
-    known, end = rolling(scene), float(scene.time.end)
+    """Recognise a cylinder, a sphere or a block on an inclined plane; None for any other scene."""
+    known, end = rolling(scene) or rolling_sphere(scene), float(scene.time.end)
     if known is not None:
         found = known.solution
         until = min(found.time_to(known.distance), end)
@@ -93,7 +93,9 @@ def kind_of(scene: Scene) -> str | None:
     """Which of the bundled kinds of references a scene is; None of others."""
     known = incline(scene)
     if known is not None:
-        return "rolling-cylinder" if known.angular_acceleration else "sliding-block"
+        if not known.angular_acceleration:
+            return "sliding-block"
+        return "rolling-cylinder" if scene.dim == 2 else "rolling-sphere"
     if rings(scene) is not None:
         return "colliding-rings"
     return "pressed-blocks" if column(scene) is not None else None

@@ -4,17 +4,23 @@ from mpmfw.geometry.ball import Ball
 from mpmfw.geometry.box import Box
 from mpmfw.geometry.disc import Disc
 from mpmfw.geometry.discretise import Geometry, discretise
+from mpmfw.geometry.extrusion import Cylinder, Extrusion
 from mpmfw.geometry.layout import FloatArray, Layout
 from mpmfw.geometry.mesh_file import MeshFile
 from mpmfw.geometry.particles import Particles
 from mpmfw.geometry.polygon import Polygon
 from mpmfw.geometry.rectangle import Rectangle
+from mpmfw.geometry.revolution import Revolution, Torus
 from mpmfw.geometry.ring import Ring
+from mpmfw.geometry.solid import SolidGeometry
+from mpmfw.geometry.surface_mesh import SurfaceMesh
 
 __all__ = [
     "Ball",
     "Box",
+    "Cylinder",
     "Disc",
+    "Extrusion",
     "FloatArray",
     "Geometry",
     "Layout",
@@ -22,6 +28,10 @@ __all__ = [
     "Particles",
     "Polygon",
     "Rectangle",
+    "Revolution",
     "Ring",
+    "SolidGeometry",
+    "SurfaceMesh",
+    "Torus",
     "discretise",
 ]

@@ -2,28 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, model_validator
+from pydantic import model_validator
 
-from mpmfw.geometry.layout import FloatArray, IntArray, Layout
+from mpmfw.geometry.layout import FloatArray, Layout
 from mpmfw.geometry.plane import Point3D
+from mpmfw.geometry.solid import SolidGeometry, Surfaces, Turns, turning
 from mpmfw.geometry.tiling import tiling
 from mpmfw.geometry.triangles import box_surface
 
 
-class Box(BaseModel):
-    """A cuboid between two corners [m], edges along the axes."""
+class Box(SolidGeometry):
+    """A cuboid between two corners [m], turned about its centre by ``angles`` [rad] about x, then y, then z."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    dim: ClassVar[int] = 3
-    is_connected: ClassVar[bool] = True
+    has_plane_faces: ClassVar[bool] = True
 
     type: Literal["box"] = "box"
     lower: Point3D
     upper: Point3D
+    angles: Turns = (0.0, 0.0, 0.0)
 
     @model_validator(mode="after")
     def _lower_below_upper(self) -> Self:
@@ -43,22 +43,39 @@ class Box(BaseModel):
 
     @property
     def axes(self) -> FloatArray:
-        """Unit vectors along the edges, one a row (3, 3)."""
-        return np.eye(3)
+        """Unit vectors along the edges, one a row (3, 3): sides turn with the box."""
+        return turning(self.angles).T
 
     @property
     def bounds(self) -> FloatArray:
-        """Lower and upper corner (2, 3) [m]."""
-        return np.array([self.lower, self.upper])
+        """Lower and upper corner of the bounding box (2, 3) [m]."""
+        if not any(self.angles):
+            return np.array([self.lower, self.upper])
+        half = np.abs(turning(self.angles)) @ (0.5 * np.subtract(self.upper, self.lower))
+        return np.array([self.centroid - half, self.centroid + half])
 
-    def surfaces(self, edge: float) -> tuple[tuple[FloatArray, IntArray], ...]:
+    def surfaces(self, edge: float) -> Surfaces:
         """Nodes (n, 3) [m] and triangles (k, 3): rectangles of sides up to ``edge`` [m], cut in four from the centre."""
-        return (box_surface(self.bounds[0], self.bounds[1], edge),)
+        nodes, facets = box_surface(np.array(self.lower), np.array(self.upper), edge)
+        return ((self._turned(nodes), facets),)
 
     def lattice(self, size: float, offset: tuple[float, ...]) -> Layout:
-        """The tiling, shifted by ``offset`` (fractions of a cell)."""
+        """The tiling, shifted by ``offset`` (fractions of a cell), where the box is aligned with the axes, else cut cells."""
+        if any(self.angles):
+            return super().lattice(size, offset)
         return tiling(self.lower, self.upper, size, offset)
 
     def fitted(self, size: float) -> Layout:
-        """The tiling."""
-        return tiling(self.lower, self.upper, size, (0.0, 0.0, 0.0))
+        """The tiling, turned with the box."""
+        cells = tiling(self.lower, self.upper, size, (0.0, 0.0, 0.0))
+        if not any(self.angles):
+            return cells
+        turn = turning(self.angles)
+        return replace(cells, position=self._turned(cells.position), half_edges=turn @ cells.half_edges)
+
+    def _turned(self, points: FloatArray) -> FloatArray:
+        """Points (n, 3) [m] turned about the centre."""
+        if not any(self.angles):
+            return points
+        turned: FloatArray = self.centroid + (points - self.centroid) @ turning(self.angles).T
+        return turned

@@ -10,15 +10,29 @@ from pydantic import Field
 from mpmfw.geometry.ball import Ball
 from mpmfw.geometry.box import Box
 from mpmfw.geometry.disc import Disc
+from mpmfw.geometry.extrusion import Cylinder, Extrusion
 from mpmfw.geometry.layout import Layout
 from mpmfw.geometry.mesh_file import MeshFile
 from mpmfw.geometry.particles import Particles
 from mpmfw.geometry.polygon import Polygon
 from mpmfw.geometry.rectangle import Rectangle
+from mpmfw.geometry.revolution import Revolution, Torus
 from mpmfw.geometry.ring import Ring
+from mpmfw.geometry.surface_mesh import SurfaceMesh
 
 Geometry = Annotated[
-    Disc | Ring | Rectangle | Polygon | MeshFile | Box | Ball,
+    Disc
+    | Ring
+    | Rectangle
+    | Polygon
+    | MeshFile
+    | Box
+    | Ball
+    | Cylinder
+    | Torus
+    | Extrusion
+    | Revolution
+    | SurfaceMesh,
     Field(discriminator="type"),
 ]
 

@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from mpmfw.geometry.gmsh_file import read_blocks
 from mpmfw.geometry.layout import FloatArray, quadrilateral_centroids, triangle_areas
 
 IntArray = npt.NDArray[np.intp]
-# Elements of lower dimension, which gmsh writes along curves and at points
-BESIDE_THE_POINT = {"vertex", "line"}
+# gmsh's numbers of first-order triangles and quadrangles, and their nodes
+KINDS = {2: 3, 3: 4}
 
 
 @dataclass(frozen=True)
@@ -62,35 +63,17 @@ def read_elements(path: Path) -> Elements:
     Raises
     ------
     ValueError
-        No such file, not a gmsh file, not in the x-y plane, elements of another kind, or degenerate ones.
+        No such file, not a gmsh file, gmsh is not installed, not in the x-y plane, elements of another kind, or degenerate ones.
     """
     if not path.is_file():
         raise ValueError(f"mesh file not found: {path}")
-    import meshio
-
-    try:
-        mesh = meshio.gmsh.read(path)
-    except (meshio.ReadError, ValueError, IndexError, KeyError, AssertionError) as error:
-        raise ValueError(f"{path} is not a gmsh mesh that can be read: {error}") from error
-    points = np.asarray(mesh.points, dtype=float)
-    others = {block.type for block in mesh.cells if len(block)} - {"triangle", "quad"} - BESIDE_THE_POINT
-    if others:
-        raise ValueError(
-            f"{path} has elements of type {', '.join(sorted(others))}: only triangle and quad are read"
-        )
-    if np.ptp(points[:, 2:]) > 1e-9 * np.ptp(points):
+    points, blocks = read_blocks(path, KINDS)
+    if len(points) and np.ptp(points[:, 2:]) > 1e-9 * np.ptp(points):
         raise ValueError(f"{path} is not in a plane z = constant")
-    kinds = {"triangle": 3, "quad": 4}
-    connectivity = {
-        kind: np.concatenate(
-            [np.empty((0, k), dtype=np.intp), *(b.data for b in mesh.cells if b.type == kind)]
-        )
-        for kind, k in kinds.items()
-    }
-    if not any(map(len, connectivity.values())):
+    if not any(map(len, blocks.values())):
         raise ValueError(f"{path} has no triangles or quads")
     triangles, quadrilaterals = (
-        _counter_clockwise(points[:, :2], connectivity[kind].astype(np.intp), path) for kind in kinds
+        _counter_clockwise(points[:, :2], blocks[kind].astype(np.intp), path) for kind in KINDS
     )
     return Elements(points[:, :2], triangles, quadrilaterals)
 

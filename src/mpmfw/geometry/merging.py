@@ -1,4 +1,4 @@
-"""Small clipped pieces join a neighbour."""
+"""Merging of small pieces of a clipped lattice with a neighbour."""
 
 from __future__ import annotations
 
@@ -7,65 +7,75 @@ import numpy.typing as npt
 
 from mpmfw.geometry.layout import FloatArray
 
-NEIGHBOURS = ((-1, 0), (1, 0), (0, -1), (0, 1))
-# Of two equal edges the x-neighbour wins on every side alike: round-off cannot break a mirror symmetry
-TIE_BREAK = np.array([1.0, 1.0, 1.0 - 1e-9, 1.0 - 1e-9])
+#: Of equal faces that across x wins, then y, on every side alike: round-off cannot break a mirror symmetry
+TIE_BREAK = 1e-9
 
 
 def merge_small_pieces(
     index: npt.NDArray[np.intp],
-    area: FloatArray,
+    volume: FloatArray,
     centroid: FloatArray,
     small: npt.NDArray[np.intp],
     shared: FloatArray,
-    least_area: float,
+    least_volume: float,
 ) -> tuple[FloatArray, FloatArray]:
-    """Join each small piece to the neighbour with which it shares the longest edge.
+    """Join each small piece to the neighbour with which it shares the longest edge, in space the largest face.
 
     Parameters
     ----------
-    index : (n, 2)
+    index : (n, dim)
         Lattice indices of the pieces.
-    area, centroid : (n,), (n, 2)
-        Areas [m^2] and centroids [m].
-    small, shared : (k,), (k, 4)
-        The pieces below ``least_area`` [m^2], and the lengths [m] of the edges that they share with the
-        neighbours in the order of ``NEIGHBOURS``.
+    volume, centroid : (n,), (n, dim)
+        Areas or volumes, and centroids.
+    small, shared : (k,), (k, 2 dim)
+        The pieces below ``least_volume``, and the lengths or areas of what they share with the neighbours below and above along
+        x, then y, then z.
 
     Returns
     -------
-    area, centroid : (m,), (m, 2)
+    volume, centroid : (m,), (m, dim)
         Those of the joint pieces. A small piece without a neighbour stays as it is.
     """
-    owner = np.arange(len(area))
-    joint = area.copy()
-    number = {(int(i), int(j)): p for p, (i, j) in enumerate(index)}
-    for k in np.argsort(area[small], kind="stable"):
+    dim = index.shape[1]
+    preferred = shared * (1.0 - TIE_BREAK * np.repeat(np.arange(dim), 2))
+    beside = _neighbours(index, small)
+    owner = np.arange(len(volume))
+    joint = volume.copy()
+    for k in np.argsort(volume[small], kind="stable"):
         piece = int(small[k])
         # Pieces that joined this one may have made it large enough
-        if joint[piece] < least_area:
-            owner[piece] = _longest_shared(piece, index, shared[k] * TIE_BREAK, number, owner)
+        if joint[piece] < least_volume:
+            owner[piece] = _most_shared(piece, preferred[k], beside[k], owner)
             joint[owner[piece]] += joint[piece]
-    roots = np.array([_root(owner, p) for p in range(len(area))])
-    total = np.bincount(roots, weights=area, minlength=len(area)).astype(np.float64)
-    moment = np.column_stack([np.bincount(roots, weights=area * x, minlength=len(area)) for x in centroid.T])
-    kept = np.flatnonzero(owner == np.arange(len(area)))
+    roots = owner.copy()
+    for piece in small.tolist():
+        roots[piece] = _root(owner, piece)
+    total = np.bincount(roots, weights=volume, minlength=len(volume)).astype(np.float64)
+    moment = np.column_stack(
+        [np.bincount(roots, weights=volume * x, minlength=len(volume)) for x in centroid.T]
+    )
+    kept = np.flatnonzero(owner == np.arange(len(volume)))
     return total[kept], moment[kept] / total[kept, np.newaxis]
 
 
-def _longest_shared(
-    piece: int,
-    index: npt.NDArray[np.intp],
-    shared: FloatArray,
-    number: dict[tuple[int, int], int],
-    owner: npt.NDArray[np.intp],
+def _neighbours(index: npt.NDArray[np.intp], small: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
+    """Pieces (k, 2 dim) below and above the small ones along every axis; −1 where there is none."""
+    dim = index.shape[1]
+    lower = index.min(axis=0) - 1
+    counts = tuple(index.max(axis=0) - lower + 2)
+    number = np.full(counts, -1)
+    number[tuple((index - lower).T)] = np.arange(len(index))
+    steps = [side * (np.arange(dim) == axis) for axis in range(dim) for side in (-1, 1)]
+    return np.stack([number[tuple((index[small] - lower + step).T)] for step in steps], axis=1)
+
+
+def _most_shared(
+    piece: int, shared: FloatArray, beside: npt.NDArray[np.intp], owner: npt.NDArray[np.intp]
 ) -> int:
-    """The (joint) piece that shares the longest edge with ``piece``; ``piece`` itself where there is none."""
+    """The (joint) piece that shares most with ``piece``; ``piece`` itself where there is none."""
     for side in np.argsort(-shared, kind="stable"):
-        i, j = index[piece] + NEIGHBOURS[side]
-        neighbour = number.get((int(i), int(j)))
-        if shared[side] > 0 and neighbour is not None and _root(owner, neighbour) != piece:
-            return _root(owner, neighbour)
+        if shared[side] > 0 and beside[side] >= 0 and _root(owner, int(beside[side])) != piece:
+            return _root(owner, int(beside[side]))
     return piece
 
 

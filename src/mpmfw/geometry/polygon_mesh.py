@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 
+from mpmfw.geometry.gmsh_file import started_gmsh
 from mpmfw.geometry.layout import FloatArray
 
 ATTEMPTS = 10
@@ -26,7 +25,7 @@ def polygon_mesh(loops: tuple[FloatArray, ...], size: float) -> FloatArray:
     ValueError
         gmsh is not installed, or makes no mesh of that size.
     """
-    with _gmsh() as gmsh:
+    with started_gmsh("a fitted layout of a polygon") as gmsh:
         # In units of the size, far from gmsh's absolute tolerances; the last subdivision halves edges
         scaled = tuple(loop / size for loop in loops)
         target = 2.0
@@ -38,26 +37,6 @@ def polygon_mesh(loops: tuple[FloatArray, ...], size: float) -> FloatArray:
             # gmsh takes a size as an average: ask for less until the largest edge fits
             target *= max(0.5, 0.98 / largest)
     raise ValueError(f"gmsh made no quadrilaterals with edges below {size} m: choose layout = 'lattice'")
-
-
-@contextmanager
-def _gmsh() -> Iterator[Any]:
-    """gmsh, started silently; left running where somebody else had started it."""
-    try:
-        import gmsh  # type: ignore[import-untyped, import-not-found, unused-ignore]
-    except (ImportError, OSError) as error:  # OSError: a system library of gmsh is missing
-        raise ValueError(
-            "a fitted layout of a polygon needs gmsh: pip install 'mpmfw[mesh]', or choose layout = 'lattice'"
-        ) from error
-    running = gmsh.isInitialized()
-    if not running:
-        gmsh.initialize(readConfigFiles=False, interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        yield gmsh
-    finally:
-        if not running:
-            gmsh.finalize()
 
 
 def _mesh(gmsh: Any, loops: tuple[FloatArray, ...], target: float) -> FloatArray:

@@ -9,13 +9,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import meshio
 import xarray as xr
 
 from mpmfw.domains import domains_of
 from mpmfw.errors import MpmfwError, ResultsWarning
 from mpmfw.outputs import Results, attribute, bodies_of, chosen_frames, opened_run, times_of
-from mpmfw.paraview.files import write_collection, write_mesh
+from mpmfw.paraview.files import Mesh, write_collection, write_mesh
 from mpmfw.paraview.meshes import left_out, points_mesh, surface_mesh, surfaces_of, unit_of
 from mpmfw.paraview.table import write_series
 
@@ -100,7 +99,7 @@ def _export(
     indices = {body: k for k, body in enumerate(bodies_of(tree)) if body in chosen}
     domains = {body: domains_of(tree, body) for body in indices}
     _tell(left_out(tree, chosen))
-    kinds: dict[str, Callable[[int], meshio.Mesh]] = {
+    kinds: dict[str, Callable[[int], Mesh]] = {
         "points": lambda frame: points_mesh(tree, indices, domains, frame)
     }
     outlined = [body for body in surfaces_of(tree) if body in chosen]

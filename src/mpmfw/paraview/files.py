@@ -2,35 +2,94 @@
 
 from __future__ import annotations
 
+import base64
 import os
+import zlib
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 from xml.sax.saxutils import quoteattr
 
-import meshio
+import numpy as np
 
-_GRID = "<UnstructuredGrid>"
+from mpmfw.fields import AnyArray, FloatArray, IntArray
+
+#: VTK's numbers of the kinds of cells, by the number of nodes.
+_KINDS = {1: 1, 2: 3, 3: 5, 4: 9}
+_TYPES = {"f8": "Float64", "f4": "Float32", "i8": "Int64", "i4": "Int32", "u1": "UInt8"}
 
 
-def write_mesh(path: Path, mesh: meshio.Mesh, time: float, about: Mapping[str, str]) -> None:
+@dataclass(frozen=True)
+class Mesh:
+    """Vertices, lines, triangles or quadrilaterals with fields.
+
+    Attributes
+    ----------
+    points : (n, 3)
+        [m].
+    cells : (k, m)
+        Points of every cell: m = 1 vertices, 2 lines, 3 triangles, 4 quadrilaterals.
+    point_data, cell_data
+        Arrays (n, …) and (k, …) by name.
+    """
+
+    points: FloatArray
+    cells: IntArray
+    point_data: Mapping[str, AnyArray] = field(default_factory=dict)
+    cell_data: Mapping[str, AnyArray] = field(default_factory=dict)
+
+
+def write_mesh(path: Path, mesh: Mesh, time: float, about: Mapping[str, str]) -> None:
     """Write one output as a VTK XML file of the type UnstructuredGrid, in double precision.
-
-    meshio writes the mesh. Field data, which its writer leaves out, is set into its file: ``TimeValue``, by
-    which VTK's readers know the time of a single file, and texts.
 
     Parameters
     ----------
     path
         File to write.
     time
-        [s].
+        [s]; ``TimeValue`` in the file, by which VTK's readers know the time of a single one.
     about
         Texts by name: the scene, the commit, units …
     """
-    meshio.write(path, mesh, file_format="vtu")
-    text = path.read_text(encoding="utf-8")
-    begin = text.index(_GRID) + len(_GRID)
-    path.write_text(text[:begin] + _field_data(time, about) + text[begin:], encoding="utf-8")
+    count, corners = mesh.cells.shape
+    cells = {
+        "connectivity": mesh.cells.ravel().astype("i8"),
+        "offsets": corners * np.arange(1, count + 1, dtype="i8"),
+        "types": np.full(count, _KINDS[corners], dtype="u1"),
+    }
+    parts = [
+        '<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" '
+        'header_type="UInt64" compressor="vtkZLibDataCompressor">\n<UnstructuredGrid>',
+        _field_data(time, about),
+        f'<Piece NumberOfPoints="{len(mesh.points)}" NumberOfCells="{count}">\n',
+        f"<Points>\n{_array('Points', np.asarray(mesh.points, dtype='f8'))}</Points>\n",
+        *_section("Cells", cells),
+        *_section("PointData", mesh.point_data),
+        *_section("CellData", mesh.cell_data),
+        "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n",
+    ]
+    path.write_text("".join(parts), encoding="utf-8")
+
+
+def _section(name: str, arrays: Mapping[str, AnyArray]) -> list[str]:
+    return [f"<{name}>\n", *(_array(each, values) for each, values in arrays.items()), f"</{name}>\n"]
+
+
+def _array(name: str, values: AnyArray) -> str:
+    """One array, compressed in one block."""
+    values = np.ascontiguousarray(values)
+    if values.dtype.kind in "bu" and values.dtype.itemsize == 1:
+        values = values.astype("u1")
+    elif values.dtype.str[1:] not in _TYPES:
+        values = values.astype("f8" if values.dtype.kind == "f" else "i8")
+    data: Any = values.astype(values.dtype.newbyteorder("<"), copy=False).tobytes()
+    packed = zlib.compress(data)
+    head = np.array([1, len(data), len(data), len(packed)] if data else [0, 0, 0], dtype="<u8").tobytes()
+    text = base64.b64encode(head).decode() + (base64.b64encode(packed).decode() if data else "")
+    components = "" if values.ndim == 1 else f' NumberOfComponents="{int(np.prod(values.shape[1:]))}"'
+    kind = _TYPES[values.dtype.str[1:]]
+    return f'<DataArray type="{kind}" Name={quoteattr(name)}{components} format="binary">{text}</DataArray>\n'
 
 
 def write_collection(path: Path, times: Sequence[float], files: Sequence[Path]) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from mpmfw.fields import FloatArray, IntArray
+from mpmfw.paraview.triangles import distances_in_space
 
 #: Pairs of a node and a segment that are measured at once.
 _AT_ONCE = 1_000_000
@@ -18,8 +19,8 @@ def surface_gaps(surfaces: Mapping[str, tuple[FloatArray, IntArray]]) -> dict[st
     Parameters
     ----------
     surfaces
-        For each body the positions of its surface nodes, (s, 2) [m], and the node at which the segment that
-        starts at each ends, (s,).
+        For each body the positions of its surface nodes, (s, dim) [m], and the nodes of its facets: of segments, (s, 2), where
+        each starts and ends, in the order of the nodes; of triangles, (k, 3), counter-clockwise as seen from outside.
 
     Returns
     -------
@@ -30,7 +31,12 @@ def surface_gaps(surfaces: Mapping[str, tuple[FloatArray, IntArray]]) -> dict[st
     found = {}
     for body, (position, _) in surfaces.items():
         others = [surface for name, surface in surfaces.items() if name != body]
-        gaps = [signed_distances(position, *other) for other in others]
+        gaps = [
+            signed_distances(position, nodes, facets[:, 1])
+            if facets.shape[1] == 2
+            else distances_in_space(position, nodes, facets)
+            for nodes, facets in others
+        ]
         found[body] = np.min(gaps, axis=0) if gaps else np.full(len(position), np.nan)
     return found
 

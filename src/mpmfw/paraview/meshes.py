@@ -1,17 +1,18 @@
-"""One output as meshes: material points as vertices or domains, surfaces as closed lines."""
+"""One output as meshes: material points as vertices or domains, surfaces as closed lines or triangles."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import meshio
 import numpy as np
 import xarray as xr
 
-from mpmfw.domains import Domains
-from mpmfw.fields import AnyArray, IntArray
+from mpmfw.domains import Domains, triangles_of
+from mpmfw.errors import MpmfwError
+from mpmfw.fields import AnyArray, FloatArray, IntArray
 from mpmfw.outputs import frame_of
 from mpmfw.paraview.arrays import arrays_of, stacked, vectors
+from mpmfw.paraview.files import Mesh
 from mpmfw.paraview.gaps import surface_gaps
 
 #: What the results call the geometry, which is that of the mesh and no field beside it.
@@ -20,7 +21,7 @@ _GEOMETRY = ("position", "corners", "next")
 
 def points_mesh(
     tree: xr.DataTree, bodies: Mapping[str, int], domains: Mapping[str, Domains | None], frame: int
-) -> meshio.Mesh:
+) -> Mesh:
     """Material points of the bodies at one output.
 
     Parameters
@@ -41,33 +42,68 @@ def points_mesh(
             [one.corners(data) for one, data in zip(drawn, frames.values(), strict=True) if one is not None]
         )
         quads = np.arange(4 * len(corners)).reshape(-1, 4)
-        cell_data = {name: [values] for name, values in {"body": owner, **fields}.items()}
-        return meshio.Mesh(vectors(corners.reshape(-1, 2)), [("quad", quads)], cell_data=cell_data)
+        return Mesh(vectors(corners.reshape(-1, 2)), quads, cell_data={"body": owner, **fields})
     position = fields.pop("position")
     vertices = np.arange(len(position))[:, None]
-    return meshio.Mesh(
-        position, [("vertex", vertices)], point_data={"body": owner, **fields}, cell_data={"body": [owner]}
-    )
+    return Mesh(position, vertices, point_data={"body": owner, **fields}, cell_data={"body": owner})
 
 
-def surface_mesh(tree: xr.DataTree, bodies: Mapping[str, int], frame: int) -> meshio.Mesh:
-    """Surfaces of the bodies at one output as segments, with the gap at every surface node."""
+def surface_mesh(tree: xr.DataTree, bodies: Mapping[str, int], frame: int) -> Mesh:
+    """Surfaces of the bodies at one output as segments or triangles, with the gap at every surface node.
+
+    In space with the pressure and the share of friction as well, where the contact force is stored.
+    """
     everywhere = {body: frame_of(tree, f"surface/{body}", frame) for body in surfaces_of(tree)}
-    lines = {
-        body: (np.asarray(data["position"].values, dtype=float), data["next"].values)
+    shapes = {
+        body: (np.asarray(data["position"].values, dtype=float), facets_of(tree, body))
         for body, data in everywhere.items()
     }
-    gaps = surface_gaps(lines)
+    gaps = surface_gaps(shapes)
     own = [body for body in everywhere if body in bodies]
     counts = [len(gaps[body]) for body in own]
-    fields = stacked([{**_without_geometry(everywhere[body]), "gap": gaps[body]} for body in own], counts)
-    owner = np.repeat(np.array([bodies[body] for body in own]), counts)
-    return meshio.Mesh(
-        vectors(np.concatenate([lines[body][0] for body in own])),
-        [("line", _segments([lines[body][1] for body in own]))],
-        point_data={"body": owner, **fields},
-        cell_data={"body": [owner]},
+    parts = [
+        {
+            **_without_geometry(everywhere[body]),
+            "gap": gaps[body],
+            **contact_fields(everywhere[body], *shapes[body]),
+        }
+        for body in own
+    ]
+    fields = stacked(parts, counts)
+    start = np.cumsum([0, *counts])
+    return Mesh(
+        vectors(np.concatenate([shapes[body][0] for body in own])),
+        np.concatenate([shapes[body][1] + first for body, first in zip(own, start, strict=False)]),
+        point_data={"body": np.repeat(np.array([bodies[body] for body in own]), counts), **fields},
+        cell_data={"body": np.repeat([bodies[body] for body in own], [len(shapes[body][1]) for body in own])},
     )
+
+
+def contact_fields(frame: xr.Dataset, position: FloatArray, facets: IntArray) -> dict[str, AnyArray]:
+    """What the contact forces of the nodes of a surface in space are by area and direction.
+
+    Returns
+    -------
+    dict
+        ``pressure`` −f·n/A (s,) [Pa], with n and A the sum of the area vectors of a node's triangles, a third each; and
+        ``friction_share`` |f − (f·n) n|/(−f·n), NaN where nothing presses: a node sticks below the coefficient of friction and
+        slips where it is reached. Nothing in the plane, or without forces.
+    """
+    if facets.shape[1] != 3 or "force" not in frame:
+        return {}
+    force = np.asarray(frame["force"].values, dtype=float)
+    corners = position[facets]
+    third = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 6.0
+    area = np.zeros_like(position)
+    for corner in facets.T:
+        np.add.at(area, corner, third)
+    size = np.linalg.norm(area, axis=1)
+    normal = area / size[:, np.newaxis]
+    pressing = -(force * normal).sum(axis=1)
+    tangential = np.linalg.norm(force + pressing[:, np.newaxis] * normal, axis=1)
+    share = np.full(len(size), np.nan)
+    np.divide(tangential, pressing, out=share, where=pressing > 0.0)
+    return {"pressure": pressing / size, "friction_share": share}
 
 
 def surfaces_of(tree: xr.DataTree) -> list[str]:
@@ -75,7 +111,28 @@ def surfaces_of(tree: xr.DataTree) -> list[str]:
     if "surface" not in tree.children:
         return []
     groups = tree["surface"].children
-    return [str(body) for body, group in groups.items() if {"position", "next"} <= set(group.data_vars)]
+    return [str(body) for body, group in groups.items() if {"position"} <= set(group.data_vars)]
+
+
+def facets_of(tree: xr.DataTree, body: str) -> IntArray:
+    """Segments (k, 2) of a stored surface; of one in space the triangles (k, 3), made again from the scene as the run made them.
+
+    Raises
+    ------
+    MpmfwError
+        The scene in the file does not give the stored surface back.
+    """
+    surface = tree[f"surface/{body}"].to_dataset()
+    if "next" in surface:
+        following = np.asarray(surface["next"].values)
+        return np.stack([np.arange(len(following)), following], axis=1)
+    made = triangles_of(tree, body)
+    if made is None or made.max(initial=-1) + 1 != surface.sizes["surface_node"]:
+        raise MpmfwError(
+            f"surface of '{body}': its triangles are not in the file, and those of the file's scene do not fit the stored nodes; "
+            "is a mesh file that it names another one?"
+        )
+    return made
 
 
 def left_out(tree: xr.DataTree, bodies: Sequence[str]) -> list[str]:
@@ -91,15 +148,9 @@ def _without_geometry(frame: xr.Dataset) -> dict[str, AnyArray]:
     return {name: values for name, values in fields.items() if name not in _GEOMETRY}
 
 
-def _segments(following: list[IntArray]) -> IntArray:
-    """Segments (s, 2) as start and end, over the nodes of all bodies."""
-    start = np.cumsum([0, *(len(one) for one in following)])
-    ends: IntArray = np.concatenate([one + begin for one, begin in zip(following, start, strict=False)])
-    return np.stack([np.arange(len(ends)), ends], axis=1)
-
-
 def unit_of(tree: xr.DataTree, names: Sequence[str], place: str) -> dict[str, str]:
     """Units of fields by name, those of the declarations; the gap's is m."""
     data = tree[place].to_dataset()
     known = {name: str(data[name].attrs.get("units", "1")) for name in names if name in data.data_vars}
-    return {**known, **({"gap": "m"} if "gap" in names else {})}
+    derived = {"gap": "m", "pressure": "Pa", "friction_share": "1"}
+    return {**known, **{name: unit for name, unit in derived.items() if name in names}}

@@ -1,0 +1,95 @@
+"""Reads gmsh's files by gmsh."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mpmfw.geometry.layout import FloatArray, IntArray
+
+#: gmsh's numbers of elements that stand beside a mesh, at points and along curves: of first order, and of second.
+BESIDE_THE_POINT = frozenset({15, 1, 8})
+
+
+@contextmanager
+def started_gmsh(needed_for: str) -> Iterator[Any]:
+    """gmsh, started silently; left running where somebody else had started it.
+
+    Raises
+    ------
+    ValueError
+        It is not installed: ``needed_for`` says for what it should be.
+    """
+    try:
+        import gmsh  # type: ignore[import-untyped, import-not-found, unused-ignore]
+    except (ImportError, OSError) as error:  # OSError: a system library of gmsh is missing
+        raise ValueError(f"{needed_for} needs gmsh: pip install 'mpmfw[mesh]'") from error
+    running = gmsh.isInitialized()
+    if not running:
+        gmsh.initialize(readConfigFiles=False, interruptible=False)
+        _keep_python_s_answer_to_broken_pipes()
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        yield gmsh
+    finally:
+        if not running:
+            gmsh.finalize()
+
+
+def _keep_python_s_answer_to_broken_pipes() -> None:
+    """Python's handling of SIGPIPE again, which gmsh sets to end the process as it starts.
+
+    Else the death of one process of a pool, or of a reader of the output, would take this one with it.
+    """
+    if hasattr(signal, "SIGPIPE") and threading.current_thread() is threading.main_thread():
+        signal.signal(
+            signal.SIGPIPE, signal.getsignal(signal.SIGPIPE)
+        )  # what Python knows, gmsh has not told it
+
+
+def read_blocks(path: Path, kinds: Mapping[int, int]) -> tuple[FloatArray, dict[int, IntArray]]:
+    """Nodes (n, 3) of a gmsh file, and the nodes (k, m) of its elements by gmsh's number of their kind.
+
+    Parameters
+    ----------
+    kinds
+        Nodes an element of each kind that is read.
+
+    Raises
+    ------
+    ValueError
+        Not a gmsh file, elements of other kinds, or gmsh is not installed.
+    """
+    with started_gmsh(f"reading {path.name}") as gmsh:
+        if not path.read_bytes().lstrip().startswith(b"$"):
+            raise ValueError(f"{path} is not a gmsh mesh that can be read")
+        before = gmsh.model.getCurrent() if gmsh.model.list() else None
+        try:
+            gmsh.open(str(path))
+            tags, coordinates, _ = gmsh.model.mesh.getNodes()
+            found = dict(zip(*gmsh.model.mesh.getElements()[::2], strict=True))
+        except Exception as error:
+            raise ValueError(f"{path} is not a gmsh mesh that can be read: {error}") from error
+        others = [k for k in found if k not in kinds and k not in BESIDE_THE_POINT]
+        names = {k: gmsh.model.mesh.getElementProperties(k)[0] for k in (*others, *kinds)}
+        if gmsh.model.list():
+            gmsh.model.remove()
+        if before is not None:
+            gmsh.model.setCurrent(before)
+    if others:
+        read = " and ".join(names[k] for k in kinds)
+        raise ValueError(
+            f"{path} has elements of type {', '.join(sorted(names[k] for k in others))}: only {read} are read"
+        )
+    number = np.zeros(int(tags.max(initial=0)) + 1, dtype=np.int64)
+    number[tags.astype(np.int64)] = np.arange(len(tags))
+    blocks = {
+        k: number[np.asarray(found.get(k, []), dtype=np.int64)].reshape(-1, m) for k, m in kinds.items()
+    }
+    return np.reshape(coordinates, (-1, 3)), blocks

@@ -1,0 +1,152 @@
+"""What every solid body answers, and its lattice: cubic cells cut by its surface."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from functools import cached_property
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from mpmfw.geometry.clipped_lattice import SMALLEST_PIECE
+from mpmfw.geometry.cut_cells import centroid_of, cut_cells, volume_of
+from mpmfw.geometry.facets import measures_of
+from mpmfw.geometry.layout import FloatArray, IntArray, Layout, layout_of_boxes
+from mpmfw.geometry.merging import merge_small_pieces
+from mpmfw.units import Angle
+
+#: Edge of the triangles by which the cells are cut, over that of a cell, where the body's faces are curved.
+CUTTING_EDGE = 0.5
+
+Axis = Literal["x", "y", "z"]
+Turns = Annotated[tuple[Angle, Angle, Angle], Field(min_length=3, max_length=3)]
+Surfaces = tuple[tuple[FloatArray, IntArray], ...]
+
+
+class SolidGeometry(BaseModel):
+    """A body in space: its surfaces and layouts.
+
+    A geometry of one's own answers :meth:`surfaces` and has a key ``type`` with its name; the rest follows from triangles.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    dim: ClassVar[int] = 3
+    is_connected: ClassVar[bool] = True
+    #: Whether the surface of triangles is that of the body itself, however large they are.
+    has_plane_faces: ClassVar[bool] = False
+
+    type: str
+
+    @abstractmethod
+    def surfaces(self, edge: float) -> Surfaces:
+        """Nodes (n, 3) [m] and triangles (k, 3), counter-clockwise as seen from outside, of every closed surface, sides up to
+        ``edge`` [m]; holes are surfaces of their own."""
+
+    @cached_property
+    def fine_surface(self) -> tuple[FloatArray, IntArray]:
+        """Nodes and triangles so fine that they stand for the body."""
+        extent = float(np.ptp(self.bounds, axis=0).max())
+        return joined(self.surfaces(extent if self.has_plane_faces else extent / 60.0))
+
+    @property
+    def exact_volume(self) -> float:
+        """Volume of the true shape [m^3]."""
+        return volume_of(*self.fine_surface)
+
+    @property
+    def centroid(self) -> FloatArray:
+        """Centroid of the true shape (3,) [m]."""
+        return centroid_of(*self.fine_surface)
+
+    @property
+    def area(self) -> float:
+        """Area of the surface [m^2]."""
+        return float(measures_of(*self.fine_surface).sum())
+
+    @property
+    @abstractmethod
+    def bounds(self) -> FloatArray:
+        """Lower and upper corner of the bounding box (2, 3) [m]."""
+
+    @property
+    def axes(self) -> FloatArray:
+        """Unit vectors along which the body's sides are named, one a row (3, 3)."""
+        return np.eye(3)
+
+    def surface_nodes(self, edge: float) -> float:
+        """Most nodes that the surfaces have with sides up to ``edge`` [m]."""
+        return 8.0 * self.area / edge**2 + 40.0
+
+    def lattice(self, size: float, offset: tuple[float, ...]) -> Layout:
+        """Cubic cells of edge ``size`` [m], shifted by ``offset`` (fractions), cut by the surface.
+
+        A particle has the volume and the centroid of its part of a cell, and a cubic domain of that volume. Parts below a quarter
+        of a cell join the neighbour with which they share the largest face. Of a curved body the surface of fine triangles is
+        stretched about the centroid until it has the true volume.
+        """
+        nodes, facets = joined(self.surfaces(size if self.has_plane_faces else CUTTING_EDGE * size))
+        if not self.has_plane_faces:
+            stretch = np.cbrt(self.exact_volume / volume_of(nodes, facets))
+            nodes = self.centroid + stretch * (nodes - self.centroid)
+        return solid_lattice(nodes, facets, size, offset)
+
+    def fitted(self, size: float) -> Layout:
+        """Refused: there is no layout of hexahedra that follows the surface."""
+        raise ValueError(f"a {self.type} has no fitted layout (size {size} m): choose layout = 'lattice'")
+
+
+def joined(surfaces: Surfaces) -> tuple[FloatArray, IntArray]:
+    """Nodes and triangles of all surfaces as one."""
+    first = np.cumsum([0, *(len(nodes) for nodes, _ in surfaces)])
+    return (
+        np.concatenate([nodes for nodes, _ in surfaces]),
+        np.concatenate([facets + start for (_, facets), start in zip(surfaces, first, strict=False)]),
+    )
+
+
+def turning(angles: Turns) -> FloatArray:
+    """Matrix (3, 3) of the turns by these angles [rad] about x, then y, then z, axes that stay."""
+    matrix = np.eye(3)
+    for axis, angle in enumerate(angles):
+        one, (e, f) = np.eye(3), ((axis + 1) % 3, (axis + 2) % 3)
+        one[e, e] = one[f, f] = np.cos(angle)
+        one[f, e], one[e, f] = np.sin(angle), -np.sin(angle)
+        matrix = one @ matrix
+    return matrix
+
+
+def upright(axis: Axis) -> FloatArray:
+    """Matrix (3, 3) of the turn that brings z to the axis named."""
+    return np.roll(np.eye(3), "xyz".index(axis) + 1, axis=0)
+
+
+def solid_lattice(nodes: FloatArray, facets: IntArray, size: float, offset: tuple[float, ...]) -> Layout:
+    """Cubic cells of edge ``size`` [m], shifted by ``offset`` (fractions), cut by a closed surface; see
+    :meth:`SolidGeometry.lattice`."""
+    lower, upper = nodes.min(axis=0), nodes.max(axis=0)
+    shifted = np.array(offset) > 0
+    counts = np.ceil((upper - lower) / size - 1e-9).astype(int)
+    origin = 0.5 * (lower + upper - size * counts) + size * (np.array(offset) - shifted)
+    counts = counts + shifted
+    number = (int(counts[0]), int(counts[1]), int(counts[2]))
+    cuts = cut_cells(((nodes - origin) / size)[facets], number)
+    index = np.argwhere(cuts.volume > 1e-9)
+    at = tuple(index.T)
+    volume = cuts.volume[at]
+    centroid = cuts.moment[at] / volume[:, np.newaxis]
+    small = np.flatnonzero(volume < SMALLEST_PIECE)
+    shared = np.stack(
+        [
+            np.pad(faces, [(0, int(a == axis)) for a in range(3)])[
+                tuple((index[small] + side * (np.arange(3) == axis)).T)
+            ]
+            for axis, faces in enumerate(cuts.faces)
+            for side in (0, 1)
+        ],
+        axis=1,
+    )
+    volume, centroid = merge_small_pieces(index, volume, centroid, small, shared, SMALLEST_PIECE)
+    edges = np.repeat(size * np.cbrt(volume)[:, np.newaxis], 3, axis=1)
+    return layout_of_boxes(origin + size * centroid, edges)

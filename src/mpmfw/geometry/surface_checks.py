@@ -1,0 +1,156 @@
+"""Whether triangles read from a file are the closed surface of a body: what is wrong with them, and where."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from mpmfw.geometry.cut_cells import volume_of
+from mpmfw.geometry.layout import FloatArray, IntArray
+
+#: Height of a triangle over its longest side below which it has no area.
+FLAT = 1e-7
+#: A side counts as passing through a triangle this far from the rims of both, in their own coordinates.
+INSIDE = 1e-7
+
+
+def check_surface(nodes: FloatArray, facets: IntArray) -> None:
+    """Refuse what is no closed, outward surface without crossings.
+
+    Parameters
+    ----------
+    nodes, facets : (n, 3), (k, 3)
+        Positions [m], and the nodes of the triangles.
+
+    Raises
+    ------
+    ValueError
+        Says what is wrong, how often, and where.
+    """
+    _check_areas(nodes, facets)
+    _check_sides(nodes, facets)
+    _check_crossings(nodes, facets)
+    for shell in shells_of(facets, len(nodes)):
+        _check_outward(nodes, facets, shell)
+
+
+def shells_of(facets: IntArray, n_nodes: int) -> list[IntArray]:
+    """Numbers of the facets of every part of the surface that hangs together."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    ends = (np.repeat(facets[:, 0], 2), facets[:, 1:].ravel())
+    _, part = connected_components(
+        coo_array((np.ones(2 * len(facets)), ends), shape=(n_nodes, n_nodes)), directed=False
+    )
+    of_facet = part[facets[:, 0]]
+    return [np.flatnonzero(of_facet == one) for one in np.unique(of_facet)]
+
+
+def _at(point: FloatArray) -> str:
+    return "(" + ", ".join(f"{x:.4g}" for x in point) + ") m"
+
+
+def _listed(numbers: IntArray) -> str:
+    """The first of some facets, counted from 0 as the file has them."""
+    shown = ", ".join(str(k) for k in numbers[:5])
+    return f"{shown}, …" if len(numbers) > 5 else shown
+
+
+def _check_areas(nodes: FloatArray, facets: IntArray) -> None:
+    corners = nodes[facets]
+    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    twice = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    flat = np.flatnonzero(twice <= FLAT * sides**2)
+    if len(flat):
+        raise ValueError(
+            f"{len(flat)} triangles have no area (facets {_listed(flat)}), the first at {_at(corners[flat[0]].mean(axis=0))}"
+        )
+
+
+def _check_sides(nodes: FloatArray, facets: IntArray) -> None:
+    """Every side has one other triangle, which runs it the other way."""
+    sides = np.concatenate([facets[:, [a, (a + 1) % 3]] for a in range(3)])
+    facet = np.tile(np.arange(len(facets)), 3)
+    pairs, which, count = np.unique(np.sort(sides, axis=1), axis=0, return_inverse=True, return_counts=True)
+    which = which.ravel()
+    middle = nodes[pairs].mean(axis=1)
+    for wrong, text in (
+        (count == 1, "sides have a triangle on one side only: the surface has a hole"),
+        (count > 2, "sides have more than two triangles"),
+    ):
+        if wrong.any():
+            own = np.unique(facet[wrong[which]])
+            raise ValueError(
+                f"not closed: {np.count_nonzero(wrong)} {text}, the first at {_at(middle[wrong][0])} (facets {_listed(own)})"
+            )
+    forward = np.bincount(which, weights=sides[:, 0] < sides[:, 1], minlength=len(pairs))
+    alike = forward != 1.0
+    if alike.any():
+        own = np.unique(facet[alike[which]])
+        raise ValueError(
+            f"flipped triangles: both neighbours run {np.count_nonzero(alike)} sides in the same direction, the first at "
+            f"{_at(middle[alike][0])} (facets {_listed(own)}); expected all counter-clockwise as seen from outside"
+        )
+
+
+def _check_outward(nodes: FloatArray, facets: IntArray, shell: IntArray) -> None:
+    """A shell encloses material, or a cavity where it lies inside another."""
+    own, others = facets[shell], np.delete(facets, shell, axis=0)
+    node = nodes[own[0, 0]]
+    inside = len(others) > 0 and _winding(node, nodes[others]) > 0.5
+    if (volume_of(nodes, own) > 0.0) == inside:
+        expected = "inwards, being a cavity" if inside else "outwards"
+        raise ValueError(
+            f"the {len(own)} triangles of the part at {_at(nodes[own].mean(axis=(0, 1)))} are turned inside out; "
+            f"expected their normals to point {expected}"
+        )
+
+
+def _winding(point: FloatArray, corners: FloatArray) -> float:
+    """How often closed surfaces wind round a point: the sum of the solid angles of their triangles (n, 3, 3), over 4 π."""
+    a, b, c = (corners[:, k] - point for k in range(3))
+    la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
+    sixfold = (a * np.cross(b, c)).sum(axis=1)
+    below = la * lb * lc + (a * b).sum(axis=1) * lc + (b * c).sum(axis=1) * la + (c * a).sum(axis=1) * lb
+    return float(np.arctan2(sixfold, below).sum() / (2.0 * np.pi))
+
+
+def _check_crossings(nodes: FloatArray, facets: IntArray) -> None:
+    """No side passes through another triangle."""
+    corners = nodes[facets]
+    lower, upper = corners.min(axis=1), corners.max(axis=1)
+    boxes = shapely.box(lower[:, 0], lower[:, 1], upper[:, 0], upper[:, 1])
+    one, other = shapely.STRtree(boxes).query(boxes)
+    near = (one != other) & (lower[one, 2] <= upper[other, 2]) & (lower[other, 2] <= upper[one, 2])
+    one, other = one[near], other[near]
+    for a in range(3):
+        ends = facets[one][:, [a, (a + 1) % 3]]
+        apart = ~(ends[:, :, np.newaxis] == facets[other][:, np.newaxis, :]).any(axis=(1, 2))
+        crossing = np.flatnonzero(apart)[_crosses(nodes[ends[apart]], corners[other[apart]])]
+        if len(crossing):
+            first = crossing[0]
+            raise ValueError(
+                f"the surface crosses itself: triangle {one[first]} goes through triangle {other[first]} at "
+                f"{_at(nodes[ends[first]].mean(axis=0))}"
+            )
+
+
+def _crosses(ends: FloatArray, corners: FloatArray) -> FloatArray:
+    """Whether segments (n, 2, 3) pass through triangles (n, 3, 3), both within their rims."""
+    along = ends[:, 1] - ends[:, 0]
+    u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    away = ends[:, 0] - corners[:, 0]
+    normal, moment = np.cross(u, v), np.cross(away, along)
+    lever = -(along * normal).sum(axis=1)
+    safe = np.where(lever == 0.0, np.inf, lever)
+    share = np.stack(
+        [
+            (away * normal).sum(axis=1) / safe,
+            (v * moment).sum(axis=1) / safe,
+            -(u * moment).sum(axis=1) / safe,
+        ]
+    )
+    third = 1.0 - share[1] - share[2]
+    crossing: FloatArray = (share > INSIDE).all(axis=0) & (share[0] < 1.0 - INSIDE) & (third > INSIDE)
+    return crossing

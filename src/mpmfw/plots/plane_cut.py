@@ -1,0 +1,133 @@
+"""A run in space as a plane across it shows it: the material points that it meets, and the outlines of the bodies in it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import EllipseCollection, LineCollection
+from matplotlib.figure import Figure
+
+from mpmfw.domains import triangles_of
+from mpmfw.errors import SceneError
+from mpmfw.fields import FloatArray, IntArray
+from mpmfw.outputs import Results, bodies_of, frame_at, frame_of, opened_run, times_of
+from mpmfw.plots.units import in_brackets, with_prefix
+from mpmfw.point_fields import point_field
+
+
+def plane_cut(
+    results: Results,
+    name: str = "von_mises",
+    time: float | None = None,
+    *,
+    normal: Literal["x", "y", "z"] = "z",
+    at: float | None = None,
+    bodies: Sequence[str] | None = None,
+) -> Figure:
+    """Draw a field of a run in space on a plane across an axis.
+
+    Parameters
+    ----------
+    results
+        A run's tree, or the name of its file.
+    name
+        Of the field, as of :func:`field`.
+    time
+        [s]; the nearest output is drawn, the last one by default.
+    normal
+        Axis across the plane.
+    at
+        Its place along that axis [m]; the middle of the bodies' material points by default.
+    bodies
+        Only these bodies.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Points nearer to the plane than half their size as discs of it; where surfaces are stored, their lines in the plane.
+
+    Raises
+    ------
+    SceneError
+        The run is in the plane, has no such field, body or time, keeps no material points, or none of them is on the plane.
+    """
+    with opened_run(results) as tree:
+        own, frame = bodies_of(tree, bodies), frame_at(tree, time)
+        axes = [str(axis) for axis in tree.coords["axis"].values]
+        if len(axes) != 3:
+            raise SceneError("plane_cut draws runs in three dimensions; field draws those in two")
+        across = axes.index(normal)
+        shown = [k for k in range(3) if k != across]
+        frames = {body: frame_of(tree, f"particles/{body}", frame) for body in own}
+        fields = [point_field(tree, name, body) for body in own]
+        values = np.concatenate(
+            [
+                np.asarray(each.of(data), dtype=float)
+                for each, data in zip(fields, frames.values(), strict=True)
+            ]
+        )
+        unit = fields[0].unit
+        position = np.concatenate([data["position"].values for data in frames.values()]).astype(float)
+        size = np.cbrt(np.concatenate([data["volume"].values for data in frames.values()]).astype(float))
+        place = float(np.median(position[:, across])) if at is None else at
+        met = np.abs(position[:, across] - place) <= 0.5 * size
+        if not met.any():
+            low, high = position[:, across].min(), position[:, across].max()
+            raise SceneError(
+                f"no material point is on the plane {normal} = {place:g} m; expected {low:.4g} to {high:.4g} m"
+            )
+        lines = [
+            cut_lines(
+                np.asarray(frame_of(tree, f"surface/{body}", frame)["position"].values), facets, across, place
+            )[:, :, shown]
+            for body in own
+            if "surface" in tree.children and body in tree["surface"].children
+            if (facets := triangles_of(tree, body)) is not None
+        ]
+        colour = with_prefix(unit, float(np.abs(values[met]).max()))
+        label = in_brackets(fields[0].label, colour[1])
+        figure, panel = _drawn(position[met][:, shown], size[met], values[met] / colour[0], lines, label)
+        panel.set_xlabel(f"{axes[shown[0]]} [m]")
+        panel.set_ylabel(f"{axes[shown[1]]} [m]")
+        panel.set_title(f"{normal} = {place:.4g} m, t = {times_of(tree)[frame]:.4g} s")
+    return figure
+
+
+def _drawn(
+    place: FloatArray, size: FloatArray, values: FloatArray, lines: Sequence[FloatArray], label: str
+) -> tuple[Figure, Axes]:
+    """Points (n, 2) as discs of their ``size`` in colours by ``values``, and segments (k, 2, 2) as lines."""
+    figure = Figure(figsize=(7.0, 5.0), layout="constrained")
+    panel = figure.add_subplot()
+    discs = EllipseCollection(
+        size, size, np.zeros(len(size)), units="x", offsets=place, offset_transform=panel.transData, array=values
+    )  # fmt: skip
+    panel.add_collection(discs)
+    for each in lines:
+        panel.add_collection(LineCollection(list(each), colors="black", linewidths=0.8))
+    panel.set_aspect("equal")
+    margin = float(size.max())
+    panel.set_xlim(place[:, 0].min() - margin, place[:, 0].max() + margin)
+    panel.set_ylim(place[:, 1].min() - margin, place[:, 1].max() + margin)
+    figure.colorbar(discs, label=label)
+    return figure, panel
+
+
+def cut_lines(nodes: FloatArray, facets: IntArray, across: int, place: float) -> FloatArray:
+    """Segments (n, 2, 3) [m] in which triangles (k, 3) of nodes (s, 3) [m] meet the plane at ``place`` along an axis."""
+    corners = nodes[facets]
+    above = corners[:, :, across] >= place
+    cut = above.any(axis=1) & ~above.all(axis=1)
+    corners, above = corners[cut], above[cut]
+    lone = np.argmax(above == (above.sum(axis=1) == 1)[:, np.newaxis], axis=1)
+    rows = np.arange(len(corners))
+    start = corners[rows, lone]
+    ends = []
+    for k in (1, 2):
+        end = corners[rows, (lone + k) % 3]
+        share = (place - start[:, across]) / (end[:, across] - start[:, across])
+        ends.append(start + share[:, np.newaxis] * (end - start))
+    return np.stack(ends, axis=1)

@@ -1,0 +1,54 @@
+"""A plane across a run in space: which points it meets, and where it cuts the surfaces."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import mpmfw
+from mpmfw.errors import SceneError
+from mpmfw.geometry.triangles import sphere_surface
+from mpmfw.plots import plane_cut
+from mpmfw.plots.plane_cut import cut_lines
+from scenes_for_tests import ball_on_a_box, block
+
+
+@pytest.fixture(scope="module")
+def tree():
+    return mpmfw.run(ball_on_a_box())
+
+
+def test_a_cut_of_a_sphere_is_a_closed_circle():
+    nodes, facets = sphere_surface(np.array([0.1, 0.2, 0.3]), 1.0, 0.1)
+    lines = cut_lines(nodes, facets, 2, 0.7)
+    np.testing.assert_allclose(lines[:, :, 2], 0.7, atol=1e-12)
+    radius = np.linalg.norm(lines[:, :, :2] - [0.1, 0.2], axis=2)
+    np.testing.assert_allclose(radius, np.sqrt(1.0 - 0.16), rtol=4e-3)
+    length = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1).sum()
+    assert length == pytest.approx(2.0 * np.pi * np.sqrt(1.0 - 0.16), rel=5e-3)
+
+
+def test_points_on_the_plane_are_drawn_with_the_outlines(tree):
+    figure = plane_cut(tree, "velocity_z", normal="y", at=0.05)
+    panel, bar = figure.axes
+    discs, *lines = panel.collections
+    points = [tree[f"particles/{body}"].to_dataset().isel(time=-1) for body in ("solid", "ball")]
+    met = [
+        np.abs(one["position"].values[:, 1] - 0.05) <= 0.5 * np.cbrt(one["volume"].values) for one in points
+    ]
+    assert len(discs.get_offsets()) == sum(each.sum() for each in met)
+    drawn = np.concatenate([one["velocity"].values[each, 2] for one, each in zip(points, met, strict=True)])
+    np.testing.assert_allclose(np.sort(discs.get_array()), np.sort(drawn), rtol=1e-6)
+    assert len(lines) == 2
+    assert (panel.get_xlabel(), panel.get_ylabel()) == ("x [m]", "z [m]")
+    assert "m/s" in bar.get_ylabel()
+
+
+def test_what_cannot_be_cut_is_said(tree):
+    with pytest.raises(SceneError, match=r"no material point is on the plane z = 9 m; expected -0\.4"):
+        plane_cut(tree, at=9.0)
+    with pytest.raises(SceneError, match="stres_xy"):
+        plane_cut(tree, "stres_xy")
+    flat = mpmfw.run(block(time__end=1e-3, time__output_interval=1e-3))
+    with pytest.raises(SceneError, match="plane_cut draws runs in three dimensions"):
+        plane_cut(flat)
