@@ -216,7 +216,8 @@ def history_of(loops, found, old_master=None, old_tangential=None):
 def no_records(n_pairs):
     """Records of pairs to which nothing has happened."""
     sums = {name: np.zeros(n_pairs) for name in Records.member_names}
-    return Records(**{**sums, "impulse": np.zeros((n_pairs, 2))})
+    vectors = {name: np.zeros((n_pairs, 2)) for name in ("impulse", "friction_impulse")}
+    return Records(**{**sums, **vectors})
 
 
 def forces(loops, found, law, old_master=None, old_tangential=None):

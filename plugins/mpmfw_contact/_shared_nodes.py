@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 
-from mpmfw.kernels import Struct, device, kernel, scratch
+import numpy as np
+
+from mpmfw.kernels import Struct, add_scaled_row, device, kernel, scratch
 from mpmfw.kernels.contact import Rows
-from mpmfw.kernels.types import Float, Floats, Indices, Ints
+from mpmfw.kernels.types import Flags, Float, Floats, Indices, Ints
 
 
 class NodePairs(Struct):
@@ -27,8 +29,9 @@ class GridNodes(Struct):
     nodes: Ints  #: (dim,) number of nodes of the background grid
     mass: Floats  #: (n_nodes,) [kg/m]
     start_velocity: Floats  #: (n_nodes, dim) [m/s]
-    gradient: Floats  #: (n_nodes, dim) Σ V ∇φ; (0, dim) where it is not asked for
-    mean: Floats  #: (n_nodes, dim) mean position of the points [m]; (0, dim) where it is not asked for
+    shared: Flags  #: (n_nodes,) whether two bodies have mass there
+    gradient: Floats  #: (n_nodes, dim) Σ V ∇φ at shared nodes; (0, dim) where it is not asked for
+    mean: Floats  #: (n_nodes, dim) mean position of the points [m] at shared nodes; (0, dim) where it is not asked for
 
 
 class SharedNodes(Struct):
@@ -77,34 +80,60 @@ def find_shared_nodes(pairs: NodePairs, grid: GridNodes, shared: SharedNodes) ->
 
 
 @kernel
+def mark_nodes(count: int, shared: SharedNodes, grid: GridNodes) -> None:
+    """Mark the nodes of the first ``count`` that are listed: what is projected there alone spares most of the points."""
+    grid.shared[:] = False
+    for f in range(count):
+        grid.shared[shared.first[f]] = True
+        grid.shared[shared.second[f]] = True
+
+
+@device
+def all_entries(row: Ints) -> range:
+    """Entries of all points: unsigned, as those of :func:`mpmfw.kernels.entries`."""
+    return range(np.uint64(row[0]), np.uint64(row[-1]))
+
+
+@device
+def point_of(row: Ints, k: int, p: int) -> int:
+    """The point whose entry is k, which is p or one after it."""
+    while np.uint64(row[p + 1]) <= k:
+        p += 1
+    return p
+
+
+@kernel
 def project_volume_gradient(
-    row: Ints, nodes: Indices, gradient: Floats, volume: Floats, out: Floats, spacing: tuple[float, ...]
+    row: Ints, nodes: Indices, gradient: Floats, volume: Floats, grid: GridNodes, spacing: tuple[float, ...]
 ) -> None:
-    """Σ_p V_p ∇φ_ip, which points out of the body."""
-    dim = len(spacing)
-    out[:] = 0.0
-    for p in range(len(volume)):
-        for k in range(row[p], row[p + 1]):
-            for d in range(dim):
-                out[nodes[k], d] += volume[p] * gradient[k, d]
+    """Σ_p V_p ∇φ_ip at shared nodes, which points out of the body; 0 at others.
+
+    Entries are gone through point after point without a loop for each, whose length the processor would guess wrong.
+    """
+    grid.gradient[:] = 0.0
+    p = 0
+    for k in all_entries(row):
+        if grid.shared[nodes[k]]:
+            p = point_of(row, k, p)
+            add_scaled_row(grid.gradient, nodes[k], volume[p], gradient, k, spacing)
 
 
 @kernel
 def project_position(
-    row: Ints, nodes: Indices, weight: Floats, mass: Floats, position: Floats, node_mass: Floats, out: Floats,
-    spacing: tuple[float, ...],
+    row: Ints, nodes: Indices, weight: Floats, mass: Floats, position: Floats, grid: GridNodes, spacing: tuple[float, ...]
 ) -> None:  # fmt: skip
-    """Σ_p φ_ip m_p x_p / m_i."""
+    """Σ_p φ_ip m_p x_p / m_i at shared nodes; 0 at others."""
     dim = len(spacing)
-    out[:] = 0.0
-    for p in range(len(mass)):
-        for k in range(row[p], row[p + 1]):
+    grid.mean[:] = 0.0
+    p = 0
+    for k in all_entries(row):
+        if grid.shared[nodes[k]]:
+            p = point_of(row, k, p)
+            add_scaled_row(grid.mean, nodes[k], weight[k] * mass[p], position, p, spacing)
+    for i in range(len(grid.mass)):
+        if grid.shared[i]:
             for d in range(dim):
-                out[nodes[k], d] += weight[k] * mass[p] * position[p, d]
-    for i in range(len(node_mass)):
-        if node_mass[i] > 0.0:
-            for d in range(dim):
-                out[i, d] /= node_mass[i]
+                grid.mean[i, d] /= grid.mass[i]
 
 
 @device

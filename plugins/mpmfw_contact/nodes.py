@@ -16,6 +16,7 @@ from mpmfw_contact._shared_nodes import (
     NodePairs,
     SharedNodes,
     find_shared_nodes,
+    mark_nodes,
     project_position,
     project_volume_gradient,
     write_rows,
@@ -71,7 +72,7 @@ class AtNodes(Detection):
     def prepare(self, setup: Setup, owner: str) -> None:
         """The bodies of the pairs, and the least mass of a node."""
         self.state, self.owner = setup.state, owner
-        cell = min(body.density for body in setup.bodies) * setup.cell_size**setup.dim
+        cell = min(body.areal_density for body in setup.bodies) * setup.cell_size**setup.dim
         self.least_mass = LEAST_MASS * cell if self.forces else 0.0
         self.make_room(64)
         self.grid: GridNodes | None = None
@@ -108,7 +109,7 @@ class AtNodes(Detection):
         empty = np.zeros((0, grid.dim))
         self.grid = GridNodes(
             window_lower=grid.window_lower, window_shape=grid.window_shape, offset=grid.offset, nodes=grid.nodes,
-            mass=grid.mass, start_velocity=grid.start_velocity,
+            mass=grid.mass, start_velocity=grid.start_velocity, shared=np.zeros(len(grid.mass), dtype=bool),
             gradient=np.zeros_like(grid.momentum) if self.projects_gradient else empty,
             mean=np.zeros_like(grid.momentum) if self.projects_mean else empty,
         )  # fmt: skip
@@ -119,7 +120,7 @@ class AtNodes(Detection):
 
     @property
     def gradient(self) -> FloatArray:
-        """Volume gradients of the last detection, Σ V ∇φ (n_nodes, dim) [m^(dim−1)]."""
+        """Volume gradients of the last detection at shared nodes, Σ V ∇φ (n_nodes, dim) [m^(dim−1)]."""
         assert self.grid is not None
         return self.grid.gradient
 
@@ -130,14 +131,13 @@ class AtNodes(Detection):
         rows.count = 0
         if listed == 0:
             return
+        mark_nodes(listed, self.shared, nodes)
         if len(nodes.gradient):
-            project_volume_gradient(
-                phi.row, phi.nodes, phi.gradient, particles.volume, nodes.gradient, grid.spacing
-            )
+            project_volume_gradient(phi.row, phi.nodes, phi.gradient, particles.volume, nodes, grid.spacing)
         if len(nodes.mean):
             project_position(
-                phi.row, phi.nodes, phi.weight, particles.mass, particles.position, grid.mass, nodes.mean, grid.spacing
-            )  # fmt: skip
+                phi.row, phi.nodes, phi.weight, particles.mass, particles.position, nodes, grid.spacing
+            )
         if len(rows.pair) < listed:
             rows.make_room(2 * listed, 4 * listed)
         rows.count = self.write(listed, grid, phi, particles, rows)

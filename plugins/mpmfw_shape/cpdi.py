@@ -38,7 +38,9 @@ def fill_cpdi(
     is too short.
     """
     dim = len(spacing)
-    n_corners = 2**dim
+    n_corners = (
+        1 << dim
+    )  # not 2**dim, whose value the compiler finds too late to unroll the loops over corners
     share_of_each = 1.0 / n_corners
     inverse_h = 1.0 / spacing[0]
     origin = scratch.vector(spacing)

@@ -60,7 +60,8 @@ def nodes_of(f, gradient=None, mean=None):
     none = np.zeros((0, f.dim))
     return shared.GridNodes(
         window_lower=f.lower, window_shape=f.shape, offset=f.offset, nodes=np.full(f.dim, 10), mass=f.mass,
-        start_velocity=f.momentum, gradient=none if gradient is None else gradient, mean=none if mean is None else mean,
+        start_velocity=f.momentum, shared=np.zeros(len(f.mass), dtype=bool),
+        gradient=none if gradient is None else gradient, mean=none if mean is None else mean,
     )  # fmt: skip
 
 
@@ -207,19 +208,30 @@ def test_correction_agrees_with_numpy_and_keeps_momentum(fields):
     assert (records.frictional_work >= 0.0).all()
 
 
-def test_projections_agree_with_numpy():
-    rng = np.random.default_rng(9)
-    row, nodes = 5 * np.arange(12), rng.integers(0, 20, 55).astype(np.int32)
-    weight, gradient = rng.random(55), rng.normal(size=(55, 2))
-    mass, volume, position = rng.random(11), rng.random(11), rng.normal(size=(11, 2))
-    of = np.repeat(np.arange(11), 5)
-    out, mean, expected, node_mass = np.ones((20, 2)), np.ones((20, 2)), np.zeros((20, 2)), np.zeros(20)
-    shared.project_volume_gradient(row, nodes, gradient, volume, out, (0.5, 0.5))
-    np.add.at(expected, nodes, volume[of, None] * gradient)
-    np.testing.assert_allclose(out, expected, atol=1e-13)
-    np.add.at(node_mass, nodes, mass[of] * weight)
-    moments = np.zeros((20, 2))
-    np.add.at(moments, nodes, (mass[of] * weight)[:, None] * position[of])
-    shared.project_position(row, nodes, weight, mass, position, node_mass, mean, (0.5, 0.5))
-    full = node_mass > 0.0
-    np.testing.assert_allclose(mean[full], moments[full] / node_mass[full, None], rtol=1e-12)
+def test_projections_agree_with_numpy_at_shared_nodes_and_are_zero_elsewhere(fields):
+    f = fields
+    c, count = find(f)
+    n_nodes, dim = len(f.mass), f.dim
+    nodes = nodes_of(f, np.ones((n_nodes, dim)), np.ones((n_nodes, dim)))
+    shared.mark_nodes(count, c, nodes)
+    at_both = np.zeros(n_nodes, dtype=bool)
+    at_both[[index for pair in expected_nodes(f) for index in pair[1:]]] = True
+    assert 0 < at_both.sum() < n_nodes
+    np.testing.assert_array_equal(nodes.shared, at_both)
+    points, width = 4 * n_nodes, 5
+    row, index = width * np.arange(points + 1), f.rng.integers(0, n_nodes, width * points).astype(np.int32)
+    weight, gradient = f.rng.random(len(index)), f.rng.normal(size=(len(index), dim))
+    mass, volume, position = f.rng.random(points), f.rng.random(points), f.rng.normal(size=(points, dim))
+    of, expected, moments = (
+        np.repeat(np.arange(points), width),
+        np.zeros((n_nodes, dim)),
+        np.zeros((n_nodes, dim)),
+    )
+    shared.project_volume_gradient(row, index, gradient, volume, nodes, f.spacing)
+    np.add.at(expected, index, volume[of, None] * gradient)
+    np.testing.assert_allclose(nodes.gradient, np.where(at_both[:, None], expected, 0.0), atol=1e-13)
+    shared.project_position(row, index, weight, mass, position, nodes, f.spacing)
+    np.add.at(moments, index, (mass[of] * weight)[:, None] * position[of])
+    expected = moments[at_both] / f.mass[at_both, None]
+    np.testing.assert_allclose(nodes.mean[at_both], expected, rtol=1e-12, atol=1e-13)
+    assert (nodes.mean[~at_both] == 0.0).all()

@@ -84,7 +84,7 @@ class InterfaceLayer:
         if surface is None:
             raise RuntimeError("no surface to carry mass")
         self.state, self.surface, self.flip = setup.state, surface, setup.flip
-        density = np.array([body.density for body in setup.bodies])
+        density = np.array([body.areal_density for body in setup.bodies])
         self.mass: FloatArray = setup.allocate(self.name, MASS)
         self.mass[:] = self.thickness * density[surface.body] * surface.tributary
         self.velocity: FloatArray = setup.allocate(self.name, VELOCITY)

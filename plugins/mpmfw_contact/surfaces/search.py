@@ -244,6 +244,16 @@ def reach_towards(s: int, other: int, radius: Float, candidates: Candidates) -> 
 
 
 @device
+def listed(s: int, m: int, candidates: Candidates) -> bool:
+    """Whether facet m is a candidate of node s already."""
+    known = False
+    for j in range(candidates.facet.shape[1]):
+        if candidates.facet[s, j] == m:
+            known = True
+    return known
+
+
+@device
 def outside_box(x: Floats, lower: Floats, upper: Floats, reach: Float, spacing: tuple[float, ...]) -> bool:
     """Whether a point is farther than ``reach`` from the box from ``lower`` to ``upper``."""
     square = 0.0
@@ -273,6 +283,8 @@ def search_cell(
         if every:
             keep_penetrated(s, m, other, radius, outline, candidates, spacing)
             continue
+        if listed(s, m, candidates):  # a facet is in the lists of all cells that its box touches
+            continue
         reach_of_facet(m, outline.position, outline.facets, lower, upper, spacing)
         reach = reach_towards(s, other, radius, candidates)
         if not outside_box(x, lower, upper, reach, spacing):
@@ -282,6 +294,26 @@ def search_cell(
             g = distance_to(s, m, outline, share, normal, spacing)
             if abs(g) < radius:
                 keep_nearest(s, m, other, g, share, normal, candidates, spacing)
+
+
+#: As many cells as a node's own and those round it, at most.
+AROUND = (0.0,) * 27
+
+
+@device
+def nearest_first(order: Ints, spacing: tuple[float, ...]) -> None:
+    """The cells round a node's own, as numbers of digits 0 … 2, one an axis: the own cell first, then by the number of axes along
+    which they lie beside it."""
+    count = 0
+    for far in range(len(spacing) + 1):
+        for visit in range(3 ** len(spacing)):
+            code, away = visit, 0
+            for _ in range(len(spacing)):
+                away += (code % 3 - 1) ** 2
+                code //= 3
+            if away == far:
+                order[count] = visit
+                count += 1
 
 
 @kernel
@@ -294,7 +326,7 @@ def find_pairs(
 
     ``every`` takes instead, as [H17] writes it, every facet with g_n < 0 and the foot on it one of whose corners
     lies within the radius, up to the number of slots. Nodes of body a are slaves to facets of b if ``rank[a]`` is no
-    higher than ``rank[b]``. The cells round a node's own come after it: what that holds spares most of the others.
+    higher than ``rank[b]``. The nearest cells come first: what they hold spares most of the others.
 
     Returns
     -------
@@ -303,8 +335,8 @@ def find_pairs(
     dim, count = len(spacing), 0
     x, lower, upper = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
     own, index = scratch.integers(spacing), scratch.integers(spacing)
-    around = 3**dim
-    centre = around // 2
+    around, order = 3**dim, scratch.integers(AROUND)
+    nearest_first(order, spacing)
     candidates.facet[:] = -1
     for s in range(len(outline.body)):
         read_point(s, outline.position, x, spacing)
@@ -315,8 +347,7 @@ def find_pairs(
         if not tagged(flat_index(own, grid, spacing), stamp, grid, spacing):
             continue
         for visit in range(around):
-            code = centre if visit == 0 else (visit if visit > centre else visit - 1)
-            within = True
+            code, within = order[visit], True
             for back in range(dim):
                 d = dim - 1 - back
                 index[d] = own[d] - 1 + code % 3

@@ -42,6 +42,7 @@ class Records(Struct):
     """What contact did to every pair, written by kernels and read at outputs; in 2D per metre."""
 
     impulse: Floats  #: (pair, dim) on the pair's first body [N s], added up
+    friction_impulse: Floats  #: (pair, dim) its part in the rows' tangent planes [N s], added up
     frictional_work: Floats  #: (pair,) dissipated by friction [J], added up
     damping_work: Floats  #: (pair,) dissipated by dashpots [J], added up
     energy: Floats  #: (pair,) stored in springs [J]
@@ -168,7 +169,7 @@ def couplings(
 def add_records(
     begin: int, end: int, rows: Rows, scale: float, records: Records, spacing: tuple[float, ...]
 ) -> None:
-    """Impulse ``scale`` Σ f on every pair's first body, added, and the number of places with a force.
+    """Impulse ``scale`` Σ f on every pair's first body, added, its tangential part, and the number of places with a force.
 
     Rows of one identity are one place.
     """
@@ -176,12 +177,16 @@ def add_records(
     records.count[:] = 0.0
     last = -1
     for c in range(begin, end):
-        acts = False
+        p, acts, along = rows.pair[c], False, 0.0
         for d in range(dim):
-            records.impulse[rows.pair[c], d] += rows.sign[c] * scale * rows.force[c, d]
+            along += rows.normal[c, d] * rows.force[c, d]
             acts = acts or rows.force[c, d] != 0.0
+        for d in range(dim):
+            records.impulse[p, d] += rows.sign[c] * scale * rows.force[c, d]
+            tangential = rows.force[c, d] - along * rows.normal[c, d]
+            records.friction_impulse[p, d] += rows.sign[c] * scale * tangential
         if acts and rows.identity[c] != last:
-            records.count[rows.pair[c]] += 1.0
+            records.count[p] += 1.0
             last = rows.identity[c]
 
 
