@@ -2,8 +2,9 @@
 
 A plug-in is a class with an ``Options`` model (pydantic), a constructor that takes those options as keywords,
 a ``name``, and implementations of the hooks of :class:`mpmfw.hookspecs.HookSpecs`, marked with
-:data:`hookimpl`. It derives from :class:`ContactStrategy`, :class:`ShapeFunction` or :class:`Material`, and is
-announced as an entry point of the group ``mpmfw.contact``, ``mpmfw.shape`` or ``mpmfw.material``.
+:data:`hookimpl`. It derives from :class:`ContactStrategy`, :class:`ShapeFunction`, :class:`Material`, :class:`BodyLoad`,
+:class:`SurfaceLoad`, :class:`Boundary` or :class:`OutputSeries`, and is announced as an entry point of the group
+``mpmfw.contact``, ``mpmfw.shape``, ``mpmfw.material``, ``mpmfw.load``, ``mpmfw.boundary`` or ``mpmfw.output``.
 
 Names that are neither classes nor functions:
 
@@ -11,14 +12,14 @@ Names that are neither classes nor functions:
     Marks a method as the implementation of the hook with its name; arguments that are not used may be left out.
 ``CONTACT_SERIES``
     Declarations (:class:`Field`) of the series that contact strategies may record, one value a pair: contact_force
-    [N/m], contact_count, frictional_work, contact_energy and damping_work [J/m].
+    and friction_force [N/m], contact_count, frictional_work, contact_energy and damping_work [J/m].
 ``FloatArray``, ``IntArray``, ``IndexArray``, ``AnyArray``
     Types of NumPy arrays of float64, int64, int32 (node indices in a :class:`Stencil`) and any type. Shapes stand where
     the types are used.
-``Length``, ``Time``, ``Velocity``, ``AngularVelocity``, ``Acceleration``, ``Angle``, ``Pressure``, ``Density``, ``Number``
-    Annotations for fields of an ``Options`` model in m, s, m/s, rad/s, m/s^2, rad, Pa, kg/m^3 and 1. A scene gives them
-    as a bare number in that unit or as a string with any unit that converts to it; the plug-in gets a float. A unit of
-    another kind is refused. :func:`quantity` makes one for any other unit.
+``Length``, ``Time``, ``Velocity``, ``AngularVelocity``, ``Acceleration``, ``Angle``, ``Pressure``, ``Force``, ``Density``
+    And ``Number``: annotations for fields of an ``Options`` model in m, s, m/s, rad/s, m/s^2, rad, Pa, N, kg/m^3 and 1. A
+    scene gives them as a bare number in that unit or as a string with any unit that converts to it; the plug-in gets a
+    float. A unit of another kind is refused. :func:`quantity` makes one for any other unit.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from mpmfw.boundary import Boundary
 from mpmfw.contact.detection import Detection
 from mpmfw.contact.friction import FrictionLaw
 from mpmfw.contact.law import ContactLaw, ForceLaw, ImpulseLaw
@@ -34,17 +36,22 @@ from mpmfw.contact.records import PairRecords
 from mpmfw.contact.row_contact import ForceContact, ImpulseContact
 from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.strategy import ContactStrategy
-from mpmfw.errors import SceneError, SimulationError
+from mpmfw.errors import PluginError, SceneError, SimulationError
 from mpmfw.fields import CONTACT_SERIES, AnyArray, Field, FloatArray, IndexArray, IntArray
 from mpmfw.hookspecs import hookimpl
+from mpmfw.load import BodyLoad, Load, LoadedFacets, SurfaceLoad
+from mpmfw.named import NamedPlugIn, shares_near
+from mpmfw.output_series import OutputSeries
 from mpmfw.plugin import NoOptions, PlugIn
 from mpmfw.setup import Setup
 from mpmfw.state import Body, Grid, OutsideGrid, Pair, Particles, State, Stencil, Surface
+from mpmfw.time_table import TimeTable, number_in_time, problems_in_time, vector_in_time
 from mpmfw.units import (
     Acceleration,
     Angle,
     AngularVelocity,
     Density,
+    Force,
     Length,
     Number,
     Pressure,
@@ -174,6 +181,8 @@ __all__ = [
     "AngularVelocity",
     "AnyArray",
     "Body",
+    "BodyLoad",
+    "Boundary",
     "ContactLaw",
     "ContactRows",
     "ContactStrategy",
@@ -181,6 +190,7 @@ __all__ = [
     "Detection",
     "Field",
     "FloatArray",
+    "Force",
     "ForceContact",
     "ForceLaw",
     "FrictionLaw",
@@ -190,14 +200,19 @@ __all__ = [
     "IndexArray",
     "IntArray",
     "Length",
+    "Load",
+    "LoadedFacets",
     "Material",
+    "NamedPlugIn",
     "NoOptions",
     "Number",
+    "OutputSeries",
     "OutsideGrid",
     "Pair",
     "PairRecords",
     "Particles",
     "PlugIn",
+    "PluginError",
     "Pressure",
     "SceneError",
     "Setup",
@@ -206,10 +221,16 @@ __all__ = [
     "State",
     "Stencil",
     "Surface",
+    "SurfaceLoad",
     "Time",
+    "TimeTable",
     "Velocity",
     "check_inside",
     "empty_stencil",
     "hookimpl",
+    "number_in_time",
+    "problems_in_time",
     "quantity",
+    "shares_near",
+    "vector_in_time",
 ]

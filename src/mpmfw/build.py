@@ -4,20 +4,26 @@ from __future__ import annotations
 
 import functools
 from collections import Counter
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mpmfw.api import ContactStrategy, FrictionLaw, Material, ShapeFunction
 from mpmfw.blame import distribution_text, refusing
+from mpmfw.boundary import Boundary
 from mpmfw.dead_hooks import refuse_dead_hooks
 from mpmfw.discovery import Kind, full_name, load, refuse_nameless
 from mpmfw.errors import SceneError
 from mpmfw.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, IntArray
 from mpmfw.geometry import Layout, discretise
 from mpmfw.hookspecs import HookSpecs
+from mpmfw.load import Load
+from mpmfw.named import NamedPlugIn
+from mpmfw.output_series import OutputSeries
 from mpmfw.pairs import FEW, NearPairs, overlapping
+from mpmfw.scene.options import NAMED
 from mpmfw.sizing import check_box_inside, check_memory
 from mpmfw.state import Body, Particles, State, joined
 from mpmfw.transfer import Transfer, make_transfer
@@ -41,10 +47,22 @@ class Build:
     transfer: Transfer
     bulk_frequency: float  #: largest 2 c / h over the bodies [1/s]
     friction_law: FrictionLaw | None = None  #: that the scene names
+    #: Loads, boundary conditions and outputs by the scene's tables of them and its names.
+    named: dict[str, dict[str, NamedPlugIn]] = field(default_factory=dict)
+
+    @property
+    def named_plugins(self) -> list[NamedPlugIn]:
+        """All of them."""
+        return [plugin for group in self.named.values() for plugin in group.values()]
 
 
-def build(scene: Scene, contact: ContactStrategy | None = None, shape: ShapeFunction | None = None) -> Build:
-    """Discretise the bodies and make the plug-ins that the scene names; strategy objects take the scene's place.
+def build(
+    scene: Scene,
+    contact: ContactStrategy | None = None,
+    shape: ShapeFunction | None = None,
+    loads: Mapping[str, Load] | None = None,
+) -> Build:
+    """Discretise the bodies and make the plug-ins that the scene names; objects take their place, ``loads`` stand beside.
 
     Raises
     ------
@@ -85,11 +103,44 @@ def build(scene: Scene, contact: ContactStrategy | None = None, shape: ShapeFunc
         material.slices = joined(material.slices, body.particles)
     state = State(particles, grid, bodies, ())
     _list_pairs(scene, state, chosen_contact)
-    friction = _friction_law(scene, chosen_contact)
+    friction, named = _friction_law(scene, chosen_contact), _named(scene, bodies, loads or {})
     fastest = max(2.0 * body.wave_speed / grid.cell_size for body in bodies)
     return Build(
-        scene, layouts, state, chosen_shape, chosen_contact, materials, scheme, transfer, fastest, friction
+        scene,
+        layouts,
+        state,
+        chosen_shape,
+        chosen_contact,
+        materials,
+        scheme,
+        transfer,
+        fastest,
+        friction,
+        named,
     )
+
+
+def _named(
+    scene: Scene, bodies: tuple[Body, ...], loads: Mapping[str, Load]
+) -> dict[str, dict[str, NamedPlugIn]]:
+    """The plug-ins with tables that the scene names, told what they are called and which bodies they concern."""
+    made: dict[str, dict[str, NamedPlugIn]] = {}
+    for group in ("loads", "boundaries", "outputs"):
+        made[group] = {}
+        for name, table in getattr(scene, group).items():
+            plugin: NamedPlugIn = _plugin(NAMED[group], table.model, table.options)
+            if scene.dim not in plugin.dimensions:
+                works = " and ".join(f"{d}D" for d in plugin.dimensions)
+                raise SceneError(
+                    f"{group}.{name}: {plugin.name} works in {works}; the scene's grid is {scene.dim}D"
+                )
+            plugin.title = name
+            plugin.bodies = tuple(b for b in bodies if table.bodies is None or b.name in table.bodies)
+            made[group][name] = plugin
+    for name, given in loads.items():
+        given.title, given.bodies = name, bodies
+        made["loads"][name] = given
+    return made
 
 
 def _friction_law(scene: Scene, contact: ContactStrategy | None) -> FrictionLaw | None:
@@ -114,8 +165,9 @@ def _plugin(kind: Any, name: str, options: Any) -> Any:
 
 def _check_base(kind: Kind, plugin: type[Any]) -> None:
     """Refuse a class of another kind."""
-    base = {
-        "contact": ContactStrategy, "friction": FrictionLaw, "shape": ShapeFunction, "material": Material
+    base: type[Any] = {
+        "contact": ContactStrategy, "friction": FrictionLaw, "shape": ShapeFunction, "material": Material, "load": Load,
+        "boundary": Boundary, "output": OutputSeries,
     }[kind]  # fmt: skip
     if not issubclass(plugin, base):
         raise SceneError(
@@ -220,6 +272,7 @@ def _bodies(
                 upper=tuple(upper.tolist()),
                 outlines=layout.outlines,
                 facets=layout.facets,
+                thickness=1.0 if model.thickness is None else model.thickness,
             )
         )
         start += count
@@ -295,11 +348,15 @@ def _particles(
     arrays["initial_volume"][:] = arrays["volume"][:] = volume
     arrays["deformation_gradient"][:] = np.eye(scene.dim)
     for body in bodies:
-        arrays["mass"][body.particles] = body.density * volume[body.particles]
+        arrays["mass"][body.particles] = body.areal_density * volume[body.particles]
+    thickness = None
+    if any(body.thickness is not None for body in scene.bodies.values()):
+        thickness = np.repeat([body.thickness for body in bodies], [len(layout.volume) for layout in layouts])
     starts = [body.particles.start for body in bodies] if n_fields == len(bodies) else [0]
     return Particles(
         **arrays,
         affine=AFFINE_FIELD.allocate(sizes) if transfer.affine is not None else None,
         moment=MOMENT_FIELD.allocate(sizes) if transfer.affine == "moment" else None,
         first=np.array([*starts, len(volume)], dtype=np.int64),
+        thickness=thickness,
     )

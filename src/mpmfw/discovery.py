@@ -13,7 +13,9 @@ from typing import Any, Literal, TypeAlias, get_args
 
 from mpmfw.errors import SceneError
 
-Kind: TypeAlias = Literal["contact", "detection", "law", "friction", "shape", "material"]
+Kind: TypeAlias = Literal[
+    "contact", "detection", "law", "friction", "shape", "material", "load", "boundary", "output"
+]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
 
@@ -44,7 +46,7 @@ def available(kind: Kind) -> dict[str, EntryPoint]:
 
 
 #: Kinds of references that mpmfw brings along.
-REFERENCES = ("rolling-cylinder", "sliding-block", "pressed-blocks", "colliding-rings")
+REFERENCES = ("rolling-cylinder", "rolling-sphere", "sliding-block", "pressed-blocks", "colliding-rings")
 
 
 def announced(what: Literal["measure", "reference"]) -> dict[str, EntryPoint]:

@@ -1,4 +1,4 @@
-"""Domains of the material points as a stored run has them: the quadrilaterals of CPDI and CPDI2 (2D)."""
+"""What a stored run leaves out and its scene gives back: domains of CPDI and CPDI2 (2D), triangles of surfaces (3D)."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ import xarray as xr
 from pydantic import ValidationError
 
 from mpmfw.errors import MpmfwError
-from mpmfw.fields import FloatArray
+from mpmfw.fields import FloatArray, IntArray
 from mpmfw.geometry import discretise
 from mpmfw.geometry.layout import parallelogram_corners
-from mpmfw.references import scene_of
+from mpmfw.geometry.solid import joined
+from mpmfw.references import cell_size_of, scene_of
 from mpmfw.scene.cells import with_lengths
 from mpmfw.scene.tables import Body
 
@@ -76,6 +77,20 @@ def domains_of(tree: xr.DataTree, body: str) -> Domains | None:
         return None
     density = mass / area
     return Domains(half_edges) if np.allclose(density, density[0], rtol=1e-9, atol=0.0) else None
+
+
+def triangles_of(tree: xr.DataTree, body: str) -> IntArray | None:
+    """Triangles (k, 3) of a body's surfaces in space, by its nodes, from the scene that the results carry; None if it has none.
+
+    The surface is made as it was for the run; whether a mesh file is still the same only the number of its nodes says.
+    """
+    attributes = {str(name): value for name, value in tree.attrs.items()}
+    try:
+        table = Body.model_validate(with_lengths(scene_of(attributes))["bodies"][body])
+        made = table.geometry.surfaces(table.segment_length(cell_size_of(attributes)))
+    except (KeyError, TypeError, ValueError, OSError, ValidationError, MpmfwError):
+        return None
+    return joined(made)[1]
 
 
 def _initial(scene: dict[str, Any], body: str) -> tuple[FloatArray | None, FloatArray]:

@@ -174,6 +174,15 @@ CONTACT_SERIES: tuple[Field, ...] = (
         mean=True,
     ),
     Field(
+        "friction_force",
+        ("pair", "axis"),
+        "N m-1",
+        "its part along the surface, mean over the output interval",
+        "series",
+        output=True,
+        mean=True,
+    ),
+    Field(
         "contact_count", _PAIR, "1", "surface or grid nodes in contact at the output", "series", output=True
     ),
     Field(

@@ -70,6 +70,7 @@ class Recorder:
             bodies=names,
             pairs=tuple(pair.label for pair in state.pairs),
             more_pairs=state.near is not None,
+            per_metre=state.particles.thickness is None,
             particle_count={b.name: b.particles.stop - b.particles.start for b in state.bodies},
             fields=tuple(self.fields.values()),
             surface_count=counts,

@@ -108,7 +108,7 @@ class HookSpecs:
         """
 
     @hookspec
-    def add_nodal_force(self, grid: Grid, state: State, dt: float) -> None:
+    def add_nodal_force(self, grid: Grid, state: State, phi: Stencil, dt: float) -> None:
         """Step 3: f_ext and f_cont (eq. 12 of [H17]).
 
         May add to ``grid.force``.

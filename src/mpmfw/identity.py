@@ -15,6 +15,7 @@ from typing import Any
 
 from mpmfw.discovery import KINDS, Kind, available, choices
 from mpmfw.scene import Scene
+from mpmfw.scene.options import NAMED
 
 #: Parts of the core that no number of a run depends on.
 _APART = {
@@ -47,7 +48,7 @@ def key_of(scene: Scene, contact: Any = None, shape: Any = None, what: str = "")
 
 def code_of(scene: Scene, contact: Any = None, shape: Any = None) -> dict[str, str]:
     """Hash of the core and of the plug-ins' packages, and the versions of what they compute with, by name."""
-    methods: list[tuple[Kind, str]] = [("material", material.model) for material in scene.materials.values()]
+    methods = [(kind, each.model) for group, kind in NAMED.items() for each in getattr(scene, group).values()]
     if shape is None:
         methods.append(("shape", scene.shape.method))
     if scene.contact is not None and contact is None:
@@ -96,9 +97,10 @@ def _meaning(scene: Scene, objects: Mapping[str, Any]) -> dict[str, Any]:
             tables[kind] = {**tables[kind], **own}
     if scene.contact is not None and scene.contact.friction_options is not None:
         tables["contact"]["friction_options"] = scene.contact.friction_options.model_dump()
-    for name, material in scene.materials.items():
-        if material.options is not None:
-            tables["materials"][name] |= {"options": material.options.model_dump()}
+    for group in NAMED:
+        for name, table in getattr(scene, group).items():
+            if table.options is not None:
+                tables[group][name] |= {"options": table.options.model_dump()}
     meshes = {
         name: hashlib.sha256(Path(path).read_bytes()).hexdigest()
         for name, body in scene.bodies.items()

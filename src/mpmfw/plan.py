@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from mpmfw.build import Build
 from mpmfw.contact import planning
 from mpmfw.effect import Plan
@@ -35,6 +37,7 @@ def plan_effects(made: Build, limits: Callable[[], list[tuple[float, str]]]) -> 
     _gravity(made, plan)
     plan.note("settling", *called_for(made.scene.settle))
     _sides(made, plan)
+    _named(made, plan)
     _rotation(made, plan)
     plan_records(made, plan, limits)
     return plan
@@ -66,11 +69,13 @@ def _domains(made: Build, plan: Plan) -> None:
 def _surface(made: Build, plan: Plan) -> None:
     """Outlines are tracked if the contact, a load or the gap diagnostic needs them."""
     contact = made.contact
+    on_surfaces = [f"'{plugin.title}'" for plugin in made.named_plugins if plugin.needs_surface]
     loaded = any(side.is_loaded for body in made.scene.bodies.values() for side in body.sides)
     measured = _gap(made, plan)
     users = [
         *([f"contact '{contact.name}'"] if contact is not None and contact.needs_surface else []),
         *(["loads on sides"] if loaded else []),
+        *on_surfaces,
         *(["min_gap"] if measured else []),
     ]
     if not plan.note(
@@ -79,7 +84,7 @@ def _surface(made: Build, plan: Plan) -> None:
         return
     from mpmfw.effects.surface import planned
 
-    chosen, plugins = planned(made, loaded=loaded, measured=measured)
+    chosen, plugins = planned(made, loaded=loaded or bool(on_surfaces), measured=measured)
     plan.note(f"surface map {chosen}", True, f"shape {made.shape.name}")
     plan.plugins += plugins
 
@@ -112,10 +117,22 @@ def _sides(made: Build, plan: Plan) -> None:
 
         plan.plugins.append(constraint.planned(made))
     loaded = ", ".join(f"{body.name} {side.side}" for body, side in given if side.is_loaded)
-    if plan.note("loads on sides", bool(loaded), loaded or "no side has a pressure or traction"):
+    if plan.note("loads on sides", bool(loaded), loaded or "no side has a pressure, traction or force"):
         from mpmfw.effects import side_loads
 
-        plan.plugins.append(side_loads.planned(made))
+        plan.plugins += side_loads.planned(made)
+
+
+def _named(made: Build, plan: Plan) -> None:
+    """Loads, boundary conditions and outputs that the scene names; loads on surfaces act on all facets of their bodies."""
+    for group, plugins in made.named.items():
+        acting = [f"{name} ({plugin.label})" for name, plugin in plugins.items()]
+        plan.note(group, bool(acting), ", ".join(acting) or f"no [{group}]")
+        plan.plugins += plugins.values()
+    for load in made.named["loads"].values():
+        if load.needs_surface and (surface := made.state.surface) is not None:
+            own = [surface.facets_of(body.index) for body in load.bodies]
+            load.facets = np.concatenate([np.arange(each.start, each.stop) for each in own])  # type: ignore[attr-defined]
 
 
 def _rotation(made: Build, plan: Plan) -> None:
@@ -146,8 +163,9 @@ def _rotation(made: Build, plan: Plan) -> None:
 
 
 def _is_held(made: Build, body: Body) -> bool:
-    """Whether the body has prescribed sides."""
-    return any(not side.is_loaded for side in made.scene.bodies[body.name].sides)
+    """Whether the body has prescribed sides, or a boundary condition."""
+    named = any(body in boundary.bodies for boundary in made.named["boundaries"].values())
+    return named or any(not side.is_loaded for side in made.scene.bodies[body.name].sides)
 
 
 def _rotation_of(made: Build, body: Body) -> tuple[str, str]:
@@ -159,7 +177,7 @@ def _rotation_of(made: Build, body: Body) -> tuple[str, str]:
     if made.contact is not None and made.contact.adds_mass:
         return "lumped", f"contact '{made.contact.name}' adds inertia of its own to the nodes"
     if model.rotation is None and _is_held(made, body):
-        return "lumped", "prescribed sides hold it"
+        return "lumped", "prescribed sides or boundary conditions hold it"
     if model.rotation is None:
         how = made.shape.auto_rotation
         if how == "exact" and not model.geometry.is_connected:

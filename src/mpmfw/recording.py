@@ -42,9 +42,9 @@ def _ledger(made: Build, plan: Plan, strain: StrainEnergies) -> None:
         return
     from mpmfw.effects.ledger import planned
 
-    ledger, around = planned(made, plan, strain)
+    ledger, measured = planned(made, plan, strain)
     # Round all others: what is registered last is the first of those that ask to be first, the last of those to be last.
-    plan.plugins = [*around, *plan.plugins, ledger]
+    plan.plugins = [*measured, ledger]
 
 
 def _stability(made: Build, plan: Plan, limits: Limits) -> None:

@@ -49,7 +49,8 @@ class StrainEnergies:
         particles, made_of = state.particles, of_one_material(state.bodies, self.materials)
         each = np.concatenate([getattr(material, density)(particles, own) for own, material in made_of])
         return np.add.reduceat(
-            each * particles.initial_volume, [body.particles.start for body in state.bodies]
+            each * particles.through(particles.initial_volume),
+            [body.particles.start for body in state.bodies],
         )
 
 

@@ -45,6 +45,12 @@ class Body:
     upper: tuple[float, ...]  #: upper corner of its bounding box at the start [m]
     outlines: tuple[FloatArray, ...]  #: nodes (m, dim) [m] of its closed surfaces; () without surface
     facets: tuple[IntArray, ...] = ()  #: of each of them the facets' nodes (k, dim), material on the left
+    thickness: float = 1.0  #: across the plane [m]; in space 1
+
+    @property
+    def areal_density(self) -> float:
+        """Mass by the grid's measure: ρ times the thickness [kg/m²], in space ρ [kg/m³]."""
+        return self.density * self.thickness
 
     @property
     def p_wave_modulus(self) -> float:
@@ -74,7 +80,7 @@ class Particles:
 
     position: FloatArray  #: (n, dim) [m]
     velocity: FloatArray  #: (n, dim) [m/s]
-    mass: FloatArray  #: (n,) [kg/m], 2D per metre of thickness
+    mass: FloatArray  #: (n,) [kg/m], 2D per metre of thickness, or of the thickness that bodies name
     initial_volume: FloatArray  #: (n,) [m^dim]
     volume: FloatArray  #: (n,) [m^dim]
     deformation_gradient: FloatArray  #: (n, dim, dim)
@@ -83,6 +89,11 @@ class Particles:
     affine: FloatArray | None  #: C_p (n, dim, dim) [1/s]; None unless the transfer is affine
     moment: FloatArray | None  #: B_p (n, dim, dim) [m²/s]; None unless the transfer stores it (apic)
     first: IntArray  #: (n_fields + 1,) material points of velocity field f are first[f]:first[f + 1]
+    thickness: FloatArray | None = None  #: (n,) [m]; None unless a body of the plane names its own
+
+    def through(self, measure: FloatArray) -> FloatArray:
+        """A ``measure`` of the points, such as their volume (n,) [m^dim], times the thickness."""
+        return measure if self.thickness is None else measure * self.thickness
 
     @property
     def count(self) -> int:

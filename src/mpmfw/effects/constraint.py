@@ -93,7 +93,7 @@ class Constraint:
         self.planes = [_plane(side, h, self.degree) for side in self.sides]
         self.directions = np.array([side.directions for side in self.sides])
         self.velocity = np.array([side.velocity for side in self.sides])
-        self.cell_mass = [side.body.density * h**setup.dim for side in self.sides]
+        self.cell_mass = [side.body.areal_density * h**setup.dim for side in self.sides]
         self.agreed = AGREED * max(side.body.wave_speed for side in self.sides)
 
     def held_momentum(self, grid: Grid) -> FloatArray:

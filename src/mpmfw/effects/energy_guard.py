@@ -40,7 +40,8 @@ class EnergyGuard:
     @classmethod
     def of(cls, state: State, softer_by: str | None = None) -> EnergyGuard:
         """The guard of these bodies: nothing is a share of the stiffness that they have."""
-        volumes = [state.particles.initial_volume[body.particles].sum() for body in state.bodies]
+        volume = state.particles.through(state.particles.initial_volume)
+        volumes = [volume[body.particles].sum() for body in state.bodies]
         stiffness = [body.bulk_modulus + body.shear_modulus for body in state.bodies]
         return cls(NOTHING * float(np.dot(volumes, stiffness)), softer_by)
 

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mpmfw.effects.time_table import TimeTable
 from mpmfw.fields import FloatArray
 from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels.nodal import add_body_force
 from mpmfw.state import Grid, State
+from mpmfw.time_table import TimeTable
 
 if TYPE_CHECKING:
     from mpmfw.build import Build

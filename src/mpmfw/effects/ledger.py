@@ -85,7 +85,7 @@ class EnergyLedger:
 
     name = "energy_ledger"
     stage = "output"
-    internal_force: FloatArray  #: (n_nodes, dim) [N/m], of this step
+    force: FloatArray  #: (n_nodes, dim) [N/m], as it was at the last look
     momentum: FloatArray  #: (n_nodes, dim) [N s/m], as it was at the last look
 
     def __init__(
@@ -145,6 +145,11 @@ class EnergyLedger:
         """Add to the impulses of a term, (n_nodes, dim) [N s/m]."""
         known = self.impulse.get(term)
         self.impulse[term] = impulse if known is None else known + impulse
+
+    def exert(self, grid: Grid, term: str, dt: float) -> None:
+        """Add what forces have come since the last look, for the step of ``dt`` [s], to the impulses of a term."""
+        self.add(term, dt * (grid.force - self.force))
+        self.force = grid.force.copy()
 
     def balance_grid(self, grid: Grid) -> None:
         """The works of all impulses of this step."""
@@ -216,8 +221,8 @@ class EnergyLedger:
 
 
 def planned(made: Build, plan: Plan, strain: StrainEnergies) -> tuple[EnergyLedger, list[Any]]:
-    """The ledger of what is planned so far, and the plug-ins that measure round all others for it."""
-    from mpmfw.effects.ledger_impulses import AfterImpulses, BeforeImpulses
+    """The ledger of what is planned so far, and the plug-ins that measure for it: before and after all others, and each load."""
+    from mpmfw.effects.ledger_impulses import AfterForce, AfterImpulses, BeforeForce, BeforeImpulses
 
     contact = made.contact
     declared = [] if contact is None or not hasattr(contact, "declare_fields") else contact.declare_fields()
@@ -229,8 +234,13 @@ def planned(made: Build, plan: Plan, strain: StrainEnergies) -> tuple[EnergyLedg
         accounted="spring_work" in [field.name for field in declared],
         guard=None if made.scene.allow_unstable else EnergyGuard.of(made.state, softer_by),
     )
-    after = AfterImpulses(ledger, plan.plugin("gravity"), plan.plugin("side_loads"))
-    return ledger, [BeforeImpulses(ledger), after]
+    measured: list[Any] = []
+    for plugin in plan.plugins:
+        if hasattr(plugin, "ledger_term") and hasattr(plugin, "add_nodal_force"):
+            measured += [BeforeForce(ledger, plugin), plugin, AfterForce(ledger, plugin)]
+        else:
+            measured.append(plugin)
+    return ledger, [BeforeImpulses(ledger), AfterImpulses(ledger), *measured]
 
 
 def _terms(made: Build, plan: Plan) -> tuple[str, ...]:

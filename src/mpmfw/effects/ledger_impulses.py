@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
 from typing import Any
-
-import numpy as np
 
 from mpmfw.effects.ledger import EnergyLedger
 from mpmfw.hookspecs import hookimpl
-from mpmfw.state import Grid, State
+from mpmfw.state import Grid
 
 
 class BeforeImpulses:
@@ -31,7 +28,7 @@ class BeforeImpulses:
     def add_nodal_force(self, grid: Grid) -> None:
         """The internal forces."""
         if self.ledger.running:
-            self.ledger.internal_force = grid.force.copy()
+            self.ledger.force = grid.force.copy()
 
     @hookimpl(tryfirst=True)
     def after_momentum_update(self, grid: Grid) -> None:
@@ -40,22 +37,51 @@ class BeforeImpulses:
             self.ledger.momentum = grid.momentum.copy()
 
 
-class AfterImpulses:
-    """After all others in each hook: what they did.
+class BeforeForce:
+    """Just before gravity or a load: what came since the last look is contact's.
 
     Parameters
     ----------
     ledger
         Takes the impulses.
-    gravity, loads
-        The plug-ins of these names, or None.
+    load
+        The plug-in that comes next; its ``ledger_term`` says what its work counts as.
     """
+
+    stage = "output"
+
+    def __init__(self, ledger: EnergyLedger, load: Any) -> None:
+        self.ledger = ledger
+        self.name, self.term = f"{ledger.name} before {load_name(load)}", "contact"
+
+    @hookimpl
+    def add_nodal_force(self, grid: Grid, dt: float) -> None:
+        """Measured where the forces act: a load with a state of its own is called once."""
+        if self.ledger.running:
+            self.ledger.exert(grid, self.term, dt)
+
+
+class AfterForce(BeforeForce):
+    """Just after gravity or a load: what came since the last look is its own."""
+
+    def __init__(self, ledger: EnergyLedger, load: Any) -> None:
+        super().__init__(ledger, load)
+        self.name, self.term = f"{ledger.name} after {load_name(load)}", load.ledger_term[0]
+
+
+def load_name(load: Any) -> str:
+    """What tells a load from others: what the scene calls it, or its own name."""
+    return str(getattr(load, "title", load.name))
+
+
+class AfterImpulses:
+    """After all others in each hook: what they did that no load did."""
 
     name = "energy_ledger_after"
     stage = "output"
 
-    def __init__(self, ledger: EnergyLedger, gravity: Any, loads: Any) -> None:
-        self.ledger, self.gravity, self.loads = ledger, gravity, loads
+    def __init__(self, ledger: EnergyLedger) -> None:
+        self.ledger = ledger
 
     @hookimpl(trylast=True)
     def after_momentum_projection(self, grid: Grid) -> None:
@@ -64,23 +90,11 @@ class AfterImpulses:
             self.ledger.change(grid, "contact")
 
     @hookimpl(trylast=True)
-    def add_nodal_force(self, grid: Grid, state: State, dt: float) -> None:
-        """Gravity, loads on sides, and what is left, contact."""
-        ledger = self.ledger
-        if not ledger.running:
-            return
-        rest = grid.force - ledger.internal_force
-        if self.gravity is not None:
-            gravity = grid.mass[:, None] * self.gravity.at(state.time)
-            ledger.add("gravity", dt * gravity)
-            rest -= gravity
-        if self.loads is not None:
-            loads = np.zeros_like(rest)
-            self.loads.add_nodal_force(grid=SimpleNamespace(force=loads), state=state)
-            ledger.add("external", dt * loads)
-            rest -= loads
-        ledger.add("contact", dt * rest)
-        ledger.forced = True
+    def add_nodal_force(self, grid: Grid, dt: float) -> None:
+        """What is left beside gravity and loads, contact."""
+        if self.ledger.running:
+            self.ledger.exert(grid, "contact", dt)
+            self.ledger.forced = True
 
     @hookimpl(trylast=True)
     def after_momentum_update(self, grid: Grid) -> None:

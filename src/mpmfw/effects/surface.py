@@ -154,7 +154,7 @@ class SurfaceTracker:
         if surface is None:
             raise RuntimeError("no surface to track")
         self.surface = surface
-        density = np.array([body.density for body in setup.bodies])
+        density = np.array([body.areal_density for body in setup.bodies])
         self.cell_mass = setup.allocate(self.name, CELL_MASS)
         self.cell_mass[:] = density[surface.body] * setup.cell_size**setup.dim
 

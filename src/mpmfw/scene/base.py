@@ -6,7 +6,8 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
 
-from mpmfw.units import Acceleration, AngularVelocity, Length, Number, Pressure, Time, Velocity
+from mpmfw.time_table import array_or_single, number_in_time, row_in_time, vector_in_time
+from mpmfw.units import Acceleration, AngularVelocity, Force, Length, Number, Pressure, Time, Velocity
 
 
 class Table(BaseModel):
@@ -16,20 +17,6 @@ class Table(BaseModel):
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
-
-
-def _array_or_single(value: Any) -> str:
-    """Tag that lets one branch of a union complain, not all of them."""
-    return "array" if isinstance(value, list | tuple) else "single"
-
-
-def _length(value: Any) -> str:
-    return "three" if isinstance(value, list | tuple) and len(value) == 4 else "two"
-
-
-def _vector_or_rows(value: Any) -> str:
-    rows = isinstance(value, list | tuple) and len(value) > 0 and isinstance(value[0], list | tuple)
-    return "rows" if rows else "vector"
 
 
 def _free_or_value(value: Any) -> str:
@@ -51,14 +38,14 @@ AccelerationVector = Annotated[tuple[Acceleration, ...], Strict(False), _PLANE_O
 Spin = Annotated[
     Annotated[AngularVelocity, Tag("single")]
     | Annotated[tuple[AngularVelocity, AngularVelocity, AngularVelocity], Strict(False), Tag("array")],
-    Discriminator(_array_or_single),
+    Discriminator(array_or_single),
 ]
 
 #: ``true`` for all components, or the components that are fixed.
 FixedComponents = Annotated[
     Annotated[Literal[True], Tag("single")]
     | Annotated[tuple[Axis, ...], Strict(False), Field(min_length=1, max_length=3), Tag("array")],
-    Discriminator(_array_or_single),
+    Discriminator(array_or_single),
 ]
 
 _Component = Annotated[
@@ -68,31 +55,10 @@ _Component = Annotated[
 SideVelocity = Annotated[tuple[_Component, ...], Strict(False), _PLANE_OR_SPACE]
 
 #: One row of a table of gravity: time, then the components.
-GravityRow = Annotated[
-    Annotated[tuple[Time, Acceleration, Acceleration], Strict(False), Tag("two")]
-    | Annotated[tuple[Time, Acceleration, Acceleration, Acceleration], Strict(False), Tag("three")],
-    Discriminator(_length),
-]
+GravityRow = row_in_time(Acceleration)
 #: A pressure, or rows (t, p).
-SidePressure = Annotated[
-    Annotated[Pressure, Tag("single")]
-    | Annotated[
-        tuple[Annotated[tuple[Time, Pressure], Strict(False)], ...],
-        Strict(False),
-        Field(min_length=2),
-        Tag("array"),
-    ],
-    Discriminator(_array_or_single),
-]
-
-_TractionRow = Annotated[
-    Annotated[tuple[Time, Pressure, Pressure], Strict(False), Tag("two")]
-    | Annotated[tuple[Time, Pressure, Pressure, Pressure], Strict(False), Tag("three")],
-    Discriminator(_length),
-]
+SidePressure = number_in_time(Pressure)
 #: A vector, or rows (t, t_x, t_y[, t_z]).
-SideTraction = Annotated[
-    Annotated[tuple[Pressure, ...], Strict(False), _PLANE_OR_SPACE, Tag("vector")]
-    | Annotated[tuple[_TractionRow, ...], Strict(False), Field(min_length=2), Tag("rows")],
-    Discriminator(_vector_or_rows),
-]
+SideTraction = vector_in_time(Pressure)
+#: A vector, or rows (t, f_x, f_y[, f_z]).
+SideForce = vector_in_time(Force)

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-import itertools
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
+import numpy as np
+
 from mpmfw.discovery import REFERENCES, announced, available, nearest
+from mpmfw.geometry import SurfaceMesh
 from mpmfw.scene.gravity import ConstantGravity
 from mpmfw.scene.locator import Path
+from mpmfw.scene.options import NAMED
 from mpmfw.scene.problem import Problem
 from mpmfw.scene.sides import check_sides
 from mpmfw.scene.tables import Body, Side, Tables
 from mpmfw.scene.wording import choice_message
+from mpmfw.time_table import problems_in_time, wrong_length
 
 #: Least cell size over the largest coordinate: round-off of a position is then below 1e-6 of a cell.
 SMALLEST_CELL = 1e-9
@@ -22,14 +26,17 @@ _NAME = re.compile(r"[A-Za-z0-9_]+")
 
 
 #: Bodies without a plane side.
-ROUND = frozenset({"disc", "ring", "ball"})
+ROUND = frozenset({"disc", "ring", "ball", "torus"})
+
+#: Mean side of a file's triangles below which they cost much and bring nothing [cells].
+FINEST = 0.02
 
 #: Names of dimensions in a run's file: a group beside a dimension of the same name cannot be read back.
 _DIMENSIONS = frozenset({"time", "body", "pair", "axis", "axis2", "rotation"})
 
 
-def check(scene: Tables, plugins: Mapping[Path, type[Any]]) -> Iterator[Problem]:
-    """All problems between keys that are valid by themselves."""
+def check(scene: Tables, plugins: Mapping[Path, type[Any]], options: Mapping[Path, Any]) -> Iterator[Problem]:
+    """All problems between keys that are valid by themselves; ``plugins`` and their ``options`` are by path."""
     yield from _grid(scene)
     yield from _time(scene)
     yield from _stepping(scene, plugins)
@@ -37,6 +44,7 @@ def check(scene: Tables, plugins: Mapping[Path, type[Any]]) -> Iterator[Problem]
     yield from _contact(scene)
     yield from _friction_law(scene, plugins)
     yield from _loads(scene)
+    yield from _named(scene, plugins, options)
     yield from _reference(scene)
     for name, body in scene.bodies.items():
         yield from _body(scene, ("bodies", name), body)
@@ -92,7 +100,7 @@ def _stepping(scene: Tables, plugins: Mapping[Path, type[Any]]) -> Iterator[Prob
 
 
 def _names(scene: Tables) -> Iterator[Problem]:
-    for kind, table in (("bodies", scene.bodies), ("materials", scene.materials)):
+    for kind, table in (("bodies", scene.bodies), *((g, getattr(scene, g)) for g in NAMED)):
         for name in table:
             if not _NAME.fullmatch(name):
                 message = "a name has letters, digits and '_' only ('-' joins the names of a pair)"
@@ -149,12 +157,28 @@ def _loads(scene: Tables) -> Iterator[Problem]:
         return
     if scene.settle.gravity is not None:
         yield from _gravity(scene.settle.gravity, ("settle", "gravity"), scene.grid.dim)
-    elif scene.gravity is None and not any(
-        side.is_loaded for body in scene.bodies.values() for side in body.sides
+    elif not (
+        scene.gravity or scene.loads or any(s.is_loaded for body in scene.bodies.values() for s in body.sides)
     ):
-        yield Problem(
-            ("settle",), "has no effect: the scene has no gravity and no load on a side to settle under"
-        )
+        yield Problem(("settle",), "has no effect: the scene has no gravity and no load to settle under")
+
+
+def _named(
+    scene: Tables, plugins: Mapping[Path, type[Any]], options: Mapping[Path, Any]
+) -> Iterator[Problem]:
+    """Bodies that are not there or named twice, and what loads and the like themselves find wrong with their options."""
+    tables = [((group, name), table) for group in NAMED for name, table in getattr(scene, group).items()]
+    for path, table in tables:
+        named = getattr(table, "bodies", None) or ()
+        for index, body in enumerate(named):
+            if body not in scene.bodies:
+                yield _no_such("body", (*path, "bodies", index), body, scene.bodies)
+            elif body in named[:index]:
+                yield Problem((*path, "bodies", index), f"names '{body}' twice")
+        judge = getattr(plugins.get(path), "problems", None)
+        if path in options and judge is not None:
+            for key, message in judge(options[path], scene.grid.dim):
+                yield Problem((*path, *key), message)
 
 
 def _gravity(gravity: ConstantGravity, path: Path, dim: int) -> Iterator[Problem]:
@@ -168,31 +192,20 @@ def _gravity(gravity: ConstantGravity, path: Path, dim: int) -> Iterator[Problem
             path, f"has {' and '.join(sorted(given)) or 'no key'}; expected exactly one of: {allowed}"
         )
     elif gravity.vector is not None and len(gravity.vector) != dim:
-        yield Problem((*path, "vector"), _wrong_length(len(gravity.vector), dim))
+        yield Problem((*path, "vector"), wrong_length(len(gravity.vector), dim))
     elif "tilt" in given and dim == 3:
         yield Problem((*path, "tilt"), "is for two dimensions; give gravity as a vector in 3D")
 
 
 def _gravity_table(scene: Tables) -> Iterator[Problem]:
-    rows = (scene.gravity.table if scene.gravity else None) or ()
-    yield from _rows_in_time(rows, ("gravity", "table"), scene.grid.dim)
+    if scene.gravity is not None:
+        yield from _in_time(scene.gravity.table, ("gravity", "table"), scene.grid.dim)
 
 
-def _rows_in_time(rows: Sequence[tuple[float, ...]], path: Path, components: int) -> Iterator[Problem]:
-    """Rows of a time and so many components, with times that increase."""
-    for index, row in enumerate(rows):
-        if len(row) != components + 1:
-            message = f"has {len(row)} entries; expected the time and {components} components"
-            yield Problem((*path, index), message)
-    for index, (before, after) in enumerate(itertools.pairwise(rows)):
-        if after[0] <= before[0]:
-            yield Problem(
-                (*path, index + 1), f"times must increase, but {after[0]:g} s follows {before[0]:g} s"
-            )
-
-
-def _wrong_length(given: int, dim: int) -> str:
-    return f"has {given} entries; expected {dim}, because the grid is {dim}D"
+def _in_time(given: Any, path: Path, components: int) -> Iterator[Problem]:
+    """A number, a vector or rows in time."""
+    for index, message in problems_in_time(given, components):
+        yield Problem((*path, *index), message)
 
 
 def _body(scene: Tables, path: Path, body: Body) -> Iterator[Problem]:
@@ -202,33 +215,55 @@ def _body(scene: Tables, path: Path, body: Body) -> Iterator[Problem]:
     if shape_dim != dim:
         message = f"'{body.geometry.type}' is {shape_dim}D, but the grid is {dim}D"
         yield Problem((*path, "geometry", "type"), message)
+    if isinstance(body.geometry, SurfaceMesh):
+        yield from _surface_mesh(scene, (*path, "geometry"), body.geometry)
     if len(body.particles.offset) > dim:
-        yield Problem((*path, "particles", "offset"), _wrong_length(len(body.particles.offset), dim))
+        yield Problem((*path, "particles", "offset"), wrong_length(len(body.particles.offset), dim))
     if body.velocity is not None and len(body.velocity) != dim:
-        yield Problem((*path, "velocity"), _wrong_length(len(body.velocity), dim))
+        yield Problem((*path, "velocity"), wrong_length(len(body.velocity), dim))
     if body.angular_velocity is not None and isinstance(body.angular_velocity, tuple) != (dim == 3):
         expected = "an array of 3 components in rad/s" if dim == 3 else "a number in rad/s"
         yield Problem((*path, "angular_velocity"), f"expected {expected}, because the grid is {dim}D")
+    if body.thickness is not None and dim == 3:
+        yield Problem((*path, "thickness"), "is for two dimensions; a body of a 3D grid has its own extent")
     wrong = [problem for i in range(len(body.sides)) for problem in _side(body, (*path, "sides", i), i, dim)]
     yield from wrong or check_sides(body, path, dim, scene.time.end)
 
 
-def _load_in_time(side: Side, path: Path, dim: int) -> Iterator[Problem]:
-    """Tables of a load, and the components of a traction."""
-    if isinstance(side.pressure, tuple):
-        yield from _rows_in_time(side.pressure, (*path, "pressure"), 1)
-    if side.traction is not None and isinstance(side.traction[0], tuple):
-        yield from _rows_in_time(side.traction, (*path, "traction"), dim)
-    elif side.traction is not None and len(side.traction) != dim:
-        yield Problem((*path, "traction"), _wrong_length(len(side.traction), dim))
+def _surface_mesh(scene: Tables, path: Path, geometry: SurfaceMesh) -> Iterator[Problem]:
+    """Lengths of a file that do not go with the grid: millimetres given as metres or the reverse, triangles far below a cell."""
+    grid = scene.grid
+    room, extent = (
+        float(np.subtract(grid.upper, grid.lower).max()),
+        float(np.ptp(geometry.bounds, axis=0).max()),
+    )
+    for wrong, factor, relation in ((extent > room, 1e-3, "less"), (extent < grid.cell_size, 1e3, "more")):
+        if wrong and 2.0 * grid.cell_size < extent * factor < room:
+            usual = {"m": "millimetres, unit = 'mm'", "mm": "metres, unit = 'm'"}
+            hint = (
+                f"is the file in {usual[geometry.unit]}?" if geometry.unit in usual else "is the unit right?"
+            )
+            message = (
+                f"read in '{geometry.unit}' the body is {extent:.4g} m across, in a grid of {room:.4g} m with cells of "
+                f"{grid.cell_size:g} m; it would fit with a thousand times {relation}: {hint}"
+            )
+            yield Problem((*path, "unit"), message)
+            return
+    if geometry.mean_edge < FINEST * grid.cell_size:
+        message = (
+            f"the sides of the triangles are {geometry.mean_edge / grid.cell_size:.2g} cells long on the mean; "
+            f"expected {FINEST:g} or more, best a quarter to a half: make the mesh coarser"
+        )
+        yield Problem((*path, "path"), message)
 
 
 def _side(body: Body, path: Path, index: int, dim: int) -> Iterator[Problem]:
     side = body.sides[index]
-    given = sorted(side.model_fields_set & {"fixed", "velocity", "pressure", "traction"})
+    conditions = [key for key in Side.model_fields if key != "side"]
+    given = sorted(side.model_fields_set & set(conditions))
     if len(given) != 1:
         has = " and ".join(given) or "none of them"
-        yield Problem(path, f"has {has}; expected exactly one of: fixed, velocity, pressure, traction")
+        yield Problem(path, f"has {has}; expected exactly one of: {', '.join(conditions)}")
     if dim == 2 and side.side in ("back", "front"):
         yield Problem(
             (*path, "side"), f"'{side.side}' is a side in 3D; expected one of left, right, bottom, top"
@@ -242,8 +277,9 @@ def _side(body: Body, path: Path, index: int, dim: int) -> Iterator[Problem]:
     if isinstance(side.fixed, tuple) and len(set(side.fixed)) != len(side.fixed):
         yield Problem((*path, "fixed"), "names a component twice")
     if side.velocity is not None and len(side.velocity) != dim:
-        yield Problem((*path, "velocity"), _wrong_length(len(side.velocity), dim))
-    yield from _load_in_time(side, path, dim)
+        yield Problem((*path, "velocity"), wrong_length(len(side.velocity), dim))
+    for key, components in (("pressure", 1), ("traction", dim), ("force", dim)):
+        yield from _in_time(getattr(side, key), (*path, key), components)
     if side.velocity is not None and all(component == "free" for component in side.velocity):
         yield Problem((*path, "velocity"), "has no effect: every component is free")
     same = [

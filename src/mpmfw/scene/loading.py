@@ -17,7 +17,7 @@ from mpmfw.scene.contact_parts import latest_spelling, without_effect
 from mpmfw.scene.content import check_content
 from mpmfw.scene.locator import Locator, dotted
 from mpmfw.scene.locator import Path as KeyPath
-from mpmfw.scene.options import Chosen, separate_options
+from mpmfw.scene.options import NAMED, Chosen, separate_options
 from mpmfw.scene.override import merge, parse_path, parse_value
 from mpmfw.scene.problem import Origin, Problem, distinct
 from mpmfw.scene.scene import Scene, Source
@@ -83,7 +83,7 @@ def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
     try:
         core = with_lengths(core)
         scene = Scene.model_validate(core)
-        problems += check(scene, chosen.plugins)
+        problems += check(scene, chosen.plugins, chosen.options)
     except ValidationError as error:
         problems += problems_of(error, Scene, chosen.core)
     if problems or scene is None:
@@ -167,11 +167,14 @@ def _with_options(scene: Scene, chosen: Chosen) -> Scene:
             tables = (*tables, contact.friction_law)
         update = {"options": own, "friction_options": friction, "tables": tables}
         contact = contact.model_copy(update=update)
-    materials = {
-        name: material.model_copy(update={"options": options.get(("materials", name))})
-        for name, material in scene.materials.items()
+    named: dict[str, dict[str, Any]] = {
+        group: {
+            name: table.model_copy(update={"options": options.get((group, name))})
+            for name, table in getattr(scene, group).items()
+        }
+        for group in NAMED
     }
-    return scene.model_copy(update={"shape": shape, "contact": contact, "materials": materials})
+    return scene.model_copy(update={"shape": shape, "contact": contact, **named})
 
 
 def origin_of(source: Source, overrides: Mapping[str, Any]) -> Origin:

@@ -21,6 +21,15 @@ CORE_KEYS: dict[str, tuple[str, ...]] = {
     "shape": ("method",),
     "contact": ("method", "detection", "law", "friction", "friction_law", "pairs"),
     "materials": ("model", "density"),
+    **dict.fromkeys(("loads", "boundaries", "outputs"), ("model", "bodies")),
+}
+
+#: Groups of tables that the scene names as it likes, each with a model and its options, and the models' kind.
+NAMED: dict[str, Kind] = {
+    "materials": "material",
+    "loads": "load",
+    "boundaries": "boundary",
+    "outputs": "output",
 }
 
 
@@ -60,9 +69,10 @@ def separate_options(mapping: Mapping[str, Any]) -> Chosen:
         chosen.whole = dict(chosen.core)
     if isinstance(mapping.get("shape"), Mapping):
         chosen.core["shape"] = _method_table(chosen, "shape", mapping["shape"])
-    materials = mapping.get("materials")
-    if isinstance(materials, Mapping):
-        chosen.core["materials"] = {name: _material(chosen, name, table) for name, table in materials.items()}
+    for group in NAMED:
+        tables = mapping.get(group)
+        if isinstance(tables, Mapping):
+            chosen.core[group] = {name: _named(chosen, group, name, table) for name, table in tables.items()}
     return chosen
 
 
@@ -97,15 +107,15 @@ def _method_table(chosen: Chosen, kind: Kind, table: Mapping[str, Any]) -> dict[
     return {key: value for key, value in table.items() if key in core_keys and key not in PARTS}
 
 
-def _material(chosen: Chosen, name: str, table: Any) -> Any:
-    """Take the model's options out of ``[materials.NAME]``."""
+def _named(chosen: Chosen, group: str, name: str, table: Any) -> Any:
+    """Take the model's options out of a table such as ``[materials.NAME]`` or ``[loads.NAME]``."""
     if not isinstance(table, Mapping):
         return table
-    core_keys = CORE_KEYS["materials"]
-    path: Path = ("materials", name)
+    core_keys = CORE_KEYS[group]
+    path: Path = (group, name)
     options = {key: value for key, value in table.items() if key not in core_keys}
     if isinstance(table.get("model"), str):
-        _validate(chosen, "material", table["model"], (*path, "model"), path, options, core_keys)
+        _validate(chosen, NAMED[group], table["model"], (*path, "model"), path, options, core_keys)
     elif "model" not in table:
         # Without a model the other keys cannot be judged, but one that is nearly "model" is the cause
         found = [unknown_key((*path, key), list(core_keys)) for key in options]

@@ -15,7 +15,7 @@ from mpmfw.scene.problem import Problem
 _PART = re.compile(r'"((?:\\.|[^"\\])*)"|([^."\[\]\s]+)|\[(\d+)\]')
 
 #: Tables whose sub-tables a scene names: an override goes into an existing one and makes none by accident.
-_NAMED_TABLES = ("bodies", "materials")
+_NAMED_TABLES = ("bodies", "materials", "loads", "boundaries", "outputs")
 
 
 def parse_path(key: str) -> Path:

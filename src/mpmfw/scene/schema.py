@@ -21,7 +21,14 @@ def json_schema() -> dict[str, Any]:
         table["properties"]["method"]["enum"] = list(available(kind))
         for name in available(kind):
             table["properties"][name] = _options(schema, kind, name)
-    _add_materials(schema)
+    models: dict[str, Kind] = {
+        "Material": "material",
+        "Load": "load",
+        "Boundary": "boundary",
+        "Series": "output",
+    }
+    for table, named in models.items():
+        _add_models(schema, table, named)
     _allow_units(schema)
     return schema
 
@@ -56,15 +63,15 @@ def _options(schema: dict[str, Any], kind: Kind, name: str) -> dict[str, Any]:
     return {"$ref": f"#/$defs/{key}"}
 
 
-def _add_materials(schema: dict[str, Any]) -> None:
-    """A material is one of the installed models, each with the core's keys and its own side by side."""
-    core = schema["$defs"]["Material"]
+def _add_models(schema: dict[str, Any], table: str, kind: Kind) -> None:
+    """A material, or a load, is one of the installed models, each with the core's keys and its own side by side."""
+    core = schema["$defs"][table]
     alternatives = []
-    for name in available("material"):
-        reference = _options(schema, "material", name)["$ref"].rsplit("/", 1)[-1]
+    for name in available(kind):
+        reference = _options(schema, kind, name)["$ref"].rsplit("/", 1)[-1]
         own = schema["$defs"][reference]
         own["properties"] = {**core["properties"], **own.get("properties", {}), "model": {"const": name}}
         own["required"] = list(dict.fromkeys([*core["required"], *own.get("required", [])]))
         alternatives.append({"$ref": f"#/$defs/{reference}"})
     if alternatives:
-        schema["$defs"]["Material"] = {"oneOf": alternatives}
+        schema["$defs"][table] = {"oneOf": alternatives}

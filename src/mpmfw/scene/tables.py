@@ -16,6 +16,7 @@ from mpmfw.scene.base import (
     PositiveLength,
     PositiveNumber,
     PositiveTime,
+    SideForce,
     SidePressure,
     SideTraction,
     SideVelocity,
@@ -119,9 +120,10 @@ class Material(Table):
 
 
 class Side(Table):
-    """A condition on one side of a body: fixed components, a velocity [m/s], a pressure [Pa], or a traction [Pa].
+    """A condition on one side of a body: fixed components, a velocity [m/s], a pressure or traction [Pa], or a force [N].
 
-    A load is constant, or rows of a time [s] and its values: linear in between, constant outside.
+    The force is that on the whole side of a body of its thickness, spread evenly. A load is constant, or rows of a time [s] and
+    its values: linear in between, constant outside.
     """
 
     side: Literal["left", "right", "bottom", "top", "back", "front"]
@@ -129,11 +131,12 @@ class Side(Table):
     velocity: SideVelocity | None = None
     pressure: SidePressure | None = None
     traction: SideTraction | None = None
+    force: SideForce | None = None
 
     @property
     def is_loaded(self) -> bool:
         """Whether the side has a load, and not a prescribed motion."""
-        return self.pressure is not None or self.traction is not None
+        return any(load is not None for load in (self.pressure, self.traction, self.force))
 
 
 class Body(Table):
@@ -148,6 +151,8 @@ class Body(Table):
         Initial motion [m/s], and [rad/s] about the centroid.
     rotation
         Treatment of rotational inertia; None lets the build decide.
+    thickness
+        In the plane, across it [m]; None is 1 m.
     """
 
     material: str
@@ -157,12 +162,33 @@ class Body(Table):
     velocity: VelocityVector | None = None
     angular_velocity: Spin | None = None
     rotation: Literal["spin", "exact", "lumped", "local"] | None = None
+    thickness: PositiveLength | None = None
     sides: Annotated[tuple[Side, ...], Strict(False)] = ()
 
     def segment_length(self, cell_size: float) -> float:
         """Length of the surface's segments [m]: as given, or a quarter of a cell; of triangles half of one."""
         share = 0.25 if self.geometry.dim == 2 else 0.5
         return share * cell_size if self.segment is None else float(self.segment)
+
+
+class Named(Table):
+    """A plug-in of the scene's by its model, the bodies that it concerns, all where none is named, and its options."""
+
+    model: str
+    bodies: Annotated[tuple[str, ...], Strict(False), Field(min_length=1)] | None = None
+    options: Options = Field(default=None, exclude=True)
+
+
+class Load(Named):
+    """A load, and the bodies that it acts on."""
+
+
+class Boundary(Named):
+    """A motion that is prescribed by time and place, and the bodies that it holds."""
+
+
+class Series(Named):
+    """Series of a user's own, and the bodies that they are of."""
 
 
 class Settle(Table):
@@ -222,6 +248,9 @@ class Tables(Table):
     materials: Annotated[Mapping[str, Material], Field(min_length=1)]
     bodies: Annotated[Mapping[str, Body], Field(min_length=1)]
     gravity: Gravity | None = None
+    loads: Mapping[str, Load] = {}
+    boundaries: Mapping[str, Boundary] = {}
     settle: Settle | None = None
     output: Output = Output()
+    outputs: Mapping[str, Series] = {}
     reference: Reference | None = None

@@ -21,10 +21,12 @@ if TYPE_CHECKING:
     from mpmfw.testing.check import Check, Inapplicable, Outcome, Violation
     from mpmfw.testing.contact import contact_checks
     from mpmfw.testing.examination import examine
+    from mpmfw.testing.load import load_checks
     from mpmfw.testing.material import material_checks
     from mpmfw.testing.parametrised import (
         check_plugin,
         contact_conformance,
+        load_conformance,
         material_conformance,
         shape_conformance,
     )
@@ -44,6 +46,8 @@ _MODULES = {
     "examine": "mpmfw.testing.examination",
     "material_checks": "mpmfw.testing.material",
     "material_conformance": "mpmfw.testing.parametrised",
+    "load_checks": "mpmfw.testing.load",
+    "load_conformance": "mpmfw.testing.parametrised",
     "ladder": "mpmfw.testing.searching",
     "search": "mpmfw.testing.searching",
     "shape_checks": "mpmfw.testing.shape",
@@ -63,6 +67,8 @@ __all__ = [
     "contact_conformance",
     "examine",
     "ladder",
+    "load_checks",
+    "load_conformance",
     "material_checks",
     "material_conformance",
     "search",

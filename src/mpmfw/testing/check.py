@@ -104,6 +104,7 @@ class Outcome:
     bound: float | None = None  #: what it must not exceed
     justification: str = ""  #: of an expected failure
     picture: Path | None = None  #: file of the counterexample's picture
+    saved: tuple[Path, ...] = ()  #: its scene, and the program that runs it
     seconds: float = 0.0  #: wall time [s]
     where: tuple[str, ...] = ()  #: lines of the traceback, of an error that was raised
     same_as: str = ""  #: the first check that the same line of code made fail in the same way
@@ -132,6 +133,8 @@ class Outcome:
             lines.append(f"  justification: {self.justification}")
         if self.picture is not None:
             lines.append(f"  picture: {self.picture}")
+        for path in self.saved:
+            lines.append(f"  run it: python {path}" if path.suffix == ".py" else f"  scene: {path}")
         return "\n".join(lines)
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from mpmfw.discovery import did_you_mean
 from mpmfw.errors import SceneError
 from mpmfw.testing.check import Check, Inapplicable, Outcome, Status, Violation
+from mpmfw.testing.saving import forget, save
 from mpmfw.testing.searching import raised
 from mpmfw.testing.subject import Subject
 
@@ -24,6 +25,7 @@ def examine(
     expected_failures: Mapping[str, str] | None = None,
     pictures: Path | None = None,
     progress: Callable[[Check], None] | None = None,
+    folder: Path | None = None,
 ) -> list[Outcome]:
     """Run the checks one after the other.
 
@@ -39,6 +41,8 @@ def examine(
         Folder for the pictures of counterexamples, made if there is one; None draws none.
     progress
         Told of every check before it runs.
+    folder
+        For the scenes of counterexamples and the programs that run them; None writes none.
 
     Returns
     -------
@@ -56,7 +60,8 @@ def examine(
         if progress is not None:
             progress(check)
         why = expected.get(check.name, "")
-        outcomes.append(named(examine_one(subject, check, why, None if why else pictures), causes))
+        outcome = examine_one(subject, check, why, None if why else pictures, None if why else folder)
+        outcomes.append(named(outcome, causes))
     return outcomes
 
 
@@ -69,10 +74,15 @@ def named(outcome: Outcome, causes: dict[tuple[str, ...], str]) -> Outcome:
 
 
 def examine_one(
-    subject: Subject, check: Check, justification: str = "", pictures: Path | None = None
+    subject: Subject,
+    check: Check,
+    justification: str = "",
+    pictures: Path | None = None,
+    folder: Path | None = None,
 ) -> Outcome:
-    """Run one check; a non-empty ``justification`` means that it must fail."""
+    """Run one check; a non-empty ``justification`` means that it must fail. ``folder`` takes the scene of a counterexample."""
     started = time.perf_counter()
+    forget()
     violation = reason = note = None
     try:
         note = check.run(subject)
@@ -98,6 +108,7 @@ def examine_one(
         violation.bound,
         justification,
         None if pictures is None else _draw(subject, check, violation, pictures),
+        () if folder is None else save(folder, _file_name(subject, check), subject, violation),
         seconds,
         violation.where,
     )
@@ -135,5 +146,9 @@ def _draw(subject: Subject, check: Check, violation: Violation, folder: Path) ->
         return None
     from mpmfw.testing.pictures import draw
 
-    plain = re.sub(r"[^\w.=-]+", "-", subject.label).strip("-")
-    return draw(folder / f"{plain}-{check.name}.png", f"{subject.label}: {check.name}", violation)
+    return draw(folder / f"{_file_name(subject, check)}.png", f"{subject.label}: {check.name}", violation)
+
+
+def _file_name(subject: Subject, check: Check) -> str:
+    """Of a counterexample's files, without an ending."""
+    return re.sub(r"[^\w.=-]+", "-", subject.label).strip("-") + f"-{check.name}"

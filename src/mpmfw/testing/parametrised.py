@@ -10,10 +10,10 @@ from mpmfw.discovery import Kind, did_you_mean
 from mpmfw.errors import SceneError
 from mpmfw.testing.check import Check
 from mpmfw.testing.examination import examine, examine_one, justified, named
-from mpmfw.testing.subject import Subject, subject_of
+from mpmfw.testing.subject import Subject, bases_of_kinds, subject_of
 
 #: Kinds of plug-ins that there are checks for.
-CHECKED: tuple[Kind, ...] = ("contact", "shape", "material")
+CHECKED: tuple[Kind, ...] = ("contact", "shape", "material", "load")
 
 #: Folder for pictures of counterexamples, in the working directory; made by the first failure.
 PICTURES = Path("mpmfw-check")
@@ -89,6 +89,22 @@ def material_conformance(
     return _parametrised(plugin, "material", material_checks(), expected_failures, only, pictures)
 
 
+def load_conformance(
+    plugin: Any,
+    *,
+    expected_failures: Mapping[str, str] | None = None,
+    only: Iterable[str] | None = None,
+    pictures: Path | None = PICTURES,
+) -> Callable[[Any], Any]:
+    """Parametrise a test over the checks of a load; as :func:`contact_conformance`.
+
+    A load whose options have no default is named with them: ``"drag(rate=2)"``.
+    """
+    from mpmfw.testing.load import load_checks
+
+    return _parametrised(plugin, "load", load_checks(), expected_failures, only, pictures)
+
+
 def checks_of(kind: Kind) -> Sequence[Check]:
     """All checks of a kind of plug-in.
 
@@ -109,6 +125,10 @@ def checks_of(kind: Kind) -> Sequence[Check]:
         from mpmfw.testing.material import material_checks
 
         return material_checks()
+    if kind == "load":
+        from mpmfw.testing.load import load_checks
+
+        return load_checks()
     raise SceneError(f"there are no checks of a {kind} by itself; expected one of {', '.join(CHECKED)}")
 
 
@@ -119,7 +139,7 @@ def check_plugin(
     only: Iterable[str] | None = None,
     pictures: Path | None = PICTURES,
 ) -> None:
-    """Check a contact strategy, a shape function or a material; its base class says which it is.
+    """Check a contact strategy, a shape function, a material or a load; its base class says which it is.
 
     Parameters
     ----------
@@ -163,10 +183,7 @@ def kind_of(plugin: Any) -> Kind:
     SceneError
         It has none of the base classes that there are checks for.
     """
-    from mpmfw.api import ContactStrategy, Material, ShapeFunction
-
-    kind = plugin if isinstance(plugin, type) else type(plugin)
-    bases: dict[Kind, type[Any]] = {"contact": ContactStrategy, "shape": ShapeFunction, "material": Material}
+    kind, bases = plugin if isinstance(plugin, type) else type(plugin), bases_of_kinds()
     for name, base in bases.items():
         if issubclass(kind, base):
             return name

@@ -114,10 +114,15 @@ def _from_module(path: str) -> Any:
     return found
 
 
-def _check_kind(plugin: type[Any], kind: Kind) -> None:
-    from mpmfw.api import ContactStrategy, Material, ShapeFunction
+def bases_of_kinds() -> dict[Kind, type[Any]]:
+    """Base classes of the kinds that there are checks for."""
+    from mpmfw.api import ContactStrategy, Load, Material, ShapeFunction
 
-    bases: dict[Kind, type[Any]] = {"contact": ContactStrategy, "shape": ShapeFunction, "material": Material}
+    return {"contact": ContactStrategy, "shape": ShapeFunction, "material": Material, "load": Load}
+
+
+def _check_kind(plugin: type[Any], kind: Kind) -> None:
+    bases = bases_of_kinds()
     if not issubclass(plugin, bases[kind]):
         raise SceneError(
             f"{full_name(plugin)} is no {kind} plug-in; expected a subclass of "

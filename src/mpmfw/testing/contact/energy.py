@@ -13,6 +13,7 @@ from mpmfw.testing.contact.bounds import search_meetings, within
 from mpmfw.testing.contact.drawing import histories
 from mpmfw.testing.contact.meeting import BULK_MODULUS, DENSITY, DEPTH, WIDTH, Meeting
 from mpmfw.testing.contact.motion import Motion, note, recorded, simulate
+from mpmfw.testing.saving import remember
 from mpmfw.testing.searching import ladder
 from mpmfw.testing.subject import Subject
 
@@ -110,6 +111,7 @@ def _pressed(subject: Subject, meeting: Meeting) -> Simulation:
     weight = {"gravity": {"vector": (PRESSING * meeting.normal).tolist()}}
     mapping = meeting.mapping(allow_unstable=True, **weight)
     mapping["bodies"]["second"]["sides"] = [{"side": "right", "fixed": True}]
+    remember(mapping, 40)
     simulation = Simulation(mapping, contact=subject.make())
     simulation.start()
     return simulation

@@ -15,6 +15,7 @@ from mpmfw.errors import SimulationError
 from mpmfw.results import Frame
 from mpmfw.simulation import Simulation
 from mpmfw.testing.check import Inapplicable, Violation
+from mpmfw.testing.saving import remember
 from mpmfw.testing.subject import Subject
 
 
@@ -199,6 +200,7 @@ def simulate(
     simulation = Simulation(mapping, contact=made, shape=shape)
     if steps is None:
         steps = math.ceil((duration or 0.0) / simulation.stable_step())
+    remember(mapping, steps)
     with recorded(simulation) as motion:
         try:
             simulation.advance(steps, lambda frame: note(motion, frame))

@@ -14,6 +14,7 @@ from mpmfw.testing.contact.drawing import histories
 from mpmfw.testing.contact.meeting import Meeting
 from mpmfw.testing.contact.motion import Motion, note, recorded, simulate
 from mpmfw.testing.contact.separation import same_bits
+from mpmfw.testing.saving import remember
 from mpmfw.testing.searching import ladder
 from mpmfw.testing.subject import Subject
 
@@ -79,6 +80,7 @@ def saved(subject: Subject) -> None:
     """
 
     def trial(meeting: Meeting) -> None:
+        remember(meeting.mapping(), BEFORE + AFTER)
         first = Simulation(meeting.mapping(), contact=subject.make())
         with recorded(first) as reference:
             first.advance(BEFORE, lambda frame: note(reference, frame))
@@ -131,6 +133,7 @@ def _side_by_side(motion: Motion, reference: Motion, name: str, unit: str) -> Pi
 
 def _restarted(subject: Subject, meeting: Meeting, *, call: bool) -> Motion:
     """A run with ``restart()`` called in the middle, or not; an output follows either way."""
+    remember(meeting.mapping(), BEFORE + AFTER)
     simulation = Simulation(meeting.mapping(), contact=subject.make())
     with recorded(simulation) as motion:
         simulation.advance(BEFORE, lambda frame: note(motion, frame))

@@ -1,0 +1,1 @@
+"""The bundled loads: forces at a point, body forces, drag."""

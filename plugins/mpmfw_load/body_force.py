@@ -1,0 +1,47 @@
+"""A force by volume, constant or changing in time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict
+
+from mpmfw.api import BodyLoad, FloatArray, Particles, TimeTable, problems_in_time, quantity, vector_in_time
+
+
+class BodyForceOptions(BaseModel):
+    """Options of a body force.
+
+    Attributes
+    ----------
+    force
+        By volume of the undeformed body [N/m^3]: a vector, or rows (t, x, y[, z]).
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    force: vector_in_time(quantity("N/m^3"))  # type: ignore[valid-type]
+
+
+class BodyForce(BodyLoad):
+    """The same force on every part of the undeformed volume, f_p = V_p⁰ b(t)."""
+
+    name = "body_force"
+    Options = BodyForceOptions
+    options: BodyForceOptions
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self.table = TimeTable.of(self.options.force)
+
+    @classmethod
+    def problems(cls, options: BodyForceOptions, dim: int) -> Iterable[tuple[tuple[str | int, ...], str]]:
+        """A force of another dimension than the grid, and times that do not increase."""
+        return ((("force", *index), message) for index, message in problems_in_time(options.force, dim))
+
+    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
+        """V_p⁰ b(t), (n, dim) [N]."""
+        volume = particles.through(particles.initial_volume)[own]
+        force: FloatArray = volume[:, None] * self.table.at(time)
+        return force

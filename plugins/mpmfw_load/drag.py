@@ -1,0 +1,72 @@
+"""Drag that goes with the velocity against a medium."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from mpmfw.api import (
+    BodyLoad,
+    FloatArray,
+    Particles,
+    State,
+    TimeTable,
+    Velocity,
+    hookimpl,
+    problems_in_time,
+    quantity,
+    vector_in_time,
+)
+
+
+class DragOptions(BaseModel):
+    """Options of drag.
+
+    Attributes
+    ----------
+    rate
+        c [1/s]: a body alone loses the share 1 − exp(−c t) of its velocity.
+    medium
+        Velocity u of the medium [m/s]: a vector, or rows (t, x, y[, z]); at rest where it is not given.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    rate: Annotated[quantity("1/s"), Field(gt=0)]  # type: ignore[valid-type]
+    medium: vector_in_time(Velocity) | None = None  # type: ignore[valid-type]
+
+
+class Drag(BodyLoad):
+    """Linear drag on every material point, f_p = −c m_p (v_p − u(t))."""
+
+    name = "drag"
+    Options = DragOptions
+    options: DragOptions
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        medium = self.options.medium
+        self.table = None if medium is None else TimeTable.of(medium)
+
+    @classmethod
+    def problems(cls, options: DragOptions, dim: int) -> Iterable[tuple[tuple[str | int, ...], str]]:
+        """A velocity of another dimension than the grid, and times that do not increase."""
+        if options.medium is None:
+            return ()
+        return ((("medium", *index), message) for index, message in problems_in_time(options.medium, dim))
+
+    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
+        """−c m_p (v_p − u), (n, dim) [N]."""
+        medium = np.zeros(particles.dim) if self.table is None else self.table.at(time)
+        force: FloatArray = (
+            -self.options.rate * particles.mass[own, None] * (particles.velocity[own] - medium)
+        )
+        return force
+
+    @hookimpl
+    def stable_timestep(self, state: State) -> tuple[float, str] | None:  # noqa: ARG002
+        """2 / c [s]: a longer step would turn the velocity round and make it grow."""
+        return 2.0 / self.options.rate, "drag"

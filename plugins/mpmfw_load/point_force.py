@@ -1,0 +1,88 @@
+"""A force at a point of a body, constant or changing in time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, Strict
+
+from mpmfw.api import (
+    BodyLoad,
+    FloatArray,
+    Force,
+    Length,
+    Particles,
+    SceneError,
+    Setup,
+    TimeTable,
+    hookimpl,
+    problems_in_time,
+    shares_near,
+    vector_in_time,
+)
+
+
+class PointForceOptions(BaseModel):
+    """Options of a point force.
+
+    Attributes
+    ----------
+    at
+        Where it acts at the start [m]; it goes with the body.
+    force
+        [N], in the plane on a body of its thickness: a vector, or rows (t, x, y[, z]).
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    at: Annotated[tuple[Length, ...], Strict(False), Field(min_length=2, max_length=3)]
+    force: vector_in_time(Force)  # type: ignore[valid-type]
+
+
+class PointForce(BodyLoad):
+    """A force at a point of one body, spread over the material points within 1.5 cells so that force and moment are exact.
+
+    Their shares w_p are linear in the distance within a kernel (moving least squares): Σ w_p = 1 and Σ w_p x_p = x at the start.
+    """
+
+    name = "point_force"
+    Options = PointForceOptions
+    options: PointForceOptions
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self.table = TimeTable.of(self.options.force)
+
+    @classmethod
+    def problems(cls, options: PointForceOptions, dim: int) -> Iterable[tuple[tuple[str | int, ...], str]]:
+        """A place or a force of another dimension than the grid, and times that do not increase."""
+        for key in ("at", "force"):
+            found = problems_in_time(getattr(options, key), dim)
+            yield from (((key, *index), message) for index, message in found)
+
+    @hookimpl
+    def setup(self, setup: Setup) -> None:
+        """Shares of the points near the place.
+
+        Raises
+        ------
+        SceneError
+            The load has several bodies, or none near the place.
+        """
+        if len(self.bodies) != 1:
+            names = ", ".join(body.name for body in self.bodies)
+            raise SceneError(
+                f"loads.{self.title}.bodies: a point force acts on one body, not on {names}; expected one of them"
+            )
+        (body,) = self.bodies
+        try:
+            position = setup.state.particles.position[body.particles]
+            self.shares = shares_near(position, np.array(self.options.at), setup.cell_size)
+        except ValueError as error:
+            raise SceneError(f"loads.{self.title}.at: {error}; expected a point of {body.name}") from error
+
+    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:  # noqa: ARG002
+        """w_p F(t), (n, dim) [N]."""
+        return np.outer(self.shares, self.table.at(time))

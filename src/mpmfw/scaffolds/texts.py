@@ -1,0 +1,150 @@
+"""Texts of the distributions that ``mpmfw new`` writes beside the module itself."""
+
+from __future__ import annotations
+
+PYPROJECT = """\
+[build-system]
+requires = ["hatchling>=1.26"]
+build-backend = "hatchling.build"
+
+[project]
+name = "mpmfw-@DASHED@"
+version = "0.1.0"
+description = "A @KIND@ of one's own for mpmfw"
+requires-python = ">=3.11"
+dependencies = ["mpmfw", "numpy>=2.2", "pydantic>=2.9"]
+
+[project.optional-dependencies]
+test = ["mpmfw[testing]"]
+
+# mpmfw finds it here; nothing in mpmfw changes.
+[project.entry-points."mpmfw.@KIND@"]
+@NAME@ = "mpmfw_@NAME@:@ENTRY@"
+
+[tool.hatch.build.targets.wheel]
+packages = ["src/mpmfw_@NAME@"]
+"""
+
+README = """\
+# mpmfw-@DASHED@
+
+A @KIND@ of one's own for mpmfw. It does something simple and passes its tests; replace what is in `src/mpmfw_@NAME@/@KIND@.py`.
+
+```sh
+pip install -e ".[test]"
+mpmfw plugins
+pytest
+```
+@RUN@"""
+
+MODULE_OF = '''\
+"""A @KIND@, a plug-in of mpmfw."""
+
+from mpmfw_@NAME@.@KIND@ import @ENTRY@
+
+__all__ = ["@ENTRY@"]
+'''
+
+#: How a scene names it.
+RUN = {
+    "material": '\n```toml\n[materials.soft]\nmodel = "@NAME@"\ndensity = 1000\n```\n',
+    "load": '\n```toml\n[loads.push]\nmodel = "@NAME@"\n```\n',
+    "boundary": '\n```toml\n[boundaries.floor]\nmodel = "@NAME@"\n```\n',
+    "output": '\n```toml\n[outputs.fast]\nmodel = "@NAME@"\n```\n',
+    "friction": '\n```toml\n[contact]\nfriction_law = "@NAME@"\n```\n',
+    "measure": '\n```sh\nmpmfw study STUDY      # with error.quantity = "@NAME@"\n```\n',
+    "reference": '\n```toml\n[reference]\nkind = "@NAME@"\n```\n',
+}
+
+_SCENE = '''\
+"""What the plug-in does in a run of a square that falls."""
+
+import numpy as np
+import pytest
+
+import mpmfw
+
+SCENE = {
+    "grid": {"cell_size": 0.25, "lower": [-1.5, -1.5], "upper": [1.5, 1.5]},
+    "time": {"end": 0.01, "output_interval": 0.005, "step": 1e-4},
+    "shape": {"method": "cpdi"},
+    "materials": {
+        "soft": {"model": "neo_hookean", "density": 1000.0, "bulk_modulus": 5e6, "shear_modulus": 3e6}
+    },
+    "bodies": {
+        "block": {
+            "material": "soft",
+            "geometry": {"type": "rectangle", "lower": [-0.5, -0.5], "upper": [0.5, 0.5]},
+            "particles": {"size": 0.125},
+        }
+    },
+    "gravity": {"vector": [0.0, -10.0]},
+}
+
+'''
+
+_CHECKED = """\
+from mpmfw.testing import @KIND@_conformance as conformance
+
+
+@conformance("@NAME@")
+def test_conformance(check):
+    check()
+"""
+
+TESTS = {
+    "material": _CHECKED,
+    "load": _CHECKED,
+    "boundary": _SCENE
+    + """
+def test_what_is_held_moves_as_prescribed():
+    floor = {"model": "@NAME@", "below": -0.2, "speed": 0.5}
+    series = mpmfw.run({**SCENE, "boundaries": {"floor": floor}})["series"]
+    velocity = series["mean_velocity"].sel(body="block")
+    assert velocity.sel(axis="x").values[-1] > 0.1
+    assert velocity.sel(axis="y").values[-1] > -0.1  # it no longer falls freely
+""",
+    "output": _SCENE
+    + """
+def test_the_series_is_in_the_results():
+    series = mpmfw.run({**SCENE, "outputs": {"fast": {"model": "@NAME@"}}})["series"]
+    speed = series["fast_largest_speed"]
+    assert speed.attrs["units"] == "m s-1"
+    assert speed.values[-1, 0] == pytest.approx(10.0 * 0.01, rel=1e-6)
+""",
+    "friction": _SCENE
+    + """
+def test_a_factor_of_two_is_twice_the_friction():
+    lower = {"type": "rectangle", "lower": [-1.0, -1.0], "upper": [1.0, -0.5]}
+    bodies = {**SCENE["bodies"], "plane": {**SCENE["bodies"]["block"], "geometry": lower}}
+    bodies["plane"]["sides"] = [{"side": "bottom", "fixed": True}]
+    bodies["block"] = {**bodies["block"], "velocity": [1.0, -0.5]}
+
+    def end(friction, law):
+        contact = {"method": "penalty", "friction": friction, **law}
+        series = mpmfw.run({**SCENE, "bodies": bodies, "contact": contact})["series"]
+        return series["mean_velocity"].sel(body="block").values[-1]
+
+    ours = end(0.1, {"friction_law": "@NAME@", "@NAME@": {"factor": 2.0}})
+    np.testing.assert_allclose(ours, end(0.2, {}), rtol=1e-12)
+""",
+    "measure": _SCENE
+    + """
+def test_the_way_of_a_falling_square():
+    from mpmfw.campaigns.measures import About, measure_of
+
+    scene = mpmfw.load_scene(SCENE)
+    found = measure_of("@NAME@").of(mpmfw.run(scene), scene, About(body="block"))
+    assert found.values[0] == pytest.approx(0.5 * 10.0 * 0.01**2, rel=0.05)
+""",
+    "reference": _SCENE
+    + """
+def test_free_fall_is_known():
+    from mpmfw.campaigns.measures import About, exact_of, measure_of
+
+    scene = mpmfw.load_scene({**SCENE, "reference": {"kind": "@NAME@"}})
+    exact = exact_of(measure_of("displacement"), scene, About(body="block", axis="y"))
+    assert exact is not None
+    assert exact.at(np.array([0.01]))[0] == pytest.approx(-0.5 * 10.0 * 0.01**2)
+""",
+}

@@ -1,0 +1,15 @@
+"""The checks of loads, and the square that they act on."""
+
+from __future__ import annotations
+
+from mpmfw.testing.check import Check
+from mpmfw.testing.load.contract import contract_checks
+from mpmfw.testing.load.force import force_checks
+
+
+def load_checks() -> list[Check]:
+    """All checks of a load: those first whose failure makes others fail as well."""
+    return [*contract_checks(), *force_checks()]
+
+
+__all__ = ["load_checks"]

@@ -1,0 +1,1 @@
+"""Loads that break one property each."""

@@ -1,0 +1,237 @@
+"""Planted faults of loads: each breaks one property."""
+
+from __future__ import annotations
+
+import time as clock
+from typing import Any
+
+import numpy as np
+
+from mpmfw.api import (
+    BodyLoad,
+    FloatArray,
+    Grid,
+    LoadedFacets,
+    Particles,
+    State,
+    Stencil,
+    SurfaceLoad,
+    hookimpl,
+)
+from mpmfw.kernels import kernel
+from mpmfw.kernels.types import Floats
+
+
+class Sound(BodyLoad):
+    """A spring towards a place, and drag."""
+
+    name = "sound"
+
+    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
+        to_the_place = np.cos(time) - particles.position[own]
+        force: FloatArray = particles.mass[own, None] * (3.0 * to_the_place - particles.velocity[own])
+        return force
+
+
+class SoundWind(SurfaceLoad):
+    """Pressure where the surface moves against a medium, by place."""
+
+    name = "sound_wind"
+
+    def traction(self, facets: LoadedFacets, time: float) -> FloatArray:
+        along = ((facets.velocity - 2.0 - time) * facets.normal).sum(axis=1)
+        return -np.maximum(along, 0.0)[:, None] * facets.normal
+
+
+class Infinite(Sound):
+    """Divides by a time that is zero at first."""
+
+    name = "infinite"
+
+    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
+        return super().forces(particles, own, time) / np.float64(time)
+
+
+class WrongShape(Sound):
+    """One number for each point."""
+
+    name = "wrong_shape"
+
+    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
+        return super().forces(particles, own, time)[:, 0]
+
+
+class Braking(Sound):
+    """Writes the points' velocity in place of a force."""
+
+    name = "braking"
+
+    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
+        particles.velocity[own] *= 0.999
+        return super().forces(particles, own, time)
+
+
+class Hardening(Sound):
+    """Writes the points' stress."""
+
+    name = "hardening"
+
+    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
+        particles.stress[own] += 1.0
+        return super().forces(particles, own, time)
+
+
+class Everybody(Sound):
+    """Adds to all nodes, whatever body is theirs."""
+
+    name = "everybody"
+
+    @hookimpl
+    def add_nodal_force(self, grid: Grid) -> None:
+        grid.force[:, 0] += grid.mass * 1.0
+
+
+class FirstPoints(Sound):
+    """Reads the first points of all in place of its body's own."""
+
+    name = "first_points"
+
+    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
+        return super().forces(particles, slice(0, own.stop - own.start), time)
+
+
+class MeanOfAll(Sound):
+    """Drag against the mean velocity of all bodies."""
+
+    name = "mean_of_all"
+
+    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:  # noqa: ARG002
+        mean = particles.velocity.mean(axis=0)
+        force: FloatArray = particles.mass[own, None] * (mean - 2.0 * particles.velocity[own])
+        return force
+
+
+class Counting(Sound):
+    """Grows with every call."""
+
+    name = "counting"
+
+    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
+        self.calls = getattr(self, "calls", 0) + 1
+        return self.calls * super().forces(particles, own, time)
+
+
+class Latching(Sound):
+    """Stays on once it was, in an attribute of its own."""
+
+    name = "latching"
+
+    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
+        self.on = getattr(self, "on", False) or time > 1.0
+        return super().forces(particles, own, time) * (2.0 if self.on else 1.0)
+
+
+class Noisy(Sound):
+    """Another force in every run."""
+
+    name = "noisy"
+
+    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
+        return super().forces(particles, own, time) * (1.0 + 1e-3 * (clock.perf_counter_ns() % 1000))
+
+
+class Pushing(Sound):
+    """Changes the momentum beside its forces."""
+
+    name = "pushing"
+
+    @hookimpl
+    def after_momentum_update(self, grid: Grid, dt: float) -> None:
+        grid.momentum[:, 0] += dt * grid.mass
+
+
+class Twice(Sound):
+    """Acts a second time after the momentum is integrated."""
+
+    name = "twice"
+
+    @hookimpl
+    def add_nodal_force(self, grid: Grid, state: State, phi: Stencil) -> None:
+        before = grid.force.copy()
+        BodyLoad.add_nodal_force(self, grid, state, phi)
+        self.again = grid.force - before
+
+    @hookimpl
+    def after_momentum_update(self, grid: Grid, dt: float) -> None:
+        grid.momentum += dt * self.again
+
+
+class Shaking(Sound):
+    """Heats: adds opposite momenta to neighbouring nodes, whose sum is nothing."""
+
+    name = "shaking"
+
+    @hookimpl
+    def after_momentum_update(self, grid: Grid) -> None:
+        moving = np.flatnonzero(grid.mass > 0.0)
+        pairs = moving[: len(moving) // 2 * 2].reshape(-1, 2)
+        grid.momentum[pairs[:, 0], 0] += 1e-3
+        grid.momentum[pairs[:, 1], 0] -= 1e-3
+
+
+class EachPoint(BodyLoad):
+    """The same force on every point, however many there are."""
+
+    name = "each_point"
+
+    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:  # noqa: ARG002
+        return np.ones((own.stop - own.start, particles.dim))
+
+
+class FirstPoint(BodyLoad):
+    """As much as one point weighs."""
+
+    name = "first_point"
+
+    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:  # noqa: ARG002
+        force = np.zeros((own.stop - own.start, particles.dim))
+        force[0] = 10.0 * particles.mass[own][0]
+        return force
+
+
+@kernel
+def fill(force: Floats, values: int) -> None:
+    """Write so many numbers, past the end where there are fewer."""
+    for p in range(values):
+        force[p, 0] = 1.0
+
+
+class PastTheEnd(BodyLoad):
+    """Writes one row more than its array has: nobody sees it but who asks every index."""
+
+    name = "past_the_end"
+
+    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:  # noqa: ARG002
+        force = np.zeros((own.stop - own.start, particles.dim))
+        fill(force, len(force) + 1)
+        return force
+
+
+#: The check that is meant for each.
+FAULTS: dict[type[Any], str] = {
+    Infinite: "runs",
+    WrongShape: "runs",
+    Braking: "runs",
+    Hardening: "writes-nothing",
+    Everybody: "own-body",
+    FirstPoints: "own-body",
+    MeanOfAll: "own-body",
+    Counting: "no-memory",
+    Latching: "no-memory",
+    Noisy: "no-memory",
+    Pushing: "impulse",
+    Twice: "impulse",
+    Shaking: "power",
+    EachPoint: "refinement",
+    FirstPoint: "refinement",
+}

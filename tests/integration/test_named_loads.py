@@ -1,0 +1,392 @@
+"""Loads that a scene names, total forces on sides, and the thickness of bodies of the plane, each against a closed form."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic import BaseModel
+
+import mpmfw
+from mpmfw.api import BodyLoad, FloatArray, LoadedFacets, Particles, SurfaceLoad
+from mpmfw.discovery import available
+from mpmfw.errors import PluginError, SceneError
+from mpmfw.simulation import Simulation
+from scenes_for_tests import BULK, DENSITY, SHEAR, SOFT, block, box, disc, two_blocks
+
+P_WAVE = BULK + 4.0 * SHEAR / 3.0
+HOOKE = {**SOFT, "model": "linear_elastic"}
+WALLS = [{"side": "left", "fixed": ["x"]}, {"side": "right", "fixed": ["x"]}]
+
+
+def started(scene: dict[str, Any]) -> Simulation:
+    sim = Simulation(scene)
+    sim.start()
+    return sim
+
+
+def momentum(sim: Simulation) -> FloatArray:
+    p = sim.state.particles
+    return np.asarray(p.mass @ p.velocity)
+
+
+@pytest.mark.parametrize("make", [block, box])
+def test_a_point_force_gives_its_impulse(make: Any) -> None:
+    force = [3.0, -2.0, 1.0][: 2 if make is block else 3]
+    load = {"model": "point_force", "at": [0.2, 0.1, 0.0][: len(force)], "force": force}
+    sim = started(make(loads={"push": load}, time__step=1e-4))
+    sim.advance(20)
+    np.testing.assert_allclose(momentum(sim), np.multiply(force, 20e-4), rtol=1e-9)
+
+
+def test_a_point_force_in_time_gives_the_integral_of_its_table() -> None:
+    rows = [[1e-3, 0.0, 0.0], [2e-3, 4.0, 2.0]]
+    sim = started(
+        block(loads={"push": {"model": "point_force", "at": [0, 0], "force": rows}}, time__step=1e-4)
+    )
+    sim.advance(40)
+    # From the start of every step: 0 to 1 ms, the sum of 1 … 9 tenths to 2 ms, then 20 steps of the whole
+    exact = np.array([4.0, 2.0]) * (0.1 * sum(range(10)) + 20) * 1e-4
+    np.testing.assert_allclose(momentum(sim), exact, rtol=1e-9)
+
+
+@pytest.mark.parametrize("at", [[0.0, 0.0], [0.31, -0.17], [0.5, 0.5], [-0.5, 0.02]])
+def test_a_point_force_has_its_moment(at: list[float]) -> None:
+    """One step gives L = Δt x × F, at a corner and on a side as well: the force acts at the place that was asked for."""
+    force = [3.0, -2.0]
+    load = {"model": "point_force", "at": at, "force": force}
+    sim = started(block(loads={"push": load}, time__step=1e-4, bodies__solid__rotation="lumped"))
+    sim.step(1e-4)
+    grid = sim.state.grid
+    nodal = grid.mass[:, None] * (grid.velocity - grid.start_velocity)
+    x = grid.position
+    moment = float((x[:, 0] * nodal[:, 1] - x[:, 1] * nodal[:, 0]).sum())
+    assert moment == pytest.approx(1e-4 * (at[0] * force[1] - at[1] * force[0]), abs=1e-12)
+
+
+def test_a_body_force_is_that_of_the_volume() -> None:
+    sim = started(block(loads={"field": {"model": "body_force", "force": [2.0, -7.0]}}, time__step=1e-4))
+    sim.advance(20)
+    np.testing.assert_allclose(momentum(sim), np.multiply([2.0, -7.0], 20e-4), rtol=1e-9)
+
+
+def test_a_body_force_of_rho_g_is_gravity() -> None:
+    by_load = block(loads={"weight": {"model": "body_force", "force": [0.0, -10.0 * DENSITY]}})
+    by_gravity = block(gravity={"vector": [0.0, -10.0]})
+    found = []
+    for scene in (by_load, by_gravity):
+        sim = started(scene)
+        sim.advance(10)
+        found.append(sim.state.particles.velocity.copy())
+    np.testing.assert_allclose(found[0], found[1], rtol=1e-10, atol=1e-12)
+
+
+def test_drag_lets_the_velocity_decay_towards_the_medium() -> None:
+    """v = u + (v_0 − u) exp(−c t), first order in Δt."""
+    load = {"model": "drag", "rate": 20.0, "medium": [1.0, 0.0]}
+    sim = started(block(loads={"air": load}, bodies__solid__velocity=[0.0, 2.0], time__step=1e-4))
+    sim.advance(500)
+    decay = math.exp(-20.0 * 0.05)
+    expected = [1.0 - decay, 2.0 * decay]
+    np.testing.assert_allclose(momentum(sim) / sim.state.particles.mass.sum(), expected, rtol=2 * 20.0 * 1e-4)
+
+
+def test_drag_limits_the_step() -> None:
+    sim = started(block(loads={"air": {"model": "drag", "rate": 1e6}}))
+    assert (2e-6, "drag") in sim.limits()
+
+
+def test_a_load_acts_on_the_bodies_that_it_names_alone() -> None:
+    scene = two_blocks(
+        "bardenhagen", loads={"field": {"model": "body_force", "bodies": ["left"], "force": [0, 9]}}
+    )
+    still = with_no_velocity(scene)
+    sim = started(still)
+    sim.advance(5)
+    p = sim.state.particles
+    left, right = (body.particles for body in sim.state.bodies)
+    assert p.velocity[left, 1].min() > 0.0
+    assert np.abs(p.velocity[right]).max() < 1e-9
+
+
+def with_no_velocity(scene: dict[str, Any]) -> dict[str, Any]:
+    for body in scene["bodies"].values():
+        body.pop("velocity")
+    return scene
+
+
+@pytest.mark.parametrize("size", [0.125, 0.0625])
+@pytest.mark.parametrize("shape", ["cpdi", "gimp"])
+def test_a_total_force_on_a_side_does_not_depend_on_the_mesh(size: float, shape: str) -> None:
+    """Half of the height, or another division into points: the sum is the force that was asked for."""
+    sides = [{"side": "right", "force": [30.0, 5.0]}]
+    for height in (0.5, 1.0):
+        geometry = {"type": "rectangle", "lower": [-0.5, 0.0], "upper": [0.5, height]}
+        changes = {"bodies__solid__geometry": geometry, "bodies__solid__particles__size": size}
+        sim = started(block(bodies__solid__sides=sides, shape__method=shape, time__step=1e-4, **changes))
+        sim.advance(20)
+        np.testing.assert_allclose(momentum(sim), [30.0 * 20e-4, 5.0 * 20e-4], rtol=1e-9)
+
+
+def test_a_total_force_keeps_its_sum_when_the_side_grows() -> None:
+    """The top is drawn to twice its length; a traction's sum grows with it."""
+    sim = started(block(bodies__solid__sides=[{"side": "top", "force": [0.0, 10.0]}]))
+    surface = sim.state.surface
+    assert surface is not None
+    load = sim.manager.get_plugin("force on solid top")
+    surface.position[:, 0] *= 2.0
+    facets = LoadedFacets(sim.state, load.facets)
+    assert facets.area.sum() == pytest.approx(2.0)
+    np.testing.assert_allclose(facets.area @ load.traction(facets, 0.0), [0.0, 10.0], rtol=1e-12)
+
+
+def test_a_plate_of_another_thickness_has_another_mass_and_the_same_stress() -> None:
+    """Settled under the pressure on its top: the stress is the pressure, to the bit for powers of two."""
+    found = {}
+    for thickness in (None, 0.25):
+        sides = [{"side": "bottom", "fixed": ["y"]}, *WALLS, {"side": "top", "pressure": 1e4}]
+        scene = block(bodies__solid__sides=sides, materials__soft=HOOKE, settle={})
+        if thickness is not None:
+            scene["bodies"]["solid"]["thickness"] = thickness
+        found[thickness] = started(scene).state.particles
+    np.testing.assert_array_equal(found[0.25].mass, 0.25 * found[None].mass)
+    np.testing.assert_array_equal(found[0.25].stress, found[None].stress)
+    assert found[0.25].stress[:, 1, 1].mean() == pytest.approx(-1e4, rel=0.01)
+
+
+def test_a_force_on_a_thinner_plate_stresses_it_more() -> None:
+    """σ = F / (L t), settled; F in N."""
+    for thickness in (0.5, 0.02):
+        sides = [{"side": "bottom", "fixed": ["y"]}, *WALLS, {"side": "top", "force": [0.0, -100.0]}]
+        scene = block(
+            bodies__solid__sides=sides, bodies__solid__thickness=thickness, materials__soft=HOOKE, settle={}
+        )
+        stress = started(scene).state.particles.stress
+        assert stress[:, 1, 1].mean() == pytest.approx(-100.0 / thickness, rel=0.01)
+
+
+def test_everything_of_a_thickness_of_two_is_twice_that_of_one() -> None:
+    """Two squares meet by springs with friction: motion and stress are the same, forces and energies twice as large."""
+    trees = []
+    for thickness in (1.0, 2.0):
+        changes = {f"bodies__{name}__thickness": thickness for name in ("left", "right")}
+        trees.append(
+            mpmfw.run(
+                two_blocks(
+                    "penalty", time__end=0.02, time__output_interval=0.01, output__ledger=True, **changes
+                )
+            )
+        )
+    one, two = (tree["series"] for tree in trees)
+    for name in ("centre_of_mass", "angular_velocity", "min_gap"):
+        np.testing.assert_allclose(two[name], one[name], rtol=1e-9, atol=1e-12)
+    assert abs(one["contact_force"].values).max() > 0.0
+    for name in ("contact_force", "kinetic_energy", "strain_energy", "frictional_work", "contact_work"):
+        scale = np.nanmax(np.abs(one[name].values))
+        np.testing.assert_allclose(two[name], 2.0 * one[name], rtol=1e-9, atol=1e-9 * scale)
+    assert one["contact_force"].attrs["units"] == "N"
+    assert one["kinetic_energy"].attrs["units"] == "J"
+
+
+@pytest.mark.parametrize("contact", ["bardenhagen", "lcp"])
+def test_other_contacts_know_the_thickness(contact: str) -> None:
+    trees = []
+    for thickness in (None, 4.0):
+        scene = two_blocks(contact, time__end=0.01, time__output_interval=0.01)
+        if thickness is not None:
+            for body in scene["bodies"].values():
+                body["thickness"] = thickness
+        trees.append(mpmfw.run(scene)["series"])
+    np.testing.assert_allclose(trees[1]["centre_of_mass"], trees[0]["centre_of_mass"], rtol=1e-9)
+    scale = np.nanmax(np.abs(trees[0]["contact_force"].values))
+    assert scale > 0.0
+    np.testing.assert_allclose(
+        trees[1]["contact_force"], 4.0 * trees[0]["contact_force"], rtol=1e-9, atol=1e-9 * scale
+    )
+
+
+def test_without_a_thickness_the_units_are_those_of_a_metre() -> None:
+    tree = mpmfw.run(block(time__end=1e-3, time__output_interval=1e-3))
+    assert tree["series/kinetic_energy"].attrs["units"] == "J m-1"
+
+
+@pytest.mark.parametrize(
+    "loads",
+    [
+        {"push": {"model": "point_force", "at": [0.2, 0.1], "force": [2e4, 1e4]}},
+        {"field": {"model": "body_force", "force": [2e4, -1e4]}},
+        {"air": {"model": "drag", "rate": 30.0, "medium": [2.0, 0.0]}},
+    ],
+)
+def test_the_work_of_a_load_is_in_the_ledger(loads: dict[str, Any]) -> None:
+    """Work of the load = what the energy grew by and the transfer took away, to a thousandth."""
+    scene = block(loads=loads, bodies__solid__velocity=[1.0, 0.5], output__ledger=True)
+    series = mpmfw.run(scene)["series"]
+    work = series["external_work"].values[-1]
+    energy = float(
+        (series["total_energy"] + series.get("affine_energy", 0.0)).sum("body")[-1]
+        - (series["total_energy"] + series.get("affine_energy", 0.0)).sum("body")[0]
+    )
+    assert abs(work) > 1.0
+    assert energy == pytest.approx(
+        work - series["transfer_dissipation"].values[-1], rel=1e-3, abs=1e-3 * abs(work)
+    )
+    assert "contact_work" not in series
+
+
+class Wind(SurfaceLoad):
+    """Traction c (u − v)·n n where the wind blows on the surface: by place, motion and direction."""
+
+    name = "wind"
+
+    class Options(BaseModel):
+        speed: float = 3.0
+
+    def traction(self, facets: LoadedFacets, time: float) -> FloatArray:  # noqa: ARG002
+        against = (facets.velocity - [self.options.speed, 0.0])[:, 0] * facets.normal[:, 0]
+        return -np.maximum(against, 0.0)[:, None] * facets.normal
+
+
+class Wrong(BodyLoad):
+    """Answers with another shape."""
+
+    name = "wrong"
+
+    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:  # noqa: ARG002
+        return np.zeros(3)
+
+
+class Writing(BodyLoad):
+    """Changes what belongs to the step."""
+
+    name = "writing"
+
+    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:  # noqa: ARG002
+        particles.velocity[own] *= 0.5
+        return np.zeros((own.stop - own.start, particles.dim))
+
+
+@pytest.fixture
+def installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The loads of this module as if they were installed."""
+    from importlib.metadata import EntryPoint
+
+    from mpmfw import discovery
+
+    def entry(name: str) -> EntryPoint:
+        return EntryPoint(name.lower(), f"{__name__}:{name}", "mpmfw.load")
+
+    known = discovery.entry_points
+    extra = [entry(name) for name in ("Wind", "Wrong", "Writing")]
+    monkeypatch.setattr(
+        discovery, "entry_points",
+        lambda **select: [*known(**select), *(extra if select.get("group") == "mpmfw.load" else [])],
+    )  # fmt: skip
+
+
+@pytest.mark.usefixtures("installed")
+def test_a_strangers_traction_by_place_and_motion() -> None:
+    """On the left side of 1 m alone: c (u − v_x) pushes towards +x."""
+    sim = started(block(loads={"wind": {"model": "wind", "speed": 3.0}}, time__step=1e-4))
+    sim.advance(1)
+    np.testing.assert_allclose(momentum(sim), [3.0e-4, 0.0], rtol=1e-9, atol=1e-12)
+    moving = started(
+        block(loads={"wind": {"model": "wind"}}, bodies__solid__velocity=[1.0, 0.0], time__step=1e-4)
+    )
+    before = momentum(moving)
+    moving.advance(1)
+    np.testing.assert_allclose(momentum(moving) - before, [2.0e-4, 0.0], rtol=1e-6, atol=1e-10)
+    assert any(effect.name == "surfaces" and "wind" in effect.reason for effect in sim.effects)
+
+
+@pytest.mark.usefixtures("installed")
+def test_a_load_that_answers_wrongly_ends_the_run_by_name() -> None:
+    with pytest.raises(
+        PluginError, match=r"'odd' \(wrong\) answered with an array of shape \(3,\); expected \(64, 2\)"
+    ):
+        mpmfw.run(block(loads={"odd": {"model": "wrong"}}))
+
+
+@pytest.mark.usefixtures("installed")
+def test_a_load_cannot_change_what_belongs_to_the_step() -> None:
+    with pytest.raises(
+        PluginError, match="changed the material points' masses, initial volumes, positions or velocities"
+    ):
+        mpmfw.run(block(loads={"odd": {"model": "writing"}}))
+
+
+DRAG = {"model": "drag", "rate": 1.0}
+PUSH = {"model": "point_force", "at": [0, 0], "force": [1, 0]}
+
+
+@pytest.mark.parametrize(
+    ("load", "said"),
+    [
+        (
+            {**DRAG, "model": "darg"},
+            r"a\.model: no such load plug-in: 'darg' is unknown; did you mean 'drag'",
+        ),
+        ({**DRAG, "raet": 1.0}, r"a\.raet: unknown key; did you mean 'rate'"),
+        ({**DRAG, "rate": "3 m"}, r"a\.rate: '3 m' is not convertible to 1/s"),
+        ({**DRAG, "bodies": ["sold"]}, r"a\.bodies\[0\]: no body 'sold'; did you mean 'solid'"),
+        ({**DRAG, "bodies": ["solid", "solid"]}, r"a\.bodies\[1\]: names 'solid' twice"),
+        ({**DRAG, "medium": [1, 2, 3]}, r"a\.medium: has 3 entries; expected 2"),
+        (
+            {**PUSH, "at": [9, 0]},
+            r"a\.at: the nearest material point is .* cells away; expected a point of solid",
+        ),
+        ({**PUSH, "force": [[0, 1, 0], [0, 2, 0]]}, r"a\.force\[1\]: times must increase"),
+    ],
+)
+def test_a_load_that_cannot_be_meant_is_refused(load: dict[str, Any], said: str) -> None:
+    with pytest.raises(SceneError, match=rf"loads\.{said}"):
+        Simulation(block(loads={"a": load}))
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"bodies__solid__sides": [{"side": "top", "force": [1.0]}]}, r"sides\[0\].force: has 1 entries"),
+        (
+            {"bodies__solid__sides": [{"side": "top", "force": [1, 2, 3]}]},
+            r"force: has 3 entries; expected 2",
+        ),
+        ({"bodies__solid__thickness": 0.0}, r"bodies\.solid\.thickness: must be greater than 0"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused(changes: dict[str, Any], said: str) -> None:
+    with pytest.raises(SceneError, match=said):
+        Simulation(block(**changes))
+
+
+def test_a_thickness_in_space_is_refused() -> None:
+    with pytest.raises(SceneError, match=r"bodies\.solid\.thickness: is for two dimensions"):
+        mpmfw.load_scene(box(bodies__solid__thickness=0.5))
+
+
+def test_a_point_force_asks_for_one_body() -> None:
+    with pytest.raises(
+        SceneError, match=r"loads\.a\.bodies: a point force acts on one body, not on left, right"
+    ):
+        Simulation(two_blocks("penalty", loads={"a": PUSH}))
+
+
+def test_a_run_with_loads_goes_on_to_the_bit_from_where_it_was_saved(tmp_path: Any) -> None:
+    loads = {
+        "push": {"model": "point_force", "at": [0.2, 0.1], "force": [[0.0, 1e4, 0.0], [0.02, 0.0, 1e4]]},
+        "air": {"model": "drag", "rate": 30.0},
+    }
+    scene = disc(loads=loads)
+    first, second = started(scene), started(scene)
+    first.advance(10)
+    first.save(tmp_path / "state")
+    first.advance(10)
+    second.load(tmp_path / "state")
+    second.advance(10)
+    np.testing.assert_array_equal(first.state.particles.velocity, second.state.particles.velocity)
+
+
+def test_the_bundled_loads_are_announced() -> None:
+    assert {"point_force", "body_force", "drag"} <= set(available("load"))

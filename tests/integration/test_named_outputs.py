@@ -1,0 +1,146 @@
+"""Series and boundary conditions that a scene names, by classes as a stranger would write them."""
+
+from __future__ import annotations
+
+from importlib.metadata import EntryPoint
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mpmfw
+from mpmfw import discovery
+from mpmfw.api import AnyArray, Boundary, Field, FloatArray, OutputSeries, State
+from mpmfw.errors import PluginError, SceneError
+from mpmfw.simulation import Simulation
+from scenes_for_tests import block, two_blocks
+
+
+class Places(OutputSeries):
+    """Lowest and highest point of every body along each axis, and how often it was asked."""
+
+    name = "places"
+
+    def series(self) -> list[Field]:
+        return [
+            Field("lowest", ("body", "axis"), "m", "least coordinate of the material points"),
+            Field("asked", (), "1", "number of outputs"),
+        ]
+
+    def values(self, state: State, interval: float) -> dict[str, Any]:
+        self.asked = 1 if interval == 0.0 else self.asked + 1
+        lowest = [state.particles.position[body.particles].min(axis=0) for body in state.bodies]
+        return {"lowest": np.array(lowest), "asked": self.asked}
+
+
+class Less(Places):
+    """Forgets a series that it declared."""
+
+    name = "less"
+
+    def values(self, state: State, interval: float) -> dict[str, Any]:  # noqa: ARG002
+        return {"asked": 1}
+
+
+class Shaken(Boundary):
+    """The lower quarter moves along x with 0.1 t, and is free along y."""
+
+    name = "shaken"
+
+    def holds(self, position: FloatArray) -> AnyArray:
+        return position[:, 1] < -0.25
+
+    def velocity(self, position: FloatArray, time: float) -> FloatArray:
+        velocity = np.full_like(position, np.nan)
+        velocity[:, 0] = 10.0 * time
+        return velocity
+
+
+class Nothing(Shaken):
+    """Holds no point."""
+
+    name = "nothing"
+
+    def holds(self, position: FloatArray) -> AnyArray:
+        return position[:, 1] > 100.0
+
+
+@pytest.fixture(autouse=True)
+def installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The classes of this module as if they were installed."""
+    known = discovery.entry_points
+    groups = {"mpmfw.output": ("Places", "Less"), "mpmfw.boundary": ("Shaken", "Nothing")}
+
+    def found(**select: str) -> list[EntryPoint]:
+        group = select.get("group", "")
+        return [
+            *known(**select),
+            *(EntryPoint(name.lower(), f"{__name__}:{name}", group) for name in groups.get(group, ())),
+        ]
+
+    monkeypatch.setattr(discovery, "entry_points", found)
+
+
+def test_series_of_ones_own_are_in_the_results_with_unit_and_labels() -> None:
+    scene = two_blocks("separate", time__end=2e-3, time__output_interval=1e-3)
+    series = mpmfw.run({**scene, "outputs": {"box": {"model": "places"}}})["series"]
+    assert series["box_lowest"].dims == ("time", "body", "axis")
+    assert series["box_lowest"].attrs["units"] == "m"
+    assert series["box_lowest"].sel(body="left", axis="y").values[0] == pytest.approx(-0.25 + 0.0625)
+    np.testing.assert_array_equal(series["box_asked"], [1, 2, 3])
+
+
+def test_two_tables_of_one_model_have_series_of_their_own() -> None:
+    scene = block(time__end=1e-3, time__output_interval=1e-3)
+    series = mpmfw.run({**scene, "outputs": {"a": {"model": "places"}, "b": {"model": "places"}}})["series"]
+    assert {"a_lowest", "b_lowest", "a_asked", "b_asked"} <= set(series.data_vars)
+
+
+def test_a_series_that_is_declared_and_not_given_ends_the_run() -> None:
+    with pytest.raises(
+        PluginError, match=r"'a' \(less\) answered with values of asked; expected asked, lowest"
+    ):
+        mpmfw.run(block(outputs={"a": {"model": "less"}}))
+
+
+def test_what_is_held_moves_as_prescribed_and_the_rest_follows() -> None:
+    sim = Simulation(block(boundaries={"table": {"model": "shaken"}}, time__step=1e-4))
+    sim.start()
+    p, grid = sim.state.particles, sim.state.grid
+    low = p.position[:, 1] < -0.4
+    for _ in range(100):
+        sim.step(1e-4)
+    speed = 10.0 * sim.state.time
+    held = (grid.position[:, 1] < -0.3) & (grid.mass > 0.0)
+    assert held.any()
+    np.testing.assert_allclose(grid.velocity[held, 0], speed, rtol=1e-12)
+    np.testing.assert_allclose(p.velocity[low, 0], speed, rtol=0.1)  # the edge is known to half a cell
+    assert 0.0 < p.velocity[~low, 0].mean() < speed
+    assert ("rotation of solid: lumped") in [effect.name for effect in sim.effects]
+
+
+def test_a_free_component_is_left_to_the_body() -> None:
+    sim = Simulation(block(boundaries={"table": {"model": "shaken"}}, gravity={"vector": [0, -10]}))
+    sim.advance(20)
+    p = sim.state.particles
+    assert p.mass @ p.velocity[:, 1] / p.mass.sum() == pytest.approx(-10.0 * sim.state.time, rel=1e-3)
+
+
+def test_the_work_of_a_boundary_condition_is_in_the_ledger() -> None:
+    """To the residual, the error of the strain's integration: 1 % of a shear wave in four cells."""
+    scene = block(boundaries={"table": {"model": "shaken"}}, output__ledger=True)
+    series = mpmfw.run(scene)["series"]
+    energy = float((series["total_energy"] + series["affine_energy"]).sum("body")[-1])
+    lost = float(series["transfer_dissipation"][-1])
+    assert series["external_work"].values[-1] > 1.0
+    assert energy + lost == pytest.approx(float(series["external_work"][-1]), rel=2e-2)
+
+
+def test_a_condition_that_holds_nothing_is_refused() -> None:
+    with pytest.raises(SceneError, match=r"boundaries\.table: holds no material point of solid"):
+        Simulation(block(boundaries={"table": {"model": "nothing"}}))
+
+
+def test_a_body_that_shares_its_velocity_field_cannot_be_held() -> None:
+    with pytest.raises(SceneError, match=r"boundaries\.table: the bodies share one velocity field"):
+        Simulation(two_blocks("none", boundaries={"table": {"model": "shaken", "bodies": ["left"]}}))

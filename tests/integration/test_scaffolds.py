@@ -1,0 +1,101 @@
+"""``mpmfw new`` writes distributions whose own tests pass, found by their entry points as installed ones are."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from mpmfw.cli import app
+from mpmfw.errors import SceneError
+from mpmfw.scaffolds import KINDS, WHOLE, write_package
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+
+
+def announce(place: Path) -> None:
+    """What an installation would leave beside the package: its metadata with the entry points."""
+    project = tomllib.loads((place / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    info = place / "src" / f"{project['name'].replace('-', '_')}-0.1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: 0.1.0\n")
+    lines = []
+    for group, entries in project["entry-points"].items():
+        lines += [f"[{group}]", *(f"{name} = {value}" for name, value in entries.items())]
+    (info / "entry_points.txt").write_text("\n".join(lines) + "\n")
+
+
+def test_every_kind_of_one_module_passes_its_own_tests(tmp_path: Path) -> None:
+    """All in one process: an installation each would take a minute and show no more."""
+    places = []
+    for kind in KINDS:
+        if kind not in WHOLE:
+            places.append(write_package(kind, f"my_{kind}", tmp_path))
+            announce(places[-1])
+    path = os.pathsep.join(str(place / "src") for place in places)
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *map(str, places)]
+    found = subprocess.run(
+        command, capture_output=True, text=True, cwd=tmp_path, env={**os.environ, "PYTHONPATH": path}, check=False
+    )  # fmt: skip
+    assert found.returncode == 0, found.stdout + found.stderr
+    assert "passed" in found.stdout
+
+
+@pytest.mark.parametrize("kind", WHOLE)
+def test_contact_and_shape_are_the_templates_of_the_documentation(kind: str, tmp_path: Path) -> None:
+    """Under the templates' own name they are the same files; .ci/templates installs and tests these."""
+    folder, known, _ = WHOLE[kind]
+    place = write_package(kind, known, tmp_path)
+    template = DOCS / folder
+    for path in [*sorted(template.rglob("*.py")), template / "pyproject.toml"]:
+        written = place / path.relative_to(template)
+        expected = path.read_text(encoding="utf-8").replace("CubicBSpline", "CubicBspline")
+        assert written.read_text(encoding="utf-8") == expected
+
+
+@pytest.mark.parametrize("kind", WHOLE)
+def test_a_renamed_template_has_nothing_of_the_old_name_in_its_code(kind: str, tmp_path: Path) -> None:
+    _, known, name = WHOLE[kind]
+    place = write_package(kind, "soft_wall", tmp_path)
+    announce(place)
+    for path in place.rglob("*.py"):
+        text = path.read_text(encoding="utf-8")
+        compile(text, str(path), "exec")
+        assert f"mpmfw_{known}" not in text
+        assert name not in text
+    code = "from mpmfw.discovery import load; print(load({!r}, 'soft_wall').__name__)"
+    group = "law" if kind == "contact" else kind
+    found = subprocess.run(
+        [sys.executable, "-c", code.format(group)], capture_output=True, text=True, check=False,
+        env={**os.environ, "PYTHONPATH": str(place / "src")},
+    )  # fmt: skip
+    assert found.stdout.strip() == "SoftWall", found.stderr
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "said"),
+    [
+        ("laod", "wind", "no plug-in of the kind 'laod' can be written; did you mean 'load'?"),
+        ("load", "Wind", "Wind: expected a name of small letters"),
+        ("load", "class", "class: expected a name of small letters"),
+        ("load", "drag", "drag: a load of this name is installed already"),
+        ("contact", "penalty", "penalty: a contact of this name is installed already"),
+    ],
+)
+def test_what_cannot_be_written_is_refused(kind: str, name: str, said: str, tmp_path: Path) -> None:
+    with pytest.raises(SceneError, match=said.replace("?", r"\?")):
+        write_package(kind, name, tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_command_writes_and_does_not_write_over(tmp_path: Path) -> None:
+    arguments = ["new", "load", "wind", "--into", str(tmp_path)]
+    assert CliRunner().invoke(app, arguments).exit_code == 0
+    again = CliRunner().invoke(app, arguments)
+    assert again.exit_code == 2
+    assert "is there already" in again.output

@@ -1,0 +1,129 @@
+"""How many faults the conformance kit finds: those planted by hand, and mutants of a sound material made by a rule.
+
+``python tests/mutation_score.py`` prints both tables; ``pytest -m long tests/integration/test_mutation_score.py`` asks for 95 %.
+A planted fault counts as caught where the check that is meant for it fails; a mutant where any check fails.
+"""
+
+from __future__ import annotations
+
+import ast
+import copy
+import inspect
+import sys
+import textwrap
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from faulty_plugins.load import faults as load_faults
+from faulty_plugins.material import sound
+from mpmfw.testing import examine, material_checks, subject_of
+from mpmfw.testing.parametrised import checks_of
+
+SWAPS: dict[type[ast.operator], type[ast.operator]] = {
+    ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Found:
+    """A fault, and the check that found it; empty if none did."""
+
+    kind: str
+    fault: str
+    check: str
+
+
+def planted() -> Iterator[Found]:
+    """The hand-planted faults of all kinds, each judged by the check that is meant for it."""
+    from integration import test_conformance_contact as contact
+    from integration import test_conformance_material as material
+    from integration import test_conformance_shape as shape
+
+    tables: dict[str, dict[Any, str]] = {
+        "contact": contact.FAULTS, "shape": shape.FAULTS, "material": material.FAULTS, "load": load_faults.FAULTS,
+    }  # fmt: skip
+    for kind, table in tables.items():
+        checks = {check.name: check for check in checks_of(kind)}  # type: ignore[arg-type]
+        for fault, meant in table.items():
+            (outcome,) = examine(subject_of(fault, kind), [checks[meant]])  # type: ignore[arg-type]
+            caught = meant if outcome.status == "failed" else ""
+            yield Found(kind, str(getattr(fault, "__name__", fault)), caught)
+
+
+def mutants(source: str) -> Iterator[tuple[str, str]]:
+    """What was changed, and the source with that change: every + − × ÷ exchanged, every number doubled, every call's result
+    negated, one at a time."""
+    tree = ast.parse(source)
+    for index, node in enumerate(ast.walk(tree)):
+        changed = copy.deepcopy(tree)
+        twin = list(ast.walk(changed))[index]
+        if isinstance(node, ast.BinOp) and type(node.op) in SWAPS:
+            twin.op = SWAPS[type(node.op)]()  # type: ignore[attr-defined]
+        elif isinstance(node, ast.Constant) and type(node.value) is float:
+            twin.value = 2.0 * node.value + (node.value == 0.0)  # type: ignore[attr-defined]
+        elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
+            twin.op = ast.UAdd()  # type: ignore[attr-defined]
+        else:
+            continue
+        yield f"line {node.lineno}: {ast.unparse(node)} → {ast.unparse(twin)}", ast.unparse(changed)
+
+
+def mutated_materials() -> Iterator[Found]:
+    """Mutants of the sound material's stress and energy, with all checks."""
+    names = ("stress", "energy_density")
+    for name in names:
+        source = textwrap.dedent(inspect.getsource(getattr(sound.Sound, name)))
+        for what, text in mutants(source):
+            module = ModuleType("mutant")
+            module.__dict__.update(vars(sound))
+            exec(text, module.__dict__)
+            mutant = type("Mutant", (sound.Sound,), {"name": "mutant", name: module.__dict__[name]})
+            if name == "stress":  # which outputs have as well
+                mutant.cauchy_stress = _outputs_of(mutant)  # type: ignore[attr-defined]
+            outcomes = examine(subject_of(mutant, "material"), material_checks())
+            caught = next((outcome.check for outcome in outcomes if outcome.status == "failed"), "")
+            yield Found("material", f"{name}, {what}", caught)
+
+
+def _outputs_of(mutant: Any) -> Any:
+    """The full stress of the same mutant: outputs that agree with the step hide nothing from the other checks."""
+
+    def cauchy_stress(self: Any, deformation_gradient: Any) -> Any:
+        import numpy as np
+
+        f = np.tile(np.eye(3), (len(deformation_gradient), 1, 1))
+        dim = deformation_gradient.shape[1]
+        f[:, :dim, :dim] = deformation_gradient
+        return mutant.stress(self, f)
+
+    return cauchy_stress
+
+
+def share(found: list[Found]) -> float:
+    """Of the faults, those that were caught."""
+    return sum(bool(each.check) for each in found) / len(found)
+
+
+def main() -> int:
+    """Print the tables."""
+    lowest = 1.0
+    for title, faults in (
+        ("planted by hand", planted()),
+        ("mutants of a sound material", mutated_materials()),
+    ):
+        found = list(faults)
+        for each in found:
+            print(f"{each.kind:10}{each.check or 'NOT CAUGHT':22}{each.fault}")
+        print(f"{title}: {sum(bool(e.check) for e in found)} of {len(found)} caught, {share(found):.1%}\n")
+        lowest = min(lowest, share(found))
+    return 0 if lowest >= 0.95 else 1
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
