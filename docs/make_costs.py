@@ -35,7 +35,7 @@ HEAD = """\
 
 <!-- Made by docs/make_costs.py, which runs all that it quotes. -->
 
-`mpmfw explain SCENE` predicts steps, CPU time by stage and the memory of all arrays before a run. A stage takes
+`mpmfw explain SCENE` predicts steps, CPU time (with `--all` by stage) and the memory of all arrays before a run. A stage takes
 a + b n seconds a step: a for the calls, b for each of its n entities, material points, or surface nodes for a contact that
 works on outlines. The table of a and b that ships with mpmfw comes from two blocks that touch, at two sizes, for every
 bundled shape function and contact strategy; `mpmfw explain SCENE --measure` takes one of your own machine and keeps

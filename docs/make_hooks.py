@@ -30,7 +30,7 @@ Arguments of the same name mean the same at every hook: `particles`, `grid` and 
 (`mpmfw.api.Stencil`), and `dt` [s] is the length of the step that runs. These and all other types below are imported
 from [`mpmfw.api`](api/plugins.md), where their fields are described.
 
-Where several plug-ins implement a hook, all are called, in the order that `mpmfw explain SCENE` prints. Of a hook
+Where several plug-ins implement a hook, all are called, in the order that `mpmfw explain SCENE --all` prints. Of a hook
 that says *first answer counts*, the first answer that is not `None` is taken and nobody else is asked.
 """
 

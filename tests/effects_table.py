@@ -123,9 +123,7 @@ EFFECTS = {
     ),
     "affine field": brings(arrays="particles/affine", series="affine_energy"),
     "affine moments": brings(arrays="particles/moment"),
-    "gravity": brings(
-        "gravity", hooks="add_nodal_force", modules="mpmfw.effects.gravity mpmfw.effects.time_table"
-    ),
+    "gravity": brings("gravity", hooks="add_nodal_force", modules="mpmfw.effects.gravity"),
     "prescribed sides": brings(
         "constraint",
         hooks="setup constrain_momentum advect end_step",
@@ -133,10 +131,12 @@ EFFECTS = {
     ),
     "settling": brings(),
     "pressure": brings(
-        "side_loads",
+        "pressure on solid top",
         hooks="add_nodal_force",
-        modules="mpmfw.effects.side_loads mpmfw.effects.faces mpmfw.effects.time_table",
+        modules="mpmfw.effects.side_loads mpmfw.effects.faces",
     ),
+    "load": brings("body_force field", hooks="add_nodal_force", modules="mpmfw_load.body_force"),
+    "thickness": brings(arrays="particles/thickness"),
     "surfaces": brings(
         "surface",
         hooks="setup detect advect",
@@ -169,9 +169,9 @@ EFFECTS = {
         "bardenhagen",
         hooks="declare_fields setup add_pairs detect after_momentum_projection after_momentum_update "
         "after_second_projection advect diagnostics",
-        arrays="impulse frictional_work damping_work energy count volume_gradient",
+        arrays="impulse friction_impulse frictional_work damping_work energy count volume_gradient",
         modules="mpmfw_contact.bardenhagen mpmfw_contact.impulse mpmfw_contact.nodes mpmfw_contact._shared_nodes",
-        series="contact_force contact_count frictional_work contact_energy damping_work",
+        series="contact_force friction_force contact_count frictional_work contact_energy damping_work",
     ),
     "averaged normals": brings(
         "leaning_normals",
@@ -183,10 +183,10 @@ EFFECTS = {
     "penalty": brings(
         "penalty",
         hooks="declare_fields setup add_pairs detect add_nodal_force advect stable_timestep diagnostics",
-        arrays="impulse frictional_work damping_work spring_work energy count force master facet share gap normal "
-        "inside inside_facet owner shared head head_stamp link link_facet box_lower box_upper near_lower near_upper",
+        arrays="impulse friction_impulse frictional_work damping_work spring_work energy count force master facet share gap "
+        "normal inside inside_facet owner shared head head_stamp link link_facet box_lower box_upper near_lower near_upper",
         modules=f"mpmfw_contact.penalty mpmfw_contact._springs {_SURFACES}",
-        series="contact_force contact_count frictional_work contact_energy damping_work spring_work",
+        series="contact_force friction_force contact_count frictional_work contact_energy damping_work spring_work",
         surface="force",
     ),
     "travel": brings("surface_travel", hooks="setup add_pairs stable_timestep"),
@@ -212,6 +212,8 @@ EFFECTS = {
         hooks="after_momentum_projection add_nodal_force after_momentum_update correct_inertia constrain_momentum",
     ),
     "ledger of gravity": brings("energy_ledger", series="gravity_work"),
+    "before gravity": brings("energy_ledger before gravity", hooks="add_nodal_force"),
+    "after gravity": brings("energy_ledger after gravity", hooks="add_nodal_force"),
     "ledger of contact": brings("energy_ledger", series="contact_work contact_residual inertia_work"),
     "stability": brings(
         "time_step_series",
@@ -290,7 +292,7 @@ CASES = {
     "ledger": Case(with_changes(ONE, output={"ledger": True}), LEDGER),
     "ledger of a falling body": Case(
         with_changes(ONE, output={"ledger": True}, gravity=GRAVITY),
-        (*LEDGER, "gravity", "ledger of gravity"),
+        (*LEDGER, "gravity", "ledger of gravity", "before gravity", "after gravity"),
     ),
     "ledger of contact": Case(
         _two("penalty", output={"gap": False, "ledger": True}), (*TOUCHED, *LEDGER, "ledger of contact")
@@ -302,6 +304,8 @@ CASES = {
     "pressure": Case(
         with_changes(ONE, bodies__solid__sides=[{"side": "top", "pressure": 1e3}]), ("pressure", "surfaces")
     ),
+    "load": Case(with_changes(ONE, loads={"field": {"model": "body_force", "force": [0, -9]}}), ("load",)),
+    "thickness": Case(with_changes(ONE, bodies__solid__thickness=0.1), ("thickness",)),
     "local inertia": Case(with_changes(ONE, bodies__solid__rotation="local"), ("local inertia",)),
     "exact rotation": Case(with_changes(ONE, bodies__solid__rotation="exact"), ("exact rotation",)),
     "local spin": Case(with_changes(ONE, bodies__solid__rotation="spin"), ("local spin",)),

@@ -37,7 +37,7 @@ def option_models() -> dict[str, type[BaseModel]]:
         if model is not BaseModel and model.__name__ not in found:
             found[model.__name__] = model
             for field in model.model_fields.values():
-                todo += models_of(field.rebuild_annotation())
+                todo += sorted(models_of(field.rebuild_annotation()), key=lambda one: one.__name__)
     for kind in [kind for kind in KINDS if kind not in ("detection", "law")]:
         for name, entry in available(kind).items():
             options = getattr(load(kind, name), "Options", None)

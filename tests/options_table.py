@@ -8,6 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from msh_files import write_msh
 from scenes_for_tests import SOFT, block, one_body, two_blocks, with_changes
 
 Changes = dict[str, Any]
@@ -61,6 +62,8 @@ def geometry(kind: str, key: str, first: Any, second: Any) -> Acts:
     return Acts(body({**shape, key: first}), {}, {f"{SOLID}__geometry": {**shape, key: second}})
 
 
+PLATE = {"type": "rectangle", "lower": [-0.5, -0.5], "upper": [0.5, 0.5]}
+SECTION = {"type": "rectangle", "lower": [0.2, -0.4], "upper": [0.5, 0.4]}
 SHAPES: dict[str, dict[str, Any]] = {
     "disc": {"centre": [0.03, 0.07], "radius": 0.5},
     "ring": {"centre": [0.03, 0.07], "inner_radius": 0.3, "outer_radius": 0.7},
@@ -68,6 +71,10 @@ SHAPES: dict[str, dict[str, Any]] = {
     "polygon": {"points": [[-0.5, -0.5], [0.5, -0.5], [0.0, 0.5]]},
     "box": {"lower": [-0.5, -0.5, -0.5], "upper": [0.5, 0.5, 0.5]},
     "ball": {"centre": [0.03, 0.07, 0.05], "radius": 0.5},
+    "cylinder": {"centre": [0.03, 0.07, 0.05], "radius": 0.5, "length": 0.6},
+    "torus": {"centre": [0.03, 0.07, 0.05], "radius": 0.5, "tube_radius": 0.2},
+    "extrusion": {"outline": PLATE, "low": -0.3, "high": 0.3},
+    "revolution": {"outline": SECTION},
 }
 HOLE = [[-0.1, -0.2], [0.1, -0.2], [0.0, 0.0]]
 SIDES = f"{SOLID}__sides"
@@ -83,6 +90,9 @@ THIRD = {
     "geometry": {"type": "rectangle", "lower": [0.505, -0.2], "upper": [0.9, 0.3]},
     "velocity": [-8.0, -3.0],
 }
+#: Of the scaffolds, which the tests of the options have installed.
+TABLE, FAST = {"model": "template", "speed": 0.5}, {"model": "template"}
+AIR = {"model": "drag", "rate": 30.0}
 OVERLAPPING = pair(bodies__right__geometry={"type": "rectangle", "lower": [-0.1, -0.2], "upper": [0.4, 0.3]})
 
 CORE: dict[str, Acts] = {
@@ -150,6 +160,27 @@ CORE: dict[str, Acts] = {
     "Side.traction": values(
         held(), SIDES, [{"side": "top", "traction": [1e3, 0]}], [{"side": "top", "traction": [2e3, 0]}]
     ),
+    "Side.force": values(
+        held(), SIDES, [{"side": "top", "force": [1e3, 0]}], [{"side": "top", "force": [2e3, 0]}]
+    ),
+    "Body.thickness": values(body(), f"{SOLID}__thickness", 1.0, 0.1),
+    "Tables.loads": Acts(held(), {}, {"loads": {"air": AIR}}),
+    "Load.model": Acts(
+        held(), {"loads": {"air": AIR}}, {"loads": {"air": {"model": "body_force", "force": [9.0, 0.0]}}}
+    ),
+    "Load.bodies": values(pair(loads={"air": AIR}), "loads__air__bodies", ["left"], ["left", "right"]),
+    "Tables.boundaries": Acts(body(), {}, {"boundaries": {"table": TABLE}}),
+    "Boundary.model": values(
+        body(boundaries={"table": TABLE}), "boundaries__table__model", "template", "none of them"
+    ),
+    "Boundary.bodies": values(
+        pair(boundaries={"table": TABLE}), "boundaries__table__bodies", ["left"], ["left", "right"]
+    ),
+    "Tables.outputs": Acts(body(), {}, {"outputs": {"fast": FAST}}),
+    "Series.model": values(body(outputs={"fast": FAST}), "outputs__fast__model", "template", "none of them"),
+    "Series.bodies": values(
+        pair(outputs={"fast": FAST}), "outputs__fast__bodies", ["left"], ["left", "right"]
+    ),
     "Gravity.vector": values(held(), "gravity", G, {"vector": [1, -100]}),
     "Gravity.magnitude": values(
         held(), "gravity", {"magnitude": 9.0, "tilt": 0.1}, {"magnitude": 8.0, "tilt": 0.1}
@@ -201,21 +232,54 @@ CORE: dict[str, Acts] = {
     "Box.lower": geometry("box", "lower", [-0.5] * 3, [-0.4, -0.5, -0.5]),
     "Box.upper": geometry("box", "upper", [0.5] * 3, [0.4, 0.5, 0.5]),
     "Ball.centre": geometry("ball", "centre", [0.03, 0.07, 0.05], [0.05, 0.07, 0.05]),
+    "Box.angles": geometry("box", "angles", [0, 0, 0], [0.3, 0.2, 0.1]),
     "Ball.radius": geometry("ball", "radius", 0.5, 0.6),
+    "Cylinder.centre": geometry("cylinder", "centre", [0.03, 0.07, 0.05], [0.05, 0.07, 0.05]),
+    "Cylinder.radius": geometry("cylinder", "radius", 0.5, 0.6),
+    "Cylinder.length": geometry("cylinder", "length", 0.6, 0.8),
+    "Cylinder.axis": geometry("cylinder", "axis", "z", "x"),
+    "Cylinder.angles": geometry("cylinder", "angles", [0, 0, 0], [0.3, 0.2, 0.1]),
+    "Torus.centre": geometry("torus", "centre", [0.03, 0.07, 0.05], [0.05, 0.07, 0.05]),
+    "Torus.radius": geometry("torus", "radius", 0.5, 0.6),
+    "Torus.tube_radius": geometry("torus", "tube_radius", 0.2, 0.3),
+    "Torus.axis": geometry("torus", "axis", "z", "x"),
+    "Torus.angles": geometry("torus", "angles", [0, 0, 0], [0.3, 0.2, 0.1]),
+    "Extrusion.outline": geometry("extrusion", "outline", PLATE, {**PLATE, "upper": [0.5, 0.4]}),
+    "Extrusion.low": geometry("extrusion", "low", -0.3, -0.2),
+    "Extrusion.high": geometry("extrusion", "high", 0.3, 0.4),
+    "Extrusion.angles": geometry("extrusion", "angles", [0, 0, 0], [0.3, 0.2, 0.1]),
+    "Revolution.outline": geometry("revolution", "outline", SECTION, {**SECTION, "upper": [0.5, 0.3]}),
+    "Revolution.origin": geometry("revolution", "origin", [0, 0, 0], [0.1, 0, 0]),
+    "Revolution.axis": geometry("revolution", "axis", "z", "x"),
+    "Revolution.angles": geometry("revolution", "angles", [0, 0, 0], [0.3, 0.2, 0.1]),
 }
 
 
 def mesh_file(folder: Path) -> Acts:
     """Two meshes of one quadrilateral each."""
-    import meshio
-
     paths = []
     for width in (1.0, 0.8):
         points = [[-0.5, -0.5, 0.0], [width - 0.5, -0.5, 0.0], [width - 0.5, 0.5, 0.0], [-0.5, 0.5, 0.0]]
         paths.append(folder / f"{width}.msh")
-        meshio.Mesh(points, [("quad", [[0, 1, 2, 3]])]).write(paths[-1], file_format="gmsh")
+        write_msh(paths[-1], points, {"quad": [[0, 1, 2, 3]]})
     first, second = ({f"{SOLID}__geometry": {"type": "mesh", "path": str(path)}} for path in paths)
     return Acts(body(**{f"{SOLID}__particles__layout": "fitted"}), first, second)
+
+
+def surface_mesh(folder: Path, key: str) -> Acts:
+    """A tetrahedron in a file, in two files or with two values of another key."""
+    paths = []
+    for height in (0.6, 0.5):
+        points = [[-0.5, -0.5, -0.5], [0.6, -0.5, -0.5], [-0.5, 0.6, -0.5], [-0.5, -0.5, height]]
+        triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+        paths.append(write_msh(folder / f"{height}.msh", points, {"triangle": triangles}))
+    shape = {"type": "surface_mesh", "path": str(paths[0])}
+    other = {"path": str(paths[1]), "unit": "dm", "angles": [0, 0, 0.2], "shift": [0.1, 0.0, 0.0]}[key]
+    return Acts(
+        body({"type": "box", **SHAPES["box"]}),
+        {f"{SOLID}__geometry": shape, f"{SOLID}__particles__size": 0.1},
+        {f"{SOLID}__geometry": {**shape, key: other}, f"{SOLID}__particles__size": 0.1},
+    )
 
 
 PENALTY, BARDENHAGEN = "contact__penalty", "contact__bardenhagen"
@@ -270,6 +334,17 @@ def _by_young(model: str, option: str, second: float) -> Acts:
 
 
 PLUGINS: dict[str, Acts] = {
+    "load.drag.rate": values(body(loads={"air": AIR}), "loads__air__rate", 30.0, 40.0),
+    "load.drag.medium": values(body(loads={"air": AIR}), "loads__air__medium", [0.0, 0.0], [1.0, 0.0]),
+    "load.body_force.force": values(
+        body(loads={"field": {"model": "body_force"}}), "loads__field__force", [9e4, 0.0], [0.0, 9e4]
+    ),
+    "load.point_force.at": values(
+        body(loads={"push": {"model": "point_force", "force": [1e4, 0]}}), "loads__push__at", [0, 0], [0, 0.2]
+    ),
+    "load.point_force.force": values(
+        body(loads={"push": {"model": "point_force", "at": [0, 0]}}), "loads__push__force", [1e4, 0], [0, 1e4]
+    ),
     "contact.penalty.kappa": _penalty("kappa", 1.0, 2.0),
     "contact.penalty.tangential_ratio": _penalty("tangential_ratio", 1.0, 0.3),
     "contact.penalty.passes": _penalty("passes", "two", "one"),

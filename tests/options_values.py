@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from options_table import BARDENHAGEN, PENALTY, SIDES, SOLID, Changes, body, held, pair
+from options_table import BARDENHAGEN, PENALTY, SHAPES, SIDES, SOLID, Changes, body, held, pair
 from scenes_for_tests import SOFT
 
 
@@ -57,6 +57,13 @@ EACH: dict[str, Each] = {
             for side in ("left", "right", "bottom", "top", "back", "front")
         },
     ),
+    **{
+        f"{kind.capitalize()}.axis": Each(
+            body({"type": kind, **SHAPES[kind]}),
+            {axis: {f"{SOLID}__geometry": {"type": kind, **SHAPES[kind], "axis": axis}} for axis in "xyz"},
+        )
+        for kind in ("cylinder", "torus", "revolution")
+    },
     "Side.fixed": Each(CUBE, {axis: {SIDES: [{"side": "left", "fixed": [axis]}]} for axis in "xyz"}),
     "contact.penalty.map": Each(
         pair(), {word: {PENALTY: {"map": word}} for word in ("plain", "mass_weighted", "auto")}, "plain"

@@ -26,7 +26,7 @@ def one_body(
 ) -> dict[str, Any]:
     """A free body called ``solid`` of a soft Neo-Hookean material, in a grid of cells of 0.25 m round the
     origin."""
-    dim = 3 if geometry["type"] in ("box", "ball") else 2
+    dim = 2 if geometry["type"] in ("disc", "ring", "rectangle", "polygon", "mesh") else 3
     scene = {
         "grid": {"cell_size": 0.25, "lower": [-2.0] * dim, "upper": [2.0] * dim},
         "time": {"end": 0.05, "output_interval": 0.05},
@@ -77,3 +77,16 @@ def two_blocks(method: str, **changes: Any) -> dict[str, Any]:
         }
     scene["bodies"] = bodies
     return with_changes(scene, **changes)
+
+
+def ball_on_a_box() -> dict[str, Any]:
+    """A ball pressed 5 mm into a box, and sliding."""
+    scene = box(time__end=4e-4, time__output_interval=2e-4)
+    scene["bodies"]["solid"]["geometry"] = {"type": "box", "lower": [-0.5] * 3, "upper": [0.5, 0.5, 0.0]}
+    scene["bodies"]["ball"] = {
+        **scene["bodies"]["solid"],
+        "geometry": {"type": "ball", "centre": [0.03, 0.02, 0.495], "radius": 0.5},
+        "velocity": [3.0, 0.0, -2.0],
+    }
+    scene |= {"contact": {"method": "penalty", "friction": 0.3}, "allow_overlap": True}
+    return scene

@@ -51,6 +51,8 @@ class Simulation:
         A valid scene, or what :func:`mpmfw.load_scene` takes.
     contact, shape
         Name of a plug-in, or a configured strategy object, in place of the scene's.
+    loads
+        Load objects by name, on all bodies, beside the scene's.
 
     Raises
     ------
@@ -58,15 +60,18 @@ class Simulation:
         The scene cannot be built or run by the chosen methods.
     """
 
-    def __init__(self, scene: Any, *, contact: Any = None, shape: Any = None) -> None:
+    def __init__(
+        self, scene: Any, *, contact: Any = None, shape: Any = None, loads: Mapping[str, Any] | None = None
+    ) -> None:
         self.scene = _with_methods(scene, contact, shape)
         self.clock = Clock()
         made = build(
             self.scene,
             contact=None if contact is None or isinstance(contact, str) else contact,
             shape=None if shape is None or isinstance(shape, str) else shape,
+            loads=loads or {},
         )
-        made_plugins = [made.contact, made.shape, *made.materials.values()]
+        made_plugins = [made.contact, made.shape, *made.materials.values(), *made.named_plugins]
         with blaming(made_plugins):
             plan = plan_effects(made, self.limits)
         self.state, self.contact, self.shape = made.state, made.contact, made.shape
@@ -443,10 +448,11 @@ class _Watch:
 
 
 def _registered_name(made: Any, plugin: Any) -> str:
-    """Unique name of a plug-in: a material is known by the scene's name of it."""
-    for name, material in made.materials.items():
-        if material is plugin:
-            return f"{plugin.name} {name}"
+    """Unique name of a plug-in: a material, load and the like is known by the scene's name of it."""
+    for group in (made.materials, *made.named.values()):
+        for name, one in group.items():
+            if one is plugin:
+                return f"{plugin.name} {name}"
     return str(plugin.name)
 
 

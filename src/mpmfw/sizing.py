@@ -72,9 +72,8 @@ def size_of(body: Body, cell_size: float) -> Size:
     edge = body.segment_length(cell_size)
     if isinstance(body.geometry, PlaneGeometry):
         surface = 2.0 * body.geometry.outline_length / edge + 8.0
-    else:  # two nodes to a square of a box's triangles, and less to a ball's, whose area is less than its box's
-        count = np.ceil(extent / edge)
-        surface = 4.0 * float((count * np.roll(count, 1)).sum()) + 2.0
+    else:
+        surface = body.geometry.surface_nodes(edge)
     memory = points * POINT_BYTES[dim] + nodes * NODE_BYTES[dim] + surface * SURFACE_BYTES * (dim - 1)
     return Size(points, nodes, surface, memory, extent)
 

@@ -16,7 +16,9 @@ from rich.console import Console
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from mpmfw.benchmark import table
+from mpmfw.campaigns.machine import Load, processor
 from yardstick.kernels import SHAPES, measure_kernels
+from yardstick.plain import FLAGS, compiler_version
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(
@@ -28,7 +30,10 @@ if __name__ == "__main__":
     parser.add_argument("--repeats", type=int, default=30)
     chosen = parser.parse_args()
     counts = [int(text) for text in chosen.counts.split(",")]
+    load = Load()
     rows = measure_kernels(chosen.shapes.split(","), counts, chosen.repeats, dim=chosen.dim)
-    Console(width=170).print(
-        table(rows, f"{chosen.dim}D block without contact: ns per material point and step")
+    console = Console(width=170)
+    console.print(table(rows, f"{chosen.dim}D block without contact: ns per material point and step"))
+    console.print(
+        f"{processor()}; {compiler_version()} {' '.join(FLAGS[:2])}; other processes kept {load.others():.1f} cores busy"
     )

@@ -79,6 +79,7 @@ DIMS = {
     "total_energy": (*LEAD, "time", "body"),
     "affine_energy": (*LEAD, "time", "body"),
     "contact_force": (*LEAD, "time", "pair", "axis"),
+    "friction_force": (*LEAD, "time", "pair", "axis"),
     "contact_count": (*LEAD, "time", "pair"),
     "frictional_work": (*LEAD, "time", "pair"),
     "contact_energy": (*LEAD, "time", "pair"),
@@ -221,7 +222,8 @@ def test_plot_draws_a_comparison(compared):
     result = invoke("plot", folder / "c.nc", "-o", folder / "figure.png")
     assert result.exit_code == 0
     names = {line.rpartition("/")[2] for line in result.stdout.split()}
-    assert names == {"figure-series.png", "figure-gap.png", "figure-cost.png"}
+    kinds = ("positions", "motion", "forces", "gaps", "energies", "cost")
+    assert names == {f"figure-{kind}.png" for kind in kinds}
     assert all((folder / name).stat().st_size > 10_000 for name in names)
 
 
@@ -249,6 +251,11 @@ def test_explain_schema_and_plugins(scene):
     assert explained.exit_code == 0
     assert "dt = " in explained.stdout
     assert "friction of disc-floor: contact 'none' has none" in explained.stdout
+    assert len(explained.stdout.splitlines()) <= 30
+    assert "interpolate" not in explained.stdout
+    longer = invoke("explain", scene, "--contact", "none", "--all").stdout
+    assert "interpolate" in longer
+    assert "particles/velocity_gradient" in longer
     schema = invoke("schema")
     assert schema.exit_code == 0
     assert {"grid", "time", "contact", "bodies"} <= set(json.loads(schema.stdout)["properties"])

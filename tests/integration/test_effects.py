@@ -55,7 +55,7 @@ SURFACE = {
         "cell_mass",
     )
 }
-RECORDS = {"impulse", "frictional_work", "damping_work", "energy", "count"}
+RECORDS = {"impulse", "friction_impulse", "frictional_work", "damping_work", "energy", "count"}
 CLASSICAL = {f"bardenhagen/{name}" for name in RECORDS | {"volume_gradient"}}
 CLASSICAL |= {f"leaning_normals/{name}" for name in ("normal_impulse", "mean_normal", "lean")}
 
@@ -195,7 +195,7 @@ def imported(scene: dict[str, Any]) -> set[str]:
         timeout=300,
     )
     modules = json.loads(done.stdout)
-    parents = ("mpmfw_contact.", "mpmfw_shape.", "mpmfw_material.", "mpmfw.effects.")
+    parents = ("mpmfw_contact.", "mpmfw_load.", "mpmfw_shape.", "mpmfw_material.", "mpmfw.effects.")
     return {name for name in modules if name.startswith(parents)}
 
 
@@ -222,7 +222,6 @@ def imported(scene: dict[str, Any]) -> set[str]:
                 "mpmfw_material._isotropic",
                 "mpmfw_contact.separate",
                 "mpmfw.effects.gravity",
-                "mpmfw.effects.time_table",
                 "mpmfw.effects.local_spin",
                 "mpmfw.effects.second_moments",
             },
@@ -238,7 +237,14 @@ SERIES = {
     *("centre_of_mass", "mean_velocity", "angular_velocity", "linear_momentum", "angular_momentum"),
     *("kinetic_energy", "strain_energy", "total_energy"),
 }
-PAIRS = {"contact_force", "contact_count", "frictional_work", "contact_energy", "damping_work"}
+PAIRS = {
+    "contact_force",
+    "friction_force",
+    "contact_count",
+    "frictional_work",
+    "contact_energy",
+    "damping_work",
+}
 POINTS = {"position", "velocity", "mass", "volume", "deformation_gradient", "stress", "von_mises"}
 
 

@@ -23,7 +23,7 @@ STEPS = 12
 RUN = """
 import json, sys
 from mpmfw.simulation import Simulation
-parents = ("mpmfw_contact.", "mpmfw_shape.", "mpmfw_material.", "mpmfw.effects.")
+parents = ("mpmfw_contact.", "mpmfw_load.", "mpmfw_shape.", "mpmfw_material.", "mpmfw.effects.")
 found = {}
 for name, scene in json.load(sys.stdin).items():
     for module in [module for module in sys.modules if module.startswith(parents)]:

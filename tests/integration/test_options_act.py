@@ -5,22 +5,42 @@ The options are found in the models themselves: one without an entry in ``option
 
 from __future__ import annotations
 
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
 
+from mpmfw import discovery
 from mpmfw.discovery import Kind, available, load
 from options_found import NO_OPTIONS, option_models, outcome
-from options_table import CORE, PLUGINS, REFUSED, Acts, mesh_file
+from options_table import CORE, PLUGINS, REFUSED, Acts, mesh_file, surface_mesh
 from scenes_for_tests import with_changes
 
+SURFACE_MESH = ("path", "unit", "angles", "shift")
+
 pytestmark = pytest.mark.effects
+
+
+@pytest.fixture(autouse=True)
+def scaffolds(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A boundary condition and an output, of which mpmfw brings none: those that ``mpmfw new`` begins with."""
+    known = discovery.entry_points
+
+    def found(**select: str) -> list[EntryPoint]:
+        kind = select.get("group", "").removeprefix("mpmfw.")
+        own = [EntryPoint("template", f"mpmfw.scaffolds.{kind}:Template", f"mpmfw.{kind}")]
+        return [*known(**select), *(own if kind in ("boundary", "output") else [])]
+
+    monkeypatch.setattr(discovery, "entry_points", found)
 
 
 def test_no_option_is_forgotten() -> None:
     found = {f"{table}.{option}" for table, model in option_models().items() for option in model.model_fields}
     found = {option for option in found if option.rpartition(".")[2] not in NO_OPTIONS}
-    assert found == set(CORE) | set(PLUGINS) | {"MeshFile.path"}
+    assert found == set(CORE) | set(PLUGINS) | {
+        "MeshFile.path",
+        *(f"SurfaceMesh.{key}" for key in SURFACE_MESH),
+    }
 
 
 @pytest.mark.parametrize("kind", ["detection", "law"])
@@ -52,6 +72,11 @@ def test_an_option_of_a_plugin_changes_the_result(option: str) -> None:
 
 def test_the_path_of_a_mesh_changes_the_result(tmp_path: Path) -> None:
     check_acts(mesh_file(tmp_path))
+
+
+@pytest.mark.parametrize("key", SURFACE_MESH)
+def test_a_key_of_a_surface_mesh_changes_the_result(tmp_path: Path, key: str) -> None:
+    check_acts(surface_mesh(tmp_path, key))
 
 
 def test_the_same_scene_has_the_same_outcome() -> None:

@@ -41,6 +41,8 @@ COARSE: dict[str, dict[str, Any]] = {
         "time.end": 0.02,
         "output.ledger": True,
     },
+    "rolling-sphere-no-slip": {"grid.cell_size": 0.8, "settle.max_time": 0.02, "time.end": 0.02},
+    "rolling-sphere-slip": {"grid.cell_size": 0.8, "settle.max_time": 0.02, "time.end": 0.02},
     "sliding-block": {
         "grid.cell_size": 0.2,
         "settle.max_time": 0.008,
@@ -141,7 +143,10 @@ def cases() -> list[tuple[str, str, str]]:
             (name, contact, shape)
             for contact in CONTACTS
             for shape in available("shape")
-            if ALL or name == "rolling-cylinder-slip" or contact == own[0] or shape == own[1]
+            if ALL
+            or name == "rolling-cylinder-slip"
+            or (contact, shape) == own
+            or (scene.dim == 2 and (contact == own[0] or shape == own[1]))
         ]
     return found
 

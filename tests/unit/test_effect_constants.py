@@ -147,7 +147,7 @@ def test_facets_of_a_turned_side_lie_on_it_but_for_rounding(monkeypatch: pytest.
             bodies__solid__geometry__angle=0.3, bodies__solid__sides=[{"side": "top", "pressure": 1.0}]
         )
         with contextlib.suppress(SceneError):  # there is none
-            return len(Simulation(turned).manager.get_plugin("side_loads").loads[0].facets)
+            return len(Simulation(turned).manager.get_plugin("pressure on solid top").facets)
         return 0
 
     assert loaded(FLAT) == 16

@@ -9,9 +9,9 @@ import pytest
 
 from mpmfw.effects.local_inertia import correct_locally
 from mpmfw.effects.rotation import correct_rotation
-from mpmfw.effects.side_loads import add_traction
 from mpmfw.effects.side_rows import PlaneSide, SideTable, add_rows, meet, quadrature, splines
 from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, move_points, weigh_by_mass, weigh_plain
+from mpmfw.load import add_facet_forces, add_point_forces, measure_facets
 from mpmfw.settling import damp_locally
 from mpmfw_shape.cpdi2 import fill_cpdi2, move_corners
 
@@ -135,7 +135,7 @@ def test_a_column_that_the_body_does_not_reach_has_none():
     assert side_rows(5.4, np.array([0.5, 1, 1, 0.5, 0, 0, 0, 0])) == []
 
 
-def test_pressure_is_that_of_the_outward_normals():
+def test_facets_are_measured_outwards_and_share_their_forces_among_their_corners():
     angle = np.linspace(0.0, 2 * np.pi, POINTS, endpoint=False)
     position = np.column_stack([np.cos(angle), np.sin(angle)])
     following = np.roll(np.arange(POINTS), -1)
@@ -143,7 +143,10 @@ def test_pressure_is_that_of_the_outward_normals():
     facets, loaded = np.stack([np.arange(POINTS), following], axis=1), np.array([0, 1, 2, 7])
     force = np.zeros((NODES, 2))
     traction = np.array([3.0, -2.0])
-    add_traction(5.0, traction, loaded, facets, position, *t, force, (1.0, 1.0))
+    centre, normal, area = np.empty((4, 2)), np.empty((4, 2)), np.empty(4)
+    measure_facets(loaded, facets, position, centre, normal, area, (1.0, 1.0))
+    np.testing.assert_allclose(centre, position[facets[loaded]].mean(axis=1), atol=1e-15)
+    add_facet_forces(loaded, area[:, None] * (traction - 5.0 * normal), facets, *t, force)
     on_nodes = np.zeros((POINTS, 2))
     for a in loaded:
         tangent = position[following[a]] - position[a]
@@ -153,6 +156,13 @@ def test_pressure_is_that_of_the_outward_normals():
         on_nodes[a] += 0.5 * load
         on_nodes[following[a]] += 0.5 * load
     np.testing.assert_allclose(force, dense(*t).T @ on_nodes, atol=1e-14)
+
+
+def test_forces_on_points_go_to_the_nodes_by_their_weights():
+    t, force = table(), np.zeros((NODES, 2))
+    points = RNG.normal(size=(POINTS - 3, 2))
+    add_point_forces(2, *t, points, force)
+    np.testing.assert_allclose(force, dense(*t).T[:, 2 : POINTS - 1] @ points, atol=1e-14)
 
 
 @pytest.mark.parametrize("dim", [2, 3])

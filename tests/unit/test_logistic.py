@@ -75,7 +75,8 @@ def detected(normal, gap=0.0, *, seed=0, turn=1e-5, strain=None):
     grid = shared.GridNodes(
         window_lower=np.zeros((2, dim), dtype=int), window_shape=np.full((2, dim), count),
         offset=np.array([0, size, 2 * size]), nodes=np.full(dim, count), mass=mass,
-        start_velocity=np.zeros((2 * size, dim)), gradient=none, mean=none,
+        start_velocity=np.zeros((2 * size, dim)), shared=np.zeros(2 * size, dtype=bool), gradient=none,
+        mean=none,
     )  # fmt: skip
     ones = np.ones(1)
     pairs = shared.NodePairs(first=np.array([0]), second=np.array([1]), weight_first=ones, weight_second=ones)

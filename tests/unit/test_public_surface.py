@@ -29,7 +29,7 @@ KERNELS = (
     ),
 )
 MODULES = ("mpmfw", "mpmfw.api", "mpmfw.plots", *KERNELS, "mpmfw.testing", "mpmfw.testing.shape")
-PACKAGES = ("mpmfw", "mpmfw_contact", "mpmfw_shape", "mpmfw_material")
+PACKAGES = ("mpmfw", "mpmfw_contact", "mpmfw_load", "mpmfw_shape", "mpmfw_material")
 
 PLUGIN_SOURCES = sorted(
     source

@@ -158,7 +158,7 @@ def test_shipped_scenes_are_valid(name):
         ('material = "steel"\ngeometry = { type = "disc"', 'material = "stel"\ngeometry = { type = "disc"',
          "s.toml:30: bodies.block.material: no material 'stel'; did you mean 'steel'?"),
         ('type = "disc"', 'type = "disk"', "s.toml:31: bodies.block.geometry.type: 'disk' is unknown; did you mean "
-         "'disc'? (one of disc, ring, rectangle, polygon, mesh, box, ball)"),
+         "'disc'? (one of disc, ring, rectangle, polygon, mesh, box, ball, cylinder, torus, extrusion, revolution, surface_mesh)"),
         ("radius = 1", "radius = 1, x = 2", "s.toml:31: bodies.block.geometry.x: unknown key; valid keys: type, centre, "
          "radius"),
         ("velocity = [1, 0]", "velocity = [1, 0, 0]", "s.toml:33: bodies.block.velocity: has 3 entries; expected 2, "
@@ -171,7 +171,7 @@ def test_shipped_scenes_are_valid(name):
         ("fixed = true", 'fixed = ["w"]', "s.toml:43: bodies.floor.sides[0].fixed[0]: 'w' is unknown; expected one of x, "
          "y, z"),
         ("fixed = true", "pressure = 1\nfixed = true", "s.toml:41: bodies.floor.sides[0]: has fixed and pressure; "
-         "expected exactly one of: fixed, velocity, pressure, traction"),
+         "expected exactly one of: fixed, velocity, pressure, traction, force"),
         ("fixed = true", 'velocity = ["free", "free"]', "s.toml:43: bodies.floor.sides[0].velocity: has no effect: every "
          "component is free"),
         ("magnitude = 10", "vector = [0, -10]", "s.toml:45: gravity: has tilt and vector; expected exactly one of: vector, "

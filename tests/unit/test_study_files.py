@@ -163,6 +163,8 @@ def test_closed_forms_of_shipped_scenes():
     assert [name for name in shipped if incline(load_scene(name))] == [
         "rolling-cylinder-no-slip",
         "rolling-cylinder-slip",
+        "rolling-sphere-no-slip",
+        "rolling-sphere-slip",
         "sliding-block",
     ]
 

@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+from pathlib import Path
+
 import pytest
 
+import mpmfw
 from mpmfw.errors import SceneError
 from mpmfw.testing import (
     Check,
@@ -168,3 +174,38 @@ def test_a_check_that_the_law_runs_at_all_comes_first():
 def test_expected_failures_leave_no_pictures_behind(tmp_path):
     examine(SUBJECT, [BAD], {"bad": WHY}, tmp_path / "pictures")
     assert not (tmp_path / "pictures").exists()
+
+
+def test_a_counterexample_is_saved_as_a_scene_and_a_program_that_runs_it(tmp_path):
+    """Of a fault of a contact and one of a load; the program is run, as whoever gets the two files would."""
+    from faulty_plugins.contact.momentum import Adhesion
+    from faulty_plugins.load.faults import EachPoint
+    from mpmfw.testing import contact_checks, load_checks
+
+    for kind, fault, name, checks in (
+        ("contact", Adhesion, "no-adhesion", contact_checks()),
+        ("load", EachPoint, "refinement", load_checks()),
+    ):
+        check = next(each for each in checks if each.name == name)
+        (outcome,) = examine(subject_of(fault, kind), [check], folder=tmp_path)
+        scene, program = outcome.saved
+        assert f"scene: {scene}" in outcome.report
+        assert f"run it: python {program}" in outcome.report
+        mpmfw.load_scene(scene)
+        assert outcome.message.split("\n")[0] in scene.read_text(encoding="utf-8")
+        tests = Path(__file__).resolve().parents[1]
+        done = subprocess.run(
+            [sys.executable, str(program)], capture_output=True, text=True, check=False, timeout=300,
+            env={**os.environ, "PYTHONPATH": str(tests)},
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        assert done.stdout.count(" s [[") >= 2  # the start, and a step
+
+
+def test_nothing_is_saved_where_nothing_fails(tmp_path):
+    from faulty_plugins.load.faults import Sound
+    from mpmfw.testing import load_checks
+
+    (outcome,) = examine(subject_of(Sound, "load"), load_checks()[:1], folder=tmp_path)
+    assert outcome.saved == ()
+    assert not list(tmp_path.iterdir())

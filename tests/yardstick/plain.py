@@ -44,20 +44,34 @@ class _Problem(ctypes.Structure):
 
 
 @functools.cache
-def compiled_library() -> ctypes.CDLL | None:
-    """The C++ loop, compiled once per process into a temporary folder; None where that is not possible."""
+def compiler() -> str | None:
+    """Path of the C++ compiler; None where there is none."""
     named = os.environ.get("CXX")
     found = (shutil.which(name) for name in (*([named] if named else []), "c++", "g++", "clang++"))
-    compiler = next((path for path in found if path), None)
-    if compiler is None:
+    return next((path for path in found if path), None)
+
+
+def compiler_version() -> str:
+    """What the compiler says of itself."""
+    path = compiler()
+    if path is None:
+        return "no C++ compiler"
+    return subprocess.run([path, "--version"], check=True, capture_output=True, text=True).stdout.partition(
+        "\n"
+    )[0]
+
+
+@functools.cache
+def compiled_library() -> ctypes.CDLL | None:
+    """The C++ loop, compiled once per process into a temporary folder; None where that is not possible."""
+    path = compiler()
+    if path is None:
         return None
     source = Path(__file__).with_name("plain.cpp")
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         target = Path(folder) / "plain.so"
         try:
-            subprocess.run(
-                [compiler, *FLAGS, str(source), "-o", str(target)], check=True, capture_output=True
-            )
+            subprocess.run([path, *FLAGS, str(source), "-o", str(target)], check=True, capture_output=True)
             return ctypes.CDLL(str(target))
         except (OSError, subprocess.CalledProcessError):
             return None

@@ -14,6 +14,7 @@ from mpmfw.cli.compare import compare
 from mpmfw.cli.errors import exit_status
 from mpmfw.cli.explain import explain
 from mpmfw.cli.export import export
+from mpmfw.cli.new import new
 from mpmfw.cli.plot import plot
 from mpmfw.cli.plugins import plugins
 from mpmfw.cli.rank import rank
@@ -50,6 +51,7 @@ for command in (
     benchmark,
     validate,
     check,
+    new,
 ):
     first = (command.__doc__ or "").partition("\n\n")[0]  # in the list of commands as a whole, else it is cut
     app.command(short_help=first)(exit_status(command))

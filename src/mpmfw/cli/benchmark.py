@@ -28,6 +28,7 @@ def benchmark(
     from rich.console import Console
 
     from mpmfw.benchmark import measure_scene, table
+    from mpmfw.campaigns.machine import Load, processor
     from mpmfw.scene import load_scene
 
     names = [name for name in scenes.split(",") if name]
@@ -35,10 +36,11 @@ def benchmark(
         raise SceneError("--scenes: expected at least one scene")
     for name in names:
         load_scene(name)  # an unknown one is refused before anything is measured
-    rows = []
+    rows, load = [], Load()
     for name in names:
         row = measure_scene(name, repeats, start=IN_CONTACT.get(name, 0))
         shown = {key: value for key, value in row.items() if key not in HIDDEN}
         rows.append({**shown, "contact %": 100.0 * row["ns_contact"] / row["ns_total"]})
     console = Console(width=max(Console().width, WIDTH))
     console.print(table(rows, "Scenes: ns per material point and step"))
+    console.print(f"{processor()}; other processes kept {load.others():.1f} cores busy")

@@ -1,7 +1,10 @@
-"""``mpmfw check``: does a plug-in keep what a contact law, a shape function or a material must keep?"""
+"""``mpmfw check``: does a plug-in keep what a contact law, a shape function, a material or a load must keep?"""
 
 from __future__ import annotations
 
+import os
+import signal
+import subprocess
 import sys
 import tomllib
 from collections.abc import Callable, Iterator, Sequence
@@ -31,7 +34,9 @@ PluginArgument: TypeAlias = Annotated[
 ]
 KindOption: TypeAlias = Annotated[
     str | None,
-    typer.Option(metavar="contact|shape|material", help="Kind of the plug-in, where its name does not say."),
+    typer.Option(
+        metavar="contact|shape|material|load", help="Kind of the plug-in, where its name does not say."
+    ),
 ]
 OptionsOption: TypeAlias = Annotated[
     list[str] | None,
@@ -43,6 +48,19 @@ OnlyOption: TypeAlias = Annotated[
 ExpectedOption: TypeAlias = Annotated[
     Path | None,
     typer.Option(metavar="FILE.toml", help="Checks that must fail: a table of their names and the reasons."),
+]
+SaveOption: TypeAlias = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="DIR", help="Write the scene of each counterexample there, and the program that runs it."
+    ),
+]
+BoundsOption: TypeAlias = Annotated[
+    bool,
+    typer.Option(
+        "--bounds",
+        help="Ask every index of the kernels, in a process of its own; minutes for the first time.",
+    ),
 ]
 PicturesOption: TypeAlias = Annotated[
     Path, typer.Option(metavar="DIR", help="Folder for pictures of counterexamples.")
@@ -56,11 +74,20 @@ def check(
     only: OnlyOption = None,
     expected_failures: ExpectedOption = None,
     pictures: PicturesOption = Path("mpmfw-check"),
+    save: SaveOption = None,
+    bounds: BoundsOption = False,
 ) -> None:
     """Run the conformance kit on PLUGIN; exit status 1 if a check fails unexpectedly.
 
     Each failure says which property is broken, the smallest counterexample, and where its picture is.
     """
+    if bounds:
+        files = {"--expected-failures": expected_failures, "--pictures": pictures, "--save": save}
+        given = [part for option, path in files.items() if path is not None for part in (option, str(path))]
+        given += [part for text in set_ or () for part in ("--set", text)]
+        given += [part for name in only or () for part in ("--only", name)]
+        _with_bounds([plugin, *(("--kind", kind) if kind else ()), *given])
+        return
     from mpmfw.scene.specification import parse_specification
 
     asked = _kind_of(parse_specification(plugin).name, kind)
@@ -80,7 +107,7 @@ def check(
     table = justified({} if expected_failures is None else _table(expected_failures), known)
     expected = {check.name: table[check.name] for check in checks if check.name in table}
     with _progress(len(checks)) as progress:
-        outcomes = examine(subject, checks, expected, pictures, progress)
+        outcomes = examine(subject, checks, expected, pictures, progress, save)
     _print(f"{asked} {subject.label}", outcomes)
     wrong = [outcome for outcome in outcomes if outcome.wrong]
     if wrong:
@@ -90,6 +117,30 @@ def check(
         raise MpmfwError(
             f"{subject.label}: {len(wrong)} of {len(outcomes)} checks went wrong{causes}: {names}"
         )
+
+
+def _with_bounds(arguments: list[str]) -> None:
+    """Run the command in a process whose kernels ask every index.
+
+    Their cache is another: numba's key does not say which way a kernel was compiled.
+
+    Raises
+    ------
+    MpmfwError
+        The process died, and by what signal.
+    typer.Exit
+        It ended with another status than 0, which is this one's as well.
+    """
+    import platformdirs
+
+    root = os.environ.get("NUMBA_CACHE_DIR") or str(platformdirs.user_cache_path("mpmfw") / "kernels")
+    environment = {**os.environ, "NUMBA_BOUNDSCHECK": "1", "NUMBA_CACHE_DIR": f"{root}-bounds"}
+    command = [sys.executable, "-m", "mpmfw", "check", *arguments]
+    status = subprocess.run(command, env=environment, check=False).returncode
+    if status < 0:
+        raise MpmfwError(f"the process of the checks was ended by {signal.Signals(-status).name}")
+    if status:
+        raise typer.Exit(status)
 
 
 def _kind_of(plugin: str, kind: str | None) -> Kind:

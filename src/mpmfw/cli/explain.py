@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -25,8 +26,14 @@ def explain(
         bool,
         typer.Option("--measure", help="Measure the times per stage on this machine first, and keep them."),
     ] = False,
+    everything: Annotated[
+        bool,
+        typer.Option(
+            "--all", help="Print the reason of every effect, hooks, arrays, limits and stages, too."
+        ),
+    ] = False,
 ) -> None:
-    """Print what SCENE would run: effects, hooks, arrays, the time step, its cost, and facts that are not used."""
+    """Print what SCENE would run: effects, the time step, its cost, and facts that are not used."""
     loaded = chosen_scene(scene, contact, shape, set_)
 
     from mpmfw.scene import located
@@ -37,11 +44,14 @@ def explain(
     except SceneError as error:
         raise located(error, loaded) from error
     _print_head(simulation)
-    _print_effects(simulation)
-    _print_hooks(simulation)
-    _print_arrays(simulation)
-    _print_step(simulation)
-    _print_cost(simulation, measure)
+    if everything:
+        _print_effects(simulation)
+        _print_hooks(simulation)
+        _print_arrays(simulation)
+    else:
+        _print_effect_names(simulation)
+    _print_step(simulation, everything)
+    _print_cost(simulation, measure, everything)
     _print_unused(simulation)
 
 
@@ -53,6 +63,15 @@ def _print_head(simulation: Simulation) -> None:
         f"{scene.dim}D, {len(state.bodies)} bodies, {state.particles.count} material points, "
         f"contact {method}, shape {simulation.shape.label}\n"
     )
+
+
+def _print_effect_names(simulation: Simulation) -> None:
+    """What runs and what does not; ``--all`` has the reasons."""
+    for on, word in ((True, "on"), (False, "off")):
+        names = [effect.name for effect in simulation.effects if effect.on == on]
+        text = f"{word}: {', '.join(names) or 'nothing'}"
+        typer.echo(textwrap.fill(text, 100, subsequent_indent="  ", break_on_hyphens=False))
+    typer.echo("(mpmfw explain --all says why, and lists hooks, arrays, limits and stages)\n")
 
 
 def _print_effects(simulation: Simulation) -> None:
@@ -87,20 +106,22 @@ def named_arrays(state: Any) -> Iterable[tuple[str, Any]]:
     yield from state.arrays.items()
 
 
-def _print_step(simulation: Simulation) -> None:
-    """Limits at the start; a scene that settles is not brought to rest for that."""
+def _print_step(simulation: Simulation, everything: bool) -> None:
+    """The step at the start and what limits it; a scene that settles is not brought to rest for that."""
     if simulation.scene.settle is None:
         simulation.start()  # how fast bodies travel is a limit too
     limits = sorted(simulation.limits())
-    rows = [{"limit [s]": f"{seconds:.6g}", "set by": owner} for seconds, owner in limits]
-    print_rows(rows, "Limits of the time step: the least rules")
+    if everything:
+        rows = [{"limit [s]": f"{seconds:.6g}", "set by": owner} for seconds, owner in limits]
+        print_rows(rows, "Limits of the time step: the least rules")
     time = simulation.scene.time
     why = "fixed by time.step" if time.step is not None else f"{time.safety:g} of the stability limit"
-    typer.echo(f"dt = {simulation.stable_step():.6g} s: {why}\n")
+    typer.echo(f"dt = {simulation.stable_step():.6g} s: {why}")
+    typer.echo(f"least limit: {limits[0][0]:.6g} s, {limits[0][1]}\n")
 
 
-def _print_cost(simulation: Simulation, measure: bool) -> None:
-    """Steps, CPU time by stage and memory, predicted from measured times per stage."""
+def _print_cost(simulation: Simulation, measure: bool, everything: bool) -> None:
+    """Steps, CPU time, by stage where ``everything`` is printed, and memory, predicted from measured times per stage."""
     from mpmfw import prediction
     from mpmfw.limits import results_size
     from mpmfw.sizing import most_memory, shown_bytes
@@ -108,9 +129,15 @@ def _print_cost(simulation: Simulation, measure: bool) -> None:
     if measure:
         prediction.measure(prediction.own_table())
     found = prediction.predict(simulation, [array.nbytes for _, array in named_arrays(simulation.state)])
-    rows = [{"stage": stage, "CPU [s]": f"{seconds:.3g}"} for stage, seconds in found.stages.items()]
-    print_rows([*rows, {"stage": "all", "CPU [s]": f"{found.cpu_time:.3g}"}], "Predicted cost of the steps")
+    if everything:
+        rows = [{"stage": stage, "CPU [s]": f"{seconds:.3g}"} for stage, seconds in found.stages.items()]
+        print_rows(
+            [*rows, {"stage": "all", "CPU [s]": f"{found.cpu_time:.3g}"}], "Predicted cost of the steps"
+        )
     typer.echo(f"{found.steps} steps if the limit stays as it is, {1e-6 * found.memory:.3g} MB of arrays")
+    largest = max(found.stages, key=lambda stage: found.stages[stage])
+    share = found.stages[largest] / found.cpu_time if found.cpu_time > 0.0 else 0.0
+    typer.echo(f"{found.cpu_time:.3g} s of CPU time for the steps, {100.0 * share:.0f} % of it {largest}")
     typer.echo(f"at most {shown_bytes(most_memory(simulation.scene))} of memory while it is built and runs")
     frames, each, size = results_size(simulation, simulation.header())
     typer.echo(f"{frames:g} frames of {shown_bytes(each)}, and series: {shown_bytes(size)}")

@@ -90,6 +90,7 @@ class RowContact(ContactStrategy):
             for rows in (self.rows, self.old):
                 rows.hold(cohesion=self.friction.cohesive)
         self._list_friction(setup.state)
+        self._list_thickness(setup.state)
         self.node_sum = np.zeros(0)
 
     @hookimpl
@@ -99,10 +100,27 @@ class RowContact(ContactStrategy):
         self.law.list_pairs(state)
         self.records.add_pairs(state)
         self._list_friction(state)
+        self._list_thickness(state)
 
     def _list_friction(self, state: State) -> None:
         """μ of every pair, as the scene has it."""
         self.pair_friction = np.array([pair.friction for pair in state.pairs], dtype=float)
+
+    def _list_thickness(self, state: State) -> None:
+        """Width over which every pair touches: the lesser thickness of the two; None where no body names one."""
+        bodies, self.width = state.bodies, None
+        if state.particles.thickness is not None:
+            width = [min(bodies[p.first].thickness, bodies[p.second].thickness) for p in state.pairs]
+            self.width = np.array(width, dtype=float)
+
+    def find_rows(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
+        """The rows where the bodies are now; areas with the width over which the bodies touch."""
+        rows = self.rows
+        self.detection.find(grid, phi, particles, rows)
+        if self.width is not None:
+            width = self.width[rows.pair[: rows.count]]
+            for area in (rows.area, rows.whole):
+                area[: rows.count] *= width
 
     def bound_slip(self) -> None:
         """What the rows of this step hold along their planes."""
@@ -174,7 +192,7 @@ class ForceContact(RowContact):
     def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
         """The rows where the bodies are now, their stiffness, and the highest frequency that they give the grid."""
         rows, old = self.rows, self.old
-        self.detection.find(grid, phi, particles, rows)
+        self.find_rows(grid, phi, particles)
         self.omega_squared = 0.0
         if rows.count:
             rows.match(old)
@@ -235,7 +253,7 @@ class ImpulseContact(RowContact):
     @hookimpl
     def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
         """The rows where the bodies are now."""
-        self.detection.find(grid, phi, particles, self.rows)
+        self.find_rows(grid, phi, particles)
         self.scratch(grid)
         self.bound_slip()
         self.cohesion = (

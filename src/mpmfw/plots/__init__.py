@@ -6,6 +6,7 @@ from mpmfw.plots.field_figure import field, side_by_side
 from mpmfw.plots.files import figures_of, plot_file, plot_files, write_figure
 from mpmfw.plots.generic import gap_history, series_overview
 from mpmfw.plots.histories import history
+from mpmfw.plots.plane_cut import plane_cut
 from mpmfw.plots.rings import contact_force
 from mpmfw.plots.rolling import deviation, motion, positions
 from mpmfw.plots.study import front, stages
@@ -21,6 +22,7 @@ __all__ = [
     "gap_history",
     "history",
     "motion",
+    "plane_cut",
     "plot_file",
     "plot_files",
     "positions",

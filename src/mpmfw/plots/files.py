@@ -15,6 +15,16 @@ from mpmfw.plots.costs import cost_bars
 from mpmfw.plots.generic import gap_history, series_overview
 from mpmfw.plots.rings import contact_force
 from mpmfw.plots.rolling import deviation, motion, positions
+from mpmfw.plots.scene import (
+    body_motion,
+    energies,
+    moving_bodies,
+    near_pairs,
+    pair_forces,
+    pair_gaps,
+    start_and_end,
+    touching_pairs,
+)
 from mpmfw.plots.stability import stability_figures
 from mpmfw.plots.study import study_figures
 from mpmfw.plots.style import at_last, drawn_reference, drawn_values
@@ -46,9 +56,11 @@ def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
             "Contact force on the right ring: as stored, averaged over 100 µs, and its impulse, beside the "
             "finite-element reference. The stored force is noisy in every method and not to be compared.",
         )
+    elif "status" in dataset:
+        figures |= _any_scene(dataset)
     else:
-        figures["series"] = (series_overview(dataset), "Series of the first body and the first pair.")
-    if "min_gap" in dataset:
+        figures["series"] = (series_overview(dataset), "Series of the bodies and pairs.")
+    if "min_gap" in dataset and reference is not None:
         figures["gap"] = (
             gap_history(dataset),
             "Least distance between the bodies' outlines, in cells; negative where they penetrate.",
@@ -57,6 +69,34 @@ def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
         figures["cost"] = (cost_bars(dataset), "CPU time per material point and step, by stage of the step.")
     text = f" {drawn_values(dataset)}." if drawn_values(dataset) else ""
     return {name: (figure, caption + text) for name, (figure, caption) in figures.items()}
+
+
+def _any_scene(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
+    """What a comparison without a closed form to draw shows: where, how far, and what acted."""
+    figures = {}
+    if "outline" in dataset and np.isfinite(at_last(dataset)["outline"].values).any():
+        figures["positions"] = (
+            start_and_end(dataset),
+            "Outlines at the first output (dashed) and at the last, at one scale; bodies that stand still are grey.",
+        )
+    if "centre_of_mass" in dataset and moving_bodies(dataset):
+        figures["motion"] = (
+            body_motion(dataset),
+            "Motion of the bodies that do not stand still, the furthest first.",
+        )
+    if "contact_force" in dataset and touching_pairs(dataset):
+        figures["forces"] = (
+            pair_forces(dataset),
+            "Contact force of every pair that touches, mean over the output interval: across the surface and along it.",
+        )
+    if "min_gap" in dataset and near_pairs(dataset):
+        figures["gaps"] = (
+            pair_gaps(dataset),
+            "Least distance between the outlines of every pair that comes near; negative where they overlap.",
+        )
+    if {"kinetic_energy", "strain_energy"} <= set(dataset.data_vars):
+        figures["energies"] = (energies(dataset), "Energies of all bodies, and what contact has dissipated.")
+    return figures
 
 
 def _rolling(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import math
 import os
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -17,6 +18,7 @@ from mpmfw.errors import MpmfwError
 from mpmfw.plots import figures_of
 from mpmfw.references import described
 from mpmfw.report.columns import CHOICES, COLUMNS, COSTS, column_of
+from mpmfw.report.differences import differences, refinement
 from mpmfw.report.table import method_dims, shown, table
 
 _STYLE = """body{font:15px/1.5 system-ui,sans-serif;max-width:75em;margin:2em auto;padding:0 1em;color:#222}
@@ -29,6 +31,8 @@ tr.bad td.text{white-space:normal}tr.group td{border-top:2px solid #999}
 dt{font-weight:600;font-size:14px}dd{margin:0 0 .5em 1.5em;font-size:14px;max-width:52em}
 svg{max-width:100%;height:auto}pre{background:#f6f6f6;padding:1em;overflow:auto;font-size:12px}
 .wide{overflow-x:auto}"""
+#: Rows of the table of differences, and the least difference that has one.
+_MOST_DIFFERENCES, _LEAST_SPREAD = 15, 1e-3
 
 
 def write_report(
@@ -54,7 +58,7 @@ def write_report(
     rows = table(dataset)
     parts = [f"<h1>{escape(title)}</h1>", _reference(dataset), "<h2>Error</h2>"]
     parts.append(_table(dataset, rows, [name for name in _columns(rows) if name not in COSTS]))
-    parts += ["<h2>Cost</h2>", _table(dataset, rows, COSTS), _notes(dataset.attrs)]
+    parts += [_differences(dataset), "<h2>Cost</h2>", _table(dataset, rows, COSTS), _notes(dataset.attrs)]
     for name, (figure, caption) in figures_of(dataset).items():
         parts.append(
             f'<figure id="{escape(name)}">{_svg(figure)}<figcaption>{escape(caption)}</figcaption></figure>'
@@ -80,8 +84,51 @@ def write_report(
 
 
 def _reference(dataset: xr.Dataset) -> str:
-    text = described(dataset) or "none is known for this scene"
-    return f"<p>Reference: {escape(text)}.</p>"
+    text = described(dataset)
+    if text:
+        return f"<p>Reference: {escape(text)}.</p>"
+    return (
+        "<p>No reference is known for this scene: its methods are compared with each other. What each of them tends to is seen "
+        "with smaller cells, <code>--vary grid.cell_size=…</code>; a closed form is named by the scene's table "
+        "<code>[reference]</code>.</p>"
+    )
+
+
+def _differences(dataset: xr.Dataset) -> str:
+    """The quantities in which the methods differ most, and what the finest cells changed."""
+    ranked = [one for one in differences(dataset) if one.spread >= _LEAST_SPREAD]
+    labels = [
+        f"{contact}, {shape}" for contact in dataset["contact"].values for shape in dataset["shape"].values
+    ]
+    if len(labels) < 2 or not ranked:
+        return ""
+    heads = "".join(f"<th>{escape(label)}</th>" for label in labels)
+    rows = ""
+    for one in ranked[:_MOST_DIFFERENCES]:
+        cells = "".join(f"<td>{_number(value)}</td>" for value in one.values.ravel())
+        what = f"{escape(one.quantity)}{_unit(one.unit)}"
+        rows += f'<tr><td class="text">{what}</td>{cells}<td>{100.0 * one.spread:.3g}</td>'
+        rows += f'<td class="text">{escape(one.against)}, {_number(one.scale)}</td></tr>'
+    shown = f", the first {_MOST_DIFFERENCES} of {len(ranked)}" if len(ranked) > _MOST_DIFFERENCES else ""
+    table = (
+        f"<h2>What the methods differ in</h2><p>At the end of the runs, the largest difference first{shown}. A difference is "
+        "the largest value less the least, over what stands beside it.</p>"
+        f'<div class="wide"><table><tr><th class="text">Quantity</th>{heads}<th>difference [%]</th>'
+        f'<th class="text">of</th></tr>{rows}</table></div>'
+    )
+    changes = "".join(
+        f"<li>{escape(f'{contact}, {shape}')}: {100.0 * change:.3g} % in {escape(quantity)}</li>"
+        for (contact, shape), (quantity, change) in refinement(dataset).items()
+    )
+    return table + (
+        f"<p>Largest change from the second finest cells to the finest:</p><ul>{changes}</ul>"
+        if changes
+        else ""
+    )
+
+
+def _number(value: float) -> str:
+    return f"{value:.4g}" if math.isfinite(value) else "–"
 
 
 def _columns(rows: Sequence[Mapping[str, Any]]) -> list[str]:

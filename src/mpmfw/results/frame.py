@@ -31,6 +31,8 @@ class RunHeader:
     attributes
         Root attributes: scene text, title, contact, shape, scheme, transfer, effects, plug-ins, versions …
         Mappings and sequences of mixed type are stored as JSON; a value of ``None`` is left out.
+    per_metre
+        Whether masses, forces and energies in 2D are those of a metre of thickness; else of the thickness that bodies name.
     more_pairs
         Whether frames may name pairs that the header does not: bodies of many that come near each other.
     """
@@ -44,6 +46,7 @@ class RunHeader:
     connectivity: Mapping[str, IntArray] = field(default_factory=dict)
     attributes: Mapping[str, Any] = field(default_factory=dict)
     more_pairs: bool = False
+    per_metre: bool = True
 
 
 @dataclass

@@ -18,8 +18,8 @@ SERIES_CHUNK = 16_384
 #: Pairs in a chunk of a series where more pairs may follow.
 PAIRS_CHUNK = 1024
 
-#: Declarations state quantities per metre of thickness; in 3D there is none.
-_IN_3D = {
+#: Declarations state quantities per metre of thickness; in 3D there is none, and bodies may name their own.
+_WHOLE = {
     "kg m-1": "kg",
     "m2": "m3",
     "kg m s-1 m-1": "kg m s-1",
@@ -29,9 +29,11 @@ _IN_3D = {
 }
 
 
-def unit(field: Field, dim: int) -> str:
-    """Return the unit of a field in 2D or 3D; extensive quantities are per metre of thickness in 2D."""
-    return field.unit if dim == 2 else _IN_3D.get(field.unit, field.unit)
+def unit(field: Field, dim: int, *, per_metre: bool = True) -> str:
+    """Return the unit of a field in 2D or 3D; extensive quantities in 2D are ``per_metre`` of thickness, or whole."""
+    if dim == 2 and (per_metre or field.unit == "m2"):
+        return field.unit
+    return _WHOLE.get(field.unit, field.unit)
 
 
 def is_static(field: Field) -> bool:

@@ -26,8 +26,8 @@ class Timeline:
         Whether pairs may be added to the dimension ``pair``.
     """
 
-    def __init__(self, group: netCDF4.Dataset, dim: int, *, more_pairs: bool) -> None:
-        self.group, self.dim, self.more_pairs = group, dim, more_pairs
+    def __init__(self, group: netCDF4.Dataset, dim: int, *, more_pairs: bool, per_metre: bool) -> None:
+        self.group, self.dim, self.more_pairs, self.per_metre = group, dim, more_pairs, per_metre
         self.frames = 0
         self.waiting_bytes = 0
         self._times: list[float] = []
@@ -114,7 +114,9 @@ class Timeline:
         dtype: Any = np.dtype(field.dtype)
         chunks = layout.chunks(field, values.shape, dtype.itemsize, more_pairs=self.more_pairs)
         variable = _variable(group, field.name, dtype, layout.dimensions(field), chunksizes=chunks)
-        variable.setncatts({**field.attributes, "units": layout.unit(field, self.dim)})
+        variable.setncatts(
+            {**field.attributes, "units": layout.unit(field, self.dim, per_metre=self.per_metre)}
+        )
         return variable
 
 

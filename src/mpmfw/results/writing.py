@@ -199,11 +199,13 @@ class RunWriter:
         _labels(dataset, "rotation", ("z",) if header.dim == 2 else axes)
         _labels(dataset, "body", header.bodies)
         _labels(dataset, "pair", header.pairs, grows=header.more_pairs)
-        self._outputs = Timeline(dataset, header.dim, more_pairs=header.more_pairs)
+        self._outputs = Timeline(
+            dataset, header.dim, more_pairs=header.more_pairs, per_metre=header.per_metre
+        )
         self._journal = Journal(dataset)
         dataset.createGroup("series")
         points = self._ragged("particles", "particle", header.particle_count)
-        self._points = Timeline(points, header.dim, more_pairs=header.more_pairs)
+        self._points = Timeline(points, header.dim, more_pairs=header.more_pairs, per_metre=header.per_metre)
         if any(header.surface_count.values()):
             surface = self._ragged("surface", "surface_node", header.surface_count)
             if header.connectivity:

@@ -38,7 +38,8 @@ class Record:
 
     def __init__(self, simulation: Simulation) -> None:
         self.state = simulation.state
-        volume = simulation.state.particles.initial_volume
+        particles = simulation.state.particles
+        volume = particles.through(particles.initial_volume)
         stiffness = [body.bulk_modulus + body.shear_modulus for body in simulation.state.bodies]
         volumes = [volume[body.particles].sum() for body in simulation.state.bodies]
         self.nothing = NOTHING * float(np.dot(volumes, stiffness))

@@ -52,7 +52,7 @@ def step(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Call
 
     clock("force")
     add_internal_force(p, phi, g)  # 3
-    hook.add_nodal_force(grid=g, state=state, dt=dt)
+    hook.add_nodal_force(grid=g, state=state, phi=phi, dt=dt)
     integrate_momentum(g, dt)  # 4
     hook.after_momentum_update(grid=g, phi=phi, particles=p, dt=dt)
     hook.correct_inertia(grid=g, phi=phi, particles=p, dt=dt)

@@ -106,8 +106,9 @@ def apply_moment(p: Particles, phi: Stencil, g: Grid, position: FloatArray | Non
 
 
 def add_internal_force(p: Particles, phi: Stencil, g: Grid) -> None:
-    """f_i −= Σ V σ·∇φ."""
-    to_grid.add_internal_force(phi.row, phi.nodes, phi.gradient, p.volume, p.stress, g.force, g.spacing)
+    """f_i −= Σ V σ·∇φ, V with the thickness."""
+    volume = p.through(p.volume)
+    to_grid.add_internal_force(phi.row, phi.nodes, phi.gradient, volume, p.stress, g.force, g.spacing)
 
 
 def integrate_momentum(g: Grid, dt: float) -> None:

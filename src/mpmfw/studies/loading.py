@@ -9,18 +9,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
 from mpmfw.campaigns.keys import SHORT, full_key, written_alike
 from mpmfw.campaigns.measures import measure_of
+from mpmfw.campaigns.tables import validated
 from mpmfw.errors import SceneError
 from mpmfw.scene import Scene, Source
 from mpmfw.scene.loading import origin_of
 from mpmfw.scene.locator import Path as KeyPath
 from mpmfw.scene.override import parse_path
-from mpmfw.scene.problem import Problem, distinct
+from mpmfw.scene.problem import Problem
 from mpmfw.scene.sources import read_source, shipped_texts
-from mpmfw.scene.wording import problems_of, unknown_key
+from mpmfw.scene.wording import unknown_key
 from mpmfw.studies.tables import StudyTables
 
 
@@ -84,17 +83,7 @@ def load_study(study: str | os.PathLike[str] | Mapping[str, Any] | Study) -> Stu
     if isinstance(study, Study):
         return study
     source = read_source(study, "study", shipped_studies())
-    data, problems, tables = dict(source.mapping), [], None
-    try:
-        tables = StudyTables.model_validate(data)
-        problems = list(_checks(tables))
-    except ValidationError as error:
-        problems = problems_of(error, StudyTables, data)
-    if problems or tables is None:
-        origin = origin_of(source, {})
-        ordered = sorted(distinct(problems), key=origin.line_number)
-        raise SceneError("\n".join(origin.describe(problem) for problem in ordered))
-    return Study(tables, source)
+    return Study(validated(StudyTables, source, _checks), source)
 
 
 def _checks(tables: StudyTables) -> Iterator[Problem]:

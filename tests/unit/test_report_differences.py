@@ -1,0 +1,100 @@
+"""The report of a scene without a reference: what its methods differ in, largest first, and where its bodies went."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from mpmfw.plots import figures_of
+from mpmfw.plots.scene import moving_bodies, near_pairs, touching_pairs
+from mpmfw.report import write_report
+from mpmfw.report.differences import differences, refinement
+
+SCENE = "[grid]\ncell_size = 0.1\n[bodies.floor]\n[bodies.block]\n[bodies.stone]\n"
+BODIES, PAIRS = ["floor", "block", "stone"], ["floor-block", "floor-stone"]
+
+
+def comparison() -> xr.Dataset:
+    """Two methods at two cell sizes: the block goes 1 or 2 m (1.5 at the coarse cells), the stone falls out of the second run.
+
+    Impulses of floor and block are 3 and 6 N s/m, of floor and stone none.
+    """
+    lead = ("contact", "shape", "cell_size")
+    shape, times = (2, 1, 2), np.linspace(0.0, 1.0, 3)
+    centre = np.zeros((*shape, 3, 3, 2))
+    centre[0, 0, :, :, 1, 0] = times
+    centre[1, 0, 0, :, 1, 0], centre[1, 0, 1, :, 1, 0] = 1.5 * times, 2.0 * times
+    force = np.zeros((*shape, 3, 2, 2))
+    force[0, ..., 1:, 0, 1], force[1, ..., 1:, 0, 1] = 3.0, 6.0
+    gap = np.full((*shape, 3, 2), np.nan)
+    gap[..., 0], gap[..., 1] = 0.02, 0.5  # floor and stone five cells apart
+    gap[1, ..., 1, 0] = -0.05
+    energy = np.ones((*shape, 3, 3))
+    return xr.Dataset(
+        {
+            "status": (lead, np.full(shape, "ok", dtype=object).astype(str)),
+            "centre_of_mass": ((*lead, "time", "body", "axis"), centre),
+            "mean_velocity": ((*lead, "time", "body", "axis"), np.gradient(centre, times, axis=3)),
+            "contact_force": ((*lead, "time", "pair", "axis"), force, {"units": "N m-1"}),
+            "friction_force": ((*lead, "time", "pair", "axis"), 0.0 * force, {"units": "N m-1"}),
+            "min_gap": ((*lead, "time", "pair"), gap),
+            "kinetic_energy": ((*lead, "time", "body"), energy, {"units": "J m-1"}),
+            "strain_energy": ((*lead, "time", "body"), energy, {"units": "J m-1"}),
+        },
+        {
+            "contact": ["one", "other"],
+            "shape": ["cpdi"],
+            "cell_size": [0.2, 0.1],
+            "time": times,
+            "body": BODIES,
+            "pair": PAIRS,
+            "axis": ["x", "y"],
+        },
+        {"scene": SCENE, "varied": '{"cell_size": "grid.cell_size"}', "kind": "compare"},
+    )
+
+
+def test_the_largest_difference_comes_first() -> None:
+    found = {one.quantity: one for one in differences(comparison())}
+    spreads = [one.spread for one in differences(comparison())]
+    assert spreads == sorted(spreads, reverse=True)
+    moved = found["block: displacement, x"]
+    assert moved.values.ravel().tolist() == [1.0, 2.0]
+    assert (moved.spread, moved.scale) == (0.5, 2.0)
+    assert found["floor-block: impulse, y"].values.ravel() == pytest.approx([3.0, 6.0])
+    assert found["floor-block: largest penetration"].spread == pytest.approx(0.5)  # half a cell of 0.1 m
+    assert found["kinetic energy"].spread == 0.0
+
+
+def test_a_run_that_failed_differs_from_nothing() -> None:
+    dataset = comparison()
+    dataset["status"][{"contact": 1}] = "failed"
+    for name in ("centre_of_mass", "mean_velocity"):
+        dataset[name][{"contact": 1}] = np.nan
+    assert all(one.spread == 0.0 for one in differences(dataset))
+
+
+def test_the_finest_cells_say_what_they_changed() -> None:
+    assert refinement(comparison()) == {
+        ("one", "cpdi"): ("floor: displacement, x", 0.0),
+        ("other", "cpdi"): ("block: displacement, x", 0.25),
+    }
+    assert refinement(comparison().isel(cell_size=[1])) == {}
+
+
+def test_what_stands_still_and_does_not_touch_has_no_panel() -> None:
+    assert moving_bodies(comparison()) == ["block"]
+    assert touching_pairs(comparison()) == near_pairs(comparison()) == ["floor-block"]
+    assert set(figures_of(comparison())) == {"motion", "forces", "gaps", "energies"}
+
+
+def test_the_page_says_that_there_is_no_reference(tmp_path) -> None:
+    costs = dict.fromkeys(
+        ("cpu_time", "settle_time", "steps", "material_points"),
+        (("contact", "shape", "cell_size"), np.ones((2, 1, 2))),
+    )
+    write_report(comparison().assign(costs), tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert "No reference is known" in page
+    assert "block: displacement, x" in page
