@@ -98,8 +98,8 @@ class Checkpoints:
             self._ask_for_code()
         self.simulation.clock("output")
         try:
-            self.writer.make_lasting()
-            write_snapshot(self.path, self.simulation.snapshot(), self._facts())
+            # A kill within a sync can leave the results' file unreadable: HDF5 changes its tables in place
+            write_snapshot(self.path, self.simulation.snapshot(), self._facts(), beside=self.writer.path)
         except MpmfwError as error:
             self._wanted = False
             warnings.warn(f"no checkpoints are written: {error}", ResultsWarning, stacklevel=2)
@@ -108,7 +108,7 @@ class Checkpoints:
     def forget(self) -> None:
         """Remove it, and what one that was cut short has left."""
         if self.path is not None:
-            for path in (self.path, f"{self.path}.part"):
+            for path in (self.path, f"{self.path}.part", f"{self.path}.results"):
                 with contextlib.suppress(OSError):
                     os.unlink(path)
 

@@ -16,12 +16,13 @@ from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.interruption import interruptible
 from mpmfw.results import RunWriter, check_results
 from mpmfw.results.memory import restart_peak_memory
+from mpmfw.results.reading import is_hdf5
 from mpmfw.results.replaying import frames_of
 from mpmfw.results.writers import claim, release
 from mpmfw.runs import run_on
 from mpmfw.scene.loading import scene_from
 from mpmfw.simulation import Simulation
-from mpmfw.snapshot import NotSaved, Snapshot, read_snapshot
+from mpmfw.snapshot import NotSaved, Snapshot, extract_beside, read_snapshot
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -124,9 +125,14 @@ def _check_unfinished(path: str) -> None:
     """Refuse what is no file of a run that has not come to its end."""
     if not os.path.isfile(path):
         raise SceneError(f"{path}: there is no such file; expected the results of a run")
-    check_results(path)
-    with netCDF4.Dataset(path) as dataset:
-        kind, status = (str(getattr(dataset, name, "")) for name in ("kind", "status"))
+    try:
+        with netCDF4.Dataset(path) as dataset:
+            kind, status = (str(getattr(dataset, name, "")) for name in ("kind", "status"))
+    except (OSError, RuntimeError):
+        if is_hdf5(path) and os.path.isfile(checkpoint_path(path)):
+            return  # killed within a sync: the checkpoint has the outputs up to it
+        check_results(path)
+        raise
     if kind != "run":
         again = (
             "; what it still lacks is run when its command is given again"
@@ -206,21 +212,24 @@ def _short(what: str | None) -> str:
 def _rewritten(simulation: Simulation, path: str, frames: int, resumed: list[float]) -> Iterator[RunWriter]:
     """The writer of a file that has the frames up to the checkpoint and takes the place of the old one."""
     header = simulation.header({"resumed": json.dumps(resumed)})
-    part = f"{path}.part"
+    part, before = f"{path}.part", f"{checkpoint_path(path)}.results"
     with contextlib.ExitStack() as undo:
         descriptor = claim(path)
         undo.callback(release, path, descriptor)
         try:
             _check_same(path, header.attributes)
+            undo.callback(_unlink, before)
+            extract_beside(checkpoint_path(path), before)
             undo.callback(_unlink, part)
             writer = RunWriter(part, header)
             undo.callback(writer.close)
-            for frame in frames_of(path, frames, header):
+            for frame in frames_of(before, frames, header):
                 writer.write(frame)
         except MpmfwError as error:
             raise SceneError(f"{path}: cannot go on from the checkpoint beside it: {error}") from error
         writer.take_place_of(path, descriptor)
         undo.pop_all()
+        _unlink(before)
     with writer:
         yield writer
 
@@ -231,8 +240,11 @@ def _unlink(path: str) -> None:
 
 
 def _check_same(path: str, attributes: Any) -> None:
-    """Refuse a file of another run than the checkpoint's."""
-    with netCDF4.Dataset(path) as dataset:
-        other = [name for name in _SAME if str(getattr(dataset, name, "")) != str(attributes[name])]
+    """Refuse a file of another run than the checkpoint's, if it can be read."""
+    try:
+        with netCDF4.Dataset(path) as dataset:
+            other = [name for name in _SAME if str(getattr(dataset, name, "")) != str(attributes[name])]
+    except (OSError, RuntimeError):
+        return
     if other:
         raise MpmfwError(f"'{path}' has another {' and '.join(other)}")

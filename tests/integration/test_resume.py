@@ -24,7 +24,7 @@ from typer.testing import CliRunner
 
 import mpmfw
 from mpmfw.cli import app
-from mpmfw.errors import Interrupted, ResultsWarning, SceneError, SimulationError
+from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.results.reading import read
 from mpmfw.resuming import resume
 from mpmfw.scene import load_scene
@@ -110,7 +110,10 @@ def killed(scene: Any, path: Path, rng: random.Random, again: bool = False) -> b
         os.waitpid(child, 0)
     except (ProcessLookupError, ChildProcessError):
         pass
-    return read(path).attrs["status"] != "ok"
+    try:
+        return bool(read(path).attrs["status"] != "ok")
+    except MpmfwError as error:  # killed while HDF5 changed its tables
+        return "was cut short or is damaged; mpmfw resume" in str(error)
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this platform")
@@ -187,6 +190,35 @@ def test_a_signal_in_settling_is_no_loss(tmp_path):
     assert "keeps the 0 outputs" in str(error)
     resume(tmp_path / "run.nc")
     same_results(tmp_path / "run.nc", tmp_path / "reference.nc")
+
+
+@pytest.mark.parametrize("damage", ["tables", "end", "all but the first bytes"])
+def test_results_that_a_kill_has_made_unreadable_go_on_from_the_checkpoint(tmp_path, damage):
+    path, reference = tmp_path / "run.nc", tmp_path / "reference.nc"
+    mpmfw.run(BLOCKS, output=reference)
+    stopped(BLOCKS, path, 9)
+    whole = path.read_bytes()
+    path.write_bytes(
+        {
+            "tables": whole[:8] + bytes(len(whole) - 8),
+            "end": whole[: len(whole) // 2],
+            "all but the first bytes": whole[:8],
+        }[damage]
+    )
+    with pytest.raises(MpmfwError, match=r"was cut short or is damaged; mpmfw resume .*run.nc goes on with"):
+        mpmfw.open(path)
+    resume(path)
+    same_results(path, reference)
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["reference.nc", "run.nc"]
+
+
+def test_text_in_place_of_results_is_not_replaced(tmp_path):
+    path = tmp_path / "run.nc"
+    stopped(BLOCKS, path, 9)
+    path.write_text("text")
+    with pytest.raises(SceneError, match=r"run.nc: is no results' file"):
+        resume(path)
+    assert path.read_text() == "text"
 
 
 def test_a_signal_after_the_last_step_leaves_a_complete_file(tmp_path, monkeypatch):
@@ -302,9 +334,6 @@ def test_what_cannot_go_on_says_why(tmp_path):
     stopped(with_changes(BLOCKS, contact__friction=0.1), path, 9)
     file.write_bytes(whole)
     refused("cannot go on from the checkpoint beside it: '.*run.nc' has another scene")
-    stopped(BLOCKS, path, 2)
-    file.write_bytes(whole)
-    refused("cannot go on from the checkpoint beside it: '.*run.nc' holds 1 outputs; expected . or more")
     with netCDF4.Dataset(path, "a") as dataset:
         dataset.setncattr("kind", "study")
     refused(

@@ -19,6 +19,9 @@ from mpmfw.results.writers import is_written
 if TYPE_CHECKING:
     import xarray as xr  # half a second, which a run that nobody reads does without
 
+#: What is said of an HDF5 file that the library cannot read.
+_DAMAGED = "the file was cut short or is damaged"
+
 #: Files that are open until their tree is closed: left to the garbage collector, a file may be freed before its groups, and
 #: the HDF5 library then fails in whatever is opened next.
 _OPEN: set[netCDF4.Dataset] = set()
@@ -75,8 +78,7 @@ def unfinished(tree: xr.DataTree, path: str | os.PathLike[str]) -> str:
     count = 0 if time is None else time.size
     last = "" if time is None or not count else f", the last at {float(time[-1]):.6g} s"
     goes_on = tree.attrs["status"] == "running" and is_written(path)
-    resumable = not goes_on and os.path.isfile(f"{os.fspath(path)}.checkpoint")
-    how = f"; mpmfw resume {os.fspath(path)} goes on with it" if resumable else ""
+    how = "" if goes_on else _how_to_go_on(os.fspath(path))
     return f"{os.fspath(path)} {status}; it holds {count} outputs{last}{how}"
 
 
@@ -98,7 +100,7 @@ def read(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree:
     try:
         dataset = netCDF4.Dataset(name)
     except OSError as error:
-        raise MpmfwError(f"cannot read '{name}': {_reason(name, error)}") from error
+        raise MpmfwError(f"cannot read '{name}': {_reason(name, error)}{_how_to_go_on(name)}") from error
     if lazy:
         tree = tree_of(dataset, load=False)
         _OPEN.add(dataset)
@@ -106,18 +108,29 @@ def read(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree:
         return tree
     try:
         return tree_of(dataset)
+    except RuntimeError as error:
+        raise MpmfwError(f"cannot read '{name}': {_DAMAGED}{_how_to_go_on(name)}") from error
     finally:
         dataset.close()
 
 
 def _reason(name: str, error: OSError) -> str:
     """Why a file cannot be read: of an HDF5 file that is not whole, the library says nothing of use."""
+    return _DAMAGED if is_hdf5(name) else str(error.strerror or error)
+
+
+def is_hdf5(path: str) -> bool:
+    """Whether a file begins as one of HDF5, whole or not."""
     try:
-        with builtins.open(name, "rb") as file:
-            begins_well = file.read(8) == b"\x89HDF\r\n\x1a\n"
+        with builtins.open(path, "rb") as file:
+            return file.read(8) == b"\x89HDF\r\n\x1a\n"
     except OSError:
-        begins_well = False
-    return "the file was cut short or is damaged" if begins_well else str(error.strerror or error)
+        return False
+
+
+def _how_to_go_on(name: str) -> str:
+    """What to do with the file of a run that did not end, if it has a checkpoint."""
+    return f"; mpmfw resume {name} goes on with it" if os.path.isfile(f"{name}.checkpoint") else ""
 
 
 def check_results(path: str | os.PathLike[str]) -> None:

@@ -34,9 +34,9 @@ WRITTEN_AT_ONCE = 4_000_000
 class RunWriter:
     """A run's NetCDF-4 file, open for appending frames.
 
-    Every frame of a file is synced, small ones to a journal (:mod:`mpmfw.results.journal`): after the process dies, whatever
-    the reason, the frames written so far are readable. The file has its final name from the start and may be opened by
-    others while the run goes on.
+    Every frame of a file is synced, small ones to a journal (:mod:`mpmfw.results.journal`): after the process dies, the frames
+    written so far are readable, unless it is killed within a sync, which only a checkpoint outlives. The file has its final
+    name from the start and may be opened by others while the run goes on.
 
     Material points of all bodies are one ragged array of the group ``particles``, surface nodes one of ``surface``, body
     after body; ``particle_count`` and ``surface_node_count`` tell them apart (CF: contiguous ragged arrays), and
@@ -117,25 +117,6 @@ class RunWriter:
         self._dataset.sync()
         replace_claimed(self.path, path, descriptor)
         self.path, self._room = path, Room(path)
-
-    def make_lasting(self) -> None:
-        """Have what was written so far outlast a failure of the machine, as far as the system can promise.
-
-        Raises
-        ------
-        MpmfwError
-            It cannot.
-        """
-        if self.path is None:
-            return
-        try:
-            descriptor = os.open(self.path, os.O_RDONLY)
-            try:
-                os.fsync(descriptor)
-            finally:
-                os.close(descriptor)
-        except OSError as error:
-            raise MpmfwError(f"cannot write '{self.path}': {error.strerror or error}") from error
 
     def finish(self, attributes: Mapping[str, Any]) -> None:
         """Add what is known at the end as root attributes; ``status`` is ``ok`` unless they say otherwise.

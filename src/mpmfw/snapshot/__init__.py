@@ -9,8 +9,8 @@ are those at the place, or are looked up among the imported ones of the plug-ins
 constructors.
 """
 
-from mpmfw.snapshot.archive import NotSaved, Snapshot, read_snapshot, write_snapshot
+from mpmfw.snapshot.archive import NotSaved, Snapshot, extract_beside, read_snapshot, write_snapshot
 from mpmfw.snapshot.putting import put
 from mpmfw.snapshot.taking import take
 
-__all__ = ["NotSaved", "Snapshot", "put", "read_snapshot", "take", "write_snapshot"]
+__all__ = ["NotSaved", "Snapshot", "extract_beside", "put", "read_snapshot", "take", "write_snapshot"]

@@ -5,8 +5,9 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import shutil
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, BinaryIO
 
@@ -14,6 +15,9 @@ import numpy as np
 
 from mpmfw.errors import MpmfwError
 from mpmfw.fields import AnyArray
+
+#: Name in the archive of the file that lay beside.
+_BESIDE = "beside"
 
 
 class NotSaved(MpmfwError):
@@ -38,9 +42,11 @@ class Snapshot:
     nodes: list[Any]
     arrays: list[AnyArray]
 
-    def write(self, file: BinaryIO, facts: Mapping[str, Any]) -> None:
-        """Write it, with ``facts`` for whoever reads it, as a zip archive of JSON and NumPy arrays."""
+    def write(self, file: BinaryIO, facts: Mapping[str, Any], beside: str | None = None) -> None:
+        """Write it, with ``facts`` for whoever reads it and a copy of the file ``beside``, as a zip archive."""
         with zipfile.ZipFile(file, "w") as archive:
+            if beside is not None:
+                archive.write(beside, _BESIDE)
             for k, array in enumerate(self.arrays):
                 with archive.open(f"{k}.npy", "w", force_zip64=True) as member:
                     np.lib.format.write_array(member, array, allow_pickle=False)
@@ -60,8 +66,19 @@ class Snapshot:
             return cls(roots, nodes, arrays), json.loads(archive.read("facts.json"))
 
 
-def write_snapshot(path: str | os.PathLike[str], snapshot: Snapshot, facts: Mapping[str, Any]) -> None:
-    """Write a snapshot and ``facts`` about it to a file in one step: who reads it sees the one before or this one, whole.
+def write_snapshot(
+    path: str | os.PathLike[str], snapshot: Snapshot, facts: Mapping[str, Any], beside: str | None = None
+) -> None:
+    """Write a snapshot to a file in one step: who reads it sees the one before or this one, whole.
+
+    Parameters
+    ----------
+    path
+        Of the file.
+    snapshot, facts
+        What is saved, and what is said of it.
+    beside
+        Another file, of which a copy is kept with it; :func:`extract_beside` gives it back.
 
     Raises
     ------
@@ -71,7 +88,7 @@ def write_snapshot(path: str | os.PathLike[str], snapshot: Snapshot, facts: Mapp
     growing = f"{os.fspath(path)}.part"
     try:
         with open(growing, "wb") as file:
-            snapshot.write(file, facts)
+            snapshot.write(file, facts, beside)
             file.flush()
             os.fsync(file.fileno())
         os.replace(growing, path)
@@ -89,9 +106,32 @@ def read_snapshot(path: str | os.PathLike[str]) -> tuple[Snapshot, dict[str, Any
     MpmfwError
         There is no such file, or it is damaged.
     """
+    with _readable(path), open(path, "rb") as file:
+        return Snapshot.read(file)
+
+
+def extract_beside(path: str | os.PathLike[str], target: str) -> None:
+    """Write the file that a snapshot was written with to ``target``.
+
+    Raises
+    ------
+    MpmfwError
+        There is no such snapshot, it is damaged, or there is no room.
+    """
+    with (
+        _readable(path),
+        zipfile.ZipFile(path) as archive,
+        archive.open(_BESIDE) as member,
+        open(target, "wb") as file,
+    ):
+        shutil.copyfileobj(member, file, 1 << 20)
+
+
+@contextlib.contextmanager
+def _readable(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Say what keeps a file from being read."""
     try:
-        with open(path, "rb") as file:
-            return Snapshot.read(file)
+        yield
     except OSError as error:
         raise MpmfwError(f"cannot read '{os.fspath(path)}': {error.strerror or error}") from error
     except (zipfile.BadZipFile, KeyError, ValueError, EOFError) as error:
