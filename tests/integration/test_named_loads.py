@@ -72,6 +72,13 @@ def test_a_body_force_is_that_of_the_volume() -> None:
     np.testing.assert_allclose(momentum(sim), np.multiply([2.0, -7.0], 20e-4), rtol=1e-9)
 
 
+def test_a_body_force_goes_with_the_undeformed_volume() -> None:
+    sim = started(block(loads={"field": {"model": "body_force", "force": [2.0, -7.0]}}, time__step=1e-4))
+    sim.state.particles.volume *= 3.0
+    sim.step(1e-4)
+    np.testing.assert_allclose(momentum(sim), np.multiply([2.0, -7.0], 1e-4), rtol=1e-9)
+
+
 def test_a_body_force_of_rho_g_is_gravity() -> None:
     by_load = block(loads={"weight": {"model": "body_force", "force": [0.0, -10.0 * DENSITY]}})
     by_gravity = block(gravity={"vector": [0.0, -10.0]})
@@ -128,6 +135,15 @@ def test_a_total_force_on_a_side_does_not_depend_on_the_mesh(size: float, shape:
         sim = started(block(bodies__solid__sides=sides, shape__method=shape, time__step=1e-4, **changes))
         sim.advance(20)
         np.testing.assert_allclose(momentum(sim), [30.0 * 20e-4, 5.0 * 20e-4], rtol=1e-9)
+
+
+@pytest.mark.parametrize("key", ["traction", "force"])
+def test_traction_and_force_on_a_side_in_space(key: str) -> None:
+    """A side of 1 m²: the impulse of both is the same."""
+    sides = [{"side": "top", key: [3.0, -2.0, 5.0]}]
+    sim = started(box(bodies__solid__sides=sides, time__step=1e-5))
+    sim.advance(5)
+    np.testing.assert_allclose(momentum(sim), np.multiply([3.0, -2.0, 5.0], 5e-5), rtol=1e-6)
 
 
 def test_a_total_force_keeps_its_sum_when_the_side_grows() -> None:
@@ -188,6 +204,19 @@ def test_everything_of_a_thickness_of_two_is_twice_that_of_one() -> None:
         np.testing.assert_allclose(two[name], 2.0 * one[name], rtol=1e-9, atol=1e-9 * scale)
     assert one["contact_force"].attrs["units"] == "N"
     assert one["kinetic_energy"].attrs["units"] == "J"
+
+
+def test_traction_acts_on_the_area_of_its_own_body() -> None:
+    """Two blocks apart, of two thicknesses: F = τ L t of each."""
+    scene = with_no_velocity(two_blocks("separate", time__step=1e-5))
+    for name, thickness in (("left", 0.5), ("right", 2.0)):
+        scene["bodies"][name] |= {"thickness": thickness, "sides": [{"side": "top", "traction": [3.0, 0.0]}]}
+    sim = started(scene)
+    sim.advance(5)
+    p = sim.state.particles
+    for body, thickness in zip(sim.state.bodies, (0.5, 2.0), strict=True):
+        own = body.particles
+        assert p.mass[own] @ p.velocity[own, 0] == pytest.approx(3.0 * 0.5 * thickness * 5e-5, rel=1e-6)
 
 
 @pytest.mark.parametrize("contact", ["bardenhagen", "lcp"])

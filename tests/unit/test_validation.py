@@ -203,6 +203,28 @@ def test_table_and_page_and_figures_are_written(suite, tmp_path):
     assert "(validation/b-line.png)" in text
 
 
+def test_the_page_opens_with_cases_by_methods(suite, tmp_path):
+    page = tmp_path / "page.md"
+    judged = """
+def check(case):
+    for value in (6.0, 8.0):
+        case.gate("six", value, within=(5.0, 7.0), method="none, cpdi", binds=False)
+    case.failed("none, cpdi", "it broke", binds=False)
+    case.gate("six", 6.0, within=(5.0, 7.0), method="penalty, bspline")
+    case.show("size", 1.0, method="bardenhagen, cpdi")
+"""
+    command(suite(a=judged, b=GREEN), tmp_path, "--document", str(page))
+    head = page.read_text().partition("## Case a")[0].strip().splitlines()[-3:]
+    table = [[cell.strip() for cell in line.strip("|").split("|")] for line in head]
+    assert table[0][:2] == ["case", "none, cpdi"]
+    values = dict(zip(table[0], table[2], strict=True))
+    assert {name: value for name, value in values.items() if value} == {
+        "case": "`a`",
+        "none, cpdi": "1 / 3",
+        "penalty, bspline": "1 / 1",
+    }
+
+
 def test_cases_run_one_by_one_make_one_table(suite, tmp_path):
     folder, page = suite(a=GREEN, b=RED), tmp_path / "page.md"
     assert command(folder, tmp_path, "b").exit_code == 1
