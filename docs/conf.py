@@ -26,6 +26,9 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx.ext.mathjax",
+    "sphinx.ext.viewcode",
+    "sphinx-mathjax-offline",
+    "sphinx_copybutton",
     "myst_parser",
     "sphinx_gallery.gen_gallery",
     "command_reference",
@@ -91,6 +94,10 @@ nitpick_ignore_regex = [
     ("py:.*", r"declare_fields|hookimpl|Interrupted|KAPPA|mpmfw\.fields\.CONTACT_SERIES"),
 ]
 math_eqref_format = "({number})"
+
+# Copied without what a prompt or a program prints
+copybutton_prompt_text = r">>> |\.\.\. |\$ "
+copybutton_prompt_is_regexp = True
 
 html_theme = "furo"
 html_title = f"mpmfw {version}"

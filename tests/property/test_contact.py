@@ -73,7 +73,7 @@ SLIDE, GAP, FRICTION = (
 
 
 @every_strategy
-@settings(max_examples=3, deadline=None, derandomize=True, phases=[Phase.generate])  # shrinking takes minutes
+@settings(max_examples=3, derandomize=True, phases=[Phase.generate])  # shrinking takes minutes
 @given(
     speed=st.floats(0.5, 1.5),
     slide=SLIDE,

@@ -14,7 +14,7 @@ from mpmfw.kernels.facets import area_vector, project, write_gradients
 
 both = pytest.mark.parametrize("dim", [2, 3])
 seeds = st.integers(0, 2**32 - 1)
-settled = settings(max_examples=150, deadline=None)
+settled = settings(max_examples=150)
 
 
 @kernel
@@ -135,7 +135,7 @@ def winding(x, nodes, facets):
     return np.arctan2(top, below).sum() / (2.0 * np.pi)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(seed=seeds)
 def test_the_pseudo_normal_tells_inside_from_outside(seed):
     """Of the closest facet of a crumpled surface, against the solid angle; many of the closest points are edges and corners."""
@@ -163,7 +163,7 @@ def test_some_of_those_closest_points_are_edges_and_corners():
     assert min(zeros.values()) > 0
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(seed=seeds)
 def test_the_least_gap_of_two_surfaces_is_that_of_all_nodes_and_facets(seed):
     rng = np.random.default_rng(seed)

@@ -73,7 +73,7 @@ def check_step(sim: Simulation) -> tuple[float, bool]:
     return float(deepest), awake
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     seed=st.integers(0, 2**32 - 1),
     aside=st.floats(-0.7, 0.7),

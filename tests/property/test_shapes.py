@@ -21,7 +21,7 @@ from support import SHAPES, make_particles, make_shape, make_test_grid
 EXCEPTIONS = {"derivative": {"cpdi"}, "smooth": {"linear"}}
 
 N = 6  #: points per velocity field
-SETTINGS = settings(max_examples=60, deadline=None)
+SETTINGS = settings(max_examples=60)
 EVERY_SHAPE = pytest.mark.parametrize("name", SHAPES)
 DIMENSIONS = pytest.mark.parametrize("dim", [2, 3], ids=["2D", "3D"])
 

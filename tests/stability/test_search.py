@@ -92,9 +92,7 @@ def _in_range(value):
     return 0.0 if isinstance(value, float) and abs(value) < 1e-60 else value
 
 
-@settings(
-    max_examples=EXAMPLES, deadline=None, derandomize=DERANDOMIZED, suppress_health_check=list(HealthCheck)
-)
+@settings(max_examples=EXAMPLES, derandomize=DERANDOMIZED, suppress_health_check=list(HealthCheck))
 @given(mapping=scenes(), method=st.sampled_from(MUST_HOLD + MUST_STAY_BOUNDED))
 def test_invariants_hold(mapping, method):
     contact, shape = method

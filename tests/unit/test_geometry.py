@@ -94,7 +94,7 @@ def assert_mirrored(points, centre, axis):
 
 
 @pytest.mark.parametrize("name", [*PLANE, *SOLID])
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(size=st.floats(0.12, 4.0), offset=st.tuples(*[st.floats(0.0, 0.99)] * 2))
 def test_lattice_keeps_the_volume(name, size, offset):
     geometry = (PLANE | SOLID)[name]
@@ -106,7 +106,7 @@ def test_lattice_keeps_the_volume(name, size, offset):
 
 
 @pytest.mark.parametrize("name", [n for n in (*PLANE, *SOLID) if n not in NOT_FITTED | {"polygon"}])
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(size=st.floats(0.05, 4.0))
 def test_fitted_keeps_the_volume(name, size):
     geometry = (PLANE | SOLID)[name]
@@ -127,7 +127,7 @@ def test_fitted_polygon_has_edges_up_to_the_size(size):
 
 
 @pytest.mark.parametrize("name", [*PLANE])
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(segment=st.floats(0.01, 0.3))
 def test_outlines_run_with_the_material_on_their_left(name, segment):
     geometry = PLANE[name]
@@ -199,7 +199,7 @@ def test_disc_and_ring_are_mirror_symmetric(name, layout, size, axis):
 
 
 @given(size=st.floats(0.03, 3.0))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_fitted_disc_has_well_shaped_quadrilaterals(size):
     layout = discretise(Disc(centre=(0, 0), radius=1), Particles(layout="fitted", size=size), None)
     edge = np.roll(layout.corners, -1, axis=1) - layout.corners

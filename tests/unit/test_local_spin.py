@@ -146,7 +146,7 @@ def test_a_held_node_turns_no_cell(dim: int) -> None:
     np.testing.assert_allclose(w.corrected(momentum, start, held), momentum, atol=1e-13)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(dim=st.sampled_from([2, 3]), seed=st.integers(0, 10**6), empty=st.floats(0.0, 0.5))
 def test_the_operator_is_symmetric_and_adds_inertia_to_spin_alone(dim: int, seed: int, empty: float) -> None:
     w = window(dim, seed, empty)

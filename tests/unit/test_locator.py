@@ -146,7 +146,7 @@ DOCUMENTS = st.recursive(
 )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(document=DOCUMENTS, spread=st.booleans())
 def test_every_key_of_a_random_document_is_on_its_line(document, spread):
     rendering = Rendering(spread)

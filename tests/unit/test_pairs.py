@@ -38,7 +38,7 @@ def boxes(rng, n, dim, kind):
     return (0.0 * lower, 0.0 * upper) if kind == "one place" else (lower, upper)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(
     seed=st.integers(0, 2**32 - 1),
     n=st.integers(0, 60),
@@ -98,7 +98,7 @@ def lay(state, centre, radius):
     grid.frame += 1
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_no_bodies_meet_before_their_pair_is_listed(seed):
     """Discs wander and windows are laid anew when one leaves its own: whoever is within a cell is listed by then."""

@@ -211,6 +211,9 @@ def test_no_forces_no_arrows(b):
             "c-min_gap-mean_velocity.png",
         ),
         (["a.nc"], "a.png"),
+        (["a.nc", "-o", "vectors.pdf"], "vectors.pdf"),
+        (["a.nc", "b.nc", "--field", "stress_yy", "-o", "vectors.svg"], "vectors.svg"),
+        (["c.nc", "--series", "min_gap", "-o", "without"], "without.png"),
     ],
 )
 def test_the_command_draws(folder, monkeypatch, arguments, written):
@@ -220,9 +223,23 @@ def test_the_command_draws(folder, monkeypatch, arguments, written):
     assert (folder / written).stat().st_size > 10_000
 
 
+@pytest.mark.parametrize("ending", ["png", "pdf", "svg"])
+def test_the_ending_is_the_format_and_two_drawings_are_the_same(a, tmp_path, ending):
+    files = [
+        mpmfw.plots.write_figure(mpmfw.plots.history(a, ["min_gap"]), tmp_path / f"{k}.{ending}")
+        for k in range(2)
+    ]
+    one, other = (file.read_bytes() for file in files)
+    assert one == other
+    assert {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}[ending] == one[: 5 if ending == "svg" else 4]
+    if ending == "svg":
+        assert b">least distance" in one or b"gap" in one  # as text, not as outlines of letters
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (["a.nc", "-o", "a.bmp"], "a.bmp: figures are PNG, PDF or SVG files; give a name that ends in .png"),
         (["a.nc", "--time", "1"], "--time: has no effect without --field\n"),
         (["a.nc", "--field", "mass", "--axis", "x"], "--axis: has no effect without --series\n"),
         (["a.nc", "--body", "upper"], "--body: has no effect without --field or --series\n"),

@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from contact_scenes import impact, run
@@ -41,7 +41,6 @@ def listed(bodies: Bodies, dim: int, buckets: int = 16) -> list[tuple[int, int]]
 
 
 @pytest.mark.parametrize("dim", [2, 3])
-@settings(deadline=None)
 @given(seed=st.integers(0, 10**6), buckets=st.sampled_from([1, 4, 64]))
 def test_who_is_near_is_what_every_distance_says(dim, seed, buckets):
     random = np.random.default_rng(seed)

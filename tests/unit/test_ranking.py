@@ -119,5 +119,5 @@ def test_the_command_prints_the_table_and_draws_the_figure(
 
 def test_the_figure_has_a_line_for_each_method() -> None:
     figure = profiles(rank([ONE, TWO]))
-    assert [axes.get_title(loc="left") for axes in figure.axes] == ["error", "noise"]
+    assert [axes.get_title(loc="left") for axes in figure.axes] == ["(a) error", "(b) noise"]
     assert all(len(axes.lines) == 2 for axes in figure.axes)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from contact_scenes import impact, wave_speed
@@ -16,7 +16,6 @@ shares = st.floats(WEAK, 1.0)
 gaps = st.floats(-0.5 * CELL, -1e-6 * CELL)
 rests = st.floats(-0.5 * CELL, 0.0)
 slides = st.floats(-2.0 * CELL, 2.0 * CELL)
-untimed = settings(deadline=None)  # the first call compiles
 
 
 def energy(share: float, rest: float, gap: float) -> float:
@@ -24,14 +23,12 @@ def energy(share: float, rest: float, gap: float) -> float:
     return 0.5 * share * max(rest - gap, 0.0) ** 2
 
 
-@untimed
 @given(part=shares, old_part=shares, rest=rests, slid=slides, gap=gaps)
 def test_a_spring_that_changes_never_pulls(part, old_part, rest, slid, gap):
     _, left = changed_spring(part, old_part, rest, slid, gap, CELL)
     assert left >= gap
 
 
-@untimed
 @given(part=shares, old_part=shares, rest=rests, gap=gaps)
 def test_a_spring_that_grows_keeps_its_force_and_one_that_shrinks_its_rest(part, old_part, rest, gap):
     rest = max(rest, gap)  # no more than unloaded
@@ -44,7 +41,6 @@ def test_a_spring_that_grows_keeps_its_force_and_one_that_shrinks_its_rest(part,
     assert energy(old_part, rest, gap) - energy(share, left, gap) >= -1e-18  # nothing is gained
 
 
-@untimed
 @given(gap=gaps, approached=st.floats(-0.2 * CELL, 0.5 * CELL))
 def test_a_new_spring_has_at_most_the_force_of_what_approached(gap, approached):
     rest = new_rest(gap, approached)

@@ -113,6 +113,21 @@ def check_result(path: Path, kind: str, what: str, force: bool = False) -> Path:
     return path
 
 
+def figure_path(path: Path) -> Path:
+    """Name of a figure's file, PNG where it says no format.
+
+    Raises
+    ------
+    SceneError
+        It says another than PNG, PDF and SVG.
+    """
+    if path.suffix.lower() not in ("", ".png", ".pdf", ".svg"):
+        raise SceneError(
+            f"{path}: figures are PNG, PDF or SVG files; give a name that ends in .png, .pdf or .svg"
+        )
+    return path if path.suffix else path.with_suffix(".png")
+
+
 def check_writable(path: Path) -> Path:
     """The path, if a file can be written there; asked before long work.
 

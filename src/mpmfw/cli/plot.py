@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from mpmfw.cli.arguments import OutputOption
-from mpmfw.cli.errors import check_writable
+from mpmfw.cli.errors import check_writable, figure_path
 from mpmfw.cli.result_files import (
     ArrowsOption,
     BodiesOption,
@@ -43,15 +43,14 @@ def plot(
     limits: LimitsOption = None,
     arrows: ArrowsOption = False,
 ) -> None:
-    """Draw the figures of FILE, by default to PNG files named as it.
+    """Draw the figures of FILE, by default to PNG files named as it; -o NAME.pdf or NAME.svg draws vectors.
 
     With --field, a field on the material points of a run; with --series, series over time of a run or a
     comparison. Several FILEs then stand side by side, fields under one colour scale. Without either, several FILEs
     that are comparisons of a rolling cylinder with slip and without make one figure, a row each.
     """
     check_files(file)
-    if output is not None and output.suffix not in ("", ".png"):
-        raise SceneError(f"{output}: figures are PNG files; give a name that ends in .png")
+    output = None if output is None else figure_path(output)
     _check_options(field, series, time=time, body=body, pair=pair, axis=axis, limits=limits, arrows=arrows)
     scale = limits_of(limits)
     path = check_writable(_default(file, field, series) if output is None else output)
@@ -110,7 +109,7 @@ def _draw_field(
         figure = field(file[0], name, time, bodies=bodies or None, limits=limits, arrows=arrows)
     else:
         figure = side_by_side(file, name, time, bodies=bodies or None, limits=limits, arrows=arrows)
-    return write_figure(figure, path.with_suffix(".png"))
+    return write_figure(figure, path)
 
 
 def _draw_series(
@@ -128,4 +127,4 @@ def _draw_series(
     figure = history(
         file if len(file) > 1 else file[0], names, body=bodies[0] if bodies else None, pair=pair, axis=axis
     )
-    return write_figure(figure, path.with_suffix(".png"))
+    return write_figure(figure, path)

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mpmfw.cli.arguments import OutputOption
+from mpmfw.cli.errors import figure_path
 from mpmfw.cli.formats import Format, FormatOption, write_rows
-from mpmfw.errors import SceneError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,10 +38,9 @@ def rank(
     """Rank the methods of studies by the problems that they solve, and by what that costs over the cheapest.
 
     Every method counts at its best settings: of its options, shape functions and cell sizes the cheapest run that reaches a
-    level. With --output a PNG file for the figure: the share of problems and levels that each method solves within a cost.
+    level. With --output a figure (PNG, PDF or SVG): the share of problems and levels that each method solves within a cost.
     """
-    if output is not None and output.suffix != ".png":
-        raise SceneError(f"--output {output}: the figure is a PNG file; give a name that ends in .png")
+    output = None if output is None else figure_path(output)
     from mpmfw.studies import ranking
 
     found = ranking.rank(results, by, _levels(levels))
@@ -53,9 +52,10 @@ def rank(
             _print(found, quantity, ranking.QUANTITIES[quantity])
     _print_failures(json.loads(found.attrs["failures"]), err=form is not Format.table)
     if output is not None:
+        from mpmfw.plots import write_figure
         from mpmfw.plots.ranking import profiles
 
-        profiles(found).savefig(output)
+        write_figure(profiles(found), output)
         typer.echo(str(output), err=form is not Format.table)
 
 

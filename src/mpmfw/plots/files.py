@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from mpmfw.errors import MpmfwError, SceneError
@@ -30,6 +31,9 @@ from mpmfw.plots.study import study_figures
 from mpmfw.plots.style import at_last, drawn_reference, drawn_values
 from mpmfw.references import RingsReference, RollingReference
 from mpmfw.results import open as open_results
+
+#: What would make two drawings of the same figure differ, by format.
+_TIMELESS: dict[str, dict[str, None]] = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
 
 
 def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
@@ -121,19 +125,20 @@ def _rolling(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
 
 
 def plot_file(path: str | os.PathLike[str], output: str | os.PathLike[str] | None = None) -> list[Path]:
-    """Draw the figures of a run, a comparison or a study as PNG files.
+    """Draw the figures of a run, a comparison or a study.
 
     Parameters
     ----------
     path
         File of a run, a comparison or a study.
     output
-        Name of the figure, or stem of the names where there are several; next to ``path`` by default.
+        Name of the figure, or of all where there are several, whose ending says the format, PNG without one; next to ``path``
+        by default.
 
     Returns
     -------
     list of Path
-        What was written: ``<stem>.png`` for one figure, else ``<stem>-<figure>.png``.
+        What was written: ``<stem>.<format>`` for one figure, else ``<stem>-<figure>.<format>``.
 
     Raises
     ------
@@ -155,24 +160,20 @@ def plot_file(path: str | os.PathLike[str], output: str | os.PathLike[str] | Non
         )
     if not drawn:
         raise SceneError(f"'{os.fspath(path)}' holds no series with two outputs or more to draw")
-    stem = Path(output if output is not None else path).with_suffix("")
-    return [
-        write_figure(
-            figure, stem.with_name(f"{stem.name}.png" if len(drawn) == 1 else f"{stem.name}-{name}.png")
-        )
-        for name, figure in drawn.items()
-    ]
+    first = Path(path).with_suffix(".png") if output is None else Path(output)
+    names = {name: first if len(drawn) == 1 else first.with_stem(f"{first.stem}-{name}") for name in drawn}
+    return [write_figure(figure, names[name]) for name, figure in drawn.items()]
 
 
 def plot_files(paths: Sequence[str | os.PathLike[str]], output: str | os.PathLike[str]) -> Path:
-    """Draw the motions of several comparisons of a rolling cylinder, one row each, as one PNG file.
+    """Draw the motions of several comparisons of a rolling cylinder, one row each.
 
     Parameters
     ----------
     paths
         Files of the comparisons.
     output
-        Name of the figure; its ending becomes ``.png``.
+        Name of the figure, whose ending says the format.
 
     Raises
     ------
@@ -188,7 +189,7 @@ def plot_files(paths: Sequence[str | os.PathLike[str]], output: str | os.PathLik
                 f"'{os.fspath(path)}' is no comparison of a rolling cylinder; plot other files one by one, "
                 "or side by side with --field or --series"
             )
-    return write_figure(motion(datasets), Path(output).with_suffix(".png"))
+    return write_figure(motion(datasets), Path(output))
 
 
 def write_figure(figure: Figure, path: Path) -> Path:
@@ -199,15 +200,18 @@ def write_figure(figure: Figure, path: Path) -> Path:
     figure
         Any figure of matplotlib.
     path
-        File to write, whose ending says the format.
+        File to write, whose ending says the format: ``.png`` (without one as well), ``.pdf``, ``.svg`` …
 
     Raises
     ------
     MpmfwError
         The file cannot be written; the message names it.
     """
+    path = path if path.suffix else path.with_suffix(".png")
     try:
-        figure.savefig(path)
-    except OSError as error:
-        raise MpmfwError(f"cannot write '{path}': {error.strerror}") from error
+        # Text as text in vectors, to be found and edited; nothing of the moment in the file
+        with rc_context({"pdf.fonttype": 42, "svg.fonttype": "none", "svg.hashsalt": "mpmfw"}):
+            figure.savefig(path, metadata=_TIMELESS.get(path.suffix.lower(), {}))
+    except (OSError, ValueError) as error:
+        raise MpmfwError(f"cannot write '{path}': {getattr(error, 'strerror', None) or error}") from error
     return path

@@ -49,13 +49,19 @@ def new_figure(columns: int, rows: int, height: float = 58.0) -> Figure:
 
 
 def dress(axes: Any, xlabel: str, ylabel: str, title: str = "") -> None:
-    """Label one panel, in type that is legible at column width; a title has a method's options on a line of their own."""
+    """Label one panel, in type that is legible at column width; a title has a method's options on a line of their own.
+
+    Where there are several panels, each has a letter, unless its title begins with one.
+    """
     axes.set_xlabel(xlabel, fontsize=FONT)
     axes.set_ylabel(ylabel, fontsize=FONT)
     axes.tick_params(labelsize=FONT - 1)
     axes.grid(True, linewidth=0.3, alpha=0.5)
-    if title:
-        axes.set_title(re.sub(r"(?<=\w)\((?=\w+=)", "\n(", title), fontsize=FONT, loc="left")
+    panels = [one for one in axes.figure.axes if one.get_subplotspec() is not None]
+    wanted = len(panels) > 1 and axes in panels and not re.match(r"\([a-z]\)", title)
+    letter = f"({chr(ord('a') + panels.index(axes))}) " if wanted else ""
+    if letter or title:
+        axes.set_title(letter + re.sub(r"(?<=\w)\((?=\w+=)", "\n(", title), fontsize=FONT, loc="left")
 
 
 class Look:

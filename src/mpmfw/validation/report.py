@@ -13,6 +13,7 @@ from pathlib import Path
 from rich.table import Table
 
 from mpmfw.campaigns.machine import processor
+from mpmfw.validation.case import CONTACTS, RECOMMENDED, SHAPES, Method
 from mpmfw.validation.known import KnownRed
 from mpmfw.validation.rows import Row, Verdict
 from mpmfw.validation.suite import CaseResult
@@ -128,7 +129,35 @@ def _head(outcomes: Sequence[CaseResult], known: Sequence[KnownRed]) -> str:
             "CPDI or CPDI2 and the scene's defaults. Other methods are shown at the same limits: *within* or "
             "*outside*. A method that failed keeps its row.",
             *_red(outcomes, known),
+            *_matrix(outcomes),
         ]
+    )
+
+
+def _matrix(outcomes: Iterable[CaseResult]) -> list[str]:
+    """Of every case and method, how many of the values that have limits are within them."""
+    shape, *others = (*RECOMMENDED["shapes"], *(one for one in SHAPES if one not in RECOMMENDED["shapes"]))
+    methods = [Method(contact, shape) for contact in CONTACTS]
+    methods += [Method(contact, one) for contact in RECOMMENDED["contacts"] for one in others]
+    lines = [["case", *(str(method).replace("(", " (") for method in methods)], ["---"] * (len(methods) + 1)]
+    for outcome in outcomes:
+        found = [[row for row in outcome.rows if row.method == str(method)] for method in methods]
+        passes = [_passes(rows) for rows in found]
+        if any(passes):
+            lines.append([f"`{outcome.folder.name}`", *passes])
+    if len(lines) == 2:
+        return []
+    return [
+        "Values within their limits, of those that have any and of runs that failed; methods as the scenes have them:",
+        "\n".join(f"| {' | '.join(line)} |" for line in lines),
+    ]
+
+
+def _passes(rows: Iterable[Row]) -> str:
+    """``3 / 4``, or nothing where no value has a limit."""
+    judged = [row.verdict for row in rows if row.verdict is not Verdict.SHOWN]
+    return (
+        f"{sum(one in (Verdict.HOLDS, Verdict.WITHIN) for one in judged)} / {len(judged)}" if judged else ""
     )
 
 
