@@ -10,6 +10,7 @@ from mpmfw.plots import figures_of
 from mpmfw.plots.scene import moving_bodies, near_pairs, touching_pairs
 from mpmfw.report import write_report
 from mpmfw.report.differences import differences, refinement
+from mpmfw.report.table import table
 
 SCENE = "[grid]\ncell_size = 0.1\n[bodies.floor]\n[bodies.block]\n[bodies.stone]\n"
 BODIES, PAIRS = ["floor", "block", "stone"], ["floor-block", "floor-stone"]
@@ -90,11 +91,29 @@ def test_what_stands_still_and_does_not_touch_has_no_panel() -> None:
 
 
 def test_the_page_says_that_there_is_no_reference(tmp_path) -> None:
-    costs = dict.fromkeys(
-        ("cpu_time", "settle_time", "steps", "material_points"),
-        (("contact", "shape", "cell_size"), np.ones((2, 1, 2))),
-    )
-    write_report(comparison().assign(costs), tmp_path / "page.html")
+    write_report(with_costs(comparison()), tmp_path / "page.html")
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert "No reference is known" in page
     assert "block: displacement, x" in page
+
+
+def with_costs(dataset: xr.Dataset) -> xr.Dataset:
+    ones = (dataset["status"].dims, np.ones(dataset["status"].shape))
+    return dataset.assign(dict.fromkeys(("cpu_time", "steps", "material_points"), ones))
+
+
+def test_gap_and_depth_are_of_the_nearest_pair_and_noise_of_the_one_that_pushes_most() -> None:
+    dataset = with_costs(comparison().sel(cell_size=[0.1]))
+    # Floor and block; floor and stone are five cells apart
+    assert table(dataset)[1]["gap"] == pytest.approx(0.2)
+    swapped = dataset.assign_coords(pair=list(reversed(PAIRS))).sel(pair=PAIRS)
+    assert repr(table(swapped)) == repr(table(dataset))  # noise of three outputs is NaN
+    assert table(dataset)[1]["largest_penetration"] == pytest.approx(0.5)
+
+
+def test_the_page_says_that_nothing_touched(tmp_path) -> None:
+    dataset = with_costs(comparison())
+    for force, said in ((1.0, False), (0.0, True)):
+        write_report(dataset.assign(contact_force=force * dataset["contact_force"]), tmp_path / "r.html")
+        text = (tmp_path / "r.html").read_text(encoding="utf-8")
+        assert ("No two bodies pushed each other" in text) == said

@@ -70,7 +70,7 @@ COLUMNS: dict[str, Column] = {
     "force_error_200us": Column("Force, 200 µs", "L2 200", "1", "the same, averaged over 200 µs"),
     "force_noise": Column(
         "Force noise", "noise", "%",
-        "rms of the contact force of the first pair less its mean over 20 output intervals, of the rms of that mean"
+        "rms of the contact force of the pair that pushes most, less its mean over 20 output intervals, of the rms of that mean"
     ),
     "first_contact": Column(
         "First contact", "first", "ms", "start of the first output interval with a contact force"
@@ -78,12 +78,12 @@ COLUMNS: dict[str, Column] = {
     "separation": Column("Separation", "last", "ms", "end of the last output interval with a contact force"),
     "gap": Column(
         "End gap / h", "gap", "h",
-        "least distance between the bodies' outlines at the last output; negative where they overlap",
+        "least distance between the outlines of any two bodies at the last output; negative where they overlap",
         True,
     ),
     "penetration": Column(
         "Mean penetration / h", "pen.", "h",
-        "depth of the outlines within each other, mean over the outputs, in cells"
+        "depth of the outlines within each other, the deepest pair's, mean over the outputs, in cells"
     ),
     "largest_penetration": Column(
         "Largest penetration / h", "pen.max", "h", "the same, largest over the outputs"

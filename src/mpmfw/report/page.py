@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
+import numpy as np
 import xarray as xr
 from matplotlib import rc_context
 from matplotlib.figure import Figure
@@ -56,7 +57,7 @@ def write_report(
     """
     title = str(dataset.attrs.get("title", "Comparison of contact methods"))
     rows = table(dataset)
-    parts = [f"<h1>{escape(title)}</h1>", _reference(dataset), "<h2>Error</h2>"]
+    parts = [f"<h1>{escape(title)}</h1>", _reference(dataset), "<h2>Accuracy</h2>"]
     parts.append(_table(dataset, rows, [name for name in _columns(rows) if name not in COSTS]))
     parts += [_differences(dataset), "<h2>Cost</h2>", _table(dataset, rows, COSTS), _notes(dataset.attrs)]
     for name, (figure, caption) in figures_of(dataset).items():
@@ -90,8 +91,15 @@ def _reference(dataset: xr.Dataset) -> str:
     return (
         "<p>No reference is known for this scene: its methods are compared with each other. What each of them tends to is seen "
         "with smaller cells, <code>--vary grid.cell_size=…</code>; a closed form is named by the scene's table "
-        "<code>[reference]</code>.</p>"
+        "<code>[reference]</code>.</p>" + _nothing_touches(dataset)
     )
+
+
+def _nothing_touches(dataset: xr.Dataset) -> str:
+    """What a comparison of contacts without contact is worth."""
+    if "contact_force" not in dataset or (np.nan_to_num(dataset["contact_force"].values) != 0.0).any():
+        return ""
+    return "<p>No two bodies pushed each other in any of the runs: the scene tells nothing about contact.</p>"
 
 
 def _differences(dataset: xr.Dataset) -> str:

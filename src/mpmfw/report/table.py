@@ -56,11 +56,11 @@ def table(dataset: xr.Dataset) -> list[dict[str, Any]]:
             row |= rings_measures(one, reference)
         row |= {str(name): 100.0 * float(one[name]) for name in measured(dataset)}
         if "contact_force" in one and one.sizes.get("pair"):
-            force = one["contact_force"].isel(pair=0).transpose("time", ...).values
-            noise = analysis.force_noise(one["time"].values, force)
-            row |= {"force_noise": 100.0 * noise}
+            forces = one["contact_force"].transpose("pair", "time", ...).values
+            most = int(np.argmax(np.nansum(forces.reshape(len(forces), -1) ** 2, axis=1)))
+            row |= {"force_noise": 100.0 * analysis.force_noise(one["time"].values, forces[most])}
         if "min_gap" in one:
-            row |= gap_measures(one["min_gap"].isel(pair=0).values / cell_size(one))
+            row |= gap_measures(one["min_gap"].min("pair").values / cell_size(one))
         rows.append(row | _costs(one))
     return rows
 
