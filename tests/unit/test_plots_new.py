@@ -12,6 +12,7 @@ from drop_for_tests import drop, drop_scene
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
 from mpmfw.outputs import frame_of
+from mpmfw.plots.style import Look, installed
 from mpmfw.plots.units import readable, time_scale, with_prefix
 from mpmfw.point_fields import point_field, point_fields
 from scenes_for_tests import box
@@ -316,3 +317,12 @@ def test_units_are_written_as_fractions():
     assert with_prefix("Pa", 2.5e6) == (1e6, "MPa")
     assert with_prefix("m s-1", 2.5e6) == (1.0, "m/s")
     assert time_scale(0.05) == (1e3, "ms")
+
+
+def test_a_contact_has_its_colour_whatever_else_is_drawn():
+    """And none has that of another: with more methods than colours some would look as they come."""
+    names = installed("contact")
+    together = Look(xr.Dataset(coords={"contact": names})).colours
+    alone = {name: Look(xr.Dataset(coords={"contact": [name]})).colours[name] for name in names}
+    assert together == alone
+    assert len(set(together.values())) == len(names)

@@ -22,7 +22,9 @@ PANEL = 85.0 / 25.4
 FONT = 8
 
 #: Of the installed contacts and shape functions in their order (:func:`installed`): a method looks the same in every figure.
-_COLOURS = ("#D55E00", "#56B4E9", "#009E73", "#0072B2", "#CC79A7")
+_COLOURS = (
+    "#D55E00", "#56B4E9", "#8C564B", "#7F3C8D", "#B2B200", "#CC79A7", "#009E73", "#6B6B6B", "#0072B2", "#A0A0A0",
+)  # fmt: skip
 _STYLES: tuple[tuple[Any, str], ...] = (
     ((0, (5, 1, 1, 1, 1, 1)), "v"),
     ("-", "o"),
@@ -31,7 +33,7 @@ _STYLES: tuple[tuple[Any, str], ...] = (
     (":", "s"),
 )
 #: Of methods with options, and of those that are more than the looks.
-_SPARE = ("#E69F00", "#7F3C8D", "#B2B200", "#6B6B6B")
+_SPARE = ("#E69F00", "#000000", "#17BECF", "#F781BF")
 _SPARE_STYLES: tuple[tuple[Any, str], ...] = (((0, (8, 2)), "P"), ((0, (1, 3)), "X"))
 
 
