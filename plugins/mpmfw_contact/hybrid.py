@@ -37,7 +37,8 @@ class HybridOptions(BaseModel):
 class Hybrid(Impulse):
     """J_n = min(k |g| Δt, m approach) on every row that overlaps, and J_t = min(μ J_n, m |Δv_t|); no step limit of its own.
 
-    The mass m is that of :class:`Impulse`. The impulse is that of the updated momentum, as it is published, and of MUSL's second.
+    The mass m is that of :class:`~mpmfw_contact.impulse.Impulse`. The impulse is that of the updated momentum, as published,
+    and of MUSL's second.
     """
 
     name = "hybrid"

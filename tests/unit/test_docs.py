@@ -148,3 +148,15 @@ def test_every_field_in_the_files_is_documented():
     page = text("docs/guide/results.md")
     for field in (*PARTICLE_FIELDS, *SURFACE_FIELDS, *SERIES_FIELDS, *CONTACT_SERIES, MIN_GAP):
         assert not field.output or f"`{field.name}`" in page
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_page_of_bundled_methods_has_all_of_them(kind):
+    page = text("docs/api/bundled.md")
+    for name, entry in available(kind).items():
+        if entry.dist is None or entry.dist.name != "mpmfw" or not entry.module.startswith("mpmfw_"):
+            continue
+        method = load(kind, name)
+        for one in (method, method.Options):
+            path = f"{one.__module__}.{one.__qualname__}"
+            assert path.startswith("mpmfw.") or f".. autoclass:: {path}\n" in page, path
