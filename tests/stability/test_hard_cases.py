@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import itertools
 
+import numpy as np
 import pytest
 from design import Row, label, rows, rows_in_space
 from hard_cases import CASES, IN_SPACE, METHODS, METHODS_IN_SPACE, complaints, outcome
 from known import KNOWN, reason
-from placing import PLACES_IN_SPACE, SHIFTS, TURNS, covering
+from placing import CELL, PLACES_IN_SPACE, SHIFTS, TURNS, covering, placed, rotation_of
+
+from mpmfw.geometry import Box
 
 pytestmark = pytest.mark.stability
 
@@ -46,6 +49,17 @@ def test_cases_in_space_visit_every_place_and_method():
     assert [case for case, *_ in made[::2]] == list(IN_SPACE)
     assert {row[3:] for row in made} == set(PLACES_IN_SPACE)
     assert {row[1:3] for row in made} == set(METHODS_IN_SPACE)
+
+
+def test_boxes_turn_and_move_as_a_whole():
+    shift, turn = PLACES_IN_SPACE[-1]
+    scene = IN_SPACE["space-corner-face"].build()
+    for before, after in zip(
+        scene["bodies"].values(), placed(scene, shift, turn)["bodies"].values(), strict=True
+    ):
+        (first, _), (last, _) = (Box(**body["geometry"]).surfaces(1.0)[0] for body in (before, after))
+        np.testing.assert_allclose(last, first @ rotation_of(turn).T + CELL * np.array(shift), atol=1e-12)
+        np.testing.assert_allclose(after["velocity"], rotation_of(turn) @ before["velocity"])
 
 
 def test_known_failures_name_cases_and_methods():
