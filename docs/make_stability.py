@@ -1,13 +1,15 @@
 """Write docs/stability.md: every hard case by every method; ``python docs/make_stability.py``.
 
-Methods that must hold or stay bounded run at four places, the others at one. Takes about ten minutes of one core; with
-``MPMFW_FULL_STABILITY=1``, which runs the long cases in full, about an hour.
+In the plane, methods that must hold or stay bounded run at four places, the others at one; in space all run at four. Takes about
+fifteen minutes of one core, of which five in space; with ``MPMFW_FULL_STABILITY=1``, which runs the long cases in full, about an
+hour. ``--only plane`` or ``--only space`` makes one half anew and keeps the other.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+import itertools
 import re
 import sys
 from concurrent.futures import ProcessPoolExecutor
@@ -23,7 +25,7 @@ import hard_cases  # noqa: E402
 import hard_scenes  # noqa: E402
 import known  # noqa: E402
 from design import rows  # noqa: E402
-from placing import SHIFTS, TURNS  # noqa: E402
+from placing import PLACES, PLACES_IN_SPACE, rotation_of  # noqa: E402
 
 HEAD = """\
 # Hard cases
@@ -51,11 +53,21 @@ LENGTHS = {
     True: "100 000 steps at rest and 100 cells of sliding",
     False: "cut to 1000 steps at rest and about 10 cells of sliding; `MPMFW_FULL_STABILITY=1` runs them in full",
 }
-PLACES = [(SHIFTS[0], 0), (SHIFTS[1], 0), (SHIFTS[0], 30), (SHIFTS[1], 30)]
+HEAD_IN_SPACE = """\
+
+{title}
+
+Boxes of three cells in each direction, with surfaces of triangles, by the same bounds (`python docs/make_stability.py --only
+space`). All methods ran at four places: as the scene stands; shifted by 0.31, 0.17 and 0.77 cells; turned by 20°, 35° and 50°
+about x, y and z; both. CPDI2 has no layout in space.
+"""
+IN_SPACE = "## In space"
+Key = tuple[str, str, str]
+Found = dict[Key, list[tuple[Any, list[str]]]]
 
 
-def runs(workers: int) -> dict[tuple[str, str, str], list[tuple[Any, list[str]]]]:
-    """Outcomes and complaints by case and method, from so many processes."""
+def tasks_in_plane() -> list[tuple[Any, ...]]:
+    """Case, method and place of every run in the plane."""
     one = {row[:3]: row[3:] for row in rows(full=True)}
     strict = hard_cases.MUST_HOLD + hard_cases.MUST_STAY_BOUNDED
     tasks: list[tuple[Any, ...]] = []
@@ -64,7 +76,18 @@ def runs(workers: int) -> dict[tuple[str, str, str], list[tuple[Any, list[str]]]
             if hard_cases.applies(case, method[0]):
                 key = (case, *method)
                 tasks += [(*key, *place) for place in (PLACES if method in strict else [one[key]])]
-    found: dict[tuple[str, str, str], list[tuple[Any, list[str]]]] = {}
+    return tasks
+
+
+def tasks_in_space() -> list[tuple[Any, ...]]:
+    """Those in space."""
+    keys = itertools.product(hard_cases.IN_SPACE, hard_cases.METHODS_IN_SPACE, PLACES_IN_SPACE)
+    return [(case, *method, *place) for case, method, place in keys]
+
+
+def runs(workers: int, tasks: list[tuple[Any, ...]]) -> Found:
+    """Outcomes and complaints by case and method, from so many processes."""
+    found: Found = {}
     with ProcessPoolExecutor(workers) as pool:
         for task, outcome in zip(tasks, pool.map(run, tasks), strict=True):
             said = hard_cases.complaints(*task[:3], outcome)
@@ -99,54 +122,71 @@ def _plain(message: str) -> str:
     return re.sub(r": at time.*", "", message)
 
 
-def page(found: dict[tuple[str, str, str], list[tuple[Any, list[str]]]]) -> str:
-    """The whole page."""
-    reasons: list[str] = []
-    methods = hard_cases.METHODS
-    lines = [
-        "| case | " + " | ".join(f"{c} {s}" for c, s in methods) + " |",
-        "| --- |" + " --- |" * len(methods),
-    ]
-    for case, asked in hard_cases.CASES.items():
-        cells = [cell((case, *m), found[case, *m], reasons) if (case, *m) in found else "–" for m in methods]
-        lines.append(f"| {asked.said} | " + " | ".join(cells) + " |")
-    text = [HEAD.format(long=LENGTHS[hard_scenes.FULL]), *lines, "", "Known to fail, and why:", ""]
-    text += [f"- **{chr(65 + k)}**: {why}." for k, why in enumerate(reasons)]
-    text += ["", "## The answer's change", "", *_changes(found)]
+def in_plane(found: Found) -> str:
+    """The page without what is in space."""
+    methods = hard_cases.MUST_HOLD + hard_cases.MUST_STAY_BOUNDED
+    text = [HEAD.format(long=LENGTHS[hard_scenes.FULL]), *_table(found, hard_cases.CASES, hard_cases.METHODS)]
+    text += ["", "## The answer's change", "", *_changes(found, hard_cases.CASES, methods, PLACES)]
     return "\n".join(text) + "\n"
 
 
-def change(found: list[tuple[Any, list[str]]], place: int) -> float:
+def in_space(found: Found) -> str:
+    """The section of the page that is in space."""
+    methods, cases = hard_cases.METHODS_IN_SPACE, hard_cases.IN_SPACE
+    text = [HEAD_IN_SPACE.format(title=IN_SPACE), *_table(found, cases, methods)]
+    text += ["", "The answer's change:", "", *_changes(found, cases, methods, PLACES_IN_SPACE)]
+    return "\n".join(text) + "\n"
+
+
+def _table(found: Found, cases: dict[str, Any], methods: list[tuple[str, str]]) -> list[str]:
+    reasons: list[str] = []
+    lines = _header(methods)
+    for case, asked in cases.items():
+        cells = [cell((case, *m), found[case, *m], reasons) if (case, *m) in found else "–" for m in methods]
+        lines.append(f"| {asked.said} | " + " | ".join(cells) + " |")
+    if reasons:
+        lines += ["", "Known to fail, and why:", ""]
+    return lines + [f"- **{chr(65 + k)}**: {why}." for k, why in enumerate(reasons)]
+
+
+def _header(methods: list[tuple[str, str]]) -> list[str]:
+    return [
+        "| case | " + " | ".join(f"{c} {s}" for c, s in methods) + " |",
+        "| --- |" + " --- |" * len(methods),
+    ]
+
+
+def change(found: list[tuple[Any, list[str]]], place: int, turn: Any) -> float:
     """Largest difference of a body's displacement from that of the scene as it stands [cells], turned back."""
     first, other = found[0][0], found[place][0]
     if first.status != "ok" or other.status != "ok":
         return float("nan")
-    angle = -np.radians(PLACES[place][1])
-    back = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    turned = other.travel @ back.T * (first.time / other.time)
+    turned = other.travel @ rotation_of(turn) * (first.time / other.time)
     return float(np.linalg.norm(turned - first.travel, axis=1).max())
 
 
-def _changes(found: dict[tuple[str, str, str], list[tuple[Any, list[str]]]]) -> list[str]:
-    methods = hard_cases.MUST_HOLD + hard_cases.MUST_STAY_BOUNDED
+def _changes(found: Found, cases: dict[str, Any], methods: list[tuple[str, str]], places: Any) -> list[str]:
     lines = [
         "Largest difference of a body's displacement at the end from that of the scene as it stands, in cells: shifted / turned.",
         "Where steps have other lengths the displacement is scaled to the same time.",
         "",
-        "| case | " + " | ".join(f"{c} {s}" for c, s in methods) + " |",
-        "| --- |" + " --- |" * len(methods),
+        *_header(methods),
     ]
-    for case, asked in hard_cases.CASES.items():
+    for case, asked in cases.items():
         if asked.refusal is None:
             cells = []
             for method in methods:
                 both = found.get((case, *method))
-                cells.append("–" if both is None else f"{change(both, 1):.2g} / {change(both, 2):.2g}")
+                cells.append(
+                    "–"
+                    if both is None
+                    else " / ".join(f"{change(both, k, places[k][1]):.2g}" for k in (1, 2))
+                )
             lines.append(f"| {asked.said} | " + " | ".join(cells) + " |")
     return lines
 
 
-def write_table(path: Path, found: dict[tuple[str, str, str], list[tuple[Any, list[str]]]]) -> None:
+def write_table(path: Path, found: Found) -> None:
     """Every run as a row of comma-separated values."""
     with path.open("w", encoding="utf-8", newline="") as file:
         table = csv.writer(file)
@@ -175,9 +215,12 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--table", type=Path, help="write every run to this file too")
     parser.add_argument("--workers", type=int, default=1, help="processes that run the cases")
+    parser.add_argument("--only", choices=("plane", "space"), help="make this half anew")
     asked = parser.parse_args()
-    assert set(TURNS) == {0, 30}
-    all_runs = runs(asked.workers)
-    PAGE.write_text(page(all_runs), encoding="utf-8")
+    plane, space = (asked.only in (None, half) for half in ("plane", "space"))
+    all_runs = runs(asked.workers, (tasks_in_plane() if plane else []) + (tasks_in_space() if space else []))
+    before, _, after = PAGE.read_text(encoding="utf-8").partition(f"\n{IN_SPACE}\n")
+    first = in_plane(all_runs) if plane else before
+    PAGE.write_text(first + (in_space(all_runs) if space else f"\n{IN_SPACE}\n{after}"), encoding="utf-8")
     if asked.table is not None:
         write_table(asked.table, all_runs)

@@ -41,30 +41,32 @@ def scene(bodies, upper=(4.0, 4.0, 9.0), **keys):
     }
 
 
-def stacked(place):
-    """Two blocks between smooth walls under pressure; the interface is ``place`` of a cell above a grid line."""
-    top = 4.0 + place
-    bodies = {
-        "lower": box((0, 0, 0), (4, 4, top), 1 / 3, sides=[{"side": "back", "fixed": ["z"]}, *WALLS]),
-        "upper": box(
-            (0, 0, top), (4, 4, top + 4), 1 / 4, sides=[*WALLS, {"side": "front", "pressure": "0.2 MPa"}]
-        ),
-    }
-    return scene(bodies, settle={"tolerance": 1e-3})
+def stacked(place, sides):
+    """Blocks between smooth walls under pressure, with triangles of these sides; the first interface is ``place`` of a cell above
+    a grid line."""
+    ends = [0.0, *(4.0 * k + place for k in range(1, len(sides) + 1))]
+    bodies = {}
+    for k, side in enumerate(sides):
+        held = [{"side": "back", "fixed": ["z"]}] if k == 0 else []
+        held += [{"side": "front", "pressure": "0.2 MPa"}] if k == len(sides) - 1 else []
+        bodies[f"block{k}"] = box((0, 0, ends[k]), (4, 4, ends[k + 1]), side, sides=[*held, *WALLS])
+    return scene(bodies, upper=(4.0, 4.0, 4.0 * len(sides) + 1.0), settle={"tolerance": 1e-3}), ends[1:-1]
 
 
-@pytest.mark.parametrize("place", [0.37])
-def test_stress_between_blocks_of_other_triangles_is_the_pressure(place):
-    sim = Simulation(load_scene(stacked(place)))
+@pytest.mark.parametrize("sides", [(1 / 3, 1 / 4), (1 / 4, 1 / 3, 1 / 4)], ids=["two", "three"])
+def test_stress_between_blocks_of_other_triangles_is_the_pressure(sides):
+    mapping, interfaces = stacked(0.37, sides)
+    sim = Simulation(load_scene(mapping))
     sim.start()
     particles, surface = sim.state.particles, sim.state.surface
     stress = particles.stress[:, 2, 2] / -0.2e6
-    start = CELL * (4.0 + place)
-    interface = surface.position[np.abs(surface.position[:, 2] - start) < 0.2 * CELL, 2].mean()
-    near = stress[np.abs(particles.position[:, 2] - interface) < 0.5 * CELL]
-    assert len(near) == 128
-    assert near.min() > 0.99
-    assert near.max() < 1.01
+    for start in interfaces:
+        beside = np.abs(surface.position[:, 2] - CELL * start) < 0.2 * CELL
+        interface = surface.position[beside, 2].mean()
+        near = stress[np.abs(particles.position[:, 2] - interface) < 0.5 * CELL]
+        assert len(near) == 128
+        assert near.min() > 0.99
+        assert near.max() < 1.01
 
 
 def impact(method="penalty"):

@@ -6,11 +6,13 @@ may fail run in a fourth of the cases each.
 
 from __future__ import annotations
 
-from hard_cases import CASES, MUST_HOLD, MUST_STAY_BOUNDED, OTHERS, applies
-from hard_scenes import FULL
-from placing import SHIFTS, TURNS, covering
+from typing import Any
 
-Row = tuple[str, str, str, tuple[float, float], int]
+from hard_cases import CASES, IN_SPACE, METHODS_IN_SPACE, MUST_HOLD, MUST_STAY_BOUNDED, OTHERS, applies
+from hard_scenes import FULL
+from placing import PLACES_IN_SPACE, SHIFTS, TURNS, covering
+
+Row = tuple[str, str, str, tuple[float, ...], Any]
 
 
 def rows(*, full: bool = FULL) -> list[Row]:
@@ -27,7 +29,22 @@ def rows(*, full: bool = FULL) -> list[Row]:
     return sorted(made, key=lambda row: cases.index(row[0]))
 
 
+def rows_in_space(*, full: bool = FULL) -> list[Row]:
+    """All cases by all methods at all places, or by two methods each, one of which must hold, at two places."""
+    made: list[Row] = []
+    for i, case in enumerate(IN_SPACE):
+        strict, others = METHODS_IN_SPACE[:2], METHODS_IN_SPACE[2:]
+        two = [
+            (strict[i % 2], PLACES_IN_SPACE[-1 - i % 4]),
+            (others[i % len(others)], PLACES_IN_SPACE[i % 4]),
+        ]
+        every = [(method, place) for method in METHODS_IN_SPACE for place in PLACES_IN_SPACE]
+        made += [(case, *method, *place) for method, place in (every if full else two)]
+    return made
+
+
 def label(row: Row) -> str:
     """``equal-penalty-cpdi-0.31,0.17-30``."""
     case, contact, shape, shift, turn = row
-    return f"{case}-{contact}-{shape}-{shift[0]:g},{shift[1]:g}-{turn}"
+    turns = turn if isinstance(turn, tuple) else (turn,)
+    return f"{case}-{contact}-{shape}-{','.join(f'{x:g}' for x in shift)}-{','.join(map(str, turns))}"

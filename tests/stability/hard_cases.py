@@ -26,6 +26,9 @@ from hard_scenes import (
     thin,
     three_at_a_node,
 )
+from hard_scenes_in_space import corner_on_face, edge_on_corner, edge_on_edge, light_and_heavy
+from hard_scenes_in_space import soft_and_stiff as soft_and_stiff_in_space
+from hard_scenes_in_space import thin as thin_in_space
 from placing import placed
 
 from mpmfw.api import SimulationError
@@ -159,6 +162,17 @@ CASES: dict[str, Case] = {
     ),
 }
 
+#: Those in space; the bounds are those of the plane.
+IN_SPACE: dict[str, Case] = {
+    "space-stiffness-10000": Case(soft_and_stiff_in_space, "stiffness ratio 10⁴", 400),
+    "space-density-1000": Case(light_and_heavy, "density ratio 10³"),
+    "space-edge-edge": Case(edge_on_edge, "crossed edges", depth=0.5),
+    "space-corner-face": Case(corner_on_face, "corner against a face", depth=0.5),
+    "space-edge-corner": Case(edge_on_corner, "corner on an edge", depth=0.5),
+    "space-thin": Case(thin_in_space, "a plate half a cell thick"),
+}
+_ALL = CASES | IN_SPACE
+
 #: Label → strategy and its options.
 CONTACTS: dict[str, tuple[str, dict[str, Any]]] = {
     "penalty": ("penalty", {}),
@@ -175,6 +189,8 @@ OTHERS = [
     ("none", "cpdi"),
 ]
 METHODS = MUST_HOLD + MUST_STAY_BOUNDED + OTHERS
+#: In space there is no layout for ``cpdi2``.
+METHODS_IN_SPACE = [*(m for m in MUST_HOLD if m[1] != "cpdi2"), ("bardenhagen", "cpdi")]
 
 
 def applies(case: str, contact: str) -> bool:
@@ -182,9 +198,9 @@ def applies(case: str, contact: str) -> bool:
     return not CASES[case].springs or CONTACTS[contact][0] in ("penalty", "hamad2017")
 
 
-def outcome(case: str, contact: str, shape: str, shift: tuple[float, float], turn: float) -> Invariants:
+def outcome(case: str, contact: str, shape: str, shift: tuple[float, ...], turn: Any) -> Invariants:
     """Run a case by a method, shifted by cells and turned by degrees."""
-    asked = CASES[case]
+    asked = _ALL[case]
     method, options = CONTACTS[contact]
     mapping = placed(asked.build(), shift, turn)
     table = {**mapping["contact"], "method": method, **({method: options} if options else {})}
@@ -196,7 +212,7 @@ def outcome(case: str, contact: str, shape: str, shift: tuple[float, float], tur
 
 def complaints(case: str, contact: str, shape: str, found: Invariants) -> list[str]:
     """What does not hold of an outcome that must; empty if all does."""
-    asked = CASES[case]
+    asked = _ALL[case]
     if asked.refusal is not None:
         refused = found.status == "refused" and asked.refusal in found.message
         return [] if refused else [f"expected a refusal, not: {found.status} {found.message}"]

@@ -40,16 +40,16 @@ TICK = CELL / C  # s
 
 
 def block(
-    lower: tuple[float, float],
-    upper: tuple[float, float],
-    velocity: tuple[float, float] = (0.0, 0.0),
+    lower: tuple[float, ...],
+    upper: tuple[float, ...],
+    velocity: tuple[float, ...] | None = None,
     **keys: Any,
 ) -> dict[str, Any]:
-    """A rectangle [cells] with a velocity [c]."""
-    geometry = {"type": "rectangle", "lower": [CELL * x for x in lower], "upper": [CELL * x for x in upper]}
-    if "angle" in keys:
-        geometry["angle"] = keys.pop("angle")
-    return _body(geometry, velocity, **keys)
+    """A rectangle or a box [cells] with a velocity [c]."""
+    kind = "rectangle" if len(lower) == 2 else "box"
+    geometry = {"type": kind, "lower": [CELL * x for x in lower], "upper": [CELL * x for x in upper]}
+    geometry |= {key: keys.pop(key) for key in ("angle", "angles") if key in keys}
+    return _body(geometry, velocity or (0.0,) * len(lower), **keys)
 
 
 def disc(
@@ -75,9 +75,10 @@ def scene(
     **keys: Any,
 ) -> dict[str, Any]:
     """A scene of these bodies."""
+    dim = 3 if any(body["geometry"]["type"] == "box" for body in bodies.values()) else 2
     edge = CELL * extent
     return {
-        "grid": {"cell_size": CELL, "lower": [-edge, -edge], "upper": [edge, edge]},
+        "grid": {"cell_size": CELL, "lower": [-edge] * dim, "upper": [edge] * dim},
         "time": {"end": 1.0, "output_interval": 1.0},  # steps are counted instead
         "shape": {"method": "cpdi"},
         "contact": {"method": "penalty", "friction": friction},

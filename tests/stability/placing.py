@@ -8,6 +8,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
+
+from mpmfw.geometry.solid import turning
 
 CELL = 0.1  # m
 
@@ -15,20 +18,32 @@ CELL = 0.1  # m
 SHIFTS = ((0.0, 0.0), (0.31, 0.17), (0.5, 0.77))
 TURNS = (0, 30)
 
+#: As a scene stands, shifted, turned, and both: in the plane, and in space, with turns about x, then y, then z.
+Place = tuple[tuple[float, ...], Any]
+PLACES: tuple[Place, ...] = tuple((shift, turn) for turn in TURNS for shift in SHIFTS[:2])
+_SPACE = ((0.0, 0.0, 0.0), (0.31, 0.17, 0.77)), ((0, 0, 0), (20, 35, 50))
+PLACES_IN_SPACE: tuple[Place, ...] = tuple((shift, turn) for turn in _SPACE[1] for shift in _SPACE[0])
 
-def placed(mapping: dict[str, Any], shift: tuple[float, float], turn: float) -> dict[str, Any]:
-    """The scene turned about the origin by ``turn`` [°] counter-clockwise, then shifted by cells.
 
-    Geometry, velocities and gravity turn; the grid does not. A ground, which is fixed below, keeps a level bottom.
-    """
+def rotation_of(turn: Any) -> Any:
+    """Matrix of a turn [°]: counter-clockwise in the plane; in space three, about x, then y, then z."""
+    if isinstance(turn, tuple):
+        return turning(tuple(np.radians(turn)))
     angle = math.radians(turn)
-    rotation = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
-    offset = CELL * np.array(shift)
+    return np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+
+
+def placed(mapping: dict[str, Any], shift: tuple[float, ...], turn: Any) -> dict[str, Any]:
+    """The scene turned about the origin by ``turn`` [°], then shifted by cells.
+
+    Geometry, velocities and gravity turn; the grid does not. In the plane a ground, which is fixed below, keeps a level bottom.
+    """
+    rotation, offset = rotation_of(turn), CELL * np.array(shift)
     bodies = {}
     for name, body in mapping["bodies"].items():
         made = {
             **body,
-            "geometry": _moved(body["geometry"], rotation, offset, angle, bool(body.get("sides"))),
+            "geometry": _moved(body["geometry"], rotation, offset, turn, bool(body.get("sides"))),
         }
         if "velocity" in body:
             made["velocity"] = (rotation @ body["velocity"]).tolist()
@@ -39,7 +54,14 @@ def placed(mapping: dict[str, Any], shift: tuple[float, float], turn: float) -> 
     return changed
 
 
-def _moved(g: dict[str, Any], rotation: Any, offset: Any, angle: float, ground: bool) -> dict[str, Any]:
+def _moved(g: dict[str, Any], rotation: Any, offset: Any, turn: Any, ground: bool) -> dict[str, Any]:
+    if g["type"] == "box":
+        lower, upper = np.array(g["lower"]), np.array(g["upper"])
+        by = rotation @ (0.5 * (lower + upper)) + offset - 0.5 * (lower + upper)
+        both = Rotation.from_matrix(rotation @ turning(g.get("angles", (0.0, 0.0, 0.0))))
+        angles = both.as_euler("xyz").tolist()
+        return {**g, "lower": (lower + by).tolist(), "upper": (upper + by).tolist(), "angles": angles}
+    angle = math.radians(turn)
     if g["type"] == "disc":
         return {**g, "centre": (rotation @ g["centre"] + offset).tolist()}
     if g["type"] == "polygon":
