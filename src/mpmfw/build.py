@@ -176,9 +176,7 @@ def _check_base(kind: Kind, plugin: type[Any]) -> None:
         )
 
 
-def _list_pairs(
-    scene: Scene, state: State, contact: ContactStrategy | None, law: FrictionLaw | None
-) -> None:
+def _list_pairs(scene: Scene, state: State, contact: ContactStrategy | None, law: FrictionLaw | None) -> None:
     """All pairs of bodies; of more than a few those that the scene names, if the strategy takes the others as they come."""
     index = {body.name: body.index for body in state.bodies}
     friction = 0.0 if scene.contact is None else scene.contact.friction

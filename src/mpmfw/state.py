@@ -72,12 +72,12 @@ class Pair:
     first: int  #: index of the first body; forces of the pair are those on it
     second: int  #: index of the second body
     label: str  #: ``a-b`` in the scene's order
-    mu: float  #: Coulomb's μ, as the scene has it
+    mu: float  #: Coulomb's μ [1], as the scene has it
     friction_law: str | None = None  #: what says μ of every row in its place; None where μ is all
 
     @property
     def friction(self) -> float:
-        """Coulomb's μ, for contact that knows no friction laws.
+        """Coulomb's μ [1], for contact that knows no friction laws.
 
         Raises
         ------
