@@ -82,20 +82,20 @@ _SURFACES = " ".join(
     + [f"mpmfw_contact.surfaces.{name}" for name in ("facing", "tracking", "travel")]
 )
 EFFECTS = {
-    "linear": brings("linear", hooks=_SHAPE, modules="mpmfw_shape.linear mpmfw_shape._bilinear_surface"),
+    "linear": brings("linear", hooks=_SHAPE, modules="mpmfw_shape.linear mpmfw_shape._at_points"),
     "gimp": brings(
         "gimp",
         hooks=f"{_SHAPE} declare_fields",
         arrays="half_length",
-        modules="mpmfw_shape.gimp mpmfw_shape._packed_rows mpmfw_shape._bilinear_surface",
+        modules="mpmfw_shape.gimp mpmfw_shape._packed_rows mpmfw_shape._at_points",
     ),
     "cpdi": brings(
         "cpdi",
         hooks=_SHAPE,
         arrays="layout/half_edges",
-        modules="mpmfw_shape.cpdi mpmfw_shape._bilinear_surface mpmfw_shape._packed_rows",
+        modules="mpmfw_shape.cpdi mpmfw_shape._at_points mpmfw_shape._packed_rows",
     ),
-    "bspline": brings("bspline", hooks=_SHAPE, modules="mpmfw_shape.bspline"),
+    "bspline": brings("bspline", hooks=_SHAPE, modules="mpmfw_shape.bspline mpmfw_shape._at_points"),
     "neo_hookean": brings(
         "neo_hookean soft",
         hooks="setup update_stress",
@@ -118,7 +118,7 @@ EFFECTS = {
         "cpdi2",
         hooks=f"{_SHAPE} declare_fields update_particle_domains diagnostics",
         arrays="corners",
-        modules="mpmfw_shape.cpdi2 mpmfw_shape._bilinear_surface mpmfw_shape._packed_rows",
+        modules="mpmfw_shape.cpdi2 mpmfw_shape._at_points mpmfw_shape._packed_rows",
         points="corners",
     ),
     "affine field": brings(arrays="particles/affine", series="affine_energy"),

@@ -7,7 +7,7 @@ those of :mod:`mpmfw.kernels.contact`.
 from __future__ import annotations
 
 from mpmfw.kernels import Struct, device, kernel, scratch
-from mpmfw.kernels.contact import Rows, slip_bound
+from mpmfw.kernels.contact import Rows, row_velocity, slip_bound
 from mpmfw.kernels.types import Float, Floats
 
 #: Changes of a row, over the largest velocity of its nodes, that are rounding.
@@ -22,22 +22,6 @@ class LcpArrays(Struct):
     velocity: Floats  #: (n, dim) u before any impulse [m/s]
     before: Floats  #: (n, dim) J before a sweep [N s/m]
     direction: Floats  #: (n, dim) in which impulses go on after a sweep [N s/m]
-
-
-@device
-def row_velocity(c: int, rows: Rows, velocity: Floats, out: Floats, spacing: tuple[float, ...]) -> None:
-    """u_c = B_c v into ``out`` (dim,) [m/s]."""
-    dim = len(spacing)
-    for d in range(dim):
-        out[d] = 0.0
-    for k in range(rows.start[c], rows.start[c + 1]):
-        i, along = rows.dof[k], 0.0
-        for d in range(dim):
-            out[d] += rows.weight[k] * velocity[i, d]
-            along += rows.normal[c, d] * velocity[i, d]
-        if len(rows.couple) > 0:
-            for d in range(dim):
-                out[d] += rows.couple[k, d] * along
 
 
 @device

@@ -105,7 +105,7 @@ class Hamad2017Law(Springs):
 
     def unused(self, pairs: Sequence[Pair]) -> list[str]:
         """The value of μ under literal friction."""
-        frictional = [pair.label for pair in pairs if pair.friction > 0.0]
+        frictional = [pair.label for pair in pairs if pair.mu > 0.0]
         if self.options.friction_law == "coulomb" or not frictional:
             return []
         return [

@@ -4,23 +4,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from mpmfw.api import (
-    FloatArray,
-    Grid,
-    IntArray,
-    Particles,
-    Setup,
-    ShapeFunction,
-    Stencil,
-    check_inside,
-    empty_stencil,
-    hookimpl,
-)
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.stencil import fill_tensor_product, fits, read_window
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
+from mpmfw_shape._at_points import AtPoints
 
 WIDTH = 3
 
@@ -77,49 +64,9 @@ def fill_quadratic(
     return -1
 
 
-class BSpline(ShapeFunction):
-    """φ_ip = Π_d B²((x_p − x_i)_d / h): 9 nodes in 2D, 27 in 3D; surfaces are mapped with the same
-    weights."""
+class BSpline(AtPoints):
+    """φ_ip = Π_d B²((x_p − x_i)_d / h): 9 nodes in 2D, 27 in 3D."""
 
     name = "bspline"
     boundary_degree = 2
-    _surface: Stencil | None = None
-
-    @hookimpl
-    def setup(self, setup: Setup) -> None:
-        """Allocate the table."""
-        self.table = empty_stencil(setup.state.particles.count, WIDTH**setup.dim, setup.dim)
-
-    @hookimpl
-    def particle_reach(self, particles: Particles) -> FloatArray:
-        """Points have no extent; the window's margin holds the support."""
-        return np.zeros_like(particles.position)
-
-    @hookimpl
-    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
-        """B-spline weights and their gradients at x_p."""
-        return self._fill(particles.position, particles.first, grid, self.table)
-
-    @hookimpl
-    def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
-        """The same basis at surface nodes: the boundary basis must match the particles'."""
-        if self._surface is None:
-            self._surface = empty_stencil(len(position), WIDTH**grid.dim, grid.dim, gradient=False)
-        return self._fill(position, first, grid, self._surface)
-
-    def _fill(self, position: FloatArray, first: IntArray, grid: Grid, table: Stencil) -> Stencil:
-        check_inside(
-            fill_quadratic(
-                position,
-                first,
-                grid.lower,
-                grid.window_lower,
-                grid.window_shape,
-                grid.offset,
-                table.nodes,
-                table.weight,
-                table.gradient,
-                grid.spacing,
-            )
-        )
-        return table
+    functions = (fill_quadratic, WIDTH)

@@ -22,7 +22,7 @@ from mpmfw.kernels.packed import CORNERS as EACH_CORNER
 from mpmfw.kernels.packed import FULL, OUTSIDE, fill_domain
 from mpmfw.kernels.stencil import read_window
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
-from mpmfw_shape._bilinear_surface import LinearSurface
+from mpmfw_shape._at_points import LinearSurface
 from mpmfw_shape._packed_rows import empty_rows, fill_rows
 
 CORNERS = Field(

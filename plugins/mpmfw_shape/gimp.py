@@ -19,7 +19,7 @@ from mpmfw.api import (
 from mpmfw.kernels import FULL, device, kernel, scratch
 from mpmfw.kernels.stencil import fits, read_window
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
-from mpmfw_shape._bilinear_surface import LinearSurface
+from mpmfw_shape._at_points import LinearSurface
 from mpmfw_shape._packed_rows import empty_rows, fill_rows
 
 WIDTH = 3

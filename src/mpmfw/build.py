@@ -102,8 +102,8 @@ def build(
         material = materials[scene.bodies[body.name].material]
         material.slices = joined(material.slices, body.particles)
     state = State(particles, grid, bodies, ())
-    _list_pairs(scene, state, chosen_contact)
     friction, named = _friction_law(scene, chosen_contact), _named(scene, bodies, loads or {})
+    _list_pairs(scene, state, chosen_contact, friction)
     fastest = max(2.0 * body.wave_speed / grid.cell_size for body in bodies)
     return Build(
         scene,
@@ -176,14 +176,15 @@ def _check_base(kind: Kind, plugin: type[Any]) -> None:
         )
 
 
-def _list_pairs(scene: Scene, state: State, contact: ContactStrategy | None) -> None:
+def _list_pairs(scene: Scene, state: State, contact: ContactStrategy | None, law: FrictionLaw | None) -> None:
     """All pairs of bodies; of more than a few those that the scene names, if the strategy takes the others as they come."""
     index = {body.name: body.index for body in state.bodies}
     friction = 0.0 if scene.contact is None else scene.contact.friction
     named = () if scene.contact is None else scene.contact.pairs
     ends = [sorted(index[name] for name in pair.bodies) for pair in named]
     given = {(a, b): float(pair.friction) for (a, b), pair in zip(ends, named, strict=True)}
-    near = NearPairs(tuple(index), float(friction), given)
+    by_law = None if law is None or law.is_coulomb else law.label
+    near = NearPairs(tuple(index), float(friction), given, by_law)
     hooks = [name for name in vars(HookSpecs) if not name.startswith("_")]
     follows = hasattr(contact, "add_pairs") or not any(hasattr(contact, name) for name in hooks)
     if len(index) <= FEW or not follows:

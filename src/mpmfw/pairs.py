@@ -84,11 +84,14 @@ class NearPairs:
         Coulomb's μ of pairs that are not in ``given``.
     given
         μ by the indices of both bodies, the lower first.
+    friction_law
+        Name of what says μ of every row in its place, if the scene has one other than Coulomb's.
     """
 
     names: tuple[str, ...]
     friction: float
     given: Mapping[tuple[int, int], float]
+    friction_law: str | None = None
     _listed: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     _frame: int = 0
 
@@ -100,7 +103,8 @@ class NearPairs:
     def pair(self, index: int, first: int, second: int) -> Pair:
         """The facts of two bodies' interface."""
         label = f"{self.names[first]}-{self.names[second]}"
-        return Pair(index, first, second, label, self.given.get((first, second), self.friction))
+        mu = self.given.get((first, second), self.friction)
+        return Pair(index, first, second, label, mu, self.friction_law)
 
     def update(self, state: State) -> bool:
         """List the pairs that are near now and were not before; return whether there are any."""

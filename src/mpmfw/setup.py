@@ -54,7 +54,7 @@ class Setup:
         near = self.state.near
         if self.friction_law is not None and self.friction_law.cohesive:
             return True
-        return near.has_friction if near is not None else any(pair.friction > 0.0 for pair in self.pairs)
+        return near.has_friction if near is not None else any(pair.mu > 0.0 for pair in self.pairs)
 
     @property
     def dim(self) -> int:

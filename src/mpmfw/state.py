@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from mpmfw.errors import SceneError
 from mpmfw.fields import AnyArray, FloatArray, IndexArray, IntArray
 
 if TYPE_CHECKING:
@@ -71,7 +72,24 @@ class Pair:
     first: int  #: index of the first body; forces of the pair are those on it
     second: int  #: index of the second body
     label: str  #: ``a-b`` in the scene's order
-    friction: float  #: Coulomb's μ
+    mu: float  #: Coulomb's μ [1], as the scene has it
+    friction_law: str | None = None  #: what says μ of every row in its place; None where μ is all
+
+    @property
+    def friction(self) -> float:
+        """Coulomb's μ [1], for contact that knows no friction laws.
+
+        Raises
+        ------
+        SceneError
+            The scene names a friction law, which would be passed over.
+        """
+        if self.friction_law is not None:
+            raise SceneError(
+                f"the friction of pair {self.label} was asked for, but contact.friction_law = '{self.friction_law}' says it "
+                "anew for every row; expected a contact law that takes it from rows.friction, as slip_bound does"
+            )
+        return self.mu
 
 
 @dataclass(slots=True)

@@ -206,7 +206,7 @@ def imported(scene: dict[str, Any]) -> set[str]:
             disc(bodies__solid__rotation="lumped"),
             {
                 "mpmfw_shape.cpdi",
-                "mpmfw_shape._bilinear_surface",
+                "mpmfw_shape._at_points",
                 "mpmfw_shape._packed_rows",
                 "mpmfw_material.neo_hookean",
                 "mpmfw_material._isotropic",
@@ -218,6 +218,7 @@ def imported(scene: dict[str, Any]) -> set[str]:
             ),
             {
                 "mpmfw_shape.bspline",
+                "mpmfw_shape._at_points",
                 "mpmfw_material.neo_hookean",
                 "mpmfw_material._isotropic",
                 "mpmfw_contact.separate",

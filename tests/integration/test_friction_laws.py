@@ -16,6 +16,8 @@ from mpmfw.cli.unused import unused_facts
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.references import rolling
 from mpmfw.simulation import Simulation
+from mpmfw_contact.impulse import Impulse
+from mpmfw_contact.surfaces import Surfaces
 from scenes_for_tests import two_blocks
 
 CONTACTS = ("penalty", "bardenhagen(normal=master)", "surfaces+impulse")
@@ -197,3 +199,29 @@ def test_a_friction_law_of_one_body_is_refused() -> None:
         SceneError, match=r"contact\.friction_law: has no effect, since the scene has one body"
     ):
         Simulation(mpmfw.load_scene(scene))
+
+
+class ByItself(Impulse):
+    """Takes μ from the pairs, past what rows hold."""
+
+    name = "by-itself"
+
+    def impulses(self, rows: Any, *arguments: Any, **keywords: Any) -> None:
+        """As its base, with the pairs' μ."""
+        rows.friction[: rows.count] = self.friction[rows.pair[: rows.count]]
+        super().impulses(rows, *arguments, **keywords)
+
+    def prepare(self, setup: Any, owner: str) -> None:  # noqa: ARG002
+        """The pairs' μ."""
+        self.friction = np.array([pair.friction for pair in setup.pairs])
+
+
+def test_a_law_that_takes_the_pairs_friction_passes_no_friction_law_over() -> None:
+    contact, law = (
+        ByItself.joined_with(Surfaces)(),
+        {"contact.friction_law": "mohr_coulomb", "contact.mohr_coulomb.cohesion": 10.0},
+    )
+    with pytest.raises(SceneError, match=r"pair block-plane .* 'mohr_coulomb.* rows\.friction"):
+        Simulation(mpmfw.load_scene("sliding-block", set=law), contact=contact)
+    for unread in ({}, {"contact.friction_law": "coulomb"}):  # of which the pairs' μ is all there is
+        assert Simulation(mpmfw.load_scene("sliding-block", set=unread), contact=contact) is not None

@@ -8,10 +8,13 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
+from contact_scenes import CELL, disc, rectangle, scene
+from interpreted import interpreted
 from mpmfw.contact.rows import ContactRows
+from mpmfw.simulation import Simulation
 from mpmfw_contact import lcp
-from mpmfw_contact._gauss_seidel import add_friction_work, solve, state_problem
-from mpmfw_contact.lcp import Lcp
+from mpmfw_contact._gauss_seidel import ROUNDING, add_friction_work, solve, state_problem
+from mpmfw_contact.lcp import FACING, Lcp
 
 DT = 0.1
 
@@ -243,3 +246,68 @@ def test_what_misses_the_tolerance_by_more_than_missed_is_told(monkeypatch):
     """MISSED too large: nothing is ever said; too small: every solution that ends with its sweeps is complained of."""
     assert cut_short(monkeypatch, lcp.MISSED) != []
     assert cut_short(monkeypatch, 1e6) == []
+
+
+def test_rounding_is_no_reason_to_sweep_on_and_more_than_that_is(monkeypatch):
+    """Of bodies that move as one the rows have velocities of rounding alone, which no sweep takes away."""
+
+    def found(rounding, momentum, gap):
+        p = problem(3, 2, friction=0.3)
+        p.momentum = p.momentum if momentum is None else p.mass[:, None] * momentum
+        p.rows.gap[:] = p.rows.gap if gap is None else gap
+        monkeypatch.setitem(globals(), "solve", interpreted(compiled, ROUNDING=rounding))
+        impulse, velocity, allowed, sweeps = solved(p, sweeps=400)
+        return sweeps, max(residuals(p, impulse, velocity, allowed).values())
+
+    compiled, together = solve, np.array([1.0, 0.3])
+    assert found(ROUNDING, together, 0.0)[0] <= 2
+    assert found(0.0, together, 0.0)[0] > 2
+    assert found(ROUNDING, None, None)[1] < 1e-10
+    assert found(0.1, None, None)[1] > 1e-4
+
+
+def meeting(other, steps, look):
+    """What ``look`` says of a frictionless body, the ``other``, after some steps of lcp against a plane y = 0 that is stiffer."""
+    plane = rectangle([-0.8, -0.4], [0.8, 0.0], kind="stiff")
+    made = scene({"plane": plane, "other": other}, friction=0.0, allow_overlap=True)
+    simulation, overlap = Simulation({**made, "contact": {"method": "lcp", "friction": 0.0}}), 0.0
+    simulation.start()
+    for _ in range(steps):
+        simulation.step()
+        rows = simulation.contact.rows
+        overlap = max(overlap, -rows.gap[: rows.count].min(initial=0.0) / CELL)
+    velocity = simulation.state.particles.velocity[simulation.state.bodies[1].particles]
+    return {
+        "along": float(velocity[:, 0].mean()),
+        "across": float(velocity[:, 1].mean()),
+        "overlap": overlap,
+    }[look]
+
+
+def sliding(depth):
+    """Speed left of a block that slides over the plane at 1 m/s, this deep in it [m]."""
+    block = rectangle([-0.5, -depth], [-0.1, 0.4 - depth], velocity=[1.0, -0.05])
+    return meeting(block, 40, "along")
+
+
+def test_places_beside_a_corner_that_slides_would_stop_it(monkeypatch):
+    """Ahead of it, where they are open (FACING), and just under it, where bodies overlap (BEARING)."""
+    assert sliding(0.0) > 0.98
+    assert sliding(0.2 * CELL) > 0.98
+    monkeypatch.setattr(lcp, "FACING", 0.0)
+    assert sliding(0.0) < 0.7
+    monkeypatch.setattr(lcp, "FACING", FACING)
+    monkeypatch.setattr(lcp, "BEARING", 0.0)
+    assert sliding(0.2 * CELL) < 0.5
+
+
+def test_places_that_lie_aslant_bear_as_well(monkeypatch):
+    """A disc rebounds: asked to lie across altogether, open places let it in, and those that overlap let it through."""
+    falling = disc([0.03, 0.31], 0.3, velocity=[0.0, -1.0])
+    overlap = meeting(falling, 60, "overlap")
+    assert meeting(falling, 60, "across") > 0.25
+    monkeypatch.setattr(lcp, "FACING", 1.1)
+    assert meeting(falling, 60, "overlap") > 1.5 * overlap
+    monkeypatch.setattr(lcp, "FACING", FACING)
+    monkeypatch.setattr(lcp, "BEARING", 1.1)
+    assert meeting(falling, 60, "across") < 0.0

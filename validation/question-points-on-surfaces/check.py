@@ -1,10 +1,11 @@
-"""Surface nodes against quadrature points: stress, corners, sliding, rolling, impacts."""
+"""Surface nodes against quadrature points: stress, corners, sliding, rolling, impacts, Hertz, a stack and hard scenes."""
 
-# cost: 300
+# cost: 360
 
 from __future__ import annotations
 
 import sys
+import tomllib
 import warnings
 from pathlib import Path
 from typing import Any
@@ -20,8 +21,10 @@ from mpmfw.errors import ResultsWarning
 from mpmfw.validation import Case, Method
 
 FOLDER = Path(__file__).parents[1]
-sys.path += [str(FOLDER / "contact-corner"), str(FOLDER / "question-two-pass")]
+sys.path += [str(FOLDER / name) for name in ("contact-corner", "question-two-pass", "hertz", "hard-scenes")]
+from criteria import of_run  # noqa: E402
 from expansion import PLACES, expansion_of, placed  # noqa: E402
+from pressure import of_forces  # noqa: E402
 from sliding import acceleration_error  # noqa: E402
 
 from mpmfw_contact.penalty import Penalty  # noqa: E402
@@ -39,7 +42,9 @@ VARIANTS: dict[str, Any] = {
     "3 points": lambda: PLAIN(points=3),
     "3 points, one pass": lambda: PLAIN(points=3, passes="one"),
 }
-QUICK = ("nodes", "2 points")
+QUICK = ("nodes", "2 points")  #: the quick version, and the scenes where no rule is at stake or many are
+#: Cells of the Hertz contact [m] and the tolerance to which it settles.
+HERTZ = {0.06: 1e-3, 0.05: 5e-4}
 
 
 def check(case: Case) -> None:
@@ -52,6 +57,9 @@ def check(case: Case) -> None:
         if not case.quick:
             _corner(case, method, name)
             _motions(case, method, name)
+        if name in QUICK and not case.quick:
+            _hertz(case, method, name)
+            _hard(case, method, name)
 
 
 def _run(name: str, scene: Any, values: dict[str, Any] | None = None) -> Any:
@@ -109,3 +117,24 @@ def _motions(case: Case, method: Method, name: str) -> None:
     case.show(
         "rolling, no slip: CPU time of a step", 1e3 * cost["cpu"] / cost["steps"], unit="ms", method=method
     )
+
+
+def _hertz(case: Case, method: Method, name: str) -> None:
+    for cell, tolerance in HERTZ.items():
+        settings = {"grid.cell_size": cell, "settle.tolerance": tolerance}
+        found = of_forces(_run(name, str(FOLDER / "hertz" / "scene.toml"), settings))
+        for key, unit, limit in (("peak", "%", 10.0), ("fitted peak", "%", 10.0), ("width", "h", 1.0)):
+            quantity = f"hertz, h = {cell:g} m: {key}, error"
+            case.show(quantity, found[key], within=(-limit, limit), unit=unit, reference=0.0, method=method)
+
+
+def _hard(case: Case, method: Method, name: str) -> None:
+    """The scenes of ``hard-scenes``, among them the stack of five squares, with their limits of penetration."""
+    places = tomllib.loads((FOLDER / "hard-scenes" / "case.toml").read_text())["runs"][0]["places"]
+    for place in places:
+        found = of_run(_run(name, str(FOLDER / "hard-scenes" / place["scene"])))
+        for key, unit, within in (
+            ("penetration", "cells", place["within"]["penetration"]),
+            ("energy", "%", (0.0, 0.5)),
+        ):
+            case.show(f"{place['at']}: {key}", found[key], within=tuple(within), unit=unit, method=method)

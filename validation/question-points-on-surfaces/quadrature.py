@@ -141,9 +141,17 @@ class Quadrature(Surfaces):
     def keep(self) -> None:
         """Nothing is followed from step to step."""
 
-    def outputs(self, rows: ContactRows) -> dict[str, AnyArray]:  # noqa: ARG002
-        """No forces of surface nodes: they are of points."""
-        return {"force": np.zeros_like(self.force)}
+    def outputs(self, rows: ContactRows) -> dict[str, AnyArray]:
+        """Forces of the points, shared by the nodes of their segments as by linear functions."""
+        assert isinstance(rows, SurfaceRows)
+        n, places, facets = slice(rows.count), rows.places, self.outline.facets
+        along = self.points[rows.identity[n] // (len(self.outline.body_first) - 1) % len(self.points)]
+        shares = ((1.0 - along, along), (-places.share[n, 0], -places.share[n, 1]))
+        self.force.fill(0.0)
+        for segments, parts in zip((places.slave[n], places.facet[n]), shares, strict=True):
+            for corner, part in enumerate(parts):
+                np.add.at(self.force, facets[segments, corner], part[:, None] * rows.force[n])
+        return {"force": self.force}
 
 
 class PlainSprings(PenaltyLaw):

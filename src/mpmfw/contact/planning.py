@@ -42,7 +42,7 @@ def planned(made: Build, plan: Plan) -> None:
 
 def _frictional(made: Build) -> str:
     """The pairs with friction; where pairs are listed as they come near those that the scene names, and all others at once."""
-    named = [pair.label for pair in made.state.pairs if pair.friction > 0.0]
+    named = [pair.label for pair in made.state.pairs if pair.mu > 0.0]
     near = made.state.near
     others = (
         [f"μ = {near.friction:g} in pairs without a value of their own"] if near and near.friction else []

@@ -104,7 +104,7 @@ class RowContact(ContactStrategy):
 
     def _list_friction(self, state: State) -> None:
         """μ of every pair, as the scene has it."""
-        self.pair_friction = np.array([pair.friction for pair in state.pairs], dtype=float)
+        self.pair_friction = np.array([pair.mu for pair in state.pairs], dtype=float)
 
     def _list_thickness(self, state: State) -> None:
         """Width over which every pair touches: the lesser thickness of the two; None where no body names one."""

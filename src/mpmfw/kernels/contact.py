@@ -66,25 +66,31 @@ def match_rows(rows: Rows, count: int, old: Rows, old_count: int) -> None:
         rows.before[c] = o if o < old_count and old.identity[o] == rows.identity[c] else -1
 
 
+@device
+def row_velocity(c: int, rows: Rows, velocity: Floats, out: Floats, spacing: tuple[float, ...]) -> None:
+    """(B v)_c = Σ w v + Σ c (n·v) of row c with the nodes' ``velocity`` (n_nodes, dim) [m/s], into ``out`` (dim,)."""
+    dim = len(spacing)
+    for d in range(dim):
+        out[d] = 0.0
+    for k in range(rows.start[c], rows.start[c + 1]):
+        i, along = rows.dof[k], 0.0
+        for d in range(dim):
+            out[d] += rows.weight[k] * velocity[i, d]
+            along += rows.normal[c, d] * velocity[i, d]
+        if len(rows.couple) > 0:
+            for d in range(dim):
+                out[d] += rows.couple[k, d] * along
+
+
 @kernel
 def relative_motion(
     begin: int, end: int, rows: Rows, velocity: Floats, scale: float, out: Floats, spacing: tuple[float, ...]
 ) -> None:
-    """``scale`` B v = ``scale`` (Σ w v + Σ c (n·v)) of every row, into ``out`` (n, dim)."""
-    dim = len(spacing)
+    """``scale`` B v of every row, into ``out`` (n, dim)."""
     motion = scratch.vector(spacing)
     for c in range(begin, end):
-        for d in range(dim):
-            motion[d] = 0.0
-        for k in range(rows.start[c], rows.start[c + 1]):
-            i, along = rows.dof[k], 0.0
-            for d in range(dim):
-                motion[d] += rows.weight[k] * velocity[i, d]
-                along += rows.normal[c, d] * velocity[i, d]
-            if len(rows.couple) > 0:
-                for d in range(dim):
-                    motion[d] += rows.couple[k, d] * along
-        for d in range(dim):
+        row_velocity(c, rows, velocity, motion, spacing)
+        for d in range(len(spacing)):
             out[c, d] = scale * motion[d]
 
 

@@ -1,0 +1,76 @@
+"""Tables of functions at points, and the surface basis shared by linear, GIMP and CPDI: the grid's plain (bi-, tri-)linear
+functions at the surface nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import ClassVar
+
+import numpy as np
+
+from mpmfw.api import (
+    FloatArray,
+    Grid,
+    IntArray,
+    Particles,
+    Setup,
+    ShapeFunction,
+    Stencil,
+    check_inside,
+    empty_stencil,
+    hookimpl,
+)
+from mpmfw.kernels.stencil import fill_linear
+
+#: A kernel that fills a table, and the number of its functions along an axis.
+Functions = tuple[Callable[..., int], int]
+
+
+def fill_at(
+    fill: Callable[..., int], position: FloatArray, first: IntArray, grid: Grid, table: Stencil
+) -> Stencil:
+    """Fill a ``table`` by the functions at points of ``position`` (n, dim) [m]; those of field f are ``first[f]:first[f + 1]``.
+
+    Raises
+    ------
+    OutsideGrid
+        A point is outside its window.
+    """
+    window = (grid.lower, grid.window_lower, grid.window_shape, grid.offset)
+    check_inside(fill(position, first, *window, table.nodes, table.weight, table.gradient, grid.spacing))
+    return table
+
+
+class LinearSurface(ShapeFunction):
+    """Mix-in of ``interpolate_surface`` with linear functions, the trace of Σ V ∇S = ∮ N n dS for CPDI."""
+
+    #: The surface's basis.
+    functions: ClassVar[Functions] = (fill_linear, 2)
+    _surface: Stencil | None = None
+
+    @hookimpl
+    def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
+        """N_i(x_s) of the basis."""
+        fill, width = self.functions
+        if self._surface is None:
+            self._surface = empty_stencil(len(position), width**grid.dim, grid.dim, gradient=False)
+        return fill_at(fill, position, first, grid, self._surface)
+
+
+class AtPoints(LinearSurface):
+    """Base of shape functions of points without extent: surfaces are mapped with the same ``functions``."""
+
+    @hookimpl
+    def setup(self, setup: Setup) -> None:
+        """Allocate the table."""
+        self.table = empty_stencil(setup.state.particles.count, self.functions[1] ** setup.dim, setup.dim)
+
+    @hookimpl
+    def particle_reach(self, particles: Particles) -> FloatArray:
+        """Points have no extent; the window's margin holds the support."""
+        return np.zeros_like(particles.position)
+
+    @hookimpl
+    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
+        """φ_i(x_p) and ∇φ_i(x_p)."""
+        return fill_at(self.functions[0], particles.position, particles.first, grid, self.table)
