@@ -5,8 +5,9 @@ from __future__ import annotations
 import copy
 from typing import Any
 
+from mpmfw.campaigns.grid import RunGrid
 from mpmfw.campaigns.judging import Judge
-from mpmfw.studies.grid import StudyGrid, make_grid
+from mpmfw.studies.grid import make_grid
 from mpmfw.studies.loading import load_study
 from scenes_for_tests import SOFT
 
@@ -46,7 +47,7 @@ def tiny_study(**changes: Any) -> dict[str, Any]:
     return {**study, **changes}
 
 
-def judge_of(study: Any) -> tuple[Judge, StudyGrid]:
+def judge_of(study: Any) -> tuple[Judge, RunGrid]:
     """All that is checked before the first run."""
     loaded = load_study(study)
     grid = make_grid(loaded)

@@ -10,7 +10,7 @@ from typing import Any
 import xarray as xr
 
 from mpmfw.campaigns.campaign import campaign
-from mpmfw.campaigns.grid import label_of
+from mpmfw.campaigns.grid import given_twice, label_of
 from mpmfw.campaigns.measures import About, exact_of, measure_of, names_of_measures
 from mpmfw.campaigns.running import Progress, Repeats
 from mpmfw.campaigns.store import store_of
@@ -160,11 +160,9 @@ def _methods(kind: Kind, chosen: Sequence[Any]) -> list[Any]:
     if isinstance(chosen, str) or len(chosen) == 0:
         raise SceneError(f"{kind}: expected a list of at least one method, got {chosen!r}")
     methods = [_canonical(kind, one) if isinstance(one, str) else one for one in chosen]
-    for k, method in enumerate(methods):
-        if any(method is other or (isinstance(method, str) and method == other) for other in methods[:k]):
-            raise SceneError(
-                f"{kind}: {method if isinstance(method, str) else label_of(method)} is given twice"
-            )
+    for k in given_twice(methods):
+        method = methods[k]
+        raise SceneError(f"{kind}: {method if isinstance(method, str) else label_of(method)} is given twice")
     return methods
 
 
@@ -198,11 +196,7 @@ def _check_values(key: str, values: Sequence[Any]) -> None:
         raise SceneError(f"vary {key}: expected a list of values, got {values!r}")
     if len(values) == 0:
         raise SceneError(f"vary: {key} has no values")
-    plainly = [plain(value) for value in values]
-    for k, value in enumerate(plainly):
-        if any(
-            value == other and isinstance(value, bool) == isinstance(other, bool) for other in plainly[:k]
-        ):
-            raise SceneError(
-                f"vary {key}: {value if isinstance(value, str) else value_text(value)} is given twice"
-            )
+    for k in given_twice(values):
+        value = plain(values[k])
+        text = value if isinstance(value, str) else value_text(value)
+        raise SceneError(f"vary {key}: {text} is given twice")

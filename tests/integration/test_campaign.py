@@ -25,6 +25,7 @@ from mpmfw.errors import SceneError
 from mpmfw.identity import is_current, key_of
 from mpmfw.scene import load_scene, shipped_scenes
 from mpmfw.scene.toml_text import toml_text
+from mpmfw.stability import stability_map
 from mpmfw_contact.penalty import Penalty
 from studies_for_tests import SLIDING
 
@@ -265,6 +266,14 @@ def test_anybodys_executor_runs_a_campaign(undisturbed):
     assert data.attrs["cores"] == "the workers of a ThreadPoolExecutor"
     with pytest.raises(SceneError, match="executor: 3 is none; expected"):
         mpmfw.campaign(SLIDING, vary, executor=3)
+    both = {"executor": threads, "jobs": 3}
+    for request in (
+        lambda: mpmfw.campaign(SLIDING, vary, **both),
+        lambda: mpmfw.compare(SLIDING, ["none"], ["gimp"], **both),
+        lambda: stability_map(SLIDING, kappa=[1.0], cfl=[0.2], steps=2, **both),
+    ):
+        with pytest.raises(SceneError, match="jobs: has no effect with an executor"):
+            request()
 
 
 def test_an_object_that_cannot_leave_this_process_runs_here():

@@ -214,6 +214,10 @@ def test_settling_is_told_by_stage_and_counts_if_asked_for(tmp_path, counts):
     assert ((bare > 0) & (bare < dataset["settle_steps"])).all()
     assert bool((dataset["cpu_time"] > dataset["settle_time"]).all()) == counts
     assert ("of settling" in steps.attrs["long_name"]) == counts
+    (tmp_path / "s.toml").write_text(toml_text(study), encoding="utf-8")
+    table = CliRunner().invoke(app, ["study", str(tmp_path / "s.toml"), "-o", str(tmp_path / "s.nc")])
+    assert "settle" in table.output
+    assert f"{float(dataset['settle_time'].sel(contact='penalty')):.3g}" in table.output
 
 
 def test_a_file_of_another_kind_is_not_replaced(tmp_path):
@@ -321,6 +325,7 @@ def test_the_command_prints_a_table_and_a_sentence_and_its_figures_are_drawn(tmp
     assert done.exit_code == 0, done.output
     assert "The cheapest combination under 5e+03 % error is" in done.output
     assert done.output.count("\n") < 25
+    assert "settle" not in done.output  # nothing settles
     drawn = runner.invoke(app, ["plot", str(output)])
     assert drawn.exit_code == 0, drawn.output
     assert (tmp_path / "out-front.png").stat().st_size > 10_000

@@ -180,8 +180,10 @@ def test_a_known_gate_must_exist_where_its_case_ran_in_full():
 def test_a_list_that_cannot_be_read_is_a_wrong_request(tmp_path):
     path = tmp_path / "known.toml"
     path.write_text("[[red]]\ncase = 'a'\n")
-    with pytest.raises(SceneError, match="Field required"):
+    with pytest.raises(SceneError, match=r"known\.toml:1: red\[0\]\.method: "):
         read_known_red(path)
+    with pytest.raises(SceneError, match=r"none\.toml: no such file; expected a list of known red gates"):
+        read_known_red(tmp_path / "none.toml")
 
 
 def test_table_and_page_and_figures_are_written(suite, tmp_path):

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import xarray as xr
 
-from mpmfw.campaigns.costs import conditions, costs_of, least, over_repeats
-from mpmfw.campaigns.executors import Executor, InProcess, executor_of
-from mpmfw.campaigns.grid import Index, RunGrid, make_grid
+from mpmfw.campaigns.costs import costs_of, least, over_repeats
+from mpmfw.campaigns.grid import make_grid
+from mpmfw.campaigns.grid_runs import GridRuns
 from mpmfw.campaigns.judging import judge_all
-from mpmfw.campaigns.outcome import COSTS, Outcome
-from mpmfw.campaigns.running import Event, Progress, Repeats, complete, resumable
-from mpmfw.campaigns.store import Store
-from mpmfw.errors import ResultsWarning, SceneError
+from mpmfw.campaigns.outcome import COSTS
+from mpmfw.campaigns.running import Event, Progress, Repeats
+from mpmfw.errors import SceneError
 from mpmfw.joining import join
 
 
@@ -86,51 +84,42 @@ def campaign(
     if all(one.scene is None for one in grid.combinations.values()):
         raise SceneError(next(iter(grid.combinations.values())).refusal)
     judges = judge_all(grid, tuple(measures), reference)
-    runner, runs = executor_of(executor, None if executor is not None else jobs), Store(store)
-    tasks = grid.tasks(isinstance(runner, InProcess), force)
+    runs = GridRuns(grid, "campaign", store=store, executor=executor, jobs=jobs)
 
     def tell(event: Event) -> None:
         if progress is not None:
             progress(event)
         if grown is not None and event.name and event.status != "repeat":
-            grown(dataset_of(grid, runs, runner))
+            grown(dataset_of(runs))
 
-    with resumable(runs, "campaign"):
-        complete(tasks, runs, runner, repeats, progress=tell, report=report)
-    for one in grid.combinations.values():
-        known = runs.outcome(one.key) if one.key else None
-        for note in known.notes if known is not None else ():
-            warnings.warn(f"{one.path}: {note}", ResultsWarning, stacklevel=2)
-    dataset = dataset_of(grid, runs, runner)
+    runs.complete(repeats, tell, report, force)
+    runs.warn(lambda one: one.path)
+    dataset = dataset_of(runs)
     refusals = [status for status in dataset["status"].values.ravel() if status.startswith("refused: ")]
     if len(refusals) == dataset["status"].size:
         raise SceneError(refusals[0].removeprefix("refused: "))
-    for judge in judges:
-        dataset = dataset.assign(
-            judge(lambda index: runs.results(grid.combinations[index].key), dataset["status"])
-        )
+    for measure, judge in judges:
+        name, meaning = measure.name.replace("-", "_"), f"relative error of: {measure.meaning}"
+        if measure.kind == "number":
+            dataset[name] = runs.numbers(measure)
+        if judge is not None:
+            judged = judge.judge(runs.results, runs.succeeded())
+            errors = {index: one.error for index, one in judged.items()}
+            dataset[f"{name}_error"] = grid.array(errors, meaning, "1", against=judge.describe())
     return dataset
 
 
-def dataset_of(grid: RunGrid, store: Store, executor: Executor) -> xr.Dataset:
-    """Join what the store knows of a grid: series, status, costs and the conditions that they were measured under."""
-    known: dict[Index, Outcome] = {}
-    statuses, trees = {}, {}
-    for index, one in grid.combinations.items():
-        outcome = store.outcome(one.key) if one.scene is not None else None
-        if outcome is not None:
-            known[index], statuses[index] = outcome, outcome.status
-            tree = store.results(one.key) if outcome.digest else None
-            if tree is not None:
-                trees[index] = tree
-        elif one.scene is None:
-            statuses[index] = f"refused: {one.refusal}"
+def dataset_of(runs: GridRuns) -> xr.Dataset:
+    """Join what is known of a grid: series, status, costs and the conditions that they were measured under."""
+    grid, costs = runs.grid, runs.costs()
+    found = {index: (outcome, runs.results(index)) for index, _, outcome in runs.known()}
+    trees = {index: tree for index, (_, tree) in found.items() if tree is not None}
+    notes = {index: outcome.notes for index, (outcome, _) in found.items()}
     keys = {dim: key for dim, key in grid.keys.items() if key not in ("contact", "shape")}
-    dataset = join(grid.coords, statuses, trees, {i: outcome.notes for i, outcome in known.items()}, keys)
-    costs = {index: outcome.costs for index, outcome in known.items() if outcome.costs}
+    dataset = join(grid.coords, runs.statuses(), trees, notes, keys)
     each = costs_of(grid.coords, costs)
     cheapest = least(each)
     own = {name: cheapest[name].assign_attrs(dataset[name].attrs) for name, _, _ in COSTS if name in dataset}
     times = each["cpu_time"].assign_attrs(units="s", long_name="CPU time of each repeat")
     dataset = dataset.assign({**own, "cpu_time_repeat": times, **over_repeats(each)})
-    return dataset.assign_attrs(conditions(costs, executor.cores))
+    return dataset.assign_attrs(runs.conditions())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import itertools
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -60,10 +60,7 @@ class Combination:
     @property
     def name(self) -> str:
         """``penalty, cpdi, cell_size 0.4``."""
-        bare = ("scene", "contact", "shape", "scheme", "transfer")
-        return (
-            ", ".join(str(v) if dim in bare else f"{dim} {v}" for dim, v in self.labels.items()) or "the run"
-        )
+        return in_words(self.labels) or "the run"
 
     @property
     def path(self) -> str:
@@ -88,6 +85,8 @@ class RunGrid:
 
     Attributes
     ----------
+    scenes
+        What they are of, by label, as it was given.
     coords
         Labels of each dimension, in order.
     keys
@@ -96,6 +95,7 @@ class RunGrid:
         By index into the coordinates.
     """
 
+    scenes: Mapping[str, Any]
     coords: Mapping[str, list[Any]]
     keys: Mapping[str, str]
     combinations: Mapping[Index, Combination]
@@ -171,7 +171,7 @@ def make_grid(
         labels = {dim: coords[dim][k] for dim, k in zip(coords, index, strict=True)}
         values = {key: vs[k] for (key, vs), k in zip(vary.items(), index[offset:], strict=True)}
         combinations[index] = _combination(scenes[labels.get("scene", "")], labels, values, shared)
-    return RunGrid(coords, {names[key]: key for key in vary}, _without_twins(combinations))
+    return RunGrid(scenes, coords, {names[key]: key for key in vary}, _without_twins(combinations))
 
 
 def _combination(
@@ -245,6 +245,22 @@ def _without_twins(combinations: Mapping[Index, Combination]) -> dict[Index, Com
                 )
         kept[index] = one
     return kept
+
+
+def in_words(labels: Mapping[str, Any]) -> str:
+    """A place in a grid, as ``penalty, cpdi, cell_size 0.4``."""
+    bare = ("scene", "contact", "shape", "scheme", "transfer")
+    return ", ".join(str(label) if dim in bare else f"{dim} {label}" for dim, label in labels.items())
+
+
+def given_twice(values: Iterable[Any]) -> list[int]:
+    """Indices of values that stand before as well; a truth is no number."""
+    plainly = [plain(value) if is_value(value) else value for value in values]
+    same = [
+        [one == other and isinstance(one, bool) == isinstance(other, bool) for other in plainly[:k]]
+        for k, one in enumerate(plainly)
+    ]
+    return [k for k, found in enumerate(same) if any(found)]
 
 
 def labels_of(values: list[Any]) -> list[Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -261,15 +260,15 @@ def _error_at(path: tuple[str, ...], message: str) -> SceneError:
 
 def judge_all(
     grid: RunGrid, measures: tuple[str, ...], reference: Mapping[str, Any] | None
-) -> list[Callable[[Results, xr.DataArray], dict[str, xr.DataArray]]]:
-    """What reads each measure off the runs of a grid, and its error where something is known to judge it by.
+) -> list[tuple[Measure, Judge | None]]:
+    """The measures, each with what judges it, where something is known to judge it by.
 
     Raises
     ------
     SceneError
         There is no such measure, or what is given as the reference is none of it.
     """
-    judges: list[Callable[[Results, xr.DataArray], dict[str, xr.DataArray]]] = []
+    judges: list[tuple[Measure, Judge | None]] = []
     for name in measures:
         kinds = [{**reference}] if reference is not None else [{"kind": "closed-form"}, {"kind": "reference"}]
         judge = None
@@ -279,25 +278,8 @@ def judge_all(
             except SceneError:
                 if reference is not None:
                     raise
-        judges.append(functools.partial(_measured, measure_of(name), judge, grid))
+        judges.append((measure_of(name), judge))
     return judges
-
-
-def _measured(
-    measure: Measure, judge: Judge | None, grid: RunGrid, results: Results, status: xr.DataArray
-) -> dict[str, xr.DataArray]:
-    """The variables of one measure: a number itself, and its relative error."""
-    found = {}
-    name = measure.name.replace("-", "_")
-    ok = {index: str(status.values[index]) == "ok" for index in grid.combinations}
-    if measure.kind == "number":
-        values = {index: float(one.values[0]) for index, one in measured(measure, grid, results, ok).items()}
-        found[name] = grid.array(values, measure.meaning, measure.unit)
-    if judge is not None:
-        errors = {index: judgement.error for index, judgement in judge.judge(results, ok).items()}
-        meaning = f"relative error of: {measure.meaning}"
-        found[f"{name}_error"] = grid.array(errors, meaning, "1", against=judge.describe())
-    return found
 
 
 def _read_reference(error: ErrorTable, at: At, beside: Callable[[Any], Any]) -> Exact:

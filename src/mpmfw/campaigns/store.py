@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 import shutil
 import tempfile
 import time
-import uuid
 import weakref
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict
@@ -20,6 +18,7 @@ import xarray as xr
 from mpmfw.campaigns.outcome import Cost, Outcome
 from mpmfw.errors import MpmfwError
 from mpmfw.results.reading import read as open_results
+from mpmfw.results.replacing import replace_bytes
 
 #: Seconds after which a file that is still being written is taken to be left by a process that was killed.
 _ABANDONED = 3600.0
@@ -66,11 +65,11 @@ class Store:
         """Keep an outcome, and the file that the run wrote if it is new; what would not last is kept in memory."""
         self._known[outcome.key] = outcome
         if results is not None:
-            self._write(self._path(outcome.key, "nc"), results)
+            replace_bytes(results, self._path(outcome.key, "nc"))
         if outcome.lasting:
             fields = asdict(outcome)
             fields.pop("lasting")
-            self._write(self._path(outcome.key, "json"), json.dumps(fields, indent=1).encode())
+            replace_bytes(json.dumps(fields, indent=1).encode(), self._path(outcome.key, "json"))
 
     def forget(self, key: str) -> None:
         """Drop the outcome of a run, so that it is run again."""
@@ -129,21 +128,6 @@ class Store:
         except (OSError, ValueError, TypeError, KeyError, MpmfwError):
             return None
         return found if complete else None
-
-    def _write(self, path: Path, content: bytes) -> None:
-        """Write a file in one step."""
-        growing = path.with_name(f".{path.name}.{uuid.uuid4().hex}.part")
-        try:
-            self.folder.mkdir(parents=True, exist_ok=True)
-            with open(growing, "xb") as file:
-                file.write(content)
-                file.flush()
-                os.fsync(file.fileno())
-            os.replace(growing, path)
-        except OSError as error:
-            with contextlib.suppress(OSError):
-                growing.unlink()
-            raise MpmfwError(f"cannot write '{path}': {error.strerror or error}") from error
 
 
 def store_of(output: str | os.PathLike[str] | None) -> Path | None:

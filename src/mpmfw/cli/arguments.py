@@ -191,6 +191,7 @@ def names(text: str | None, kind: Kind) -> list[str] | None:
 
 def variations(texts: list[str] | None) -> dict[str, list[Any]]:
     """``KEY=A,B,…`` as values by key; commas within brackets and quotes belong to a value."""
+    from mpmfw.campaigns.grid import given_twice
     from mpmfw.scene.override import parse_value
 
     found: dict[str, list[Any]] = {}
@@ -202,8 +203,7 @@ def variations(texts: list[str] | None) -> dict[str, list[Any]]:
             raise SceneError(
                 f"--vary {key}: expected values with a comma between them, such as {key}=0.4,0.2"
             )
-        for k, value in enumerate(values):
-            if any(value == other and type(value) is type(other) for other in values[:k]):
-                raise SceneError(f"--vary {key}: {value} is given twice")
+        for k in given_twice(values):
+            raise SceneError(f"--vary {key}: {values[k]} is given twice")
         found[key] = values
     return found

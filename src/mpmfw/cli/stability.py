@@ -100,23 +100,25 @@ def _numbers(option: str, text: str | None) -> list[float] | None:
 def _print(dataset: xr.Dataset) -> None:
     """Largest stable Courant number at every stiffness, beside those of the theory, and one letter for every point."""
     from rich.console import Console
-    from rich.text import Text
 
-    from mpmfw.cli.tables import plain_table
+    from mpmfw.cli.tables import grouped_table
     from mpmfw.stability.chart import largest_stable
 
     axis, cfl = str(dataset["class"].dims[0]), dataset["cfl"].values
-    table = plain_table(dataset.attrs["title"])
-    for head in (axis, "largest\nstable", "closed\nform", "Gershgorin\nbound"):
-        table.add_column(Text(head), justify="right", no_wrap=True)
-    table.add_column(Text("at " + " ".join(f"{value:g}" for value in cfl)))
-    held = largest_stable(dataset)
+    heads = {
+        axis: axis,
+        "stable": "largest\nstable",
+        "closed_form": "closed\nform",
+        "limit": "Gershgorin\nbound",
+    }
+    heads["marks"] = "at " + " ".join(f"{value:g}" for value in cfl)
     letters = [name[0].upper() for name in dataset.attrs["classes"].split(", ")] + ["?"]  # -1 is not known
-    for k, value in enumerate(dataset[axis].values):
-        row = dataset.isel({axis: k})
-        text = [f"{value:g}", "–" if held[k] != held[k] else f"{held[k]:g}"]
-        text += [f"{float(row[name]):.3g}" for name in ("closed_form", "limit")]
+    rows = []
+    for value, stable in zip(dataset[axis].values, largest_stable(dataset), strict=True):
+        row = dataset.sel({axis: value})
         marks = " ".join(letters[int(c)].ljust(len(f"{v:g}")) for c, v in zip(row["class"], cfl, strict=True))
-        table.add_row(*map(Text, text), Text("   " + marks))
-    Console().print(table)
+        lines = {name: f"{float(row[name]):.3g}" for name in ("closed_form", "limit")}
+        held = "–" if stable != stable else f"{stable:g}"
+        rows.append({axis: f"{value:g}", "stable": held, **lines, "marks": f"   {marks}"})
+    Console().print(grouped_table(heads, rows, ["marks"], dataset.attrs["title"], wrapped=True, parted=False))
     typer.echo("N no contact, S stable, B bounded, D diverged: " + dataset.attrs["bounds"])

@@ -28,6 +28,18 @@ if TYPE_CHECKING:
     from mpmfw.studies.loading import Study
 
 
+#: Heads of the columns of numbers.
+_HEADS = {
+    "error": "error\n[%]",
+    "noise": "noise\n[%]",
+    "cpu_time": "CPU\n[s]",
+    "cpu_time_spread": "±\n[s]",
+    "settle_time": "settle\n[s]",
+    "steps": "steps",
+    "pareto": "front",
+}
+
+
 class Timing(StrEnum):
     """How costs are measured."""
 
@@ -106,25 +118,17 @@ def _check_apart(study: Study, path: Path) -> None:
 
 def _print(dataset: xr.Dataset) -> None:
     """One line a combination; those without a result say why below the table."""
-    from rich.text import Text
-
-    from mpmfw.cli.tables import broken_label, console, plain_table
+    from mpmfw.cli.tables import console, grouped_table
     from mpmfw.studies.conclusion import rows
 
     dims = [str(dim) for dim in dataset["status"].dims]
+    labels = [*dims, *(name for name in ("scheme", "transfer") if name not in dims and name in dataset)]
+    heads = {**{name: name.replace("_", "\n") for name in labels}, **_HEADS}
+    if not (dataset["settle_time"] > 0.0).any():
+        del heads["settle_time"]
     found = list(rows(dataset))
-    table = plain_table(dataset.attrs["title"])
-    chosen = [name for name in ("scheme", "transfer") if name not in dims and name in dataset]
-    for dim in (*dims, *chosen):
-        table.add_column(dim.replace("_", "\n"), overflow="fold")
-    for head in ("error\n[%]", "noise\n[%]", "CPU\n[s]", "±\n[s]", "steps", "front"):
-        table.add_column(Text(head), justify="right", no_wrap=True)
-    for before, row in zip([None, *found], found, strict=False):
-        if before is not None and before[dims[0]] != row[dims[0]]:
-            table.add_section()
-        labels = (broken_label(str(row[dim])).replace("(", "(\n ", 1) for dim in (*dims, *chosen))
-        table.add_row(*map(Text, labels), *_cells(row))
-    console().print(table)
+    cells = [_cells(row, labels) for row in found]
+    console().print(grouped_table(heads, cells, labels, dataset.attrs["title"], wrapped=True))
     for row in found:
         if row["status"] != "ok":
             typer.echo(f"{', '.join(str(row[dim]) for dim in dims)}: {row['status']}")
@@ -132,9 +136,18 @@ def _print(dataset: xr.Dataset) -> None:
     typer.echo(f"Timing: {dataset.attrs['timing']}")
 
 
-def _cells(row: Mapping[str, Any]) -> list[str]:
-    """Error in per cent, costs, steps, and a mark on the front; a dash for what is not known."""
-    numbers = (100.0 * row["error"], 100.0 * row["noise"], row["cpu_time"], row["cpu_time_spread"])
-    texts = [f"{number:.{digits}g}" for number, digits in zip(numbers, (3, 2, 3, 2), strict=True)]
-    texts.append(f"{row['steps']:.0f}")
-    return ["–" if text == "nan" else text for text in texts] + ["●" if row["pareto"] else ""]
+def _cells(row: Mapping[str, Any], labels: list[str]) -> dict[str, str]:
+    """Labels, error in per cent, costs, steps, and a mark on the front; a dash for what is not known."""
+    from mpmfw.cli.tables import broken_label
+
+    words = {name: broken_label(str(row[name])).replace("(", "(\n ", 1) for name in labels}
+    numbers = {
+        "error": f"{100.0 * row['error']:.3g}",
+        "noise": f"{100.0 * row['noise']:.2g}",
+        "cpu_time": f"{row['cpu_time']:.3g}",
+        "cpu_time_spread": f"{row['cpu_time_spread']:.2g}",
+        "settle_time": f"{row['settle_time']:.3g}",
+        "steps": f"{row['steps']:.0f}",
+    }
+    known = {name: "–" if text == "nan" else text for name, text in numbers.items()}
+    return {**words, **known, "pareto": "●" if row["pareto"] else ""}

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
-from mpmfw.cli.tables import broken_label, plain_table
+from mpmfw.cli.tables import broken_label, grouped_table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -42,8 +41,10 @@ def print_comparison(dataset: xr.Dataset) -> None:
         }
         for row in rows
     ]
+    titles = {name: "\n".join(part for part in head if part) for name, head in heads.items()}
+    words = {*labels, *chosen}
     for columns in _portions(heads, labels, cells, console.width):
-        console.print(_table(heads, labels, columns, cells, chosen))
+        console.print(grouped_table({name: titles[name] for name in (*labels, *columns)}, cells, words))
         console.print()
     for row in rows:
         if row["status"] != "ok":
@@ -77,24 +78,3 @@ def _portions(
             portions.append([])
         portions[-1].append(name)
     return portions
-
-
-def _table(
-    heads: Mapping[str, tuple[str, str]],
-    labels: Sequence[str],
-    columns: Sequence[str],
-    cells: Sequence[Mapping[str, str]],
-    words: Sequence[str],
-) -> Table:
-    table = plain_table()
-    for name in (*labels, *columns):
-        text = Text("\n".join(part for part in heads[name] if part))
-        left = name in labels or name in words
-        table.add_column(text, justify="left" if left else "right", no_wrap=True, overflow="fold")
-    group: Any = cells[0][labels[0]] if cells else None
-    for row in cells:
-        if row[labels[0]] != group:
-            table.add_section()
-            group = row[labels[0]]
-        table.add_row(*(Text(row[name]) for name in (*labels, *columns)))
-    return table

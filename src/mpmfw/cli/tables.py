@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from numbers import Integral
 from typing import TYPE_CHECKING, Any
 
@@ -60,19 +60,57 @@ def broken_label(label: str) -> str:
     return label.replace(", ", ",\n ") if label.endswith(")") else label
 
 
-def plain_table(title: str | None = None) -> Table:
-    """A table without columns yet, a line under its heads and nothing around it."""
+def grouped_table(
+    heads: Mapping[str, str],
+    rows: Sequence[Mapping[str, str]],
+    left: Collection[str],
+    title: str | None = None,
+    *,
+    wrapped: bool = False,
+    parted: bool = True,
+) -> Table:
+    """A table of texts, a line under its heads and nothing around it.
+
+    Parameters
+    ----------
+    heads
+        Of the columns, by the names of the rows' cells.
+    rows
+        A text for each column.
+    left
+        Columns of words; all others stand to the right.
+    title
+        Above the table.
+    wrapped
+        Whether the columns of words may be wrapped.
+    parted
+        Whether rows stand apart where the first column changes.
+    """
     from rich import box
     from rich.table import Table
+    from rich.text import Text
 
-    return Table(
-        title=title,
-        title_justify="left",
-        box=box.SIMPLE_HEAD,
-        padding=(0, 1, 0, 0),
-        pad_edge=False,
-        show_edge=False,
-    )
+    plain: dict[str, Any] = {
+        "box": box.SIMPLE_HEAD,
+        "padding": (0, 1, 0, 0),
+        "pad_edge": False,
+        "show_edge": False,
+    }
+    table = Table(title=title, title_justify="left", **plain)
+    for name, head in heads.items():
+        words = name in left
+        table.add_column(
+            Text(head),
+            justify="left" if words else "right",
+            no_wrap=not (words and wrapped),
+            overflow="fold",
+        )
+    first = next(iter(heads))
+    for before, row in zip([None, *rows], rows, strict=False):
+        if parted and before is not None and before[first] != row[first]:
+            table.add_section()
+        table.add_row(*(Text(row[name]) for name in heads))
+    return table
 
 
 def _table(keys: list[str], cells: list[list[str]], numeric: list[bool], wrap_last: bool) -> Table:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
-import tempfile
+import uuid
 from pathlib import Path
 
 import netCDF4
@@ -66,20 +67,22 @@ def replace_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
 
 
 def replace_bytes(content: bytes, path: Path) -> None:
-    """Write bytes in one step.
+    """Write bytes in one step, with the rights that the umask leaves; the folder is made if it is not there.
 
     Raises
     ------
     MpmfwError
         They cannot be written.
     """
+    growing = path.with_name(f".{path.name}.{uuid.uuid4().hex}.part")
     try:
-        with tempfile.NamedTemporaryFile(
-            dir=path.parent, prefix=f".{path.name}.", suffix=".part", delete=False
-        ) as growing:
-            growing.write(content)
-            growing.flush()
-            os.fsync(growing.fileno())
-        os.replace(growing.name, path)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with open(growing, "xb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(growing, path)
     except OSError as error:
+        with contextlib.suppress(OSError):
+            growing.unlink()
         raise MpmfwError(f"cannot write '{path}': {error.strerror or error}") from error

@@ -79,6 +79,8 @@ def read_source(
         return _parse(shipped[name], f"{name}.toml", None)
     if path.is_dir():
         raise SceneError(f"{name}: is a folder; expected a TOML file or a shipped {kind} ({listed})")
+    if not shipped:
+        raise SceneError(f"{name}: no such file; expected a {kind}")
     close = nearest(name.removesuffix(".toml"), shipped)
     hint = f"; did you mean '{close}'?" if close else ""
     raise SceneError(f"{name}: no such file, and no shipped {kind}{hint} (shipped: {listed})")

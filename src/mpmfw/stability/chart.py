@@ -16,10 +16,9 @@ import numpy as np
 import xarray as xr
 
 from mpmfw._version import __version__
-from mpmfw.campaigns.executors import InProcess, Pool, executor_of
-from mpmfw.campaigns.grid import Combination, Index, RunGrid, is_strange, make_grid
-from mpmfw.campaigns.running import Progress, do, resumable
-from mpmfw.campaigns.store import Store, store_of
+from mpmfw.campaigns.grid import Combination, Index, RunGrid, make_grid
+from mpmfw.campaigns.grid_runs import GridRuns
+from mpmfw.campaigns.running import Progress
 from mpmfw.discovery import load
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.fields import FloatArray
@@ -114,13 +113,9 @@ def stability_map(
     points = _points(loaded, objects, axis, values)
     ticks, closed = np.array([_theory(point) for point in points]).T
     grid = _grid(points, ticks, axis, values, cfl, steps)
-    runs = Store(store if store is not None else store_of(output))
-    runner = executor_of(executor, None if executor is not None else jobs)
-    if isinstance(runner, InProcess) and is_strange(loaded):
-        runner = Pool(1)
-    with resumable(runs, "map of stability"):
-        do(functools.partial(probe_once, steps=steps), grid.tasks().values(), runs, runner, progress)
-    found = {index: _invariants(runs, one) for index, one in grid.combinations.items()}
+    runs = GridRuns(grid, "map of stability", output=output, store=store, executor=executor, jobs=jobs)
+    runs.do(functools.partial(probe_once, steps=steps), progress)
+    found = {index: _invariants(runs, index) for index in grid.combinations}
     least = int(np.argmin(cfl))
     limits = np.array([found[i, least].limit for i in range(len(values))]) / ticks
     dataset = _dataset(grid, found, {"limit": limits, "closed_form": closed})
@@ -173,10 +168,15 @@ def _grid(
         combinations[i, j] = replace(
             points[i], labels={axis: f"{value:g}", "cfl": f"{courant:g}"}, scene=fixed, what=what
         )
-    return RunGrid({axis: [*values], "cfl": [*cfl]}, {axis: axis, "cfl": "time.step"}, combinations)
+    return RunGrid(
+        {"": points[0].scene},
+        {axis: [*values], "cfl": [*cfl]},
+        {axis: axis, "cfl": "time.step"},
+        combinations,
+    )
 
 
-def _invariants(runs: Store, one: Combination) -> Invariants:
+def _invariants(runs: GridRuns, index: Index) -> Invariants:
     """What came of a run; of one that died, or whose method raised an error, nothing is known but that.
 
     Raises
@@ -184,15 +184,13 @@ def _invariants(runs: Store, one: Combination) -> Invariants:
     SceneError
         It is refused.
     """
-    outcome = runs.outcome(one.key)
-    if outcome is not None and outcome.values:
-        found = Invariants(**outcome.values)
-    else:
-        found = Invariants("broken", "it was not run" if outcome is None else outcome.status)
+    outcome = runs.outcome(index)
+    values = outcome.values if outcome is not None else {}
+    found = Invariants(**values) if values else Invariants("broken", runs.statuses()[index])
     if found.status == "refused":
         raise SceneError(found.message)
     if found.status == "broken":
-        warnings.warn(f"{one.name}: {found.message}", ResultsWarning, stacklevel=3)
+        warnings.warn(f"{runs.grid.combinations[index].name}: {found.message}", ResultsWarning, stacklevel=3)
     return found
 
 

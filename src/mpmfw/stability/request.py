@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, TypeAlias
 
-from mpmfw.campaigns.grid import has_option
+from mpmfw.campaigns.grid import given_twice, has_option
 from mpmfw.errors import SceneError
 from mpmfw.scene import Scene
 from mpmfw.scene.locator import Path
@@ -56,7 +56,7 @@ def check_values(values: Sequence[float], cfl: Sequence[float], steps: int) -> N
     for name, given in (("kappa or ratio", values), ("cfl", cfl)):
         if not given or not all(math.isfinite(value) and value > 0.0 for value in given):
             raise SceneError(f"{name}: expected numbers greater than 0")
-        if len({*given}) < len(given):
+        if given_twice(given):
             raise SceneError(f"{name}: a value is given twice")
     if steps < 2:
         raise SceneError(f"steps: {steps} are too few to judge")

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-#: Dimensions whose labels speak for themselves.
-_BARE = ("scene", "contact", "shape", "scheme", "transfer")
+from mpmfw.campaigns.grid import in_words
 
 
 def rows(dataset: xr.Dataset) -> Iterator[dict[str, Any]]:
@@ -41,7 +40,10 @@ def conclusions(dataset: xr.Dataset, under: float | None = None) -> list[str]:
     text: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
     for row in rows(dataset):
         text.setdefault(tuple(row[dim] for dim in problems), []).append(row)
-    return [_sentence(_named(problems, problem), problems, found, limit) for problem, found in text.items()]
+    return [
+        _sentence(in_words(dict(zip(problems, problem, strict=True))), problems, found, limit)
+        for problem, found in text.items()
+    ]
 
 
 def _sentence(problem: str, problems: list[str], found: list[dict[str, Any]], limit: float) -> str:
@@ -73,11 +75,5 @@ def percent(error: float) -> str:
 
 
 def _of(row: dict[str, Any], dims: list[str]) -> str:
-    labels = {dim: row[dim] for dim in itertools.takewhile(lambda dim: dim != "error", dims)}
-    return _named(list(labels), tuple(labels.values())) or "the only one"
-
-
-def _named(dims: list[str], labels: tuple[Any, ...]) -> str:
-    return ", ".join(
-        str(label) if dim in _BARE else f"{dim} {label}" for dim, label in zip(dims, labels, strict=True)
-    )
+    labels = itertools.takewhile(lambda dim: dim != "error", dims)
+    return in_words({dim: row[dim] for dim in labels}) or "the only one"

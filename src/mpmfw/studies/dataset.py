@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from mpmfw.campaigns.costs import conditions, costs_of, least, over_repeats, timing_of
-from mpmfw.campaigns.judging import Judge, Judgement
+from mpmfw.campaigns.costs import costs_of, least, over_repeats, timing_of
+from mpmfw.campaigns.grid import Index, RunGrid
+from mpmfw.campaigns.grid_runs import GridRuns
+from mpmfw.campaigns.judging import Judge
 from mpmfw.campaigns.measures import measure_of
-from mpmfw.campaigns.outcome import COSTS, Cost, Outcome
-from mpmfw.campaigns.running import counted
+from mpmfw.campaigns.outcome import COSTS, Cost
 from mpmfw.discovery import load
 from mpmfw.joining import STEPPING
 from mpmfw.results.provenance import provenance
 from mpmfw.scene import Scene
-from mpmfw.studies.grid import Index, StudyGrid
 from mpmfw.studies.loading import Study
 from mpmfw.studies.pareto import front
 
@@ -26,30 +26,15 @@ from mpmfw.studies.pareto import front
 BESIDE = {"noise": "force-noise", "penetration": "penetration"}
 
 
-def assemble(
-    study: Study,
-    grid: StudyGrid,
-    judge: Judge,
-    records: Mapping[Index, Outcome | None],
-    judgements: Mapping[Index, Judgement],
-    beside: Mapping[str, Mapping[Index, float]],
-    exclusive: bool,
-    cores: str,
-) -> xr.Dataset:
+def assemble(study: Study, judge: Judge, runs: GridRuns) -> xr.Dataset:
     """Join what is known of every combination.
 
     Parameters
     ----------
-    study, grid, judge
+    study, judge
         What was asked for, and how it is judged.
-    records
-        How each combination went; None where it has not been run.
-    judgements, beside
-        Errors by index, and the quantities :data:`BESIDE` of every run.
-    exclusive
-        Whether exclusive costs alone count.
-    cores
-        What ran it, in words.
+    runs
+        Of the study's grid.
 
     Returns
     -------
@@ -58,23 +43,24 @@ def assemble(
         ``scheme``, ``transfer``, ``status``, ``timing``, ``repeats`` and the other costs of a run, over the dimensions of
         the grid.
     """
+    grid, costs = judge.grid, runs.costs()
     dataset = xr.Dataset(coords={dim: list(labels) for dim, labels in grid.coords.items()})
     dataset = dataset.assign_coords(_methods(grid))
-    costs = {index: counted(record, exclusive) for index, record in records.items()}
-    dataset = dataset.assign(_errors(grid, judge, judgements))
+    dataset = dataset.assign(_errors(judge, runs))
     dataset = dataset.assign(_costs(grid, costs, study.tables.cost.settling))
     dataset = dataset.assign(_stepping(grid))
     for name, of in BESIDE.items():
-        dataset[name] = grid.array(beside[name], measure_of(of).meaning, measure_of(of).unit)
-    dataset["status"] = grid.array({i: _status(grid, i, r) for i, r in records.items()}, "ok, or why not")
-    marks = {i: timing_of(costs[i]) for i in grid.combinations}
+        dataset[name] = runs.numbers(measure_of(of))
+    refused = {i: f"refused: {one.why}" for i, one in grid.combinations.items() if one.scene is None}
+    dataset["status"] = grid.array(runs.statuses() | refused, "ok, or why not")
+    marks = {index: timing_of(costs.get(index, ())) for index in grid.combinations}
     dataset["timing"] = grid.array(marks, "whether other runs of the study shared the cores meanwhile")
     dataset["pareto"] = _front(grid, dataset)
-    dataset.attrs = _attributes(study, grid, judge, records) | conditions(costs, cores)
+    dataset.attrs = _attributes(study, judge, runs) | runs.conditions()
     return dataset
 
 
-def _methods(grid: StudyGrid) -> dict[str, Any]:
+def _methods(grid: RunGrid) -> dict[str, Any]:
     """Contact and shape where they are not varied, if all scenes have the same."""
     methods = {
         "contact": {_contact(scene) for scene in grid.scenes.values()},
@@ -87,7 +73,7 @@ def _methods(grid: StudyGrid) -> dict[str, Any]:
     }
 
 
-def _stepping(grid: StudyGrid) -> dict[str, xr.DataArray]:
+def _stepping(grid: RunGrid) -> dict[str, xr.DataArray]:
     """Scheme and transfer of every combination that can run; where one is varied its dimension says it."""
     chosen = {
         index: one.scene.stepping.chosen(load("shape", one.scene.shape.method))
@@ -105,18 +91,21 @@ def _contact(scene: Scene) -> str:
     return scene.contact.method if scene.contact is not None else "none"
 
 
-def _errors(grid: StudyGrid, judge: Judge, judgements: Mapping[Index, Judgement]) -> dict[str, xr.DataArray]:
-    measure = judge.measure
-    errors = {i: one.error for i, one in judgements.items()}
-    found = {"error": grid.array(errors, f"relative error of: {measure.meaning}", "1")}
+def _errors(judge: Judge, runs: GridRuns) -> dict[str, xr.DataArray]:
+    grid, measure, judged = judge.grid, judge.measure, judge.judge(runs.results, runs.succeeded())
+    shown = {"error": (f"relative error of: {measure.meaning}", "1")}
     if measure.kind == "number":
-        for name, meaning in (("value", measure.meaning), ("expected", "what it is judged by")):
-            values = {i: getattr(one, name) for i, one in judgements.items()}
-            found[name] = grid.array(values, meaning, measure.unit)
-    return found
+        shown |= {
+            "value": (measure.meaning, measure.unit),
+            "expected": ("what it is judged by", measure.unit),
+        }
+    return {
+        name: grid.array({i: getattr(one, name) for i, one in judged.items()}, meaning, unit)
+        for name, (meaning, unit) in shown.items()
+    }
 
 
-def _costs(grid: StudyGrid, costs: Mapping[Index, list[Cost]], settling: bool) -> dict[str, xr.DataArray]:
+def _costs(grid: RunGrid, costs: Mapping[Index, list[Cost]], settling: bool) -> dict[str, xr.DataArray]:
     """Those of the cheapest repeat; with ``settling`` it counts: in CPU time, stages and steps."""
     each = costs_of(grid.coords, costs)
     what = "CPU time of the steps" + (" and of settling" if settling else "")
@@ -141,14 +130,7 @@ def _costs(grid: StudyGrid, costs: Mapping[Index, list[Cost]], settling: bool) -
     }
 
 
-def _status(grid: StudyGrid, index: Index, record: Outcome | None) -> str:
-    if record is not None:
-        return record.status
-    one = grid.combinations[index]
-    return f"refused: {one.why}" if one.scene is None else "not run"
-
-
-def _front(grid: StudyGrid, dataset: xr.Dataset) -> xr.DataArray:
+def _front(grid: RunGrid, dataset: xr.Dataset) -> xr.DataArray:
     """The front of each problem; what failed has no error and is on none."""
     dims = tuple(grid.coords)
     inner = tuple(dim for dim in dims if dim not in grid.problem_dims)
@@ -162,16 +144,9 @@ def _front(grid: StudyGrid, dataset: xr.Dataset) -> xr.DataArray:
     return xr.DataArray(marked, dims=(*grid.problem_dims, *inner), attrs=attributes).transpose(*dims)
 
 
-def _attributes(
-    study: Study, grid: StudyGrid, judge: Judge, records: Mapping[Index, Outcome | None]
-) -> dict[str, Any]:
-    tables = study.tables
-    notes = {
-        grid.combinations[i].name: list(record.notes)
-        for i, record in records.items()
-        if record and record.notes
-    }
-    versions = provenance()
+def _attributes(study: Study, judge: Judge, runs: GridRuns) -> dict[str, Any]:
+    tables, grid = study.tables, judge.grid
+    notes, versions = runs.notes(lambda one: one.name), provenance()
     return {
         "kind": "study",
         "title": tables.title or study.name,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from mpmfw.campaigns.grid import RunGrid
@@ -15,23 +14,8 @@ from mpmfw.errors import SceneError
 from mpmfw.scene import Scene, load_scene
 from mpmfw.studies.loading import Study
 
-Index = tuple[int, ...]
 
-
-@dataclass(frozen=True)
-class StudyGrid(RunGrid):
-    """All combinations of a study.
-
-    Attributes
-    ----------
-    scenes
-        The scenes by label, with what all runs share.
-    """
-
-    scenes: Mapping[str, Scene]
-
-
-def make_grid(study: Study) -> StudyGrid:
+def make_grid(study: Study) -> RunGrid:
     """Expand a study.
 
     Raises
@@ -40,8 +24,7 @@ def make_grid(study: Study) -> StudyGrid:
         A scene is wrong, a key is none of a scene, or a value is one that no combination can run.
     """
     scenes = {label: _base(study, label, scene) for label, scene in study.scenes.items()}
-    points = make_points(scenes, study.tables.vary, {})
-    grid = StudyGrid(points.coords, points.keys, points.combinations, scenes)
+    grid = make_points(scenes, study.tables.vary, {})
     _check(study, grid)
     return grid
 
@@ -68,7 +51,7 @@ def _base(study: Study, label: str, chosen: Any) -> Scene:
         raise study.at(("set", about) if about else ("set",), message) from error
 
 
-def _check(study: Study, grid: StudyGrid) -> None:
+def _check(study: Study, grid: RunGrid) -> None:
     """Refuse a study with a value that no combination can run."""
     varied, combinations = study.tables.vary, grid.combinations
     first = next(iter(combinations.values()))

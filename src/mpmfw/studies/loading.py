@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from mpmfw.campaigns.grid import given_twice
 from mpmfw.campaigns.keys import SHORT, full_key, written_alike
 from mpmfw.campaigns.measures import measure_of
 from mpmfw.campaigns.tables import validated
@@ -106,9 +107,8 @@ def _checks(tables: StudyTables) -> Iterator[Problem]:
             yield Problem(("set", key), message)
     for key, given in tables.vary.items():
         values = written_alike(key, given)
-        for k, value in enumerate(values):
-            if value in values[:k]:
-                yield Problem(("vary", key, k), f"{value} is given twice")
+        for k in given_twice(values):
+            yield Problem(("vary", key, k), f"{values[k]} is given twice")
     yield from _error(tables)
 
 

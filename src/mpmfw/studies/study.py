@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -11,17 +10,14 @@ from typing import Any, Literal, get_args
 
 import xarray as xr
 
-from mpmfw.campaigns.executors import InProcess, executor_of
-from mpmfw.campaigns.judging import Judge, measured
-from mpmfw.campaigns.measures import measure_of
-from mpmfw.campaigns.outcome import Outcome
-from mpmfw.campaigns.running import Progress, complete, resumable
-from mpmfw.campaigns.store import Store, store_of
-from mpmfw.errors import ResultsWarning, SceneError
+from mpmfw.campaigns.grid_runs import GridRuns
+from mpmfw.campaigns.judging import Judge
+from mpmfw.campaigns.running import Progress
+from mpmfw.errors import Interrupted, SceneError
 from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene.override import parse_value
-from mpmfw.studies.dataset import BESIDE, assemble
-from mpmfw.studies.grid import Index, StudyGrid, make_grid
+from mpmfw.studies.dataset import assemble
+from mpmfw.studies.grid import make_grid
 from mpmfw.studies.loading import Study, load_study
 from mpmfw.units import to_si
 
@@ -93,17 +89,19 @@ def study(
         raise SceneError("jobs and executor: have no effect with a scheduler, whose workers run the study")
     exclusive, elsewhere = timing == "exclusive", scheduler if scheduler is not None else executor
     # One at a time from the start: what ran beside others would give no cost that counts
-    runner = executor_of(elsewhere, 1 if exclusive and elsewhere is None and jobs is None else jobs)
-    runs = Store(store if store is not None else store_of(path))
-    with resumable(runs, "study"):
-        try:
-            tasks = grid.tasks(isinstance(runner, InProcess), force)
-            complete(tasks, runs, runner, loaded.tables.cost.repeats, exclusive, progress)
-        except KeyboardInterrupt:
-            if path is not None:  # what is known so far; the next start goes on from there
-                replace_dataset(_dataset(loaded, grid, judge, runs, exclusive, runner.cores), path)
-            raise
-    dataset = _dataset(loaded, grid, judge, runs, exclusive, runner.cores)
+    if exclusive and elsewhere is None and jobs is None:
+        jobs = 1
+    runs = GridRuns(
+        grid, "study", output=path, store=store, executor=elsewhere, jobs=jobs, exclusive=exclusive
+    )
+    try:
+        runs.complete(loaded.tables.cost.repeats, progress, force=force)
+    except Interrupted:
+        if path is not None:  # what is known so far; the next start goes on from there
+            replace_dataset(assemble(loaded, judge, runs), path)
+        raise
+    runs.warn(lambda one: one.name)
+    dataset = assemble(loaded, judge, runs)
     if path is not None:
         replace_dataset(dataset, path)
     return dataset
@@ -118,31 +116,6 @@ def _with(study: Study, repeats: int | None, under: float | str | None) -> Study
     cost = tables.cost if repeats is None else tables.cost.model_copy(update={"repeats": repeats})
     update = {"cost": cost, **({} if under is None else {"under": limit})}
     return replace(study, tables=tables.model_copy(update=update))
-
-
-def _dataset(
-    study: Study, grid: StudyGrid, judge: Judge, store: Store, exclusive: bool, cores: str
-) -> xr.Dataset:
-    keys = {index: one.key for index, one in grid.combinations.items() if one.scene is not None}
-    outcomes: dict[Index, Outcome | None] = {
-        index: store.outcome(keys[index]) if index in keys else None for index in grid.combinations
-    }
-    succeeded = {index: one is not None and one.status == "ok" for index, one in outcomes.items()}
-
-    def results(index: Index) -> xr.DataTree | None:
-        return store.results(keys[index])
-
-    judgements = judge.judge(results, succeeded)
-    beside = {
-        name: {
-            i: float(one.values[0]) for i, one in measured(measure_of(of), grid, results, succeeded).items()
-        }
-        for name, of in BESIDE.items()
-    }
-    for index, one in outcomes.items():
-        for note in one.notes if one is not None else ():
-            warnings.warn(f"{grid.combinations[index].name}: {note}", ResultsWarning, stacklevel=3)
-    return assemble(study, grid, judge, outcomes, judgements, beside, exclusive, cores)
 
 
 def relative_error(given: float | str, name: str = "under") -> float:

@@ -14,9 +14,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from mpmfw.errors import ResultsWarning, SceneError, SimulationError
+from mpmfw.scene import Scene, load_scene
 from mpmfw.validation.rows import Row
 
 if TYPE_CHECKING:
@@ -84,15 +83,6 @@ class Case:
         """The folder's name."""
         return self.folder.name
 
-    def table(self, name: str = "reference.csv") -> dict[str, np.ndarray[Any, Any]]:
-        """Columns of a CSV file of the case by their headings; comment lines begin with ``#``."""
-        lines = (self.folder / name).read_text(encoding="utf-8").splitlines()
-        texts = [
-            line for line in lines if line and not line.startswith("#")
-        ]  # numpy would take names from comments
-        read = np.genfromtxt(texts, delimiter=",", names=True, dtype=None)
-        return {column: np.atleast_1d(read[column]) for column in read.dtype.names or ()}
-
     def methods(
         self,
         contact: Sequence[str] = tuple(RECOMMENDED["contacts"]),
@@ -106,13 +96,22 @@ class Case:
             for c, s, (label, values) in itertools.product(contact, shape, given.items())
         ]
 
+    def scene(self, name: str, method: Method | None, set: Mapping[str, Any]) -> Scene:
+        """What a run runs: a file of the case or a shipped scene, all values set."""
+        chosen = {"contact.method": method.contact, "shape.method": method.shape} if method else {}
+        given = {key: one for key, one in chosen.items() if one}
+        own = self.folder / name
+        return load_scene(
+            own if own.exists() else name, set={**given, **set, **(method.set if method else {})}
+        )
+
     def run(
         self,
-        scene: str = "scene.toml",
+        scene: str | Scene = "scene.toml",
         method: Method | None = None,
         set: Mapping[str, Any] | None = None,
     ) -> xr.DataTree:
-        """Run a scene: a file of the case, or the name of a shipped one.
+        """Run a scene, or a file of the case or a shipped scene by name.
 
         Raises
         ------
@@ -121,17 +120,11 @@ class Case:
         """
         from mpmfw.runs import run
 
-        own = self.folder / scene
-        values = {**(set or {}), **(method.set if method else {})}
+        loaded = scene if isinstance(scene, Scene) else self.scene(scene, method, set or {})
         with warnings.catch_warnings():
             # Methods that creep at rest end their settling with a warning; what they then do is in the rows.
             warnings.simplefilter("ignore", ResultsWarning)
-            tree = run(
-                own if own.exists() else scene,
-                contact=(method.contact or None) if method else None,
-                shape=method.shape if method else None,
-                set=values,
-            )
+            tree = run(loaded)
         self._cpu_time = float(tree.attrs["cpu_time"]) + float(tree.attrs.get("settle_time", 0.0))
         return tree
 
@@ -167,14 +160,14 @@ class Case:
         quantity: str,
         value: float,
         *,
-        within: tuple[float, float],
+        within: tuple[float, float] | None,
         reference: float | str = "",
         unit: str = "",
         method: Method | str = "",
         binds: bool = True,
     ) -> None:
-        """Record a value that must lie within limits, or, if it does not bind, a value that may."""
-        least, most = (float(limit) for limit in within)
+        """Record a value that must lie within limits, if there are any, or, if it does not bind, a value that may."""
+        least, most = (-math.inf, math.inf) if within is None else (float(limit) for limit in within)
         row = Row(
             self.name,
             str(method),
@@ -199,7 +192,7 @@ class Case:
         value: float,
         *,
         reference: float | str = "",
-        within: tuple[float, float] = (-math.inf, math.inf),
+        within: tuple[float, float] | None = None,
         unit: str = "",
         method: Method | str = "",
     ) -> None:

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterable
 from pathlib import Path
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import Field
 
-from mpmfw.errors import SceneError
+from mpmfw.campaigns.tables import validated
+from mpmfw.scene.base import Table
+from mpmfw.scene.sources import read_source
 from mpmfw.validation.rows import Row, Verdict
 
 
-class KnownRed(BaseModel):
+class KnownRed(Table):
     """One gate, and why it does not hold."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     case: str
     method: str
@@ -27,19 +26,21 @@ class KnownRed(BaseModel):
         return (self.case, self.method, self.quantity) == (row.case, row.method, row.quantity)
 
 
+class KnownTables(Table):
+    """The file of such a list: a table ``[[red]]`` for each gate."""
+
+    red: list[KnownRed] = Field(default=[])
+
+
 def read_known_red(path: Path) -> list[KnownRed]:
-    """Read the tables ``[[red]]`` of a TOML file.
+    """Read the list.
 
     Raises
     ------
     SceneError
-        The file is not there, or not such a list.
+        The file is not there, or one line for each thing that is wrong in it.
     """
-    try:
-        tables = tomllib.loads(path.read_text(encoding="utf-8")).get("red", [])
-        return [KnownRed.model_validate(table) for table in tables]
-    except (OSError, tomllib.TOMLDecodeError, ValidationError) as error:
-        raise SceneError(f"--known-red {path}: {error}") from error
+    return validated(KnownTables, read_source(path, "list of known red gates", {}), lambda _: ()).red
 
 
 def departures(rows: Iterable[Row], known: Iterable[KnownRed], *, quick: bool = False) -> list[str]:

@@ -11,11 +11,10 @@ from typing import Any
 
 from mpmfw.campaigns.measures import About, exact_of, measure_of
 from mpmfw.errors import SceneError, SimulationError
-from mpmfw.scene import Scene, load_scene
+from mpmfw.scene import Scene
 from mpmfw.validation.case import Case, Method
 from mpmfw.validation.tables import (
     CaseTables,
-    Limits,
     PlaceTable,
     QuantityTable,
     RowTable,
@@ -132,9 +131,9 @@ def _run(case: Case, runs: RunsTable, now: When) -> list[CaseRun]:
             name, values = place.scene or runs.scene, {**shared, **place.set}
             own = [row for row in rows if row.is_of(method, place)]
             try:
-                scene = _scene(case, name, method, values)
+                scene = case.scene(name, method, values)
                 if runs.by is None:
-                    results = case.run(name, method, values)
+                    results = case.run(scene)
                 else:
                     with case.timed():
                         results = function_of(runs.by)(scene)
@@ -148,14 +147,6 @@ def _run(case: Case, runs: RunsTable, now: When) -> list[CaseRun]:
     return done
 
 
-def _scene(case: Case, name: str, method: Method, values: dict[str, Any]) -> Scene:
-    """What a run runs: a file of the case or a shipped scene, all values set."""
-    chosen = {"contact.method": method.contact, "shape.method": method.shape}
-    own = case.folder / name
-    given = {key: one for key, one in chosen.items() if one}
-    return load_scene(own if own.exists() else name, set={**given, **values, **method.set})
-
-
 def _record(case: Case, row: RowTable, run: CaseRun) -> None:
     """The row of a run; one that is open is shown beside the limit that it does not keep."""
     value, limits = run.quantity(row), row.limits(run.place)
@@ -166,7 +157,7 @@ def _record(case: Case, row: RowTable, run: CaseRun) -> None:
         reference, limits = limits[1], None
     assert reference is not None
     name, binds = row.quantity.replace("{at}", run.place.at), row.is_gate(run.method, run.place)
-    _gate(case, name, value, limits, reference, row.unit, run.method, binds)
+    case.gate(name, value, within=limits, reference=reference, unit=row.unit, method=run.method, binds=binds)
 
 
 def _together(case: Case, row: TogetherTable, runs: Sequence[CaseRun]) -> None:
@@ -190,21 +181,8 @@ def _whole(case: Case, row: TogetherTable, method: Method | str, found: Any, bin
     if value is not None:
         assert not isinstance(row.reference, QuantityTable)
         binds = binds and row.within is not None
-        _gate(case, row.quantity, value, row.within, row.reference, row.unit, method, binds)
-
-
-def _gate(
-    case: Case,
-    name: str,
-    value: float,
-    limits: Limits | None,
-    reference: float | str,
-    unit: str,
-    method: Method | str,
-    binds: bool,
-) -> None:
-    within = (-math.inf, math.inf) if limits is None else limits
-    case.gate(name, value, within=within, reference=reference, unit=unit, method=method, binds=binds)
+        limits: dict[str, Any] = {"within": row.within, "reference": row.reference, "unit": row.unit}
+        case.gate(row.quantity, value, **limits, method=method, binds=binds)
 
 
 def _scaled(table: QuantityTable, found: Any) -> float | None:
