@@ -14,7 +14,7 @@ from mpmfw.api import ContactStrategy, FrictionLaw, Material, ShapeFunction
 from mpmfw.blame import distribution_text, refusing
 from mpmfw.boundary import Boundary
 from mpmfw.dead_hooks import refuse_dead_hooks
-from mpmfw.discovery import Kind, full_name, load, refuse_nameless
+from mpmfw.discovery import Kind, full_name, load, object_of, refuse_nameless
 from mpmfw.errors import SceneError
 from mpmfw.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, IntArray
 from mpmfw.geometry import Layout, discretise
@@ -163,12 +163,35 @@ def _plugin(kind: Any, name: str, options: Any) -> Any:
         return plugin.from_options(options) if given else plugin()
 
 
+#: Base classes of what a scene names.
+BASES: dict[Kind, type[Any]] = {
+    "contact": ContactStrategy, "friction": FrictionLaw, "shape": ShapeFunction, "material": Material, "load": Load,
+    "boundary": Boundary, "output": OutputSeries,
+}  # fmt: skip
+
+
+def strategy(kind: Kind, given: Any) -> Any:
+    """What was given for a method: None, a name or a strategy object as it is, of a class an object without options.
+
+    Raises
+    ------
+    SceneError
+        It is of another kind, or the class cannot be made without options.
+    """
+    if given is None or isinstance(given, (str, BASES[kind])):
+        return given
+    if not isinstance(given, type):
+        raise SceneError(
+            f"{kind}: found {given!r}; expected a name, module:Class, or a class derived from "
+            f"mpmfw.api.{BASES[kind].__name__} or an object of one"
+        )
+    _check_base(kind, given)
+    return object_of(given)
+
+
 def _check_base(kind: Kind, plugin: type[Any]) -> None:
     """Refuse a class of another kind."""
-    base: type[Any] = {
-        "contact": ContactStrategy, "friction": FrictionLaw, "shape": ShapeFunction, "material": Material, "load": Load,
-        "boundary": Boundary, "output": OutputSeries,
-    }[kind]  # fmt: skip
+    base = BASES[kind]
     if not issubclass(plugin, base):
         raise SceneError(
             f"{kind} plug-in {full_name(plugin)} of {distribution_text(plugin)}: expected a class derived from "

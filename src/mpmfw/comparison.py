@@ -14,7 +14,7 @@ from mpmfw.campaigns.grid import given_twice, label_of
 from mpmfw.campaigns.measures import About, exact_of, measure_of, names_of_measures
 from mpmfw.campaigns.running import Progress, Repeats
 from mpmfw.campaigns.store import store_of
-from mpmfw.discovery import Kind
+from mpmfw.discovery import Kind, object_of
 from mpmfw.errors import SceneError
 from mpmfw.references import reference_of
 from mpmfw.results.replacing import check_replaceable, replace_dataset
@@ -49,8 +49,9 @@ def compare(
     scene
         A file, the name of a shipped scene, or a mapping.
     contact, shape
-        Methods: names of plug-ins, names with options such as ``"penalty(kappa=2)"``, or configured strategy objects, each
-        once. Options beside a name are set over those of the scene's own table of the method; an object has its own alone.
+        Methods: names of plug-ins, names with options such as ``"penalty(kappa=2)"``, ``"module:Class"``, strategy objects or
+        their classes, each once. Options beside a name are set over those of the scene's own table of the method; an object has
+        its own alone.
         An object is labelled by its ``label``, else its ``name``; a label that occurs again gets ``#2``, ``#3`` …
     vary
         Scene keys and their values, such as ``{"grid.cell_size": [0.4, 0.2]}``; the key's last part names the
@@ -159,7 +160,7 @@ def _methods(kind: Kind, chosen: Sequence[Any]) -> list[Any]:
     """Methods, names in the one way of writing that labels have; a name that is not installed is an error at once."""
     if isinstance(chosen, str) or len(chosen) == 0:
         raise SceneError(f"{kind}: expected a list of at least one method, got {chosen!r}")
-    methods = [_canonical(kind, one) if isinstance(one, str) else one for one in chosen]
+    methods = [_canonical(kind, one) if isinstance(one, str) else object_of(one) for one in chosen]
     for k in given_twice(methods):
         method = methods[k]
         raise SceneError(f"{kind}: {method if isinstance(method, str) else label_of(method)} is given twice")

@@ -1,4 +1,4 @@
-"""Plug-ins by name: entry points say what is installed, and only what a scene names is imported."""
+"""Plug-ins by name, or by ``module:Class``: entry points say what is installed, and only what a scene names is imported."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import difflib
 import functools
 import inspect
 import os
+import re
 import sys
 from collections.abc import Callable, Iterable
 from importlib.metadata import EntryPoint, entry_points
@@ -36,13 +37,37 @@ def did_you_mean(name: str, valid: Iterable[str]) -> str:
 
 @functools.cache
 def distribution_of(entry: EntryPoint) -> str:
-    """Name of the distribution that announces the plug-in, whose metadata are read once."""
+    """Name of the distribution that announces the plug-in, whose metadata are read once; none announces a ``module:Class``."""
     return "unknown distribution" if entry.dist is None else entry.dist.name
 
 
-def available(kind: Kind) -> dict[str, EntryPoint]:
+_PLACE = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_][\w.]*")
+#: A detection and a law, one of which is a place, or both.
+_JOINED = re.compile(rf"{_PLACE.pattern}|[\w.:]+\+{_PLACE.pattern}|{_PLACE.pattern}\+[\w.]+")
+
+
+class Available(dict[str, EntryPoint]):
+    """Installed plug-ins by name; beside them any ``module:Class`` is one, which is not listed."""
+
+    place = _PLACE
+
+    def __contains__(self, name: object) -> bool:
+        return dict.__contains__(self, name) or (isinstance(name, str) and bool(self.place.fullmatch(name)))
+
+    def __missing__(self, name: str) -> EntryPoint:
+        if name not in self:
+            raise KeyError(name)
+        return EntryPoint(name, next(part for part in name.split("+") if ":" in part), "mpmfw")
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """The plug-in, or the default if there is none."""
+        return self[name] if name in self else default  # noqa: SIM401
+
+
+def available(kind: Kind) -> Available:
     """Installed plug-ins of one kind by name, sorted; nothing is imported. Of a name announced twice, the first."""
-    return {name: entries[0] for name, entries in _announced(kind, entry_points, _search_path()).items()}
+    announced = _announced(kind, entry_points, _search_path())
+    return Available({name: entries[0] for name, entries in announced.items()})
 
 
 #: Kinds of references that mpmfw brings along.
@@ -87,15 +112,15 @@ def load_announced(what: Literal["measure", "reference"], name: str) -> Any:
         ) from error
 
 
-def choices(kind: Kind) -> dict[str, EntryPoint]:
+def choices(kind: Kind) -> Available:
     """What may be named where a plug-in of this kind is asked for: those that are installed, and contacts that are joined.
 
     A contact is also every detection with every law, ``DETECTION+LAW``; its entry is the law's.
     """
     found = available(kind)
     if kind == "contact":
-        laws = available("law").items()
-        found |= {f"{each}+{name}": law for each in available("detection") for name, law in laws}
+        found.place, laws = _JOINED, available("law").items()
+        found.update({f"{each}+{name}": law for each in available("detection") for name, law in laws})
     return found
 
 
@@ -134,14 +159,17 @@ def load(kind: Kind, name: str) -> type[Any]:
         raise SceneError(f"unknown {kind} plug-in '{name}'; {did_you_mean(name, entries)}")
     if kind == "contact" and "+" in name:
         return _joined(name)
-    entry, *others = _announced(kind, entry_points, _search_path())[name]
+    entry, *others = _announced(kind, entry_points, _search_path()).get(name, [entries[name]])
     if others:
         announced = " and ".join(f"{distribution_of(each)} ({each.value})" for each in (entry, *others))
         raise SceneError(
             f"two distributions announce a {kind} plug-in '{name}': {announced}; uninstall one of them"
         )
-    text = f"{kind} plug-in '{name}' of distribution {distribution_of(entry)}"
+    by_place = ":" in name
+    text = f"{kind} plug-in '{name}'" + ("" if by_place else f" of distribution {distribution_of(entry)}")
     folder = _working_folder()
+    if by_place and folder is not None and folder not in sys.path:
+        sys.path.insert(0, folder)  # what is not installed lies where its author works, as with ``python -m``
     try:
         plugin = entry.load()
     except KeyboardInterrupt:
@@ -161,7 +189,7 @@ def load(kind: Kind, name: str) -> type[Any]:
         refuse_class(plugin)
     except SceneError as error:
         raise SceneError(f"{text}: {error}") from error
-    if plugin.name != name:  # type: ignore[attr-defined]
+    if not by_place and plugin.name != name:  # type: ignore[attr-defined]
         own = plugin.name  # type: ignore[attr-defined]
         raise SceneError(
             f"{text}: {entry.value} has the name '{own}'; expected the same as the entry point's"
@@ -209,6 +237,26 @@ def refuse_class(plugin: type[Any]) -> None:
         raise SceneError(
             f"{full_name(plugin)}(…) must be made from its options alone, given as keywords "
             f"({', '.join(options) or 'it has none'}): {error}"
+        ) from error
+
+
+def object_of(given: Any) -> Any:
+    """Of a class an object without options, anything else as it is.
+
+    Raises
+    ------
+    SceneError
+        The class cannot be made without options, or as :func:`refuse_class`.
+    """
+    if not isinstance(given, type):
+        return given
+    refuse_class(given)
+    try:
+        return given()
+    except Exception as error:  # a stranger's constructor may raise anything
+        raise SceneError(
+            f"{full_name(given)} cannot be made without options ({type(error).__name__}: {error}); "
+            f"give an object, {given.__name__}(…)"
         ) from error
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from mpmfw.answers import declared_fields
 from mpmfw.blame import blaming, described
-from mpmfw.build import Build, build
+from mpmfw.build import Build, build, strategy
 from mpmfw.clock import STAGES, STEP_STAGES, Clock
 from mpmfw.compilation import CompileTimer
 from mpmfw.dead_hooks import refuse_dead_hooks
@@ -50,7 +50,7 @@ class Simulation:
     scene
         A valid scene, or what :func:`mpmfw.load_scene` takes.
     contact, shape
-        Name of a plug-in, or a configured strategy object, in place of the scene's.
+        Name of a plug-in, ``module:Class``, a strategy object or its class, in place of the scene's.
     loads
         Load objects by name, on all bodies, beside the scene's.
 
@@ -63,6 +63,7 @@ class Simulation:
     def __init__(
         self, scene: Any, *, contact: Any = None, shape: Any = None, loads: Mapping[str, Any] | None = None
     ) -> None:
+        contact, shape = strategy("contact", contact), strategy("shape", shape)
         self.scene = _with_methods(scene, contact, shape)
         self.clock = Clock()
         made = build(

@@ -5,36 +5,90 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 from mpmfw.cli import app
+from mpmfw.testing.past_the_end import say_lines
 
 TESTS = Path(__file__).resolve().parents[1]
 
 
 def test_the_process_gets_the_request_and_its_status_is_the_commands(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked = {}
+    asked: list[tuple[list[str], dict[str, str]]] = []
+    statuses: list[int] = []
 
-    def run(command: list[str], env: dict[str, str], check: bool) -> subprocess.CompletedProcess[str]:
-        asked.update(command=command, env=env, check=check)
-        return subprocess.CompletedProcess(command, asked["status"])
+    def run(command: list[str], env: dict[str, str], **_: object) -> subprocess.CompletedProcess[bytes]:
+        asked.append((command, env))
+        return subprocess.CompletedProcess(command, statuses.pop(0), b"table\n", b"")
 
     monkeypatch.setattr(subprocess, "run", run)
     arguments = ["check", "drag", "--bounds", "--set", "rate=2", "--only", "runs", "--kind", "load"]
     for status, expected in ((0, 0), (1, 1), (2, 2), (-11, 1)):
-        asked["status"] = status
+        statuses = [status]
         found = CliRunner().invoke(app, arguments)
         assert found.exit_code == expected
+        assert "table" in found.output
     assert "was ended by SIGSEGV" in found.output
-    assert asked["env"]["NUMBA_BOUNDSCHECK"] == "1"
-    assert asked["env"]["NUMBA_CACHE_DIR"].endswith("-bounds")
-    given = asked["command"][asked["command"].index("check") + 1 :]
+    command, environment = asked[-1]
+    assert environment["NUMBA_BOUNDSCHECK"] == "1"
+    assert environment["NUMBA_CACHE_DIR"].endswith("-bounds")
+    given = command[command.index("check") + 1 :]
     assert given[:3] == ["drag", "--kind", "load"]
     assert "--bounds" not in given
     assert given[-4:] == ["--set", "rate=2", "--only", "runs"]
+
+
+@pytest.mark.parametrize(
+    ("again", "said"),
+    [(1, "(--bounds):"), (0, "nothing went wrong"), (-11, "every index of the kernels asked")],
+)
+def test_a_process_that_dies_is_followed_by_one_that_asks_every_index(
+    again: int, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    environments, statuses = [], [-11, again]
+
+    def run(command: list[str], env: dict[str, str], **_: object) -> subprocess.CompletedProcess[bytes]:
+        environments.append(env)
+        return subprocess.CompletedProcess(command, statuses.pop(0), b"", b"")
+
+    monkeypatch.setattr(subprocess, "run", run)
+    found = CliRunner().invoke(app, ["check", "faulty_plugins.load.faults:PastTheEnd"])
+    assert found.exit_code == 1
+    assert "the process of the checks was ended by SIGSEGV" in found.output
+    assert said in found.output
+    assert ["NUMBA_BOUNDSCHECK" in each for each in environments] == [False, True]
+
+
+class Located:
+    """Stands for numba's dispatcher: compiled code that raises without a place, and the function that it was made of."""
+
+    def __init__(self, function: Callable[..., None]) -> None:
+        self.py_func = function
+
+    def __call__(self, *_arguments: object) -> None:
+        raise IndexError("index is out of bounds")
+
+
+def past_the_end(values: list[float]) -> None:
+    values[len(values)] = 1.0
+
+
+def not_in_python(_values: list[float]) -> None:
+    raise NotImplementedError
+
+
+def test_the_line_is_that_of_the_access_or_the_first_error_stands(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("numba.core.dispatcher.Dispatcher", Located)
+    say_lines()
+    with pytest.raises(IndexError, match="assignment index out of range") as found:
+        Located(past_the_end)([1.0])
+    assert found.traceback[-1].name == "past_the_end"
+    with pytest.raises(IndexError, match="index is out of bounds"):
+        Located(not_in_python)([1.0])
 
 
 @pytest.mark.long
@@ -62,3 +116,4 @@ def test_a_row_past_the_end_is_an_error_that_points_at_the_kernel(tmp_path: Path
     assert "IndexError" in found["--bounds",].stdout
     assert "out of bounds" in found["--bounds",].stdout
     assert "fill(force, len(force) + 1)" in found["--bounds",].stdout
+    assert "force[p, 0] = 1.0" in found["--bounds",].stdout, "the line of the access"

@@ -35,7 +35,6 @@ def test_a_rule_changes_one_thing_at_a_time() -> None:
     assert found["line 2: -a → +a"] == "def f(a):\n    return a + 0.5 * +a"
 
 
-@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_mutants_of_a_sound_material_are_caught() -> None:
     found = list(mutation_score.mutated_materials())

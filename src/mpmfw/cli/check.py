@@ -1,4 +1,4 @@
-"""``mpmfw check``: does a plug-in keep what a contact law, a shape function, a material or a load must keep?"""
+"""``mpmfw check``: does a plug-in keep what its kind must keep?"""
 
 from __future__ import annotations
 
@@ -23,11 +23,14 @@ if TYPE_CHECKING:
     from mpmfw.testing import Check, Outcome
 
 
+#: Set in the process that runs the checks of a stranger's plug-in, or all with --bounds.
+_INSIDE = "MPMFW_CHECKS_IN_THIS_PROCESS"
+
 PluginArgument: TypeAlias = Annotated[
     str,
     typer.Argument(
         metavar="PLUGIN",
-        help="Name of an installed plug-in (mpmfw plugins lists them), or module:Class with --kind; with options as in "
+        help="Name of an installed plug-in (mpmfw plugins lists them), or module:Class; with options as in "
         "'penalty(kappa=2)'.",
         show_default=False,
     ),
@@ -35,7 +38,8 @@ PluginArgument: TypeAlias = Annotated[
 KindOption: TypeAlias = Annotated[
     str | None,
     typer.Option(
-        metavar="contact|shape|material|load", help="Kind of the plug-in, where its name does not say."
+        metavar="contact|shape|material|load|friction|boundary|output",
+        help="Kind of the plug-in, where its name does not say.",
     ),
 ]
 OptionsOption: TypeAlias = Annotated[
@@ -81,26 +85,23 @@ def check(
 
     Each failure says which property is broken, the smallest counterexample, and where its picture is.
     """
-    if bounds:
+    asked = _kind_of(plugin, kind)
+    if (bounds or _is_strange(plugin, asked)) and _INSIDE not in os.environ:
         files = {"--expected-failures": expected_failures, "--pictures": pictures, "--save": save}
         given = [part for option, path in files.items() if path is not None for part in (option, str(path))]
         given += [part for text in set_ or () for part in ("--set", text)]
         given += [part for name in only or () for part in ("--only", name)]
-        _with_bounds([plugin, *(("--kind", kind) if kind else ()), *given])
+        _run_apart([plugin, "--kind", asked, *given], bounds=bounds)
         return
-    from mpmfw.scene.specification import parse_specification
-
-    asked = _kind_of(parse_specification(plugin).name, kind)
     from mpmfw.testing import examine, subject_of
     from mpmfw.testing.examination import justified
     from mpmfw.testing.parametrised import checks_of, chosen
+    from mpmfw.testing.past_the_end import say_lines
     from mpmfw.testing.searching import hypothesis
 
+    if os.environ.get("NUMBA_BOUNDSCHECK"):
+        say_lines()
     hypothesis()  # a missing extra is said before anything is checked
-    if ":" in plugin and (here := str(Path.cwd())) not in sys.path:
-        sys.path.insert(
-            0, here
-        )  # a law that is not installed lies where its author works, as with ``python -m``
     subject = subject_of(plugin, asked, _options(set_))
     known = checks_of(asked)
     checks = chosen(known, only)
@@ -119,10 +120,10 @@ def check(
         )
 
 
-def _with_bounds(arguments: list[str]) -> None:
-    """Run the command in a process whose kernels ask every index.
+def _run_apart(arguments: list[str], *, bounds: bool) -> None:
+    """Run the command in a process of its own; of one that dies, again with kernels that ask every index.
 
-    Their cache is another: numba's key does not say which way a kernel was compiled.
+    The cache of those is another: numba's key does not say which way a kernel was compiled.
 
     Raises
     ------
@@ -133,34 +134,56 @@ def _with_bounds(arguments: list[str]) -> None:
     """
     import platformdirs
 
-    root = os.environ.get("NUMBA_CACHE_DIR") or str(platformdirs.user_cache_path("mpmfw") / "kernels")
-    environment = {**os.environ, "NUMBA_BOUNDSCHECK": "1", "NUMBA_CACHE_DIR": f"{root}-bounds"}
+    environment = {**os.environ, _INSIDE: "1"}
+    if bounds:
+        root = os.environ.get("NUMBA_CACHE_DIR") or str(platformdirs.user_cache_path("mpmfw") / "kernels")
+        environment |= {"NUMBA_BOUNDSCHECK": "1", "NUMBA_CACHE_DIR": f"{root}-bounds"}
     command = [sys.executable, "-m", "mpmfw", "check", *arguments]
-    status = subprocess.run(command, env=environment, check=False).returncode
-    if status < 0:
-        raise MpmfwError(f"the process of the checks was ended by {signal.Signals(-status).name}")
-    if status:
-        raise typer.Exit(status)
+    captured = None if sys.stdout.isatty() else subprocess.PIPE
+    done = subprocess.run(command, env=environment, stdout=captured, stderr=captured, check=False)
+    for text, err in ((done.stdout, False), (done.stderr, True)):
+        if text:
+            typer.echo(text, nl=False, err=err)
+    if done.returncode > 0:
+        raise typer.Exit(done.returncode)
+    if done.returncode < 0:
+        said = f"the process of the checks was ended by {signal.Signals(-done.returncode).name}"
+        if bounds:
+            raise MpmfwError(f"{said}, with every index of the kernels asked")
+        typer.echo(f"{said}; once more, with every index of the kernels asked (--bounds):", err=True)
+        _run_apart(arguments, bounds=True)
+        raise MpmfwError(f"{said}; with every index asked nothing went wrong")
 
 
-def _kind_of(plugin: str, kind: str | None) -> Kind:
-    """The kind that is asked for, or the only one of which there is a plug-in of this name.
+def _is_strange(plugin: str, kind: Kind) -> bool:
+    """Whether it is none of mpmfw's own, which may bring down its process."""
+    from mpmfw.discovery import choices, distribution_of
+    from mpmfw.scene.specification import parse_specification
+
+    entry = choices(kind).get(parse_specification(plugin).name)
+    return entry is not None and distribution_of(entry) != "mpmfw"
+
+
+def _kind_of(text: str, kind: str | None) -> Kind:
+    """The kind that is asked for, or that of the class, or the only one of which there is a plug-in of this name.
 
     Raises
     ------
     SceneError
         No plug-in or several have the name.
     """
-    from mpmfw.discovery import available, choices, did_you_mean
-    from mpmfw.testing.parametrised import CHECKED
+    from mpmfw.discovery import available, choices, did_you_mean, load
+    from mpmfw.scene.specification import parse_specification
+    from mpmfw.testing.parametrised import CHECKED, kind_of
 
+    plugin = parse_specification(text).name
     for asked in CHECKED:
         if kind == asked:
             return asked
     if kind is not None:
         raise SceneError(f"--kind {kind}: {did_you_mean(kind, CHECKED)}")
-    if ":" in plugin:
-        raise SceneError(f"{plugin}: say --kind, one of {', '.join(CHECKED)}")
+    if ":" in plugin and "+" not in plugin:
+        return kind_of(load("contact", plugin))
     found = [each for each in CHECKED if plugin in choices(each)]
     if not found:
         names = [name for each in CHECKED for name in available(each)]

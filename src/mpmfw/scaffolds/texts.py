@@ -83,19 +83,19 @@ SCENE = {
 
 '''
 
-_CHECKED = """\
-from mpmfw.testing import @KIND@_conformance as conformance
-
-
+_IMPORT = "from mpmfw.testing import @KIND@_conformance as conformance\n"
+_CHECK = """\
 @conformance("@NAME@")
 def test_conformance(check):
     check()
 """
+_CHECKED = f"{_IMPORT}\n\n{_CHECK}"
+_CHECKED_SCENE = _SCENE.replace("import mpmfw\n", f"import mpmfw\n{_IMPORT}") + _CHECK + "\n"
 
 TESTS = {
     "material": _CHECKED,
     "load": _CHECKED,
-    "boundary": _SCENE
+    "boundary": _CHECKED_SCENE
     + """
 def test_what_is_held_moves_as_prescribed():
     floor = {"model": "@NAME@", "below": -0.2, "speed": 0.5}
@@ -104,7 +104,7 @@ def test_what_is_held_moves_as_prescribed():
     assert velocity.sel(axis="x").values[-1] > 0.1
     assert velocity.sel(axis="y").values[-1] > -0.1  # it no longer falls freely
 """,
-    "output": _SCENE
+    "output": _CHECKED_SCENE
     + """
 def test_the_series_is_in_the_results():
     series = mpmfw.run({**SCENE, "outputs": {"fast": {"model": "@NAME@"}}})["series"]
@@ -112,7 +112,7 @@ def test_the_series_is_in_the_results():
     assert speed.attrs["units"] == "m s-1"
     assert speed.values[-1, 0] == pytest.approx(10.0 * 0.01, rel=1e-6)
 """,
-    "friction": _SCENE
+    "friction": _CHECKED_SCENE
     + """
 def test_a_factor_of_two_is_twice_the_friction():
     lower = {"type": "rectangle", "lower": [-1.0, -1.0], "upper": [1.0, -0.5]}

@@ -87,11 +87,13 @@ def parts_of(table: Mapping[str, Any]) -> tuple[Parts | None, list[Problem]]:
     if problems:
         return None, problems
     for part in PARTS:
-        name, valid = table[part], list(available(part))
+        name, valid = table[part], available(part)
         if not isinstance(name, str):
             problems.append(Problem(("contact", part), f"expected the name of a {part}, not {shown(name)}"))
         elif name not in valid:
-            problems.append(Problem(("contact", part), f"no such {part}: {choice_message(name, valid)}"))
+            problems.append(
+                Problem(("contact", part), f"no such {part}: {choice_message(name, list(valid))}")
+            )
     return (None, problems) if problems else _checked(table, (table["detection"], table["law"]))
 
 

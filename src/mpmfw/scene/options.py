@@ -80,7 +80,8 @@ def _method_table(chosen: Chosen, kind: Kind, table: Mapping[str, Any]) -> dict[
     """Take the plug-ins' tables out of ``[shape]`` or ``[contact]``."""
     core_keys, installed = CORE_KEYS[kind], choices(kind)
     if kind == "contact":
-        installed = installed | available("detection") | available("law") | available("friction")
+        for part in ("detection", "law", "friction"):
+            installed.update(available(part))
     for key, value in table.items():
         if key in core_keys:
             continue

@@ -18,16 +18,22 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from mpmfw.testing.boundary import boundary_checks
     from mpmfw.testing.check import Check, Inapplicable, Outcome, Violation
     from mpmfw.testing.contact import contact_checks
     from mpmfw.testing.examination import examine
+    from mpmfw.testing.friction import friction_checks
     from mpmfw.testing.load import load_checks
     from mpmfw.testing.material import material_checks
+    from mpmfw.testing.output import output_checks
     from mpmfw.testing.parametrised import (
+        boundary_conformance,
         check_plugin,
         contact_conformance,
+        friction_conformance,
         load_conformance,
         material_conformance,
+        output_conformance,
         shape_conformance,
     )
     from mpmfw.testing.searching import ladder, search, try_all
@@ -48,6 +54,12 @@ _MODULES = {
     "material_conformance": "mpmfw.testing.parametrised",
     "load_checks": "mpmfw.testing.load",
     "load_conformance": "mpmfw.testing.parametrised",
+    "boundary_checks": "mpmfw.testing.boundary",
+    "boundary_conformance": "mpmfw.testing.parametrised",
+    "friction_checks": "mpmfw.testing.friction",
+    "friction_conformance": "mpmfw.testing.parametrised",
+    "output_checks": "mpmfw.testing.output",
+    "output_conformance": "mpmfw.testing.parametrised",
     "ladder": "mpmfw.testing.searching",
     "search": "mpmfw.testing.searching",
     "shape_checks": "mpmfw.testing.shape",
@@ -62,15 +74,21 @@ __all__ = [
     "Outcome",
     "Subject",
     "Violation",
+    "boundary_checks",
+    "boundary_conformance",
     "check_plugin",
     "contact_checks",
     "contact_conformance",
     "examine",
+    "friction_checks",
+    "friction_conformance",
     "ladder",
     "load_checks",
     "load_conformance",
     "material_checks",
     "material_conformance",
+    "output_checks",
+    "output_conformance",
     "search",
     "shape_checks",
     "shape_conformance",

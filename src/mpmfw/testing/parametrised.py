@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from mpmfw.testing.examination import examine, examine_one, justified, named
 from mpmfw.testing.subject import Subject, bases_of_kinds, subject_of
 
 #: Kinds of plug-ins that there are checks for.
-CHECKED: tuple[Kind, ...] = ("contact", "shape", "material", "load")
+CHECKED: tuple[Kind, ...] = ("contact", "shape", "material", "load", "friction", "boundary", "output")
 
 #: Folder for pictures of counterexamples, in the working directory; made by the first failure.
 PICTURES = Path("mpmfw-check")
@@ -55,54 +56,46 @@ def contact_conformance(
     ... def test_conformance(check):
     ...     check()
     """
-    from mpmfw.testing.contact import contact_checks
-
-    return _parametrised(plugin, "contact", contact_checks(), expected_failures, only, pictures)
+    return _parametrised(plugin, "contact", checks_of("contact"), expected_failures, only, pictures)
 
 
-def shape_conformance(
-    plugin: Any,
-    *,
-    expected_failures: Mapping[str, str] | None = None,
-    only: Iterable[str] | None = None,
-    pictures: Path | None = PICTURES,
-) -> Callable[[Any], Any]:
-    """Parametrise a test over the checks of a shape function; as :func:`contact_conformance`."""
-    from mpmfw.testing.shape import shape_checks
+def _conformance_of(kind: Kind, more: str = "") -> Callable[..., Callable[[Any], Any]]:
+    """As :func:`contact_conformance`, for another kind."""
 
-    return _parametrised(plugin, "shape", shape_checks(), expected_failures, only, pictures)
+    def conformance(
+        plugin: Any,
+        *,
+        expected_failures: Mapping[str, str] | None = None,
+        only: Iterable[str] | None = None,
+        pictures: Path | None = PICTURES,
+    ) -> Callable[[Any], Any]:
+        return _parametrised(plugin, kind, checks_of(kind), expected_failures, only, pictures)
+
+    conformance.__name__ = conformance.__qualname__ = f"{kind}_conformance"
+    conformance.__doc__ = (
+        f"Parametrise a test over the checks of a {kind}; as :func:`contact_conformance`.{more}"
+    )
+    return conformance
 
 
-def material_conformance(
-    plugin: Any,
-    *,
-    expected_failures: Mapping[str, str] | None = None,
-    only: Iterable[str] | None = None,
-    pictures: Path | None = PICTURES,
-) -> Callable[[Any], Any]:
-    """Parametrise a test over the checks of a material; as :func:`contact_conformance`.
+shape_conformance = _conformance_of("shape")
+material_conformance = _conformance_of(
+    "material",
+    """
 
     A material with moduli to be given is named with them: ``"neo_hookean(bulk_modulus=5e6, shear_modulus=3e6)"``.
+    """,
+)
+load_conformance = _conformance_of(
+    "load",
     """
-    from mpmfw.testing.material import material_checks
-
-    return _parametrised(plugin, "material", material_checks(), expected_failures, only, pictures)
-
-
-def load_conformance(
-    plugin: Any,
-    *,
-    expected_failures: Mapping[str, str] | None = None,
-    only: Iterable[str] | None = None,
-    pictures: Path | None = PICTURES,
-) -> Callable[[Any], Any]:
-    """Parametrise a test over the checks of a load; as :func:`contact_conformance`.
 
     A load whose options have no default is named with them: ``"drag(rate=2)"``.
-    """
-    from mpmfw.testing.load import load_checks
-
-    return _parametrised(plugin, "load", load_checks(), expected_failures, only, pictures)
+    """,
+)
+friction_conformance = _conformance_of("friction")
+boundary_conformance = _conformance_of("boundary")
+output_conformance = _conformance_of("output")
 
 
 def checks_of(kind: Kind) -> Sequence[Check]:
@@ -113,23 +106,10 @@ def checks_of(kind: Kind) -> Sequence[Check]:
     SceneError
         There are none for it.
     """
-    if kind == "contact":
-        from mpmfw.testing.contact import contact_checks
-
-        return contact_checks()
-    if kind == "shape":
-        from mpmfw.testing.shape import shape_checks
-
-        return shape_checks()
-    if kind == "material":
-        from mpmfw.testing.material import material_checks
-
-        return material_checks()
-    if kind == "load":
-        from mpmfw.testing.load import load_checks
-
-        return load_checks()
-    raise SceneError(f"there are no checks of a {kind} by itself; expected one of {', '.join(CHECKED)}")
+    if kind not in CHECKED:
+        raise SceneError(f"there are no checks of a {kind} by itself; expected one of {', '.join(CHECKED)}")
+    checks: Sequence[Check] = getattr(import_module(f"mpmfw.testing.{kind}"), f"{kind}_checks")()
+    return checks
 
 
 def check_plugin(
@@ -139,7 +119,7 @@ def check_plugin(
     only: Iterable[str] | None = None,
     pictures: Path | None = PICTURES,
 ) -> None:
-    """Check a contact strategy, a shape function, a material or a load; its base class says which it is.
+    """Check a plug-in of one of the kinds that there are checks for; its base class says which.
 
     Parameters
     ----------

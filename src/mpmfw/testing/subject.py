@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -81,7 +80,7 @@ def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None
                 f"{plugin}: the option '{twice[0]}' is given beside it as well; leave one of them out"
             )
         given = {**text.options, **given}
-        plugin = _from_module(text.name) if ":" in text.name else load(kind, text.name)
+        plugin = load(kind, text.name)
     if isinstance(plugin, type):
         _check_kind(plugin, kind)
         refuse_class(plugin)
@@ -101,24 +100,11 @@ def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None
     )
 
 
-def _from_module(path: str) -> Any:
-    module, _, name = path.partition(":")
-    try:
-        found = importlib.import_module(module)
-        for part in name.split("."):
-            found = getattr(found, part)
-    except Exception as error:  # a stranger's module may raise anything while it is imported
-        raise SceneError(
-            f"{path}: {type(error).__name__}: {error}; expected module:Class of something that can be imported"
-        ) from error
-    return found
-
-
 def bases_of_kinds() -> dict[Kind, type[Any]]:
     """Base classes of the kinds that there are checks for."""
-    from mpmfw.api import ContactStrategy, Load, Material, ShapeFunction
+    from mpmfw.build import BASES
 
-    return {"contact": ContactStrategy, "shape": ShapeFunction, "material": Material, "load": Load}
+    return dict(BASES)
 
 
 def _check_kind(plugin: type[Any], kind: Kind) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from mpmfw.testing.check import Check
 from mpmfw.testing.contact.bystanders import bystander, one_body
+from mpmfw.testing.contact.company import many_contacts, met_again, moving_frame, refinement
 from mpmfw.testing.contact.conservation import equal_and_opposite, moment_balance
 from mpmfw.testing.contact.energy import energy_kept, own_time_step
 from mpmfw.testing.contact.friction import coulomb_cone, frictionless, slip_on_the_cone, sticking
@@ -15,6 +16,7 @@ from mpmfw.testing.contact.similarity import outputs_change_nothing, similarity,
 from mpmfw.testing.contact.space import three_dimensions
 from mpmfw.testing.contact.state import restart, saved, used_twice
 from mpmfw.testing.contact.symmetry import relabelling, rotation, shift
+from mpmfw.testing.contact.writes import changes_nothing_else, no_growth
 
 _CHECKS = (
     Check("runs", "A scene of two bodies that meet runs to its end.", runs),
@@ -34,6 +36,12 @@ _CHECKS = (
     Check("frictionless", "Without friction, contact leaves the tangential velocity alone.", frictionless),
     Check("energy", "Contact gives the bodies no energy.", energy_kept),
     Check("three-bodies", "Three bodies get no energy, and each pair has its own friction.", three_bodies),
+    Check("many-contacts", "Of many bodies that touch each gets its share.", many_contacts),
+    Check("met-again", "Bodies that met and parted are stopped when they meet again.", met_again),
+    Check("moving-frame", "A velocity that all bodies share does not matter.", moving_frame),
+    Check("refinement", "How many points a surface has does not matter.", refinement),
+    Check("changes-nothing-else", "It changes forces and momentum of the grid alone.", changes_nothing_else),
+    Check("no-growth", "What is kept for the next step does not grow.", no_growth),
     Check("similarity", "The scene in other units moves alike.", similarity),
     Check("outputs", "How often outputs are asked for does not matter, to the bit.", outputs_change_nothing),
     Check("relabelling", "The order in which the scene names the bodies does not matter.", relabelling),

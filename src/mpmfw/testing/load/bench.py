@@ -8,7 +8,7 @@ import numpy as np
 
 from mpmfw.discovery import available, load
 from mpmfw.fields import FloatArray
-from mpmfw.load import Load
+from mpmfw.named import NamedPlugIn
 from mpmfw.scene import load_scene
 from mpmfw.simulation import Simulation
 from mpmfw.steppers.operations import interpolate, project_mass_momentum
@@ -110,12 +110,48 @@ class Bench:
 
 
 def dims_of(subject: Subject) -> tuple[int, ...]:
-    """Dimensions that the load works in, with its options."""
-    load: Load = subject.make()
-    found = tuple(d for d in load.dimensions if not list(type(load).problems(load.options, d)))
+    """Dimensions that a plug-in with a table of its own works in, with its options."""
+    made: NamedPlugIn = subject.make()
+    found = tuple(d for d in made.dimensions if not list(type(made).problems(made.options, d)))
     if not found:
-        raise Inapplicable("the load takes its options in no dimension")
+        raise Inapplicable(f"the {subject.kind} takes its options in no dimension")
     return found
+
+
+def simulation_with(
+    subject: Subject,
+    group: str,
+    dim: int,
+    *,
+    beside: bool = False,
+    named: bool = True,
+    backwards: bool = False,
+) -> Simulation:
+    """The square or cube with a plug-in of which a scene has tables, ``[boundaries]`` or ``[outputs]``, before its first step.
+
+    Parameters
+    ----------
+    group
+        Of tables.
+    beside
+        Whether there is another body, which the plug-in's table does not name.
+    named
+        Whether there is a table of the plug-in at all.
+    backwards
+        Whether the scene lists its bodies the other way round, all of them the plug-in's.
+    """
+    plugin = subject.plugin
+    if plugin is None or "<" in plugin.__qualname__:
+        raise Inapplicable("a scene cannot name it: expected a class of a module")
+    mapping = scene(dim, 0.25, beside=beside or backwards)
+    if backwards:
+        mapping["bodies"] = dict(reversed(mapping["bodies"].items()))
+    bodies = {} if backwards or group == "outputs" else {"bodies": ["loaded"]}
+    table = {"model": f"{plugin.__module__}:{plugin.__qualname__}", **bodies, **subject.options}
+    made = Simulation(load_scene({**mapping, **({group: {"checked": table}} if named else {})}))
+    remember(mapping, 3)
+    made.start()
+    return made
 
 
 def within(measured: float, bound: float, message: str, case: dict[str, object]) -> None:

@@ -1,0 +1,136 @@
+"""Friction laws that are wrong in one place."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel
+
+from mpmfw.api import ContactRows, FloatArray, FrictionLaw
+
+
+class Sound(FrictionLaw):
+    """μ falls with the speed of the slip, by half at 1 m/s."""
+
+    name = "sound"
+
+    def bound(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
+        super().bound(rows, friction, dt)
+        n = rows.count
+        rows.friction[:n] /= 1.0 + self.speed(rows, dt)
+
+    def speed(self, rows: ContactRows, dt: float) -> FloatArray:
+        """Of the slip [m/s]."""
+        n = rows.count
+        along = (rows.motion[:n] * rows.normal[:n]).sum(axis=1)[:, None] * rows.normal[:n]
+        slip: FloatArray = np.linalg.norm(rows.motion[:n] - along, axis=1)
+        return slip / dt if dt > 0.0 else 0.0 * slip
+
+
+class DividesByNothing(Sound):
+    """Forgets that the first step has no last one."""
+
+    name = "divides-by-nothing"
+
+    def speed(self, rows: ContactRows, dt: float) -> FloatArray:
+        with np.errstate(all="ignore"):
+            slip: FloatArray = np.linalg.norm(rows.motion[: rows.count], axis=1) / dt
+        return slip
+
+
+class SlidingRowsOnly(Sound):
+    """Says nothing of rows at rest."""
+
+    name = "sliding-rows-only"
+
+    def bound(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
+        before = rows.friction.copy()
+        super().bound(rows, friction, dt)
+        rest = self.speed(rows, dt) == 0.0
+        rows.friction[: rows.count][rest] = before[: rows.count][rest]
+
+
+class TurnsNormals(Sound):
+    """Writes the normals anew."""
+
+    name = "turns-normals"
+
+    def bound(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
+        super().bound(rows, friction, dt)
+        rows.normal[: rows.count] *= 1.0 + 1e-9
+
+
+class FirstPair(Sound):
+    """All pairs have the friction of the first."""
+
+    name = "first-pair"
+
+    def bound(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
+        super().bound(rows, np.full_like(friction, friction[0]), dt)
+
+
+class MeanSpeed(Sound):
+    """Takes the mean speed of all rows."""
+
+    name = "mean-speed"
+
+    def speed(self, rows: ContactRows, dt: float) -> FloatArray:
+        found = super().speed(rows, dt)
+        return np.full_like(found, found.mean())
+
+
+class WearsOut(Sound):
+    """Falls with every call."""
+
+    name = "wears-out"
+
+    def bound(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
+        self.calls = getattr(self, "calls", 0) + 1
+        super().bound(rows, friction / self.calls, dt)
+
+
+class AlongX(Sound):
+    """Knows the motion along x alone."""
+
+    name = "along-x"
+
+    def speed(self, rows: ContactRows, dt: float) -> FloatArray:
+        slip: FloatArray = np.abs(rows.motion[: rows.count, 0])
+        return slip / dt if dt > 0.0 else 0.0 * slip
+
+
+class ByTheStep(Sound):
+    """Takes the motion over a step, times 10 000, for the speed."""
+
+    name = "by-the-step"
+
+    def speed(self, rows: ContactRows, dt: float) -> FloatArray:  # noqa: ARG002
+        return super().speed(rows, 1e-4)
+
+
+class Factor(BaseModel):
+    """An option that a reader would set."""
+
+    factor: float = 1.0
+
+
+class Dropped(Sound):
+    """Accepts an option and drops it."""
+
+    name = "dropped"
+    Options = Factor
+
+
+#: The check that is meant for each.
+FAULTS: dict[type[Any], str] = {
+    DividesByNothing: "runs",
+    SlidingRowsOnly: "runs",
+    TurnsNormals: "changes-nothing-else",
+    FirstPair: "each-for-itself",
+    MeanSpeed: "each-for-itself",
+    WearsOut: "no-memory",
+    AlongX: "frame",
+    ByTheStep: "units",
+    Dropped: "options",
+}
