@@ -79,6 +79,16 @@ def test_without_a_least_cosine_rounding_decides_whether_sides_at_right_angles_f
     assert len(decided[0.0]) > 1
 
 
+@pytest.mark.parametrize("lean", [-0.01, -1e-3, 1e-3, 0.01])
+def test_with_a_small_least_cosine_the_lean_of_a_side_decides(lean):
+    """That of an elastic block in rest, of the order of its strain."""
+    corners = [[0.0, 0.0], [1.0, 0.0], [1.0 + lean, 1.0], [lean, 1.0]]
+    loops = join([flat(-1.0, 1.0, -1.0, 0.0, 4), corners])
+    top, side = 6, len(loops.outline.facets) - 3
+    assert count_that_face(loops, top, [side], LEAST_COSINE=LEAST_COSINE) == 0
+    assert count_that_face(loops, top, [side], LEAST_COSINE=1e-6) == (lean > 0)
+
+
 def test_with_a_large_least_cosine_the_sides_of_a_thin_wedge_face_nothing():
     """Of one of 10°, whose sides are at 85° to what it is pressed into."""
     half = math.tan(math.radians(5.0))

@@ -12,8 +12,8 @@ from mpmfw_contact.surfaces.candidates import Candidates, put
 from mpmfw_contact.surfaces.outline import Outline, area_of, distance_to
 
 #: Least cosine between a slave node's reversed normal and that of a facet that faces it: blocks have sides at right angles,
-#: and rounding must not decide.
-LEAST_COSINE = 1e-6
+#: and neither rounding nor how little an elastic side leans must decide. A wedge of 2.3 degrees has sides that face nothing.
+LEAST_COSINE = 0.02
 
 
 @device

@@ -136,7 +136,8 @@ def _head(outcomes: Sequence[CaseResult], known: Sequence[KnownRed]) -> str:
 
 def _matrix(outcomes: Iterable[CaseResult]) -> list[str]:
     """Of every case and method, how many of the values that have limits are within them."""
-    shape, *others = (*RECOMMENDED["shapes"], *(one for one in SHAPES if one not in RECOMMENDED["shapes"]))
+    recommended: list[str] = RECOMMENDED["shapes"]
+    shape, *others = [*recommended, *(one for one in SHAPES if one not in recommended)]
     methods = [Method(contact, shape) for contact in CONTACTS]
     methods += [Method(contact, one) for contact in RECOMMENDED["contacts"] for one in others]
     lines = [["case", *(str(method).replace("(", " (") for method in methods)], ["---"] * (len(methods) + 1)]
