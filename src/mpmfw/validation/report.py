@@ -137,9 +137,9 @@ def _head(outcomes: Sequence[CaseResult], known: Sequence[KnownRed]) -> str:
 def _matrix(outcomes: Iterable[CaseResult]) -> list[str]:
     """Of every case and method, how many of the values that have limits are within them."""
     recommended: list[str] = RECOMMENDED["shapes"]
-    shape, *others = [*recommended, *(one for one in SHAPES if one not in recommended)]
-    methods = [Method(contact, shape) for contact in CONTACTS]
-    methods += [Method(contact, one) for contact in RECOMMENDED["contacts"] for one in others]
+    shapes = [*recommended, *(one for one in SHAPES if one not in recommended)]
+    methods = [Method(contact, shapes[0]) for contact in CONTACTS]
+    methods += [Method(contact, one) for contact in RECOMMENDED["contacts"] for one in shapes[1:]]
     lines = [["case", *(str(method).replace("(", " (") for method in methods)], ["---"] * (len(methods) + 1)]
     for outcome in outcomes:
         found = [[row for row in outcome.rows if row.method == str(method)] for method in methods]
