@@ -49,13 +49,13 @@ def add_change(
 @kernel
 def state_problem(
     rows: Rows, count: int, own: LcpArrays, mass: Floats, momentum: Floats, velocity: Floats, per_step: float, recovery: float,
-    facing: float, bearing: float, spacing: tuple[float, ...],
+    facing: float, spacing: tuple[float, ...],
 ) -> float:  # fmt: skip
     """Velocities of the rows' nodes and of the rows, their compliance, and b; then the impulses act that ``rows.force`` begins
     with. The largest component of the nodes' velocities before [m/s].
 
-    ``per_step`` is 1 / Δt [1/s]: a row that is open by g > 0 has b = g / Δt, one that overlaps ``recovery`` g / Δt. Rows take
-    part of whose area at least the part ``facing`` lies across the normal, of those that overlap ``bearing``.
+    ``per_step`` is 1 / Δt [1/s]: a row that is open by g > 0 has b = g / Δt, one that overlaps ``recovery`` g / Δt. Open
+    rows take part of whose area at least the part ``facing`` lies across the normal.
     """
     dim, fastest = len(spacing), 0.0
     u = scratch.vector(spacing)
@@ -76,7 +76,7 @@ def state_problem(
             size = abs(rows.weight[k]) + couple**0.5
             own.compliance[c] += size * (size + tilt**0.5) / mass[i]
         gap = rows.gap[c]
-        if rows.area[c] < (facing if gap > 0.0 else bearing) * rows.whole[c]:
+        if gap > 0.0 and rows.area[c] < facing * rows.whole[c]:
             own.compliance[c] = 0.0
         own.allowed[c] = (gap if gap > 0.0 else recovery * gap) * per_step
         row_velocity(c, rows, velocity, u, spacing)

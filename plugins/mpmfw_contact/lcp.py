@@ -24,9 +24,9 @@ from mpmfw_contact.surfaces import Surfaces, SurfacesOptions
 MISSED = 10.0
 
 
-#: Part of the area of a place on a surface that lies across the normal, from which it takes part: open, and where bodies overlap.
-#: The normal of a place ahead of a corner that slides, or just under it, is along the face, and would stop the corner.
-FACING, BEARING = 0.9, 0.1
+#: Part of the area of an open place on a surface that lies across the normal, from which it takes part. The normal of a place
+#: ahead of a corner that slides is along the face, and would stop the corner.
+FACING = 0.9
 
 
 class LcpOptions(BaseModel):
@@ -80,12 +80,12 @@ class Lcp(ImpulseLaw):
         if len(self.velocity) != len(grid.mass):
             self.velocity = np.zeros_like(grid.momentum)
         on_surfaces = hasattr(rows, "places")
-        parts = (FACING, BEARING) if on_surfaces else (0.0, 0.0)
+        facing = FACING if on_surfaces else 0.0
         own, options, spacing = rows.own, self.options, grid.spacing
         self._begin(rows, anew=work is None)
         fastest = state_problem(
             rows, rows.count, own, grid.mass, grid.momentum, self.velocity, 1.0 / self.dt, options.recovery,
-            *parts, spacing
+            facing, spacing
         )  # fmt: skip
         sweeps, change = solve(
             rows, rows.count, own, grid.mass, self.velocity, fastest, options.tolerance, options.sweeps,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import importlib
 import io
+import os
 import re
 import shlex
 import subprocess
@@ -47,9 +48,13 @@ def package(blocks, tmp_path_factory):
     lines = [f"{name} = {value}" for name, value in project["entry-points"]["mpmfw.law"].items()]
     (info / "entry_points.txt").write_text("\n".join(["[mpmfw.law]", *lines, ""]), encoding="utf-8")
     sys.path.insert(0, str(root / "src"))
+    os.environ["PYTHONPATH"] = str(
+        root / "src"
+    )  # for the processes of its own that a stranger's plug-in is checked in
     importlib.invalidate_caches()
     yield root
     sys.path.remove(str(root / "src"))
+    del os.environ["PYTHONPATH"]
     for name in [name for name in sys.modules if name.partition(".")[0] == "mpmfw_film"]:
         del sys.modules[name]
 

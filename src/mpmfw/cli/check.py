@@ -140,7 +140,15 @@ def _run_apart(arguments: list[str], *, bounds: bool) -> None:
         environment |= {"NUMBA_BOUNDSCHECK": "1", "NUMBA_CACHE_DIR": f"{root}-bounds"}
     command = [sys.executable, "-m", "mpmfw", "check", *arguments]
     captured = None if sys.stdout.isatty() else subprocess.PIPE
-    done = subprocess.run(command, env=environment, stdout=captured, stderr=captured, check=False)
+    done = subprocess.run(
+        command,
+        env=environment,
+        stdout=captured,
+        stderr=captured,
+        check=False,
+        encoding="utf-8",
+        errors="replace",
+    )
     for text, err in ((done.stdout, False), (done.stderr, True)):
         if text:
             typer.echo(text, nl=False, err=err)
