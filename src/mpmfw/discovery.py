@@ -169,7 +169,7 @@ def load(kind: Kind, name: str) -> type[Any]:
     text = f"{kind} plug-in '{name}'" + ("" if by_place else f" of distribution {distribution_of(entry)}")
     folder = _working_folder()
     if by_place and folder is not None and folder not in sys.path:
-        sys.path.insert(0, folder)  # what is not installed lies where its author works, as with ``python -m``
+        sys.path.append(folder)  # what is not installed lies where its author works; it hides nothing that is
     try:
         plugin = entry.load()
     except KeyboardInterrupt:
