@@ -175,10 +175,9 @@ class J2(Isotropic):
     @hookimpl
     def update_stress(self, particles: Particles) -> None:
         """σ of this material's bodies, and what has flowed."""
-        for own in self.slices:
-            j2_stress(
-                own.start, own.stop, particles.deformation_gradient, self.flow, particles.stress, *self.constants, self.spacing
-            )  # fmt: skip
+        self.over_points(
+            j2_stress, particles, particles.deformation_gradient, self.flow, particles.stress, *self.constants, self.spacing
+        )  # fmt: skip
 
     @hookimpl
     def diagnostics(self, state: State, points: bool) -> dict[str, AnyArray]:  # noqa: ARG002

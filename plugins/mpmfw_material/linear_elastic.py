@@ -86,16 +86,15 @@ class LinearElastic(Isotropic):
     @hookimpl
     def update_stress(self, particles: Particles) -> None:
         """σ(F) of this material's bodies."""
-        for own in self.slices:
-            linear_elastic_stress(
-                own.start,
-                own.stop,
-                particles.deformation_gradient,
-                particles.stress,
-                self.bulk_modulus,
-                self.shear_modulus,
-                self.spacing,
-            )
+        moduli = self.bulk_modulus, self.shear_modulus
+        self.over_points(
+            linear_elastic_stress,
+            particles,
+            particles.deformation_gradient,
+            particles.stress,
+            *moduli,
+            self.spacing,
+        )
 
     def energy_density(self, deformation_gradient: FloatArray) -> FloatArray:
         """W = λ/2 tr²(U − 1) + G |U − 1|², (n,) [J/m^3]; exact to second order in the strain."""

@@ -110,15 +110,14 @@ class NeoHookean(Isotropic):
     @hookimpl
     def update_stress(self, particles: Particles) -> None:
         """σ(F) of this material's bodies."""
-        for own in self.slices:
-            self.evaluate(
-                own.start,
-                own.stop,
-                particles.deformation_gradient,
-                particles.stress,
-                *self.moduli,
-                self.spacing,
-            )
+        self.over_points(
+            self.evaluate,
+            particles,
+            particles.deformation_gradient,
+            particles.stress,
+            *self.moduli,
+            self.spacing,
+        )
 
     def energy_density(self, deformation_gradient: FloatArray) -> FloatArray:
         """W(F), (n,) [J/m^3]."""

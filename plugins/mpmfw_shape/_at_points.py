@@ -4,7 +4,7 @@ functions at the surface nodes."""
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -27,9 +27,11 @@ Functions = tuple[Callable[..., int], int]
 
 
 def fill_at(
-    fill: Callable[..., int], position: FloatArray, first: IntArray, grid: Grid, table: Stencil
-) -> Stencil:
+    fill: Callable[..., int], position: FloatArray, first: IntArray, grid: Grid, table: Stencil, threads: Any = None
+) -> Stencil:  # fmt: skip
     """Fill a ``table`` by the functions at points of ``position`` (n, dim) [m]; those of field f are ``first[f]:first[f + 1]``.
+
+    ``threads`` are those that share the points, None if one thread fills the table.
 
     Raises
     ------
@@ -37,13 +39,20 @@ def fill_at(
         A point is outside its window.
     """
     window = (grid.lower, grid.window_lower, grid.window_shape, grid.offset)
-    check_inside(fill(position, first, *window, table.nodes, table.weight, table.gradient, grid.spacing))
+    rest = (*window, table.nodes, table.weight, table.gradient, grid.spacing)
+    if threads is None:
+        check_inside(fill(position, first, *rest))
+    else:
+        firsts = threads.firsts(first)
+        for code in threads.each(lambda t: fill(position, firsts[t], *rest)):
+            check_inside(code)
     return table
 
 
 class LinearSurface(ShapeFunction):
     """Mix-in of ``interpolate_surface`` with linear functions, the trace of Σ V ∇S = ∮ N n dS for CPDI."""
 
+    rows_ascend = True
     #: The surface's basis.
     functions: ClassVar[Functions] = (fill_linear, 2)
     _surface: Stencil | None = None
@@ -73,4 +82,5 @@ class AtPoints(LinearSurface):
     @hookimpl
     def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
         """φ_i(x_p) and ∇φ_i(x_p)."""
-        return fill_at(self.functions[0], particles.position, particles.first, grid, self.table)
+        fill, threads = self.functions[0], particles.threads
+        return fill_at(fill, particles.position, particles.first, grid, self.table, threads)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from mpmfw.api import Stencil, check_inside, empty_stencil
+from mpmfw.api import Particles, Stencil, check_inside, empty_stencil
 from mpmfw.kernels import FULL
 
 #: Entries a point to begin with: a domain of half a cell has 6.25 (2D) or 15.6 (3D) nodes in its box on average.
@@ -22,9 +22,9 @@ def _with_room(points: int, entries: int, dim: int) -> Stencil:
 
 
 def fill_rows(
-    fill: Callable[..., int], room: Stencil, where: tuple[Any, ...], spacing: tuple[float, ...]
-) -> tuple[Stencil, Stencil]:
-    """Fill ``room`` by ``fill(*where, *room, spacing)``, or a longer one if it is too short.
+    fill: Callable[..., int], room: Stencil, particles: Particles, where: tuple[Any, ...], spacing: tuple[float, ...]
+) -> tuple[Stencil, Stencil]:  # fmt: skip
+    """Fill ``room`` by ``fill(first, *where, 0, *room, spacing)``, from entry 0 on, or a longer one if it is too short.
 
     Returns
     -------
@@ -35,7 +35,14 @@ def fill_rows(
     OutsideGrid
         A point is outside its window.
     """
-    while (code := fill(*where, *room, spacing)) == FULL:
+    threads, first = particles.threads, particles.first
+    while True:
+        if threads is None:
+            code = fill(first, *where, 0, *room, spacing)
+        else:
+            code = threads.fill_rows(lambda own, *table: fill(own, *where, *table, spacing), first, room)
+        if code != FULL:
+            break
         room = _with_room(len(room.row) - 1, 3 * len(room.nodes) // 2, len(spacing))
     check_inside(code)
     row, nodes, weight, gradient = room

@@ -66,12 +66,13 @@ def corner_share(corners: Floats, c: int, area: Float) -> Float:
 
 @kernel
 def fill_cpdi2(
-    corners: Floats,
     first: Ints,
+    corners: Floats,
     lower: Floats,
     window_lower: Ints,
     window_shape: Ints,
     offset: Ints,
+    k: int,
     row: Ints,
     nodes: Indices,
     weight: Floats,
@@ -89,8 +90,6 @@ def fill_cpdi2(
     corner = scratch.matrix(EACH_CORNER, spacing)
     slope = scratch.matrix(EACH_CORNER, spacing)
     share = scratch.vector(EACH_CORNER)
-    k = 0
-    row[0] = 0
     for f in range(len(first) - 1):
         read_window(lower, window_lower, window_shape, f, origin, shape, spacing)
         for p in range(first[f], first[f + 1]):
@@ -186,9 +185,9 @@ class Cpdi2(LinearSurface):
         self.room, table = fill_rows(
             fill_cpdi2,
             self.room,
+            particles,
             (
                 self.corners,
-                particles.first,
                 grid.lower,
                 grid.window_lower,
                 grid.window_shape,

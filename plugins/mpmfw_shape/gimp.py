@@ -112,13 +112,14 @@ def write_row(
 
 @kernel
 def fill_gimp(
+    first: Ints,
     position: Floats,
     half_length: Floats,
-    first: Ints,
     lower: Floats,
     window_lower: Ints,
     window_shape: Ints,
     offset: Ints,
+    k: int,
     row: Ints,
     nodes: Indices,
     weight: Floats,
@@ -134,8 +135,6 @@ def fill_gimp(
     base = scratch.vector(spacing)
     w = scratch.matrix(spacing, (0.0, 0.0, 0.0))
     s = scratch.matrix(spacing, (0.0, 0.0, 0.0))
-    k = 0
-    row[0] = 0
     for f in range(len(first) - 1):
         read_window(lower, window_lower, window_shape, f, origin, shape, spacing)
         start = offset[f]
@@ -188,11 +187,10 @@ class Gimp(LinearSurface):
         where = (
             particles.position,
             self.half_length,
-            particles.first,
             grid.lower,
             grid.window_lower,
             grid.window_shape,
             grid.offset,
         )
-        self.room, table = fill_rows(fill_gimp, self.room, where, grid.spacing)
+        self.room, table = fill_rows(fill_gimp, self.room, particles, where, grid.spacing)
         return table

@@ -7,8 +7,8 @@ that a thousand bodies do not cost a thousand grids.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from mpmfw.fields import AnyArray, FloatArray, IndexArray, IntArray
 
 if TYPE_CHECKING:
     from mpmfw.pairs import NearPairs
+    from mpmfw.threads import Threads
 
 
 class Stencil(NamedTuple):
@@ -96,6 +97,9 @@ class Pair:
 class Particles:
     """Material points of all bodies, body after body."""
 
+    #: Attributes that stay as they were built when a run goes on.
+    unsaved: ClassVar[tuple[str, ...]] = ("threads",)
+
     position: FloatArray  #: (n, dim) [m]
     velocity: FloatArray  #: (n, dim) [m/s]
     mass: FloatArray  #: (n,) [kg/m], 2D per metre of thickness, or of the thickness that bodies name
@@ -108,6 +112,15 @@ class Particles:
     moment: FloatArray | None  #: B_p (n, dim, dim) [m²/s]; None unless the transfer stores it (apic)
     first: IntArray  #: (n_fields + 1,) material points of velocity field f are first[f]:first[f + 1]
     thickness: FloatArray | None = None  #: (n,) [m]; None unless a body of the plane names its own
+    threads: Threads | None = None  #: that share the lines of the step; None if one does it all
+
+    def part(self, begin: int, end: int) -> Particles:
+        """The points ``begin:end``, as views; ``first`` stays that of all points."""
+        whole = {name: getattr(self, name) for name in POINT_ARRAYS}
+        parts: dict[str, Any] = {
+            name: None if array is None else array[begin:end] for name, array in whole.items()
+        }
+        return Particles(**parts, first=self.first)
 
     def through(self, measure: FloatArray) -> FloatArray:
         """A ``measure`` of the points, such as their volume (n,) [m^dim], times the thickness."""
@@ -122,6 +135,10 @@ class Particles:
     def dim(self) -> int:
         """Number of space dimensions."""
         return int(self.position.shape[1])
+
+
+#: Attributes of :class:`Particles` that have a row for every point.
+POINT_ARRAYS = tuple(entry.name for entry in fields(Particles) if entry.name not in ("first", "threads"))
 
 
 def joined(slices: tuple[slice, ...], own: slice) -> tuple[slice, ...]:
@@ -231,6 +248,7 @@ class State:
     dt: float = 0.0  #: length of the step that runs, or of the last one [s]
     steps: int = 0  #: steps done since time zero
     arrays: dict[str, AnyArray] = field(default_factory=dict)  #: plug-ins' own arrays, as ``owner/name``
+    dims: dict[str, tuple[str, ...]] = field(default_factory=dict)  #: of the arrays that were declared
     near: NearPairs | None = None  #: lists pairs as bodies come near; None where all pairs are listed
 
     def lengthen(self, name: str, rows: int) -> AnyArray:

@@ -1,14 +1,18 @@
 """What a step costs: nanoseconds per material point by stage, and the ratio to a plain loop of the same arithmetic.
 
-    python tests/benchmarks/stepper.py [--shapes linear,gimp,bspline,cpdi] [--counts 600,17600] [--dim 2] [--repeats 30]
+    python tests/benchmarks/stepper.py [--shapes linear,gimp,bspline,cpdi] [--counts 600,17600] [--dim 2] [--repeats 30] [--keep]
 
-The plain loop is C++ where there is a compiler; samples of both alternate.
+The plain loop is the fastest of g++'s and clang++'s, with an interpolation table and without; samples of all alternate. With
+--keep the ratios go to history.csv beside this file, with the commit that they are of.
 """
 
 from __future__ import annotations
 
 import argparse
+import csv
+import subprocess
 import sys
+from datetime import UTC, datetime
 from pathlib import Path
 
 from rich.console import Console
@@ -18,7 +22,35 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from mpmfw.benchmark import table
 from mpmfw.campaigns.machine import Load, processor
 from yardstick.kernels import SHAPES, measure_kernels
-from yardstick.plain import FLAGS, compiler_version
+from yardstick.plain import compiler_version, compilers
+
+HISTORY = Path(__file__).with_name("history.csv")
+KEPT = ("dim", "shape", "particles", "loop", "ratio", "ratio_low", "ratio_high")
+
+
+def keep(rows: list[dict[str, object]], busy: float) -> None:
+    """Add the rows' ratios to the history, with date, commit, processor and how many cores others kept busy."""
+    head = ("git", "describe", "--always", "--dirty")
+    commit = subprocess.run(
+        head, cwd=HISTORY.parent, check=True, capture_output=True, text=True
+    ).stdout.strip()
+    labels = {
+        "date": datetime.now(UTC).date().isoformat(),
+        "commit": commit,
+        "processor": processor(),
+        "busy": round(busy, 1),
+    }
+    new = not HISTORY.exists()
+    with HISTORY.open("a", newline="") as file:
+        writer = csv.writer(file)
+        if new:
+            writer.writerow([*labels, *KEPT])
+        for row in rows:
+            values = [row[name] for name in KEPT]
+            writer.writerow(
+                [*labels.values(), *(f"{one:.3f}" if isinstance(one, float) else one for one in values)]
+            )
+
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(
@@ -28,12 +60,15 @@ if __name__ == "__main__":
     parser.add_argument("--counts", default="600,17600")
     parser.add_argument("--dim", type=int, default=2, choices=(2, 3))
     parser.add_argument("--repeats", type=int, default=30)
+    parser.add_argument("--keep", action="store_true")
     chosen = parser.parse_args()
     counts = [int(text) for text in chosen.counts.split(",")]
     load = Load()
     rows = measure_kernels(chosen.shapes.split(","), counts, chosen.repeats, dim=chosen.dim)
+    busy = load.others()
     console = Console(width=170)
     console.print(table(rows, f"{chosen.dim}D block without contact: ns per material point and step"))
-    console.print(
-        f"{processor()}; {compiler_version()} {' '.join(FLAGS[:2])}; other processes kept {load.others():.1f} cores busy"
-    )
+    said = "; ".join(map(compiler_version, compilers())) or "no C++ compiler"
+    console.print(f"{processor()}; {said}; other processes kept {busy:.1f} cores busy")
+    if chosen.keep:
+        keep(rows, busy)

@@ -47,8 +47,8 @@ class OneBody:
         """φ_ip and ∇φ_ip."""
         p, g, phi = self.p, self.g, self.phi
         outside = fill_cpdi(
-            p.position, p.deformation_gradient, self.half_edges, p.first, g.lower, g.window_lower, g.window_shape,
-            g.offset, phi.row, phi.nodes, phi.weight, phi.gradient, g.spacing,
+            p.first, p.position, p.deformation_gradient, self.half_edges, g.lower, g.window_lower, g.window_shape,
+            g.offset, 0, phi.row, phi.nodes, phi.weight, phi.gradient, g.spacing,
         )  # fmt: skip
         assert outside < 0
 

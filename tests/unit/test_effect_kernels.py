@@ -268,8 +268,8 @@ def test_cpdi2_averages_over_the_quadrilateral_and_follows_the_grid():
     first, zeros, shape = np.array([0, POINTS]), np.zeros((1, 2), dtype=np.int64), np.full((1, 2), n)
     row, nodes = np.zeros(POINTS + 1, dtype=np.int64), np.zeros(16 * POINTS, dtype=np.int32)
     weight, gradient = np.zeros(16 * POINTS), np.zeros((16 * POINTS, 2))
-    where = (first, np.zeros(2), zeros, shape, np.array([0, n * n]))
-    assert fill_cpdi2(corners, *where, row, nodes, weight, gradient, (1.0, 1.0)) == -1
+    where = (first, corners, np.zeros(2), zeros, shape, np.array([0, n * n]))
+    assert fill_cpdi2(*where, 0, row, nodes, weight, gradient, (1.0, 1.0)) == -1
     x = np.stack(np.meshgrid(np.arange(n), np.arange(n), indexing="ij"), -1).reshape(-1, 2)
     hat = np.prod(np.maximum(1 - np.abs(corners[:, :, None] - x), 0.0), axis=-1)  # (points, corners, nodes)
     for p in range(POINTS):
@@ -282,7 +282,7 @@ def test_cpdi2_averages_over_the_quadrilateral_and_follows_the_grid():
         np.testing.assert_allclose(slope, np.einsum("cd,cn->nd", g, hat[p]), atol=2e-4)
     velocity = RNG.normal(size=(n * n, 2))
     moved, position = corners.copy(), np.empty((POINTS, 2))
-    move_corners(*where, velocity, moved, position, 0.05, (1.0, 1.0))
+    move_corners(where[0], *where[2:], velocity, moved, position, 0.05, (1.0, 1.0))
     np.testing.assert_allclose(moved, corners + 0.05 * hat @ velocity, rtol=1e-12, atol=1e-13)
     centroids = np.array([integrals(c)[0] @ c for c in moved])
     np.testing.assert_allclose(position, centroids, atol=2e-4)

@@ -44,7 +44,9 @@ def rotations(dim: int, count: int = 20) -> np.ndarray:
 def stress_of(material: Any, f: np.ndarray) -> np.ndarray:
     """Cauchy stress as the hook ``update_stress`` stores it."""
     n, dim = f.shape[:2]
-    particles = SimpleNamespace(deformation_gradient=np.ascontiguousarray(f), stress=np.zeros((n, dim, dim)))
+    particles = SimpleNamespace(
+        deformation_gradient=np.ascontiguousarray(f), stress=np.zeros((n, dim, dim)), threads=None
+    )
     material.setup(SimpleNamespace(state=SimpleNamespace(grid=SimpleNamespace(spacing=(1.0,) * dim))))
     material.slices = (slice(0, n // 2), slice(n // 2, n))  # two bodies of the material
     material.update_stress(particles)

@@ -18,6 +18,7 @@ from mpmfw.state import Body, Grid
 
 if TYPE_CHECKING:
     from mpmfw.build import Build
+    from mpmfw.numbers import Numbers
     from mpmfw.scene.tables import Settle, Side
 
 #: Largest number of passes over rows that share nodes; two sides may ask for different velocities at their corner.
@@ -95,6 +96,13 @@ class Constraint:
         self.velocity = np.array([side.velocity for side in self.sides])
         self.cell_mass = [side.body.areal_density * h**setup.dim for side in self.sides]
         self.agreed = AGREED * max(side.body.wave_speed for side in self.sides)
+
+    def take_over(self, other: Constraint, numbers: Numbers) -> None:
+        """Know by other ``numbers`` where the sides of bodies are."""
+        theirs = [k for k, side in enumerate(other.sides) if numbers.body[side.body.index] >= 0]
+        known = {int(numbers.body[other.sides[k].body.index]) for k in theirs}
+        ours = [k for k, side in enumerate(self.sides) if side.body.index in known]
+        self.places[ours] = other.places[theirs]
 
     def held_momentum(self, grid: Grid) -> FloatArray:
         """Nodal momenta as :meth:`constrain_momentum` would leave them, (n_nodes, dim) [kg/s]; those of ``grid`` stay."""

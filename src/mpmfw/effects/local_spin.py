@@ -225,7 +225,7 @@ class LocalSpin:
     def setup(self, setup: Setup) -> None:
         """Take the domains from the layout; know where arrays are listed."""
         self.state, self.half_edges = setup.state, setup.half_edges
-        self.excess = np.zeros((3, 3))  #: X of a body, between its two kernels
+        self.excess = np.zeros((len(self.bodies), 3, 3))  #: X of every body, between its two kernels
 
     def _fit(self, grid: Grid) -> None:
         """Fit the nodal array to the windows whenever these were laid anew."""
@@ -243,14 +243,22 @@ class LocalSpin:
         held = grid.momentum
         if self.constraint is not None:
             held = self.constraint.held_momentum(grid)
-        for body in self.bodies:
+        threads = particles.threads
+        if threads is None or len(self.bodies) == 1:
+            self._correct(slice(None), grid, particles, held)
+        else:
+            threads.each(lambda t: self._correct(slice(t, None, threads.count), grid, particles, held))
+
+    def _correct(self, some: slice, grid: Grid, particles: Particles, held: FloatArray) -> None:
+        """Correct the fields of some of the bodies."""
+        for body, excess in zip(self.bodies[some], self.excess[some], strict=True):
             nodes, points = grid.field_nodes(body.field), body.particles
             total = find_excess(
                 points.start, points.stop, nodes.start, nodes.stop, particles.mass, particles.position,
-                particles.deformation_gradient, self.half_edges, grid.position, grid.mass, self.excess, grid.spacing,
+                particles.deformation_gradient, self.half_edges, grid.position, grid.mass, excess, grid.spacing,
             )  # fmt: skip
             if total > 0.0:
                 correct_spin(
-                    nodes.start, nodes.stop, grid.window_shape[body.field], total, self.excess, grid.mass,
+                    nodes.start, nodes.stop, grid.window_shape[body.field], total, excess, grid.mass,
                     grid.start_velocity, held, grid.momentum, self.change, self.common, grid.spacing,
                 )  # fmt: skip

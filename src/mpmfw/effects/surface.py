@@ -3,6 +3,7 @@ points."""
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -77,10 +78,13 @@ def weigh_plain(row: Ints, nodes: Indices, weight: Floats, cell_mass: Floats, no
     heaviest takes its place.
     """
     for s in range(len(row) - 1):
-        lost, kept, heaviest = 0.0, 0.0, 0.0
+        lost, kept, heaviest, lightest = 0.0, 0.0, 0.0, math.inf
         for k in range(row[s], row[s + 1]):
             heaviest = max(heaviest, node_mass[nodes[k]])
+            lightest = min(lightest, node_mass[nodes[k]])
         light = LIGHT * min(cell_mass[s], 4.0 * heaviest)
+        if lightest > light:  # no weight is more than 1
+            continue
         for k in range(row[s], row[s + 1]):
             if node_mass[nodes[k]] > light * weight[k] * weight[k]:
                 kept += weight[k]
@@ -240,7 +244,7 @@ def planned(made: Build, *, loaded: bool, measured: bool) -> tuple[SurfaceMap, l
     -------
     The map, and the plug-ins: the tracker, and the diagnostic if the gaps are ``measured``.
     """
-    contact, state = made.contact, made.state
+    contact, state = (made.whole or made).contact, made.state
     by_contact = contact is not None and contact.needs_surface
     stage = "contact" if by_contact else "force" if loaded else "gap"
     state.surface = make_surface(state.bodies, state.grid.n_fields, stage)

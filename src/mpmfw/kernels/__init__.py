@@ -39,6 +39,8 @@ argument                    shape [unit]             meaning
 ``spacing``                 dim numbers [m]          the cell size h, once for each dimension
 ``dt``                      [s]                      length of the step
 ``h``, ``inverse_h``        [m], [1/m]               cell size, and its inverse
+``own_nodes``               2 integers               first node that is added to, and the one after the last; None for all.
+                                                     With them, the nodes of a row must ascend
 ``p``, ``k``                                         index of a point, of an entry in the table
 ``mass``                    (n,) or (N,) [kg/m]      m_p; in kernels on nodes alone m_i
 ``velocity``                (n, dim) or (N, dim)     v_p [m/s]; in kernels on nodes alone v_i

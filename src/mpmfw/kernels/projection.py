@@ -6,7 +6,7 @@ from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device, kernel
 from mpmfw.kernels.rows import add_scaled_row, set_scaled_row
 from mpmfw.kernels.small_matrix import invert
-from mpmfw.kernels.table import entries
+from mpmfw.kernels.table import NodeRange, entries, is_apart, own_entries
 from mpmfw.kernels.types import Floats, Indices, Ints
 
 
@@ -43,6 +43,7 @@ def project_mass_momentum(
     node_mass: Floats,
     node_momentum: Floats,
     spacing: tuple[float, ...],
+    own_nodes: NodeRange | None = None,
 ) -> None:
     """m_i += Σ_p φ_ip m_p and (m v)_i += Σ_p φ_ip m_p (v_p + C_p (x_i − x_p)); C_p is left out where
     ``affine`` is None."""
@@ -51,9 +52,11 @@ def project_mass_momentum(
     v_i = scratch.matrix((0.0,), spacing)
     columns = scratch.matrix(spacing, spacing)
     for p in range(len(mass)):
+        if own_nodes is not None and is_apart(row, nodes, p, own_nodes):
+            continue
         m = mass[p]
         _velocity_at_origin(velocity, position, affine, p, v, columns, spacing)
-        for k in entries(row, p):
+        for k in own_entries(row, nodes, p, own_nodes):
             i = nodes[k]
             phi_m = weight[k] * m
             set_scaled_row(v_i, 0, 1.0, v, 0, spacing)
@@ -76,6 +79,7 @@ def project_momentum(
     node_position: Floats,
     node_momentum: Floats,
     spacing: tuple[float, ...],
+    own_nodes: NodeRange | None = None,
 ) -> None:
     """(m v)_i += Σ_p φ_ip m_p (v_p + C_p (x_i − x_p)) alone: the second projection of MUSL."""
     dim = len(spacing)
@@ -83,9 +87,11 @@ def project_momentum(
     v_i = scratch.matrix((0.0,), spacing)
     columns = scratch.matrix(spacing, spacing)
     for p in range(len(mass)):
+        if own_nodes is not None and is_apart(row, nodes, p, own_nodes):
+            continue
         m = mass[p]
         _velocity_at_origin(velocity, position, affine, p, v, columns, spacing)
-        for k in entries(row, p):
+        for k in own_entries(row, nodes, p, own_nodes):
             i = nodes[k]
             set_scaled_row(v_i, 0, 1.0, v, 0, spacing)
             if affine is not None:
@@ -103,16 +109,19 @@ def add_internal_force(
     stress: Floats,
     node_force: Floats,
     spacing: tuple[float, ...],
+    own_nodes: NodeRange | None = None,
 ) -> None:
     """f_i −= Σ_p V_p σ_p · ∇φ_ip."""
     dim = len(spacing)
     columns = scratch.matrix(spacing, spacing)
     force = scratch.matrix((0.0,), spacing)
     for p in range(len(volume)):
+        if own_nodes is not None and is_apart(row, nodes, p, own_nodes):
+            continue
         for d in range(dim):
             for e in range(dim):
                 columns[e, d] = -volume[p] * stress[p, d, e]
-        for k in entries(row, p):
+        for k in own_entries(row, nodes, p, own_nodes):
             set_scaled_row(force, 0, gradient[k, 0], columns, 0, spacing)
             for e in range(1, dim):
                 add_scaled_row(force, 0, gradient[k, e], columns, e, spacing)

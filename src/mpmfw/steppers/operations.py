@@ -1,8 +1,13 @@
-"""The lines of a time step: each calls one kernel with the arrays that it needs."""
+"""The lines of a time step: each calls one kernel with the arrays that it needs.
+
+A line is marked by what several threads share out in it, where a run has them: the points, or the nodes.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+import functools
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from mpmfw.clock import Clock
 from mpmfw.errors import SimulationError
@@ -15,6 +20,38 @@ from mpmfw.state import Grid, OutsideGrid, Particles, State, Stencil
 from mpmfw.transfer import Transfer
 from mpmfw.windows import lay_windows
 
+if TYPE_CHECKING:
+    from mpmfw.kernels.table import NodeRange
+
+Line = TypeVar("Line", bound=Callable[..., Any])
+
+
+def over_points(line: Line) -> Line:
+    """Mark a line in which no point asks another; it returns None, or the first point that failed, −1 if none did."""
+
+    @functools.wraps(line)
+    def shared(particles: Particles, *arguments: Any) -> Any:
+        threads = particles.threads
+        if threads is None:
+            return line(particles, *arguments)
+        return threads.over_points(line, particles, *arguments)
+
+    return shared  # type: ignore[return-value]
+
+
+def over_nodes(line: Line) -> Line:
+    """Mark a line in which points add to nodes, to ``own_nodes`` alone if they are given."""
+
+    @functools.wraps(line)
+    def shared(particles: Particles, *arguments: Any) -> None:
+        threads = particles.threads
+        if threads is None:
+            line(particles, *arguments)
+        else:
+            threads.over_nodes(line, particles, *arguments)
+
+    return shared  # type: ignore[return-value]
+
 
 def interpolate(state: State, hook: Any, clock: Clock) -> Stencil:
     """φ_ip and ∇φ_ip, and N_i(x_s) where surfaces are tracked; windows are laid anew when a body leaves its
@@ -25,9 +62,9 @@ def interpolate(state: State, hook: Any, clock: Clock) -> Stencil:
     SimulationError
         A point is outside the background grid.
     """
-    particles, grid, surface = state.particles, state.grid, state.surface
+    grid, surface = state.grid, state.surface
     try:
-        phi: Stencil = hook.interpolate(particles=particles, grid=grid)
+        phi = _table(state, hook)
         if surface is not None:
             clock(surface.stage)
             surface.stencil = hook.interpolate_surface(
@@ -38,13 +75,24 @@ def interpolate(state: State, hook: Any, clock: Clock) -> Stencil:
     return phi
 
 
+def _table(state: State, hook: Any) -> Stencil:
+    """φ_ip and ∇φ_ip of the material points."""
+    particles = state.particles
+    phi: Stencil = hook.interpolate(particles=particles, grid=state.grid)
+    if particles.threads is not None:
+        particles.threads.share_nodes(phi)
+    return phi
+
+
 def _interpolate_anew(state: State, hook: Any) -> Stencil:
     """The same after the windows were laid round the bodies as they are now."""
     particles, grid, surface = state.particles, state.grid, state.surface
     lay_windows(grid, particles, hook.particle_reach(particles=particles), surface)
     list_near(state, hook)
+    if particles.threads is not None:
+        particles.threads.share_anew()
     try:
-        phi: Stencil = hook.interpolate(particles=particles, grid=grid)
+        phi = _table(state, hook)
     except OutsideGrid as error:
         raise _left_the_grid(state, error) from None
     if surface is not None:
@@ -78,8 +126,8 @@ def _left_the_grid(state: State, error: OutsideGrid) -> SimulationError:
     )
 
 
-def project_mass_momentum(p: Particles, phi: Stencil, g: Grid) -> None:
-    """m_i and (m v)_i, and the velocity v_i⁰ that increments are counted from."""
+@over_nodes
+def _project_mass_momentum(p: Particles, phi: Stencil, g: Grid, own_nodes: NodeRange | None = None) -> None:
     to_grid.project_mass_momentum(
         phi.row,
         phi.nodes,
@@ -92,23 +140,38 @@ def project_mass_momentum(p: Particles, phi: Stencil, g: Grid) -> None:
         g.mass,
         g.momentum,
         g.spacing,
+        own_nodes,
     )
+
+
+def project_mass_momentum(p: Particles, phi: Stencil, g: Grid) -> None:
+    """m_i and (m v)_i, and the velocity v_i⁰ that increments are counted from."""
+    _project_mass_momentum(p, phi, g)
     nodal.velocity_of_momentum(g.mass, g.momentum, g.start_velocity, g.spacing)
+
+
+@over_points
+def _apply_moment(p: Particles, phi: Stencil, g: Grid, position: FloatArray) -> None:
+    assert p.moment is not None
+    assert p.affine is not None
+    to_grid.affine_from_moment(
+        phi.row, phi.nodes, phi.weight, position, p.moment, g.position, p.affine, g.spacing
+    )
 
 
 def apply_moment(p: Particles, phi: Stencil, g: Grid, position: FloatArray | None = None) -> None:
     """C_p = B_p D_p⁻¹ at the present stencil, for a transfer that stores the moment B_p."""
     if p.moment is not None and p.affine is not None:
-        x = p.position if position is None else position
-        to_grid.affine_from_moment(
-            phi.row, phi.nodes, phi.weight, x, p.moment, g.position, p.affine, g.spacing
-        )
+        _apply_moment(p, phi, g, p.position if position is None else position)
 
 
-def add_internal_force(p: Particles, phi: Stencil, g: Grid) -> None:
+@over_nodes
+def add_internal_force(p: Particles, phi: Stencil, g: Grid, own_nodes: NodeRange | None = None) -> None:
     """f_i −= Σ V σ·∇φ, V with the thickness."""
     volume = p.through(p.volume)
-    to_grid.add_internal_force(phi.row, phi.nodes, phi.gradient, volume, p.stress, g.force, g.spacing)
+    to_grid.add_internal_force(
+        phi.row, phi.nodes, phi.gradient, volume, p.stress, g.force, g.spacing, own_nodes
+    )
 
 
 def integrate_momentum(g: Grid, dt: float) -> None:
@@ -121,8 +184,7 @@ def finish_velocity(g: Grid) -> None:
     nodal.velocity_of_momentum(g.mass, g.momentum, g.velocity, g.spacing)
 
 
-def gather_velocity_position(p: Particles, phi: Stencil, g: Grid, transfer: Transfer, dt: float) -> None:
-    """v_p, x_p, L_p and the affine field, from the grid's final velocity."""
+def _gather_velocity_position(p: Particles, phi: Stencil, g: Grid, transfer: Transfer, dt: float) -> None:
     kind = transfer.affine
     affine = p.moment if kind == "moment" else p.affine if kind == "least_squares" else None
     from_grid.gather(
@@ -146,16 +208,46 @@ def gather_velocity_position(p: Particles, phi: Stencil, g: Grid, transfer: Tran
         p.affine[...] = p.velocity_gradient
 
 
-def transport_affine(p: Particles, g: Grid, transfer: Transfer, dt: float) -> None:
-    """C ← C (1 + Δt C)⁻¹, for a transfer whose affine field is carried along."""
-    if transfer.transported and p.affine is not None:
+def _transport_affine(p: Particles, g: Grid, dt: float) -> None:
+    if p.affine is not None:
         from_grid.transport_affine(p.affine, dt, g.spacing)
 
 
+@over_points
+def gather_velocity_position(p: Particles, phi: Stencil, g: Grid, transfer: Transfer, dt: float) -> None:
+    """v_p, x_p and L_p from the grid's final velocity, and the affine field before it is carried along."""
+    _gather_velocity_position(p, phi, g, transfer, dt)
+
+
+@over_points
+def gather(p: Particles, phi: Stencil, g: Grid, transfer: Transfer, dt: float) -> None:
+    """v_p, x_p, L_p and the affine field, from the grid's final velocity."""
+    _gather_velocity_position(p, phi, g, transfer, dt)
+    if transfer.transported:
+        _transport_affine(p, g, dt)
+
+
+_transport_shared = over_points(_transport_affine)
+
+
+def transport_affine(p: Particles, g: Grid, transfer: Transfer, dt: float) -> None:
+    """C ← C (1 + Δt C)⁻¹, for a transfer whose affine field is carried along."""
+    if transfer.transported:
+        _transport_shared(p, g, dt)
+
+
+@over_points
 def gather_velocity_gradient(p: Particles, phi: Stencil, g: Grid) -> None:
     """L_p from the grid's present ``velocity``."""
     from_grid.gather_velocity_gradient(
         phi.row, phi.nodes, phi.gradient, g.velocity, p.velocity_gradient, g.spacing
+    )
+
+
+@over_points
+def _update_deformation(p: Particles, g: Grid, dt: float) -> int:
+    return from_grid.update_deformation(
+        p.velocity_gradient, p.deformation_gradient, p.initial_volume, p.volume, dt, g.spacing
     )
 
 
@@ -167,10 +259,8 @@ def update_deformation(state: State, dt: float) -> None:
     SimulationError
         det F is not positive, or not a number.
     """
-    p, g = state.particles, state.grid
-    bad = from_grid.update_deformation(
-        p.velocity_gradient, p.deformation_gradient, p.initial_volume, p.volume, dt, g.spacing
-    )
+    p = state.particles
+    bad = _update_deformation(p, state.grid, dt)
     if bad >= 0:
         body = next(b for b in state.bodies if b.particles.start <= bad < b.particles.stop)
         jacobian = p.volume[bad] / p.initial_volume[bad]
@@ -189,20 +279,18 @@ def update_deformation(state: State, dt: float) -> None:
         )
 
 
+@over_nodes
+def _project_momentum(
+    p: Particles, phi: Stencil, g: Grid, position: FloatArray, own_nodes: NodeRange | None = None
+) -> None:
+    to_grid.project_momentum(
+        phi.row, phi.nodes, phi.weight, p.mass, p.velocity, position, p.affine, g.position, g.momentum, g.spacing, own_nodes
+    )  # fmt: skip
+
+
 def project_momentum_again(p: Particles, phi: Stencil, g: Grid, position: FloatArray) -> None:
     """(m v)_i = Σ φ m (v + C (x_i − x)) with the new v and C, and the ``position`` that φ belongs to
     (MUSL)."""
     apply_moment(p, phi, g, position)
     g.momentum.fill(0.0)
-    to_grid.project_momentum(
-        phi.row,
-        phi.nodes,
-        phi.weight,
-        p.mass,
-        p.velocity,
-        position,
-        p.affine,
-        g.position,
-        g.momentum,
-        g.spacing,
-    )
+    _project_momentum(p, phi, g, position)

@@ -11,12 +11,11 @@ from mpmfw.steppers.operations import (
     add_internal_force,
     apply_moment,
     finish_velocity,
+    gather,
     gather_velocity_gradient,
-    gather_velocity_position,
     integrate_momentum,
     interpolate,
     project_mass_momentum,
-    transport_affine,
     update_deformation,
 )
 from mpmfw.transfer import Transfer
@@ -63,8 +62,7 @@ def step(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Call
     finish_velocity(g)
 
     clock("gather")
-    gather_velocity_position(p, phi, g, transfer, dt)  # 6
-    transport_affine(p, g, transfer, dt)
+    gather(p, phi, g, transfer, dt)  # 6
     hook.advect(grid=g, dt=dt)
     hook.update_particle_domains(particles=p, grid=g, dt=dt)
     hook.end_step(state=state)

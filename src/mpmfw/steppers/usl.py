@@ -11,11 +11,10 @@ from mpmfw.steppers.operations import (
     add_internal_force,
     apply_moment,
     finish_velocity,
-    gather_velocity_position,
+    gather,
     integrate_momentum,
     interpolate,
     project_mass_momentum,
-    transport_affine,
     update_deformation,
 )
 from mpmfw.transfer import Transfer
@@ -54,8 +53,7 @@ def step(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Call
     finish_velocity(g)
 
     clock("gather")
-    gather_velocity_position(p, phi, g, transfer, dt)  # 5
-    transport_affine(p, g, transfer, dt)
+    gather(p, phi, g, transfer, dt)  # 5
     hook.advect(grid=g, dt=dt)
 
     clock("material")

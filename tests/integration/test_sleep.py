@@ -1,0 +1,220 @@
+"""Bodies at rest sleep: who does, what wakes them, and that nothing is lost meanwhile."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mpmfw.errors import SceneError
+from mpmfw.simulation import Simulation
+from scenes_for_tests import SOFT, with_changes
+
+SLEEP = {"sleep": {}}
+
+
+def block(lower: tuple[float, float], upper: tuple[float, float], **more: Any) -> dict[str, Any]:
+    """A rectangle of points of half a cell."""
+    geometry = {"type": "rectangle", "lower": lower, "upper": upper}
+    return {
+        "material": "soft",
+        "geometry": geometry,
+        "particles": {"layout": "lattice", "size": 0.125},
+        **more,
+    }
+
+
+def scene(bodies: dict[str, Any], contact: str = "penalty", **changes: Any) -> dict[str, Any]:
+    """Bodies in a channel of cells of 0.25 m."""
+    return with_changes(
+        {
+            "grid": {"cell_size": 0.25, "lower": [-4.0, -4.0], "upper": [12.0, 8.0]},
+            "time": {"end": 1.0, "output_interval": 0.25},
+            "shape": {"method": "cpdi"},
+            "contact": {"method": contact, "friction": 0.2},
+            "materials": {"soft": SOFT},
+            "bodies": bodies,
+        },
+        **changes,
+    )
+
+
+def hit(contact: str = "penalty", **changes: Any) -> dict[str, Any]:
+    """A block flies towards two that touch, and a fourth lies behind."""
+    bodies = {
+        "flying": block((-0.5, -0.5), (0.5, 0.5), velocity=[4.0, 0.3]),
+        "first": block((4.5, -0.5), (5.5, 0.5)),
+        "second": block((5.5, -0.5), (6.5, 0.5)),
+        "behind": block((9.5, -0.5), (10.5, 0.5)),
+    }
+    return scene(bodies, contact, **changes)
+
+
+def stack(**changes: Any) -> dict[str, Any]:
+    """A block on a held one under gravity, settled."""
+    bodies = {
+        "base": block((-1.0, -0.5), (1.0, 0.0), sides=[{"side": "bottom", "fixed": True}]),
+        "block": block((-0.5, 0.0), (0.5, 1.0)),
+    }
+    gravity = {"gravity": {"vector": [0.0, -1.0]}, "settle": {"tolerance": 1e-3}}
+    return scene(bodies, **gravity, sleep={"strain": 1e-4}, **changes)
+
+
+class Watch:
+    """Runs a scene and keeps who slept when, and the series of the outputs."""
+
+    def __init__(self, given: dict[str, Any]) -> None:
+        self.simulation = Simulation(given)
+        self.changes: list[tuple[float, set[str]]] = []
+        self.series: list[dict[str, Any]] = []
+        self.simulation.run(
+            write=lambda frame: self.series.append({k: np.copy(v) for k, v in frame.series.items()}),
+            after_step=self.look,
+        )
+
+    def look(self) -> None:
+        sleep, state = self.simulation._sleep, self.simulation.state
+        if sleep is not None and self.simulation.started:
+            asleep = {body.name for body in state.bodies if sleep.asleep[body.index]}
+            if asleep != (self.changes[-1][1] if self.changes else set()):
+                self.changes.append((state.time, asleep))
+
+
+@pytest.mark.parametrize("contact", ["penalty", "bardenhagen"])
+def test_a_hit_wakes_those_that_touch_and_nothing_else_changes(contact: str) -> None:
+    """Friction, springs and the order of contacts are those of the run without sleep; so is the momentum."""
+    fixed = {"time__step": 4e-4, "allow_unstable": True}
+    awake, slept = Watch(hit(contact, **fixed)), Watch(hit(contact, **fixed, **SLEEP))
+    assert [names for _, names in slept.changes] == [{"first", "second", "behind"}, {"behind"}]
+    assert slept.changes[1][0] < 1.0 < slept.changes[1][0] + 0.5  # the gap of 4 m is gone at 1 s
+    for name in ("centre_of_mass", "linear_momentum", "contact_force"):
+        for one, other in zip(awake.series, slept.series, strict=True):
+            scale = max(np.abs(each[name]).max() for each in awake.series)
+            assert np.abs(one[name] - other[name]).max() <= 1e-6 * scale
+    before, after = (slept.series[k]["linear_momentum"].sum(axis=0) for k in (0, -1))
+    np.testing.assert_allclose(after, before, rtol=1e-12)
+
+
+def test_a_stack_at_rest_sleeps_and_bears_its_weight() -> None:
+    """Its contact force stays that of the equilibrium, and is recorded as such."""
+    watch = Watch(stack(time__end=0.6, time__output_interval=0.2))
+    assert [names for _, names in watch.changes] == [{"base", "block"}]
+    last = watch.series[-1]
+    np.testing.assert_allclose(abs(last["contact_force"][0, 1]), 1000.0 * 1.0, rtol=2e-3)
+    np.testing.assert_array_equal(last["centre_of_mass"], watch.series[-2]["centre_of_mass"])
+
+
+def test_a_load_that_changes_wakes() -> None:
+    """A pressure that begins at 0.5 s acts from then on as if nobody had slept."""
+    side = {"side": "left", "pressure": [[0.0, 0.0], [0.5, 0.0], [0.6, 2e3], [1.0, 2e3]]}
+    pushed = {"pushed": block((-0.5, -0.5), (0.5, 0.5), sides=[side]), "other": block((6.0, 5.0), (7.0, 6.0))}
+    awake, slept = Watch(scene(pushed)), Watch(scene(pushed, **SLEEP))
+    assert [names for _, names in slept.changes] == [{"pushed", "other"}, {"other"}]
+    assert 0.5 <= slept.changes[1][0] < 0.505
+    moved = awake.series[-1]["centre_of_mass"][0]
+    np.testing.assert_allclose(slept.series[-1]["centre_of_mass"][0], moved, rtol=1e-6, atol=1e-9)
+    assert moved[0] > 0.1
+
+
+def test_gravity_that_changes_wakes() -> None:
+    """Gravity that begins at 0.5 s."""
+    table = {"table": [[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.6, 0.0, -5.0]]}
+    bodies = {"one": block((0.0, 0.0), (1.0, 1.0)), "two": block((6.0, 5.0), (7.0, 6.0))}
+    watch = Watch(scene(bodies, gravity=table, **SLEEP))
+    assert [names for _, names in watch.changes] == [{"one", "two"}, set()]
+    assert watch.series[-1]["centre_of_mass"][0, 1] < 0.3
+
+
+def test_the_top_of_a_flight_is_no_rest() -> None:
+    """A body that gravity turns back is slow for a while, longer than it would have to be at rest, and does not stop."""
+    bodies = {
+        "thrown": block((0.0, 0.0), (1.0, 1.0), velocity=[0.0, 0.05]),
+        "other": block((6.0, 5.0), (7.0, 6.0)),
+    }
+    weak = {"gravity": {"vector": [0.0, -0.1]}, "sleep": {"strain": 1e-4, "crossings": 1}}
+    watch = Watch(scene(bodies, **weak))
+    slow = 2.0 * watch.simulation._sleep.bound[0] / 0.1
+    assert slow > 5.0 * watch.simulation._sleep.patience[0]
+    assert watch.changes == []
+    np.testing.assert_allclose(watch.series[-1]["centre_of_mass"][0, 1], 0.5, rtol=1e-3)  # 0.05 t − 0.05 t²
+
+
+@pytest.mark.parametrize("moment", [0.3, 0.8])
+def test_resumes_to_the_bit(tmp_path: Path, moment: float) -> None:
+    """Saved while some sleep, and after they were hit."""
+    given = hit(**SLEEP, time__end=1.2)
+    going = Simulation(given)
+    saved = False
+
+    def after_step() -> None:
+        nonlocal saved
+        if not saved and going.started and going.state.time > moment:
+            saved = True
+            going.save(tmp_path / "saved")
+
+    frames: list[Any] = []
+    going.run(lambda frame: frames.append(np.copy(frame.particles["position"])), after_step=after_step)
+    resumed = Simulation(given)
+    resumed.load(tmp_path / "saved")
+    again: list[Any] = []
+    resumed.run(lambda frame: again.append(np.copy(frame.particles["position"])))
+    assert 0 < len(again) < len(frames)
+    for one, other in zip(frames[-len(again) :], again, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_a_run_in_which_nobody_rests_is_the_same_to_the_bit() -> None:
+    """Two blocks that fly past each other."""
+    bodies = {
+        "one": block((0.0, 0.0), (1.0, 1.0), velocity=[2.0, 0.0]),
+        "two": block((4.0, 3.0), (5.0, 4.0), velocity=[-2.0, 0.0], angular_velocity=3.0),
+    }
+    awake, slept = (Watch(scene(bodies, **more)) for more in ({}, SLEEP))
+    assert slept.changes == []
+    for one, other in zip(awake.series, slept.series, strict=True):
+        for name in one:
+            np.testing.assert_array_equal(one[name], other[name], err_msg=name)
+
+
+def test_all_asleep_goes_to_the_end_without_steps_of_anybody() -> None:
+    bodies = {"one": block((0.0, 0.0), (1.0, 1.0)), "two": block((6.0, 5.0), (7.0, 6.0))}
+    watch = Watch(scene(bodies, **SLEEP, time__end=2.0))
+    assert watch.changes[-1][1] == {"one", "two"}
+    assert watch.simulation.state.time == 2.0
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"contact__method": "none"}, "sleep: expected a contact with a velocity field for each body"),
+        ({"contact__method": "lcp"}, "sleep: contact 'lcp' cannot leave bodies out"),
+        ({"contact__penalty": {"passes": "one", "master": "first"}}, "sleep: contact 'penalty(master=first, passes=one)'"),
+        ({"output__ledger": True}, "sleep: output.ledger measures all bodies in every step"),
+        ({"output__stability": True}, "sleep: output.stability measures all bodies in every step"),
+    ],
+)  # fmt: skip
+def test_what_is_refused(changes: dict[str, Any], said: str) -> None:
+    with pytest.raises(SceneError) as refused:
+        Simulation(hit(**SLEEP, **changes))
+    assert str(refused.value).startswith(said)
+
+
+def test_nothing_of_it_in_other_runs() -> None:
+    """Neither modules nor calls."""
+    code = (
+        "import sys; sys.path.insert(0, 'tests'); sys.path.insert(0, 'tests/integration')\n"
+        "from test_sleep import hit\n"
+        "from mpmfw.simulation import Simulation\n"
+        "from mpmfw.steppers import SCHEMES\n"
+        "s = Simulation(hit())\n"
+        "assert s._step is SCHEMES['usl'] and s._sleep is None\n"
+        "assert not {'mpmfw.sleeping', 'mpmfw.numbers'} & set(sys.modules)\n"
+    )
+    subprocess.run(
+        [sys.executable, "-c", code], check=True, cwd=Path(__file__).parents[2], env={**os.environ}
+    )

@@ -1,0 +1,321 @@
+"""Several threads of a run: the same bits as one, whatever their number, and nothing of it where there is one."""
+
+from __future__ import annotations
+
+import gc
+import json
+import os
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from test_restart import CONTACTS
+from test_resume import same_results, stopped
+from typer.testing import CliRunner
+
+import mpmfw
+from mpmfw.benchmark import measure_threads
+from mpmfw.cli import app
+from mpmfw.discovery import available
+from mpmfw.errors import ResultsWarning, SceneError, SimulationError
+from mpmfw.identity import key_of
+from mpmfw.limits import cores
+from mpmfw.resuming import resume
+from mpmfw.scene import load_scene
+from mpmfw.simulation import Simulation
+from scenes_for_tests import ball_on_a_box, box, disc, one_body, two_blocks, with_changes
+
+pytestmark = pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")  # more threads than cores
+
+SHAPES = list(available("shape"))
+NUMBERS = (2, 3, 5)
+STEPS = 20
+
+
+def bits(scene: Any, threads: int, steps: int = STEPS, **methods: Any) -> dict[str, bytes]:
+    """All that a simulation holds after some steps: points, surface, grid, and the plug-ins' own arrays."""
+    simulation = Simulation(scene, threads=threads, **methods)
+    simulation.advance(steps)
+    state = simulation.state
+    names = (
+        "position",
+        "velocity",
+        "stress",
+        "volume",
+        "deformation_gradient",
+        "velocity_gradient",
+        "affine",
+    )
+    arrays = {name: getattr(state.particles, name) for name in names}
+    arrays |= {
+        f"grid {name}": getattr(state.grid, name) for name in ("mass", "momentum", "force", "velocity")
+    }
+    if state.surface is not None:
+        arrays["surface"] = state.surface.position
+    found = {name: array.tobytes() for name, array in {**arrays, **state.arrays}.items() if array is not None}
+    return {**found, "time": np.float64(state.time).tobytes()}
+
+
+def check_same(scene: Any, numbers: tuple[int, ...] = NUMBERS, **methods: Any) -> None:
+    one = bits(scene, 1, **methods)
+    for threads in numbers:
+        shared = bits(scene, threads, **methods)
+        assert list(shared) == list(one)
+        assert [name for name in one if one[name] != shared[name]] == [], threads
+
+
+# -- the same bits
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("contact", [name for name in CONTACTS if "+" not in name])
+def test_every_shape_with_every_contact(shape: str, contact: str) -> None:
+    check_same(two_blocks(contact, shape__method=shape), (3,))
+
+
+@pytest.mark.parametrize("shape", ["cpdi", "linear"])
+@pytest.mark.parametrize("contact", ["penalty", "bardenhagen", "none"])
+def test_every_number(shape: str, contact: str) -> None:
+    check_same(two_blocks(contact, shape__method=shape, output__ledger=True))
+
+
+@pytest.mark.parametrize("contact", [name for name in CONTACTS if "+" in name])
+def test_every_detection_with_every_law(contact: str) -> None:
+    check_same(two_blocks("none"), (2,), contact=contact)
+
+
+@pytest.mark.parametrize("shape", [name for name in SHAPES if name != "cpdi2"])
+@pytest.mark.parametrize("contact", ["penalty", "bardenhagen", "none"])
+def test_in_space(shape: str, contact: str) -> None:
+    scene = with_changes(ball_on_a_box(), shape__method=shape)
+    check_same(scene, (3,), contact=contact)
+
+
+@pytest.mark.parametrize("scheme", ["usl", "musl", "usf"])
+@pytest.mark.parametrize("transfer", ["flip", "pic", "apic", "tpic", "aflip"])
+def test_every_scheme_and_transfer(scheme: str, transfer: str) -> None:
+    check_same(disc(stepping={"scheme": scheme, "transfer": transfer}), (2, 3))
+
+
+@pytest.mark.parametrize("rotation", ["spin", "exact", "lumped", "local"])
+def test_every_treatment_of_rotation(rotation: str) -> None:
+    scene = two_blocks("penalty", bodies__left__rotation=rotation, bodies__right__rotation=rotation)
+    check_same(scene, (2, 3))
+
+
+@pytest.mark.parametrize("model", list(available("material")))
+def test_every_material(model: str) -> None:
+    own = {"yield_stress": 1e4} if model == "j2" else {}
+    soft = {"model": model, "density": 1000.0, "bulk_modulus": 1e6, "shear_modulus": 4e5, **own}
+    check_same(two_blocks("penalty", materials={"soft": soft}))
+
+
+def test_more_threads_than_points() -> None:
+    scene = one_body({"type": "rectangle", "lower": [0.0, 0.0], "upper": [0.5, 0.25]}, size=0.25)
+    assert Simulation(scene).state.particles.count == 2
+    for shape in SHAPES:
+        check_same(with_changes(scene, shape__method=shape), (2, 5))
+
+
+def test_a_table_that_grows() -> None:
+    """Rows lengthen all at once, past what the parts and the whole table have room for."""
+    check_same(box(shape__method="cpdi", bodies__solid__velocity=[3.0, 2.0, 1.0]), (2, 3))
+
+
+def test_a_shape_whose_rows_do_not_ascend() -> None:
+    """Of a stranger's shape function, whose nodes come in any order, one thread projects alone."""
+    from mpmfw_shape.linear import Linear
+
+    class Backwards(Linear):
+        name = "backwards"
+        rows_ascend = False
+
+        @mpmfw.api.hookimpl
+        def interpolate(self, particles: Any, grid: Any) -> Any:
+            """The rows of ``linear`` from their last entry to the first."""
+            table = super().interpolate(particles, grid)
+            n = len(table.row) - 1
+            turned = [array.reshape(n, 4, -1)[:, ::-1].reshape(array.shape).copy() for array in table[1:]]
+            return table._replace(nodes=turned[0], weight=turned[1], gradient=turned[2])
+
+    check_same(disc(), (2, 3), shape=Backwards)
+
+
+def test_runs_repeat() -> None:
+    scene = two_blocks("penalty")
+    assert bits(scene, 2) == bits(scene, 2)
+
+
+# -- results, checkpoints, errors
+
+
+def test_results_are_the_same_file(tmp_path: Path) -> None:
+    scene = two_blocks("penalty", time__end=0.01, time__output_interval=0.002, output__ledger=True)
+    for threads in (1, 2):
+        mpmfw.run(scene, output=tmp_path / f"{threads}.nc", threads=threads)
+    same_results(tmp_path / "2.nc", tmp_path / "1.nc")
+
+
+@pytest.mark.parametrize(("before", "after"), [(1, 2), (2, 1), (2, 3)])
+def test_a_run_goes_on_with_another_number(tmp_path: Path, before: int, after: int) -> None:
+    scene = two_blocks("penalty", time__end=0.02, time__output_interval=0.001)
+    mpmfw.run(scene, output=tmp_path / "whole.nc")
+    stopped(scene, tmp_path / "run.nc", 40, threads=before)
+    resume(tmp_path / "run.nc", threads=after)
+    same_results(tmp_path / "run.nc", tmp_path / "whole.nc")
+
+
+def test_a_snapshot_says_nothing_of_threads() -> None:
+    def saved(threads: int) -> Any:
+        simulation = Simulation(two_blocks("penalty"), threads=threads)
+        simulation.advance(3)
+        snapshot = simulation.snapshot()
+        return json.dumps([snapshot.roots, snapshot.nodes]).count("threads"), len(snapshot.arrays)
+
+    assert saved(2) == saved(1)
+
+
+def test_errors_name_the_same_point() -> None:
+    """A point that leaves the grid, and one that inverts, in whichever part they are."""
+    for changes in ({"bodies__solid__velocity": [200.0, 30.0]}, {"time__step": 0.02, "allow_unstable": True}):
+        scene = disc(time__end=1.0, bodies__solid__angular_velocity=40.0, **changes)
+        said = set()
+        for threads in (1, 2, 3):
+            with pytest.raises(SimulationError) as error:
+                mpmfw.run(scene, threads=threads)
+            said.add(str(error.value))
+        assert len(said) == 1
+
+
+# -- the request
+
+
+@pytest.mark.parametrize("wrong", [0, -1, "two", 1.5, True])
+def test_what_is_no_number_of_threads(wrong: Any) -> None:
+    with pytest.raises(SceneError, match=r"threads.*expected an integer"):
+        load_scene(two_blocks("penalty", threads=wrong))
+    with pytest.raises(SceneError, match=r"threads: found .*; expected an integer of at least 1"):
+        mpmfw.run(two_blocks("penalty"), threads=wrong)
+
+
+@pytest.mark.filterwarnings("default::mpmfw.errors.ResultsWarning")
+def test_more_than_there_are_cores_is_a_remark() -> None:
+    scene = two_blocks("penalty", time__end=1e-3, time__output_interval=1e-3)
+    with pytest.warns(ResultsWarning, match=f"threads: {cores() + 1} are more than the {cores()} cores"):
+        mpmfw.run(scene, set={"threads": cores() + 1})
+
+
+def test_the_meaning_of_a_scene_is_the_same() -> None:
+    scene = two_blocks("penalty")
+    assert key_of(load_scene(scene)) == key_of(load_scene({**scene, "threads": 2}))
+
+
+def test_explain_says_it() -> None:
+    def said(*options: str) -> str:
+        return CliRunner().invoke(app, ["explain", "sliding-block", *options]).output
+
+    assert "2 threads share points and sums at nodes" in said("--set", "threads=2")
+    assert "threads" not in said()
+
+
+def test_benchmark_compares() -> None:
+    row = measure_threads(two_blocks("penalty"), 2, 1, steps=2)
+    assert row["threads"] == 2
+    assert row["ratio"] == pytest.approx(row["ns_one"] / row["ns_shared"])
+
+
+@pytest.fixture
+def begun(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Threads of every simulation that is built."""
+    found: list[int] = []
+    init = Simulation.__init__
+
+    def counted(self: Simulation, *given: Any, **named: Any) -> None:
+        init(self, *given, **named)
+        found.append(self.threads)
+
+    monkeypatch.setattr(Simulation, "__init__", counted)
+    return found
+
+
+def test_campaigns_have_one_thread_and_comparisons_those_of_the_scene(begun: list[int]) -> None:
+    scene = two_blocks("penalty", time__end=2e-3, time__output_interval=1e-3, threads=2)
+    mpmfw.campaign(scene, {"kappa": [1.0, 2.0]}, repeats=1)
+    assert set(begun) == {1}
+    begun.clear()
+    dataset = mpmfw.compare(scene, ["penalty"], ["cpdi"], repeats=1)
+    assert 2 in begun
+    assert dataset.attrs["timing"] != "exclusive"
+
+
+# -- what it leaves
+
+
+def workers() -> set[threading.Thread]:
+    return {thread for thread in threading.enumerate() if thread.name == "mpmfw"}
+
+
+def test_threads_end_with_the_simulation() -> None:
+    before = workers()
+    simulation = Simulation(two_blocks("penalty"), threads=3)
+    simulation.advance(1)
+    own = workers() - before
+    assert len(own) == 2
+    del simulation
+    gc.collect()
+    for thread in own:
+        thread.join(10.0)
+    assert not workers() & own
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no processes are forked here")
+def test_a_forked_process_starts_threads_of_its_own() -> None:
+    code = """
+import os
+from scenes_for_tests import two_blocks
+from mpmfw.simulation import Simulation
+simulation = Simulation(two_blocks("penalty"), threads=2)
+simulation.advance(2)
+child = os.fork()
+simulation.advance(2)
+if child:
+    assert os.waitpid(child, 0)[1] == 0
+    print("both")
+os._exit(0)
+"""
+    assert run_python(code) == "both"
+
+
+def test_one_thread_imports_nothing_of_it() -> None:
+    code = """
+import sys
+from scenes_for_tests import two_blocks
+from mpmfw.simulation import Simulation
+simulation = Simulation(two_blocks("penalty"))
+simulation.advance(2)
+from mpmfw.kernels import projection
+compiled = [len(signature) for signature in projection.add_internal_force.signatures]
+assert simulation.state.particles.threads is None
+print([name for name in sys.modules if name in ("mpmfw.threads", "mpmfw.kernels._waiting")], len(compiled))
+"""
+    assert run_python(code) == "[] 1"
+
+
+def run_python(code: str) -> str:
+    """What a Python process prints."""
+    tests = str(Path(__file__).resolve().parents[1])
+    environment = {**os.environ, "PYTHONPATH": tests}
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", code],
+        capture_output=True,
+        text=True,
+        env=environment,
+        timeout=300,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
