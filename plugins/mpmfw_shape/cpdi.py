@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from mpmfw.api import FloatArray, Grid, Particles, Setup, Stencil, hookimpl
+from mpmfw.api import FloatArray, Grid, IntArray, Particles, Setup, Stencil, hookimpl
 from mpmfw.kernels import kernel, scratch
 from mpmfw.kernels.packed import CORNERS, FULL, OUTSIDE, fill_domain
 from mpmfw.kernels.small_matrix import invert
@@ -13,17 +15,21 @@ from mpmfw.kernels.types import Floats, Indices, Ints
 from mpmfw_shape._at_points import LinearSurface
 from mpmfw_shape._packed_rows import empty_rows, fill_rows
 
+if TYPE_CHECKING:
+    from mpmfw_shape._rectangles import Rectangles
+
 
 @kernel
 def fill_cpdi(
+    first: Ints,
     position: Floats,
     deformation_gradient: Floats,
     half_edges: Floats,
-    first: Ints,
     lower: Floats,
     window_lower: Ints,
     window_shape: Ints,
     offset: Ints,
+    k: int,
     row: Ints,
     nodes: Indices,
     weight: Floats,
@@ -53,8 +59,6 @@ def fill_cpdi(
     share = scratch.vector(CORNERS)
     for c in range(n_corners):
         share[c] = share_of_each
-    k = 0
-    row[0] = 0
     for f in range(len(first) - 1):
         read_window(lower, window_lower, window_shape, f, origin, shape, spacing)
         start = offset[f]
@@ -91,6 +95,12 @@ class Cpdi(LinearSurface):
         """Take the domains at the start; the deformed ones are F R_0 and are not stored."""
         self.half_edges = setup.half_edges
         self.room = empty_rows(setup.state.particles.count, setup.dim)
+        self.rectangles: Rectangles | None = None
+        if setup.dim == 3 and setup.state.surface is not None:
+            from mpmfw_shape._rectangles import Rectangles
+
+            found = Rectangles(setup.state.surface, setup.state.particles, setup.half_edges)
+            self.rectangles = found if len(found.corners) else None
 
     @hookimpl
     def particle_reach(self, particles: Particles) -> FloatArray:
@@ -104,11 +114,11 @@ class Cpdi(LinearSurface):
         self.room, table = fill_rows(
             fill_cpdi,
             self.room,
+            particles,
             (
                 particles.position,
                 particles.deformation_gradient,
                 self.half_edges,
-                particles.first,
                 grid.lower,
                 grid.window_lower,
                 grid.window_shape,
@@ -117,3 +127,11 @@ class Cpdi(LinearSurface):
             grid.spacing,
         )
         return table
+
+    @hookimpl
+    def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
+        """N_i(x_s); at the centre of a rectangle that is cut in four triangles the mean of its corners' (:mod:`._rectangles`)."""
+        plain = super().interpolate_surface(position=position, first=first, grid=grid)
+        if self.rectangles is None or len(position) != len(self.rectangles.index):
+            return plain
+        return self.rectangles.table_of(plain)

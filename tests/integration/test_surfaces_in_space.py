@@ -7,6 +7,7 @@ import pytest
 
 import mpmfw
 from mpmfw.errors import SceneError
+from mpmfw.geometry.solid import turning
 from mpmfw.scene import load_scene
 from mpmfw.simulation import Simulation
 
@@ -67,6 +68,42 @@ def test_stress_between_blocks_of_other_triangles_is_the_pressure(sides):
         assert len(near) == 128
         assert near.min() > 0.99
         assert near.max() < 1.01
+
+
+TURN = np.radians([20.0, 35.0, 50.0])
+
+
+def turned(blocks):
+    """Blocks of four cells on top of each other, turned about the grid's middle, under pressure on both ends; ``blocks`` are
+    the sizes of their points, which those of the rectangles are."""
+    axes, bodies = turning(tuple(TURN)), {}
+    for k, size in enumerate(blocks):
+        centre = np.array([0.13, 0.07, 0.21]) + axes @ np.array([0.0, 0.0, 4.0 * k + 2.0 - 2.0 * len(blocks)])
+        ends = [side for side, place in (("back", 0), ("front", len(blocks) - 1)) if k == place]
+        body = box(centre - 2.0, centre + 2.0, size, sides=[{"side": s, "pressure": "2 kPa"} for s in ends])
+        body["geometry"]["angles"], body["particles"]["size"] = TURN.tolist(), size * CELL
+        bodies[f"block{k}"] = body
+    half = (1.0 + 2.0 * len(blocks) + 2.0) * CELL
+    made = scene(bodies, settle={"tolerance": 1e-3}, allow_overlap=True)
+    made["grid"] = {"cell_size": CELL, "lower": [-half] * 3, "upper": [half] * 3}
+    if len(blocks) == 1:
+        del made["contact"]
+    return made, axes
+
+
+@pytest.mark.parametrize(
+    ("blocks", "tolerance"),
+    [((0.5,), 0.005), ((0.5, 0.5), 0.01), ((0.5, 0.4), 0.06)],
+    ids=["one", "two", "other triangles"],
+)
+def test_stress_in_blocks_turned_against_the_grid_is_the_pressure(blocks, tolerance):
+    """At the faces as well, where cells are filled in part: loads are mapped by what CPDI makes of the grid's functions there."""
+    mapping, axes = turned(blocks)
+    sim = Simulation(load_scene(mapping))
+    sim.start()
+    stress = np.einsum("a,nab,b->n", axes[:, 2], sim.state.particles.stress, axes[:, 2]) / -2e3
+    assert abs(stress - 1.0).max() < tolerance
+    assert stress.mean() == pytest.approx(1.0, abs=1e-3)
 
 
 def impact(method="penalty"):

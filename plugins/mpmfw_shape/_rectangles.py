@@ -1,0 +1,125 @@
+"""Rectangles of a surface that are cut in four triangles from the centre: the functions of CPDI on them.
+
+CPDI interpolates the grid's functions between the corners of its domains, so that Σ V ∇φ over points that tile a box is
+∮ φ n dA of functions that are bilinear on the faces of the outermost domains. At a rectangle's centre such a function is the mean
+of what it is at the corners, which is the grid's own where no kink lies in between. Where a rectangle is no face of a point's
+domain the two sides differ anyhow, and the grid's own functions are the better quadrature.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from mpmfw.api import AnyArray, FloatArray, IntArray, Particles, Stencil, Surface
+from mpmfw.kernels import kernel
+from mpmfw.kernels.types import Floats, Indices, Ints
+
+#: Distance over a rectangle's size within which a node is its centre, or its corners are those of a point's face.
+CENTRED = 1e-9
+#: Corners of a hexahedron's face, and of a rectangle, as signs of two half-edges.
+SIGNS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+
+
+def corners_of_centres(surface: Surface) -> tuple[IntArray, IntArray]:
+    """Surface nodes (k,) with four facets, of all of which they are the last corner, in the middle of the other four; and these,
+    (k, 4)."""
+    facets, position = surface.facets, surface.position
+    last = np.bincount(facets[:, -1], minlength=len(position))
+    centre = np.flatnonzero((last == 4) & (np.bincount(facets.ravel(), minlength=len(position)) == 4))
+    around = facets[np.isin(facets[:, -1], centre)]
+    # each corner is the first of one of the four
+    corners = around[np.argsort(around[:, -1], kind="stable"), 0].reshape(-1, 4)
+    away = position[corners].mean(axis=1) - position[centre]
+    size = np.linalg.norm(position[corners[:, 2]] - position[corners[:, 0]], axis=1)
+    kept = np.linalg.norm(away, axis=1) <= CENTRED * size
+    return centre[kept], corners[kept]
+
+
+def are_faces(rectangles: FloatArray, position: FloatArray, half_edges: FloatArray) -> AnyArray:
+    """Whether each rectangle (k, 4, 3) [m] is a face of a point's domain, (k,).
+
+    ``position`` (n, 3) and ``half_edges`` (n, 3, 3) are the domains at the start [m].
+    """
+    centre = rectangles.mean(axis=1)
+    nearest = cKDTree(position).query(centre)[1]
+    middle, half = position[nearest], half_edges[nearest]
+    found = np.zeros(len(rectangles), dtype=bool)
+    for a in range(3):
+        b, c = (a + 1) % 3, (a + 2) % 3
+        across = half[:, np.newaxis, :, b] * SIGNS[:, :1] + half[:, np.newaxis, :, c] * SIGNS[:, 1:]
+        for side in (-1.0, 1.0):
+            face = (middle + side * half[:, :, a])[:, np.newaxis] + across
+            apart = (
+                np.linalg.norm(rectangles[:, :, np.newaxis] - face[:, np.newaxis], axis=-1)
+                .min(axis=2)
+                .max(axis=1)
+            )
+            found |= apart <= CENTRED * np.linalg.norm(across[:, 0], axis=1)
+    return found
+
+
+@kernel
+def mean_rows(
+    index: Ints, corners: Ints, row: Ints, nodes: Indices, weight: Floats, out_row: Ints, out_nodes: Indices,
+    out_weight: Floats,
+) -> None:  # fmt: skip
+    """Copy a table of surface nodes; where ``index`` (n_s,) is that of a rectangle, and not −1, the row is the mean of its
+    corners' (k, 4)."""
+    top = 0
+    out_row[0] = 0
+    for s in range(len(index)):
+        parts = 1 if index[s] < 0 else 4
+        for a in range(parts):
+            p = s if index[s] < 0 else corners[index[s], a]
+            following = out_row[s]  # corners within one cell have their nodes in the same order
+            for j in range(row[p], row[p + 1]):
+                entry = top
+                if following < top and out_nodes[following] == nodes[j]:
+                    entry = following
+                else:
+                    for e in range(out_row[s], top):
+                        if out_nodes[e] == nodes[j]:
+                            entry = e
+                if entry == top:
+                    out_nodes[top], out_weight[top] = nodes[j], 0.0
+                    top += 1
+                out_weight[entry] += weight[j] / parts
+                following = entry + 1
+        out_row[s + 1] = top
+
+
+class Rectangles:
+    """The table of a surface with such centres.
+
+    Parameters
+    ----------
+    surface
+        Tracked by the scene.
+    particles, half_edges
+        The points, and the half-edges (n, 3, 3) of their domains [m].
+    """
+
+    def __init__(self, surface: Surface, particles: Particles, half_edges: FloatArray) -> None:
+        centre, corners = corners_of_centres(surface)
+        faces = np.zeros(len(centre), dtype=bool)
+        for body in range(len(surface.first) - 1):
+            of_body = (centre >= surface.first[body]) & (centre < surface.first[body + 1])
+            points = slice(particles.first[body], particles.first[body + 1])
+            rectangles = surface.position[corners[of_body]]
+            faces[of_body] = are_faces(rectangles, particles.position[points], half_edges[points])
+        centre, self.corners = centre[faces], corners[faces]
+        count = len(surface.position)
+        self.index = np.full(count, -1)
+        self.index[centre] = np.arange(len(centre))
+        entries = 2**3 * (count + 3 * len(centre))
+        self.table = Stencil(
+            np.zeros(count + 1, dtype=np.int64), np.zeros(entries, dtype=np.int32), np.zeros(entries), np.zeros((0, 3))
+        )  # fmt: skip
+
+    def table_of(self, plain: Stencil) -> Stencil:
+        """The table with the functions at the nodes themselves, ``plain``, with centres as means of their corners."""
+        row, nodes, weight, _ = self.table
+        mean_rows(self.index, self.corners, plain.row, plain.nodes, plain.weight, row, nodes, weight)
+        used = row[-1]
+        return self.table._replace(nodes=nodes[:used], weight=weight[:used])

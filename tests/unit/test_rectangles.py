@@ -1,0 +1,82 @@
+"""Functions at the centres of a box's rectangles: the mean of the corners', as CPDI's domains have it on their faces."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import mpmfw_shape._rectangles as module
+from mpmfw.geometry.box import Box
+from mpmfw.simulation import Simulation
+from mpmfw_shape._rectangles import Rectangles
+from scenes_for_tests import SOFT
+
+H = 0.25
+
+
+def block(shape="cpdi", angles=(0.0, 0.0, 0.0)):
+    """A box of three cells with a pressure on one side."""
+    box = {"type": "box", "lower": [0.0] * 3, "upper": [3 * H] * 3, "angles": list(angles)}
+    body = {"material": "soft", "geometry": box, "particles": {"layout": "fitted", "size": 0.5 * H}}
+    body |= {"segment": 0.5 * H, "sides": [{"side": "front", "pressure": 1.0}]}
+    return Simulation(
+        {
+            "grid": {"cell_size": H, "lower": [-3 * H] * 3, "upper": [6 * H] * 3},
+            "time": {"end": 1.0, "output_interval": 1.0},
+            "shape": {"method": shape},
+            "materials": {"soft": SOFT},
+            "bodies": {"block": body},
+        }
+    )
+
+
+def boundary(sim):
+    """Σ V ∇φ, and ∮ N n dA by the surface's table, of every grid node (n, 3) [m²]."""
+    state = sim.state
+    phi = sim.shape.interpolate(particles=state.particles, grid=state.grid)
+    surface = state.surface
+    table = sim.shape.interpolate_surface(position=surface.position, first=surface.first, grid=state.grid)
+    inner, outer = (np.zeros((int(max(phi.nodes.max(), table.nodes.max())) + 1, 3)) for _ in range(2))
+    volume = np.repeat(state.particles.volume, np.diff(phi.row))
+    np.add.at(inner, phi.nodes, volume[:, np.newaxis] * phi.gradient)
+    a, b, c = (surface.position[surface.facets[:, k]] for k in range(3))
+    third = np.cross(b - a, c - a) / 6.0
+    for corner in surface.facets.T:
+        for facet, s in enumerate(corner):
+            row = slice(table.row[s], table.row[s + 1])
+            np.add.at(outer, table.nodes[row], table.weight[row, np.newaxis] * third[facet])
+    return inner, outer
+
+
+@pytest.mark.parametrize("angles", [(0.0, 0.0, 0.0), (0.35, 0.61, 0.87)], ids=["along", "turned"])
+def test_the_surface_has_the_boundary_of_the_points(angles):
+    inner, outer = boundary(block(angles=angles))
+    np.testing.assert_allclose(outer, inner, atol=1e-12 * H**2)
+
+
+def test_without_the_means_it_has_not(monkeypatch):
+    monkeypatch.setattr(module, "CENTRED", -1.0)
+    inner, outer = boundary(block(angles=(0.35, 0.61, 0.87)))
+    assert abs(outer - inner).max() > 0.01 * abs(inner).max()
+
+
+def test_centres_are_those_of_rectangles_that_are_faces_of_points():
+    box = Box(lower=(0, 0, 0), upper=(1, 2, 3))
+    (nodes, facets), = box.surfaces(1.0)  # fmt: skip
+
+    surface = SimpleNamespace(position=nodes, facets=facets, first=[0, len(nodes)])
+    points, finer = box.fitted(1.0), box.fitted(0.5)
+
+    def rectangles(layout):
+        particles = SimpleNamespace(position=layout.position, first=[0, len(layout.position)])
+        return Rectangles(surface, particles, layout.half_edges)
+
+    found = rectangles(points)
+    assert len(found.corners) == len(facets) // 4 == 22
+    centre = np.flatnonzero(found.index >= 0)
+    np.testing.assert_allclose(nodes[found.corners[found.index[centre]]].mean(axis=1), nodes[centre])
+    assert len(rectangles(finer).corners) == 0
+    surface.position = nodes + np.where(found.index >= 0, 1e-3, 0.0)[:, np.newaxis]
+    assert len(rectangles(points).corners) == 0
