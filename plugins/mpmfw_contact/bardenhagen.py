@@ -33,3 +33,4 @@ class Bardenhagen(ImpulseContact):
     Detection = Nodes
     Law = Impulse
     Options = BardenhagenOptions
+    leaves_bodies_out = True

@@ -82,7 +82,7 @@ def pair_forces(
 
 
 class Hamad2017LawOptions(SpringOptions):
-    """Those of springs, and the reading of [H17]'s friction."""
+    """Stiffness along the normal and the tangent, and the reading of [H17]'s friction."""
 
     friction_law: Literal["coulomb", "literal"] = Field(
         "coulomb",
@@ -151,7 +151,7 @@ class EveryFacet(Surfaces):
 
 
 class Hamad2017Options(Hamad2017LawOptions, FacetOptions):
-    """Those of springs between surfaces, with [H17]'s layer, and the reading of its friction."""
+    """Springs between surfaces, with [H17]'s layer, and the reading of its friction: options of the law and of detection."""
 
     interface_thickness: Length = Field(
         0.001, ge=0, description="thickness of the surface layer that carries mass ([H17] 3.1)"

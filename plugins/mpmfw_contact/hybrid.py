@@ -49,7 +49,7 @@ class Hybrid(Impulse):
     softness_option = "kappa"
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:
-        """Those, and the bound."""
+        """Arrays of springs, and the bound."""
         return {**super().row_arrays(friction=friction), "limit": 0}
 
     def prepare(self, setup: Setup, owner: str) -> None:  # noqa: ARG002
@@ -84,7 +84,7 @@ class Hybrid(Impulse):
 
 
 class HybridContactOptions(HybridOptions, SurfacesOptions):
-    """Those of the law and of the surfaces."""
+    """Spring that is the bound, between surfaces: options of the law and of detection."""
 
 
 class HybridContact(ImpulseContact):

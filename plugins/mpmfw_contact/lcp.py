@@ -125,7 +125,7 @@ class Lcp(ImpulseLaw):
 
 
 class LcpContactOptions(LcpOptions, SurfacesOptions):
-    """Those of the law and of the surfaces."""
+    """Solution of all rows between surfaces: options of the law and of detection."""
 
 
 class LcpContact(ImpulseContact):

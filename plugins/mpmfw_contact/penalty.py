@@ -51,7 +51,7 @@ class SpringOptions(BaseModel):
 
 
 class PenaltyLawOptions(SpringOptions):
-    """Those, and a dashpot."""
+    """Stiffness along the normal and the tangent, and a dashpot."""
 
     damping: float = Field(0.0, ge=0, description="normal dashpot as a fraction of critical, at most 2 k dt")
 
@@ -143,7 +143,7 @@ class PenaltyLaw(Springs):
 
 
 class PenaltyOptions(PenaltyLawOptions, SurfacesOptions):
-    """Those of the springs and of the surfaces."""
+    """Springs with a dashpot between surfaces: options of the law and of detection."""
 
     @model_validator(mode="before")
     @classmethod
@@ -164,3 +164,9 @@ class Penalty(ForceContact):
     Detection = Surfaces
     Law = PenaltyLaw
     Options = PenaltyOptions
+    options: PenaltyOptions
+
+    @property
+    def leaves_bodies_out(self) -> bool:  # type: ignore[override]
+        """Unless a master is named, who must be there, or a layer on the surfaces has a mass that moves by itself."""
+        return self.options.master is None and not self.adds_mass

@@ -18,7 +18,7 @@ from mpmfw_contact._near_points import Buckets, Neighbours, Points, enclose, fin
 
 
 class PointsOptions(BaseModel):
-    """It has none."""
+    """No options."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 

@@ -34,7 +34,9 @@ def test_a_spring_that_grows_keeps_its_force_and_one_that_shrinks_its_rest(part,
     rest = max(rest, gap)  # no more than unloaded
     share, left = changed_spring(part, old_part, rest, 0.0, gap, CELL)
     if part > old_part * (1.0 + NOISE):
-        assert share * (left - gap) == pytest.approx(old_part * (rest - gap), rel=1e-9, abs=1e-18)
+        assert share * (left - gap) == pytest.approx(
+            old_part * (rest - gap), rel=1e-9, abs=1e-17
+        )  # forces are up to 1e-2
     else:
         assert left == rest
     assert share == (old_part if abs(part - old_part) <= NOISE * old_part else part)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from mpmfw.testing import shape_conformance
 
-from mpmfw_cubic_bspline import CubicBSpline
+from mpmfw_bounded_bspline import BoundedBSpline
 
 
-@shape_conformance(CubicBSpline)
+@shape_conformance(BoundedBSpline)
 def test_modified_at_the_grid_end(check):
     check()
 
 
-@shape_conformance(CubicBSpline(grid_end="refuse"))
+@shape_conformance(BoundedBSpline(grid_end="refuse"))
 def test_refused_at_the_grid_end(check):
     check()

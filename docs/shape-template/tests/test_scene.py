@@ -10,7 +10,7 @@ from mpmfw.api import SceneError
 SCENE = {
     "grid": {"cell_size": 0.1, "lower": [0.0, 0.0], "upper": [1.0, 1.0]},
     "time": {"end": 0.05, "output_interval": 0.05},
-    "shape": {"method": "cubic_bspline"},
+    "shape": {"method": "bounded_bspline"},
     "materials": {
         "rubber": {"model": "neo_hookean", "density": 1000.0, "bulk_modulus": 1e5, "shear_modulus": 5e4}
     },
@@ -48,7 +48,7 @@ def test_a_body_in_the_grids_last_cell(where):
     scene = {
         **{key: value for key, value in SCENE.items() if key != "gravity"},
         "bodies": {"square": body},
-        "shape": {"method": "cubic_bspline", "cubic_bspline": {"grid_end": where}},
+        "shape": {"method": "bounded_bspline", "bounded_bspline": {"grid_end": where}},
     }
     if where == "refuse":
         with pytest.raises(SceneError, match="reaches beyond the grid"):

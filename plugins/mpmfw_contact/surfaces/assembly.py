@@ -158,13 +158,18 @@ def add_point(
     ``corner`` is the facet's corner that p is, −1 of the slave node: its couple and tilt go with it.
     """
     dim, couple, tilt = rows.normal.shape[1], rows.couple, rows.tilt
+    following = rows.start[c]  # points of a cell have their nodes in the same order
     for k in range(table.row[p], table.row[p + 1]):
         if table.weight[k] == 0.0:
             continue
         entry = top
-        for j in range(rows.start[c], top):
-            if rows.dof[j] == table.nodes[k]:
-                entry = j
+        if following < top and rows.dof[following] == table.nodes[k]:
+            entry = following
+        else:
+            for j in range(rows.start[c], top):
+                if rows.dof[j] == table.nodes[k]:
+                    entry = j
+        following = entry + 1
         if entry == top:
             top += 1
             rows.dof[entry], rows.weight[entry] = table.nodes[k], 0.0

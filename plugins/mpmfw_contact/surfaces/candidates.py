@@ -74,8 +74,14 @@ class SearchGrid(Struct):
     shared: Ints  #: (n_nodes,) stamp of the last step in which two surfaces reached it
     head: Ints  #: (n_nodes,) first entry of the cell's list
     head_stamp: Ints  #: (n_nodes,)
+    head_body: Ints  #: (n_nodes,) body of all facets of the list, −1 where there are several
     link: Indices  #: (n_entries,) next entry
     link_facet: Indices  #: (n_entries,) facet
+    link_body: Indices  #: (n_entries,) its body
+    near: Indices  #: (n_f,) facets in their bodies' near boxes, the first ``near_count[0]`` of them
+    near_count: Ints  #: (1,)
+    facet_lower: Floats  #: (n_f, dim) bounding boxes of those facets [m]
+    facet_upper: Floats  #: (n_f, dim) [m]
     box_lower: Floats  #: (n_bodies, dim) [m]
     box_upper: Floats  #: (n_bodies, dim) [m]
     near_lower: Floats  #: (n_bodies, dim) box of what of the body may be near another [m]
@@ -85,15 +91,13 @@ class SearchGrid(Struct):
 def no_lists(setup: Setup, owner: str) -> SearchGrid:
     """Allocate and list the arrays of the search, without marks."""
     grid, surface = setup.state.grid, setup.state.surface
-    sizes = {
-        "grid_node": int(np.prod(grid.nodes)),
-        "entry": 4 * (0 if surface is None else len(surface.facets)),
-    }
+    facets = 0 if surface is None else len(surface.facets)
+    sizes = {"grid_node": int(np.prod(grid.nodes)), "facet": facets, "entry": 4 * facets, "one": 1}
 
     def array(name: str, dims: tuple[str, ...], meaning: str, dtype: str, unit: str = "1") -> np.ndarray:
         return setup.allocate(owner, Field(name, dims, unit, meaning, "contact", dtype), **sizes)
 
-    node, entry, body = ("grid_node",), ("entry",), ("body", "axis")
+    node, entry, body, facet = ("grid_node",), ("entry",), ("body", "axis"), ("facet", "axis")
     return SearchGrid(
         lower=grid.lower,
         nodes=grid.nodes,
@@ -101,8 +105,14 @@ def no_lists(setup: Setup, owner: str) -> SearchGrid:
         shared=array("shared", node, "stamp of nodes reached by two surfaces", "i8"),
         head=array("head", node, "first entry of the cell's list of facets", "i8"),
         head_stamp=array("head_stamp", node, "stamp of the list", "i8"),
+        head_body=array("head_body", node, "body of all facets of the list, or -1", "i8"),
         link=array("link", entry, "next entry of the list", "i4"),
         link_facet=array("link_facet", entry, "facet of the entry", "i4"),
+        link_body=array("link_body", entry, "its body", "i4"),
+        near=array("near", ("facet",), "facets in their bodies' near boxes", "i4"),
+        near_count=array("near_count", ("one",), "number of those facets", "i8"),
+        facet_lower=array("facet_lower", facet, "lower corner of such a facet's bounding box", "f8", "m"),
+        facet_upper=array("facet_upper", facet, "upper corner of such a facet's bounding box", "f8", "m"),
         box_lower=array("box_lower", body, "lower corner of the body's bounding box", "f8", "m"),
         box_upper=array("box_upper", body, "upper corner of the body's bounding box", "f8", "m"),
         near_lower=array("near_lower", body, "lower corner of what may be near another body", "f8", "m"),

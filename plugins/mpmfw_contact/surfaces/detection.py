@@ -60,7 +60,7 @@ class FacetOptions(BaseModel):
 
 
 class SurfacesOptions(FacetOptions):
-    """Those, passes, and the form of C_n."""
+    """Master, search and mapping, number of passes, and the form of C_n."""
 
     passes: Literal["one", "two"] = Field(
         "two",
@@ -146,7 +146,9 @@ class Surfaces(Detection):
 
     def new_rows(self, own: dict[str, int | None]) -> SurfaceRows:
         """Rows that know their slave node and facet."""
-        return SurfaceRows(self.state.grid.dim, couples=self.has_friction, tilts=self.tilts, own=own)
+        rows = SurfaceRows(self.state.grid.dim, couples=self.has_friction, tilts=self.tilts, own=own)
+        rows.n_bodies = len(self.state.bodies)
+        return rows
 
     def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:  # noqa: ARG002
         """Search at x_s(tⁿ), and write a row for each candidate."""
@@ -183,7 +185,9 @@ class Surfaces(Detection):
             entries = search.list_facets(self.stamp, self.outline, lists, grid.spacing)
             if entries <= len(lists.link):
                 return True
-            room = {name: np.zeros(2 * entries, dtype=np.int32) for name in ("link", "link_facet")}
+            room = {
+                name: np.zeros(2 * entries, dtype=np.int32) for name in ("link", "link_facet", "link_body")
+            }
             lists.set(**room)
 
     def _track(self) -> int:
@@ -225,6 +229,20 @@ class Surfaces(Detection):
                 c.inside.fill(-1)
             self.was_inside = self.count > 0
 
+    def take_over(self, other: Surfaces, numbers: Any) -> None:
+        """Which nodes were inside which bodies."""
+        nodes, theirs, ours = numbers.surface_node, other.candidates, self.candidates
+        known = np.flatnonzero(nodes >= 0)
+        inside, facet = theirs.inside[known], theirs.inside_facet[known]
+        inside = np.where(inside >= 0, numbers.body[inside], -1)
+        slots = min(inside.shape[1], ours.inside.shape[1])
+        first = np.argsort(inside < 0, axis=1, kind="stable")[:, :slots]  # of bodies that are here
+        ours.inside[nodes[known]] = ours.inside_facet[nodes[known]] = -1
+        ours.inside[nodes[known], :slots] = np.take_along_axis(inside, first, axis=1)
+        facet = np.where(inside >= 0, numbers.facet[facet], -1)
+        ours.inside_facet[nodes[known], :slots] = np.take_along_axis(facet, first, axis=1)
+        self.was_inside = bool((ours.inside >= 0).any())
+
     def outputs(self, rows: ContactRows) -> dict[str, AnyArray]:
         """Contact forces of the surface nodes, those of facets shared by their corners."""
         assert isinstance(rows, SurfaceRows)
@@ -236,9 +254,10 @@ class SurfaceRows(ContactRows):
     """Rows with their places on the surfaces."""
 
     places: Places
+    n_bodies: int  #: identity is that of the node times this and the other body's index
 
     def make_room(self, rows: int, entries: int) -> None:
-        """Those as well."""
+        """Allocate the rows, and where on its facet each of them acts."""
         super().make_room(rows, entries)
         dim = self.dim
         self.places = Places(
@@ -248,6 +267,19 @@ class SurfaceRows(ContactRows):
             turn=np.zeros((rows if len(self.couple) else 0, dim, dim)),
             lean=np.zeros((rows if len(self.tilt) else 0, dim, dim)),
         )
+
+    def history(self) -> dict[str, AnyArray]:
+        """Those, and the places as ``at/NAME``."""
+        return super().history() | {f"at/{name}": array for name, array in self.places.members().items()}
+
+    def renumber(self, history: dict[str, AnyArray], own: ContactRows, numbers: Any) -> None:
+        """Nodes and facets too, and the identity that is made of node and body."""
+        super().renumber(history, own, numbers)
+        assert isinstance(own, SurfaceRows)
+        node, body = np.divmod(history["identity"], self.n_bodies)
+        history["identity"] = numbers.surface_node[node] * own.n_bodies + numbers.body[body]
+        history["at/slave"] = numbers.surface_node[history["at/slave"]]
+        history["at/facet"] = numbers.facet[history["at/facet"]]
 
 
 def _ranks(bodies: tuple[Body, ...], master: str | None, owner: str, *, one_pass: bool) -> IntArray:

@@ -35,6 +35,22 @@ def faces(looks: Floats, m: int, outline: Outline, spacing: tuple[float, ...]) -
     return facing
 
 
+#: Cosine by which all facets of a node must face, so that their weighted sum does beyond rounding.
+SURELY = 1.5 * LEAST_COSINE
+
+
+@device
+def surely_faces(s: int, m: int, outline: Outline, spacing: tuple[float, ...]) -> bool:
+    """Whether every facet of node s faces facet m: then so does the node's normal, a sum of theirs with weights that need the
+    angles, which cost more."""
+    looks, sure = scratch.vector(spacing), True
+    for k in range(outline.star_first[s], outline.star_first[s + 1]):
+        area_of(outline.star[k], outline, looks, spacing)
+        along, size = against(looks, m, outline, spacing)
+        sure = sure and along > SURELY * size
+    return sure
+
+
 #: How far along the surface, in search radii, a facet that faces the node may be from the closest point.
 ROUND_THE_CORNER = 0.25
 
@@ -124,6 +140,8 @@ def turn_to_facing(
     for j in range(candidates.facet.shape[1]):
         m = candidates.facet[s, j]
         if m < 0:
+            continue
+        if len(spacing) == 3 and surely_faces(s, m, outline, spacing):
             continue
         if not looked:
             node_normal(s, outline, looks, spacing)

@@ -118,10 +118,11 @@ def advance(index: Ints, first: Ints, last: Ints, spacing: tuple[float, ...]) ->
 def mark_shared_nodes(stamp: int, outline: Outline, grid: SearchGrid, spacing: tuple[float, ...]) -> bool:
     """Step 1: mark the grid nodes that the surfaces of two bodies reach; return whether there are any.
 
-    Only what lies in its body's near box counts (:func:`near_boxes`). A facet reaches the nodes of all
-    cells that its bounding box touches. ``owner`` holds stamp * n_bodies + body of the first to arrive.
+    Only what lies in its body's near box counts (:func:`near_boxes`); such facets, and their bounding boxes, are listed. A
+    facet reaches the nodes of all cells that its bounding box touches. ``owner`` holds stamp * n_bodies + body of the first
+    to arrive.
     """
-    any_shared = False
+    any_shared, count = False, 0
     lower, upper = scratch.vector(spacing), scratch.vector(spacing)
     first, last, index = scratch.integers(spacing), scratch.integers(spacing), scratch.integers(spacing)
     base = stamp * (len(outline.body_first) - 1)
@@ -130,6 +131,10 @@ def mark_shared_nodes(stamp: int, outline: Outline, grid: SearchGrid, spacing: t
         body = outline.body[outline.facets[m, 0]]
         if outside_near(body, lower, upper, grid, spacing):
             continue
+        grid.near[count] = m
+        count += 1
+        for d in range(len(spacing)):
+            grid.facet_lower[m, d], grid.facet_upper[m, d] = lower[d], upper[d]
         mine = base + body
         cells_of(lower, upper, first, last, grid, spacing)
         for d in range(len(spacing)):
@@ -143,6 +148,7 @@ def mark_shared_nodes(stamp: int, outline: Outline, grid: SearchGrid, spacing: t
                 grid.shared[node] = stamp
                 any_shared = True
             advance(index, first, last, spacing)
+    grid.near_count[0] = count
     return any_shared
 
 
@@ -164,25 +170,24 @@ def tagged(cell: int, stamp: int, grid: SearchGrid, spacing: tuple[float, ...]) 
 
 @kernel
 def list_facets(stamp: int, outline: Outline, grid: SearchGrid, spacing: tuple[float, ...]) -> int:
-    """Step 2: linked lists of the facets in every tagged cell; return the number of entries, stored or not."""
+    """Step 2: linked lists of the near facets in every tagged cell; return the number of entries, stored or not."""
     count = 0
-    lower, upper = scratch.vector(spacing), scratch.vector(spacing)
     first, last, index = scratch.integers(spacing), scratch.integers(spacing), scratch.integers(spacing)
-    for m in range(len(outline.facets)):
-        reach_of_facet(m, outline.position, outline.facets, lower, upper, spacing)
-        if outside_near(outline.body[outline.facets[m, 0]], lower, upper, grid, spacing):
-            continue
-        cells_of(lower, upper, first, last, grid, spacing)
+    for k in range(grid.near_count[0]):
+        m = grid.near[k]
+        body = outline.body[outline.facets[m, 0]]
+        cells_of(grid.facet_lower[m], grid.facet_upper[m], first, last, grid, spacing)
         for d in range(len(spacing)):
             index[d] = first[d]
         for _ in range(number_of(first, last, spacing)):
             cell = flat_index(index, grid, spacing)
             if tagged(cell, stamp, grid, spacing):
                 if count < len(grid.link):
-                    grid.link[count] = grid.head[cell] if grid.head_stamp[cell] == stamp else -1
-                    grid.link_facet[count] = m
-                    grid.head[cell] = count
-                    grid.head_stamp[cell] = stamp
+                    begun = grid.head_stamp[cell] == stamp
+                    grid.link[count] = grid.head[cell] if begun else -1
+                    grid.link_facet[count], grid.link_body[count] = m, body
+                    grid.head_body[cell] = body if not begun or grid.head_body[cell] == body else -1
+                    grid.head[cell], grid.head_stamp[cell] = count, stamp
                 count += 1
             advance(index, first, last, spacing)
     return count
@@ -265,19 +270,33 @@ def outside_box(x: Floats, lower: Floats, upper: Floats, reach: Float, spacing: 
 
 
 @device
+def search_facet(
+    s: int, m: int, other: int, radius: Float, outline: Outline, candidates: Candidates, spacing: tuple[float, ...]
+) -> None:  # fmt: skip
+    """Keep facet m of body ``other`` if it is the closest to node s so far, and within ``radius``."""
+    share, normal = scratch.vector(spacing), scratch.vector(spacing)
+    # in space the normals of edges and corners, which signed distances take, cost more than the distance
+    if len(spacing) == 3:
+        reach = reach_towards(s, other, radius, candidates)
+        if square_of(s, m, outline, spacing) > reach * reach * ROUNDING:
+            return
+    g = distance_to(s, m, outline, share, normal, spacing)
+    if abs(g) < radius:
+        keep_nearest(s, m, other, g, share, normal, candidates, spacing)
+
+
+@device
 def search_cell(
     s: int, entry: int, radius: float, every: bool, outline: Outline, rank: Ints, grid: SearchGrid,
     candidates: Candidates, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Compare node s with the facets of a cell's list, from ``entry`` on; most are spared by their bounding boxes."""
-    x, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
-    lower, upper = scratch.vector(spacing), scratch.vector(spacing)
+    x = scratch.vector(spacing)
     read_point(s, outline.position, x, spacing)
     mine = outline.body[s]
     while entry >= 0:
-        m = grid.link_facet[entry]
+        m, other = grid.link_facet[entry], grid.link_body[entry]
         entry = grid.link[entry]
-        other = outline.body[outline.facets[m, 0]]
         if other == mine or rank[mine] > rank[other]:
             continue
         if every:
@@ -285,15 +304,30 @@ def search_cell(
             continue
         if listed(s, m, candidates):  # a facet is in the lists of all cells that its box touches
             continue
-        reach_of_facet(m, outline.position, outline.facets, lower, upper, spacing)
         reach = reach_towards(s, other, radius, candidates)
-        if not outside_box(x, lower, upper, reach, spacing):
-            # in space the normals of edges and corners, which signed distances take, cost more than the distance
-            if len(spacing) == 3 and square_of(s, m, outline, spacing) > reach * reach * ROUNDING:
-                continue
-            g = distance_to(s, m, outline, share, normal, spacing)
-            if abs(g) < radius:
-                keep_nearest(s, m, other, g, share, normal, candidates, spacing)
+        if not outside_box(x, grid.facet_lower[m], grid.facet_upper[m], reach, spacing):
+            search_facet(s, m, other, radius, outline, candidates, spacing)
+
+
+#: As many slots as a node has at most, but where every facet counts.
+SLOTS = (0.0,) * 3
+
+
+@device
+def begin_with_last(
+    s: int, radius: float, outline: Outline, rank: Ints, candidates: Candidates, spacing: tuple[float, ...]
+) -> None:  # fmt: skip
+    """Clear the slots of node s, and compare it with the facets of the last step: which is the closest does not depend on
+    them, but most others are spared by what they are away."""
+    last = scratch.integers(SLOTS)
+    slots, mine = candidates.facet.shape[1], outline.body[s]
+    for j in range(slots):
+        last[j], candidates.facet[s, j] = candidates.facet[s, j], -1
+    for j in range(slots):
+        if last[j] >= 0:
+            other = outline.body[outline.facets[last[j], 0]]
+            if other != mine and rank[mine] <= rank[other]:
+                search_facet(s, last[j], other, radius, outline, candidates, spacing)
 
 
 #: As many cells as a node's own and those round it, at most.
@@ -326,7 +360,8 @@ def find_pairs(
 
     ``every`` takes instead, as [H17] writes it, every facet with g_n < 0 and the foot on it one of whose corners
     lies within the radius, up to the number of slots. Nodes of body a are slaves to facets of b if ``rank[a]`` is no
-    higher than ``rank[b]``. The nearest cells come first: what they hold spares most of the others.
+    higher than ``rank[b]``. The facets of the last step and the nearest cells come first: what they hold spares most of
+    the others.
 
     Returns
     -------
@@ -337,14 +372,19 @@ def find_pairs(
     own, index = scratch.integers(spacing), scratch.integers(spacing)
     around, order = 3**dim, scratch.integers(AROUND)
     nearest_first(order, spacing)
-    candidates.facet[:] = -1
     for s in range(len(outline.body)):
         read_point(s, outline.position, x, spacing)
-        if outside_near(outline.body[s], x, x, grid, spacing):
-            continue
-        for d in range(dim):
-            own[d] = cell_of(x[d], d, grid, spacing)
-        if not tagged(flat_index(own, grid, spacing), stamp, grid, spacing):
+        near = not outside_near(outline.body[s], x, x, grid, spacing)
+        if near:
+            for d in range(dim):
+                own[d] = cell_of(x[d], d, grid, spacing)
+            near = tagged(flat_index(own, grid, spacing), stamp, grid, spacing)
+        if every or not near:
+            for j in range(candidates.facet.shape[1]):
+                candidates.facet[s, j] = -1
+        else:
+            begin_with_last(s, radius, outline, rank, candidates, spacing)
+        if not near:
             continue
         for visit in range(around):
             code, within = order[visit], True
@@ -356,7 +396,7 @@ def find_pairs(
             if not within:
                 continue
             cell = flat_index(index, grid, spacing)
-            if grid.head_stamp[cell] != stamp:
+            if grid.head_stamp[cell] != stamp or grid.head_body[cell] == outline.body[s]:
                 continue
             for d in range(dim):
                 lower[d] = grid.lower[d] + index[d] * spacing[0]

@@ -19,11 +19,11 @@ from mpmfw.api import (
 )
 from pydantic import BaseModel, ConfigDict, Field
 
-from mpmfw_cubic_bspline.kernel import WIDTH, fill_cubic
+from mpmfw_bounded_bspline.kernel import WIDTH, fill_bounded
 
 
-class CubicBSplineOptions(BaseModel):
-    """Options of cubic B-splines: the table ``[shape.cubic_bspline]`` of a scene."""
+class BoundedBSplineOptions(BaseModel):
+    """What happens where the grid ends: the table ``[shape.bounded_bspline]`` of a scene."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -31,29 +31,29 @@ class CubicBSplineOptions(BaseModel):
         Literal["modified", "refuse"],
         Field(
             description=(
-                "In the last cell of the grid a node of the support is missing. 'modified' reads it by linear "
-                "extrapolation (Steffen, Kirby & Berzins 2008); 'refuse' stops the run, as the bundled functions do"
+                "In the last half cell of the grid a node of the support is missing. 'modified' reads it by linear "
+                "extrapolation; 'refuse' stops the run, as the bundled `bspline` does"
             )
         ),
     ] = "modified"
 
 
-class CubicBSpline(ShapeFunction):
-    """φ_ip = Π_d B³((x_p − x_i)_d / h): 16 nodes in 2D, 64 in 3D; surfaces are mapped with the same weights.
+class BoundedBSpline(ShapeFunction):
+    """φ_ip = Π_d B²((x_p − x_i)_d / h): 9 nodes in 2D, 27 in 3D; surfaces are mapped with the same weights.
 
-    ∇φ is continuous and has a continuous derivative, so that points cross cell faces without noise; in return
-    a body feels another one node further away than with linear functions.
+    Inside the grid it is the bundled `bspline`. That one stops where a support leaves the grid, half a cell before its end;
+    here bodies may fill the grid to the last node.
 
     M. Steffen, R. M. Kirby, M. Berzins (2008): Analysis and reduction of quadrature errors in the material
     point method (MPM). International Journal for Numerical Methods in Engineering 76, 922-948.
     """
 
-    name = "cubic_bspline"
-    Options = CubicBSplineOptions
-    options: CubicBSplineOptions
-    boundary_degree = 3
+    name = "bounded_bspline"
+    Options = BoundedBSplineOptions
+    options: BoundedBSplineOptions
+    boundary_degree = 2
     # All other facts are the defaults of ShapeFunction: 2D and 3D; boundary nodes carry mass; the spread
-    # Σ φ q qᵀ is h²/3 away from the grid's ends and never singular; `auto` is USL with affine FLIP.
+    # Σ φ q qᵀ is h²/4 away from the grid's ends and never singular; `auto` is USL with affine FLIP.
 
     _surface: Stencil | None = None
 
@@ -64,7 +64,7 @@ class CubicBSpline(ShapeFunction):
 
     @hookimpl
     def particle_reach(self, particles: Particles) -> FloatArray:
-        """Points have no extent: the support, two cells, lies in the margin that every window has."""
+        """Points have no extent: the support, one and a half cells, lies in the margin that every window has."""
         return np.zeros_like(particles.position)
 
     @hookimpl
@@ -87,7 +87,7 @@ class CubicBSpline(ShapeFunction):
 
     def _fill(self, position: FloatArray, first: IntArray, grid: Grid, table: Stencil) -> Stencil:
         check_inside(
-            fill_cubic(
+            fill_bounded(
                 position,
                 first,
                 grid.lower,

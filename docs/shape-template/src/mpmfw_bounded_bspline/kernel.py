@@ -14,57 +14,53 @@ from mpmfw.kernels.stencil import fill_tensor_product, fits, read_window
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 
 #: Splines, hence nodes, along each axis whose support holds a point.
-WIDTH = 4
+WIDTH = 3
 
 
 @device
-def cubic_weights(
-    xi: Float, cell: Float, inverse_h: Float, d: int, base: Floats, weight: Floats, slope: Floats
+def quadratic_weights(
+    xi: Float, inverse_h: Float, d: int, base: Floats, weight: Floats, slope: Floats
 ) -> None:
-    """The four cubic B-splines whose support holds ``xi`` [cells] along axis ``d``, and their slopes [1/m].
+    """The three quadratic B-splines whose support holds ``xi`` [cells] along axis ``d``, and their slopes [1/m].
 
-    With t = ξ − ``cell`` they are (1 − t)³/6, (3t³ − 6t² + 4)/6, (−3t³ + 3t² + 3t + 1)/6 and t³/6, for the
-    nodes ``base[d]`` = ``cell`` − 1 and the three after it.
+    With t = ξ − ``base[d]``, ½ ≤ t ≤ 3/2, they are ½(3/2 − t)², ¾ − (t − 1)² and ½(t − ½)², for the node ``base[d]`` and the
+    two after it.
     """
-    t = xi - cell
-    base[d] = cell - 1.0
-    weight[d, 0] = (1.0 - t) ** 3 / 6.0
-    weight[d, 1] = ((3.0 * t - 6.0) * t * t + 4.0) / 6.0
-    weight[d, 2] = (((-3.0 * t + 3.0) * t + 3.0) * t + 1.0) / 6.0
-    weight[d, 3] = t**3 / 6.0
-    slope[d, 0] = -0.5 * (1.0 - t) ** 2 * inverse_h
-    slope[d, 1] = (1.5 * t - 2.0) * t * inverse_h
-    slope[d, 2] = ((-1.5 * t + 1.0) * t + 0.5) * inverse_h
-    slope[d, 3] = 0.5 * t * t * inverse_h
+    base[d] = math.floor(xi - 0.5)
+    t = xi - base[d]
+    weight[d, 0] = 0.5 * (1.5 - t) ** 2
+    weight[d, 1] = 0.75 - (t - 1.0) ** 2
+    weight[d, 2] = 0.5 * (t - 0.5) ** 2
+    slope[d, 0] = (t - 1.5) * inverse_h
+    slope[d, 1] = -2.0 * (t - 1.0) * inverse_h
+    slope[d, 2] = (t - 0.5) * inverse_h
 
 
 @device
 def fold_at_start(d: int, values: Floats) -> None:
     """Give the share of the node before the grid's first to nodes 0 and 1.
 
-    The missing node is read by linear extrapolation, u_{−1} = 2 u_0 − u_1. This makes Steffen's modified
-    splines: ξ³/6 − ξ + 1 for the first node. They keep Σ φ = 1 and Σ φ x = x, are nowhere negative, and the
-    first node alone is felt at the grid's end. The freed fourth entry becomes zero.
+    The missing node is read by linear extrapolation, u_{−1} = 2 u_0 − u_1: what is left are 1 − ξ and ξ, the linear functions.
+    They keep Σ φ = 1 and Σ φ x = x, are nowhere negative, and the first node alone is felt at the grid's end. The freed third
+    entry becomes zero.
     """
     ghost = values[d, 0]
     values[d, 0] = values[d, 1] + 2.0 * ghost
     values[d, 1] = values[d, 2] - ghost
-    values[d, 2] = values[d, 3]
-    values[d, 3] = 0.0
+    values[d, 2] = 0.0
 
 
 @device
 def fold_at_end(d: int, values: Floats) -> None:
     """As :func:`fold_at_start`, for the node after the grid's last."""
-    ghost = values[d, 3]
-    values[d, 3] = values[d, 2] + 2.0 * ghost
-    values[d, 2] = values[d, 1] - ghost
-    values[d, 1] = values[d, 0]
+    ghost = values[d, 2]
+    values[d, 2] = values[d, 1] + 2.0 * ghost
+    values[d, 1] = values[d, 0] - ghost
     values[d, 0] = 0.0
 
 
 @kernel
-def fill_cubic(
+def fill_bounded(
     position: Floats,
     first: Ints,
     lower: Floats,
@@ -78,7 +74,7 @@ def fill_cubic(
     gradient: Floats,
     spacing: tuple[float, ...],
 ) -> int:
-    """Cubic B-splines at points; 4**dim entries each. Return the first point outside its window, or −1.
+    """Quadratic B-splines at points; 3**dim entries each. Return the first point outside its window, or −1.
 
     Points ``first[f]:first[f + 1]`` belong to velocity field ``f``, whose window has its own first node and
     shape. Where a window ends only because nobody needed more of it, the point is reported and the core lays
@@ -90,8 +86,8 @@ def fill_cubic(
     origin = scratch.vector(spacing)
     shape = scratch.integers(spacing)
     base = scratch.vector(spacing)
-    w = scratch.matrix(spacing, (0.0, 0.0, 0.0, 0.0))
-    s = scratch.matrix(spacing, (0.0, 0.0, 0.0, 0.0))
+    w = scratch.matrix(spacing, (0.0, 0.0, 0.0))
+    s = scratch.matrix(spacing, (0.0, 0.0, 0.0))
     for f in range(len(first) - 1):
         read_window(lower, window_lower, window_shape, f, origin, shape, spacing)
         for p in range(first[f], first[f + 1]):
@@ -99,15 +95,12 @@ def fill_cubic(
                 xi = (position[p, d] - origin[d]) * inverse_h
                 at_start = modified and window_lower[f, d] == 0
                 at_end = modified and window_lower[f, d] + shape[d] == grid_nodes[d]
-                cell = math.floor(xi)
-                if at_end and xi == shape[d] - 1:  # on the last node: the end of the last cell
-                    cell -= 1
-                cubic_weights(xi, cell, inverse_h, d, base, w, s)
-                if at_start and base[d] == -1.0:
+                quadratic_weights(xi, inverse_h, d, base, w, s)
+                if at_start and 0.0 <= xi < 0.5:
                     fold_at_start(d, w)
                     fold_at_start(d, s)
                     base[d] = 0.0
-                elif at_end and base[d] + WIDTH == shape[d] + 1:
+                elif at_end and shape[d] - 1.5 <= xi <= shape[d] - 1:
                     fold_at_end(d, w)
                     fold_at_end(d, s)
                     base[d] -= 1.0

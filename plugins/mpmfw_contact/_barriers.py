@@ -1,0 +1,213 @@
+"""Kernels of logarithmic barriers: distances, stiffness, forces, and the time in which a place would touch."""
+
+from __future__ import annotations
+
+import math
+
+from mpmfw.kernels import Struct, device, kernel, scratch
+from mpmfw.kernels.contact import Records, Rows, slip_bound
+from mpmfw.kernels.facets import read_point, signed_distance
+from mpmfw.kernels.types import Float, Floats
+from mpmfw_contact._springs import along_and_across, end_of, first_of, old_force, return_to_cone
+from mpmfw_contact.surfaces.assembly import Places, SurfaceTable
+from mpmfw_contact.surfaces.outline import Outline
+
+#: Least part of a distance that is left when the stiffness of the step's end is foreseen.
+LEFT = 0.25
+
+#: Least part of a place's area that bears, however it lies: nothing comes past a corner.
+LEAST_SHARE = 0.1
+
+#: Part of a distance within reach, or of the reach, that a step may use up.
+USED = 0.5
+
+
+class BarrierArrays(Struct):
+    """The law's own arrays of n rows."""
+
+    bears: Floats  #: (n,) area that bears [m^(dim−1)]
+    distance: Floats  #: (n,) gap, counted from where its pair began [m]
+    k: Floats  #: (n,) stiffness, at its greatest in the step [N m^(dim−4)]
+    moved: Floats  #: (n, dim) motion over the step [m]
+    tangential: Floats  #: (n, dim) tangential force; (0, dim) where there is no friction
+
+
+@device
+def barrier(s: Float) -> Float:
+    """b(s) = −(1 − s)² ln s for 0 < s < 1, beyond that 0."""
+    if s >= 1.0:
+        return 0.0
+    return -(1.0 - s) * (1.0 - s) * math.log(s)
+
+
+@device
+def barrier_slope(s: Float) -> Float:
+    """−b'(s), positive."""
+    if s >= 1.0:
+        return 0.0
+    return (1.0 - s) * ((1.0 - s) / s - 2.0 * math.log(s))
+
+
+@device
+def barrier_curvature(s: Float) -> Float:
+    """b''(s)."""
+    if s >= 1.0:
+        return 0.0
+    over = (1.0 - s) / s
+    return over * (over + 4.0) - 2.0 * math.log(s)
+
+
+@kernel
+def least_gaps(rows: Rows, count: int, out: Floats) -> None:
+    """Least gap of every pair, into ``out`` (pair,) where it is less than what stands there."""
+    for c in range(count):
+        out[rows.pair[c]] = min(out[rows.pair[c]], rows.gap[c])
+
+
+@kernel
+def set_barriers(
+    rows: Rows, count: int, own: BarrierArrays, modulus: Floats, offset: Floats, reach: float, cell_size: float,
+    stiffest: float,
+) -> int:  # fmt: skip
+    """Distance of every row and the greatest stiffness that it may come to in the step; the first row whose distance is used
+    up, or −1.
+
+    ``modulus`` is κ M / h of each pair, ``offset`` what is added to its gaps, ``reach`` the distance from which barriers act,
+    ``stiffest`` that of the tangential springs over κ M A / reach. The end of the step is foreseen from the
+    motion over the last one.
+    """
+    for c in range(count):
+        p = rows.pair[c]
+        distance = rows.gap[c] + offset[p]
+        own.distance[c], own.k[c] = distance, 0.0
+        if distance <= 0.0:
+            return c
+        approach, _ = along_and_across(c, rows)
+        own.bears[c] = max(rows.area[c], LEAST_SHARE * rows.whole[c])
+        ahead = max(distance + min(2.0 * approach, 0.0), LEFT * distance)
+        if ahead < reach:
+            unit = modulus[p] * (cell_size / reach) * own.bears[c]
+            own.k[c] = max(barrier_curvature(ahead / reach), stiffest) * unit
+    return -1
+
+
+@kernel
+def barrier_forces(
+    rows: Rows, count: int, own: BarrierArrays, old: Rows, old_count: int, old_own: BarrierArrays, modulus: Floats,
+    reach: float, cell_size: float, tangential_ratio: float, records: Records,
+) -> None:  # fmt: skip
+    """f = f_n n + f_t of every row nearer than ``reach``: f_n = −κ M A b'(d / reach), and f_t from the last step's.
+
+    The pairs' works are added to, their energies written. Where a place comes within reach, only the part of the step counts
+    that it spent there.
+    """
+    dim, has_friction = rows.normal.shape[1], len(own.tangential) > 0
+    records.energy[:] = 0.0
+    for c in range(count):
+        for d in range(dim):
+            rows.force[c, d] = 0.0
+            if has_friction:
+                own.tangential[c, d] = 0.0
+        s = own.distance[c] / reach
+        if s >= 1.0:
+            continue
+        p, o, k = rows.pair[c], rows.before[c], modulus[rows.pair[c]] * own.bears[c]
+        if o >= 0 and old_own.distance[o] >= reach:
+            o = -1  # no contact then
+        f_n = k * cell_size * barrier_slope(s)
+        records.energy[p] += k * cell_size * reach * barrier(s)
+        for d in range(dim):
+            rows.force[c, d] = f_n * rows.normal[c, d]
+        if has_friction:
+            share = 1.0 / (end_of(c, count, rows.identity) - first_of(c, rows.identity))
+            old_force(c, o, rows, old, old_count, old_own.tangential, share, own.tangential)
+            approach, _ = along_and_across(c, rows)
+            within = min(1.0, (own.distance[c] - reach) / approach) if o < 0 and approach < 0.0 else 1.0
+            k_t = tangential_ratio * k * cell_size / reach
+            for d in range(dim):
+                own.tangential[c, d] -= k_t * within * (rows.motion[c, d] - approach * rows.normal[c, d])
+            lost, stored = return_to_cone(c, slip_bound(rows, c, f_n), k_t, own.tangential)
+            records.frictional_work[p] += lost
+            records.energy[p] += stored
+            for d in range(dim):
+                rows.force[c, d] += own.tangential[c, d]
+
+
+@device
+def add_velocity(
+    p: int, sign: Float, table: SurfaceTable, mass: Floats, momentum: Floats, out: Floats, spacing: tuple[float, ...]
+) -> None:  # fmt: skip
+    """Add ``sign`` times the velocity of surface node p to ``out``: Σ N_i(x_p) (m v)_i / m_i."""
+    for k in range(table.row[p], table.row[p + 1]):
+        i = table.nodes[k]
+        if mass[i] > 0.0:
+            for d in range(len(spacing)):
+                out[d] += sign * table.weight[k] * (momentum[i, d] / mass[i])
+
+
+@device
+def time_to_reach(
+    s: int, m: int, share: Floats, normal: Floats, offset: Float, reach: Float, outline: Outline, table: SurfaceTable,
+    mass: Floats, momentum: Floats, spacing: tuple[float, ...],
+) -> Float:  # fmt: skip
+    """Time in which node s and facet m, if both go on as they move, use up :data:`USED` of their distance, or of the reach once
+    they are within it [s], along ``normal``, from the facet to the node.
+
+    No corner of the facet comes past the node sooner: that is a lower bound. With an ``offset`` surfaces may overlap, and what
+    counts is the point of the facet whose coordinates are ``share``, as it is closest now.
+    """
+    dim, least = len(spacing), math.inf
+    own, motion = scratch.vector(spacing), scratch.vector(spacing)
+    for d in range(dim):
+        own[d] = 0.0
+    add_velocity(s, 1.0, table, mass, momentum, own, spacing)
+    between, approach = offset, 0.0
+    for a in range(dim):
+        corner, clear, closing = outline.facets[m, a], 0.0, 0.0
+        for d in range(dim):
+            motion[d] = own[d]
+        add_velocity(corner, -1.0, table, mass, momentum, motion, spacing)
+        for d in range(dim):
+            clear += (outline.position[s, d] - outline.position[corner, d]) * normal[d]
+            closing -= motion[d] * normal[d]
+        between += share[a] * clear
+        approach += share[a] * closing
+        if offset == 0.0 and closing > 0.0:
+            least = min(least, (clear - (1.0 - USED) * min(clear, reach)) / closing)
+    if offset > 0.0 and approach > 0.0:
+        least = (between - (1.0 - USED) * min(between, reach)) / approach
+    return least
+
+
+@kernel
+def time_to_touch(
+    rows: Rows, count: int, places: Places, outline: Outline, table: SurfaceTable, offset: Floats, reach: float, mass: Floats,
+    momentum: Floats, spacing: tuple[float, ...],
+) -> float:  # fmt: skip
+    """Time in which no node of a row uses up more than a part of the distance from its facet, nor from one beside it [s].
+
+    Conservative advancement, a lower bound of the time of impact: :func:`time_to_reach`. Facets beside it count where surfaces
+    may not overlap.
+    """
+    least, dim = math.inf, len(spacing)
+    x, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
+    for c in range(count):
+        s, m, start = places.slave[c], places.facet[c], offset[rows.pair[c]]
+        for d in range(dim):
+            share[d], normal[d] = places.share[c, d], rows.normal[c, d]
+        least = min(
+            least, time_to_reach(s, m, share, normal, start, reach, outline, table, mass, momentum, spacing)
+        )
+        if start > 0.0:
+            continue
+        read_point(s, outline.position, x, spacing)
+        for a in range(dim):
+            beside = outline.neighbours[m, a]
+            if signed_distance(x, beside, outline, share, normal, spacing) < 0.0:
+                for d in range(dim):
+                    normal[d] = -normal[d]
+            least = min(
+                least,
+                time_to_reach(s, beside, share, normal, 0.0, reach, outline, table, mass, momentum, spacing),
+            )
+    return least

@@ -1,0 +1,170 @@
+"""Logarithmic barriers between surfaces: what keeps them apart grows without bound, and no step goes past it.
+
+Source: M. Li, Z. Ferguson, T. Schneider, T. Langlois, D. Zorin, D. Panozzo, C. Jiang, D. M. Kaufman (2020), Incremental potential
+contact: intersection- and inversion-free, large-deformation dynamics, ACM Trans. Graph. 39 (4), 49, and with material points
+X. Li, Y. Fang, M. Li, C. Jiang (2022), BFEMP: Interpenetration-free MPM-FEM coupling with barrier contact, CMAME 390, 114350;
+known here by their abstracts and the public code of the IPC Toolkit. Published are the barrier −(d − d̂)² ln(d / d̂) of the
+distance d < d̂, friction with the normal force and the tangent of the step's beginning (lagged), and a line search that ends
+before continuous collision detection finds a contact. Both take implicit steps.
+
+Assumed here is all that explicit steps ask for. The barrier's stiffness limits the step. So does the collision detection: a
+node uses up no more than half of the distance from its facet, and from those beside it, as both move at the step's beginning;
+forces of the step itself are not foreseen, and a run in which they carry a node past a barrier ends and says where. Forces of
+the step's beginning are lagged by themselves. Friction is a spring with a history, returned to Coulomb's cone, and not
+the published dashpot of slow slip, on which a body would creep at Δt times the load's acceleration of one row's mass.
+Each place weighs by its area, so that a pressure has one distance whatever the facets' size, and the energy per area is
+κ M d̂ b(d / d̂). A pair that the scene puts closer than d̂, as bodies that touch, begins without a force: its distances count from
+there. Facets are those that face a node (:class:`~mpmfw_contact.surfaces.Surfaces`), one for each body; published are all.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from pydantic import Field
+
+from mpmfw.api import (
+    ContactRows,
+    FloatArray,
+    ForceContact,
+    Grid,
+    PairRecords,
+    SceneError,
+    Setup,
+    SimulationError,
+    State,
+)
+from mpmfw_contact._barriers import barrier_forces, least_gaps, set_barriers, time_to_touch
+from mpmfw_contact.penalty import SpringOptions, Springs
+from mpmfw_contact.surfaces import Surfaces, SurfacesOptions
+from mpmfw_contact.surfaces.assembly import SurfaceTable
+from mpmfw_contact.surfaces.outline import outline_of
+
+#: Part of the time to touch that a step may take, before the safety factor.
+SHARE = 0.9
+
+
+#: b'' where −b' is a thousandth.
+FIRST = 0.11
+
+
+class BarrierLawOptions(SpringOptions):
+    """Stiffness, and the distance from which barriers act."""
+
+    kappa: float = Field(
+        0.3,
+        gt=0,
+        description="stiffness factor: pressure -kappa M b'(d / r) at the distance d, b(s) = -(1 - s)^2 ln s",
+    )
+    tangential_ratio: float = Field(1.0, gt=0, description="k_t over kappa M A / r")
+    reach: float = Field(0.1, gt=0, le=0.5, description="distance r in cells from which barriers act")
+
+
+class BarrierLaw(Springs):
+    """f_n = −κ M A b'(d / r) where a place is nearer than r to a facet, with friction that has a history."""
+
+    name = "barrier"
+    Options = BarrierLawOptions
+    options: BarrierLawOptions
+    needs_facets = True
+    #: In space edges cross edges with no node near a facet: rows do not tell, and bodies would interpenetrate there.
+    dimensions = (2,)
+
+    @classmethod
+    def joined_with(cls, detection: type[Any]) -> type[Any]:
+        """With a detection of nodes against facets.
+
+        Raises
+        ------
+        SceneError
+            It is another.
+        """
+        if detection.facets and not issubclass(detection, Surfaces):
+            raise SceneError(
+                f"law '{cls.name}' follows nodes towards facets, and detection '{detection.name}' lists no nodes"
+            )
+        return super().joined_with(detection)
+
+    def row_arrays(self, *, friction: bool) -> dict[str, int | None]:
+        """Area, distance, stiffness, motion over the step, and the tangential force."""
+        return {"bears": 0, "distance": 0, "k": 0, "moved": 1, "tangential": 1 if friction else None}
+
+    def prepare(self, setup: Setup, owner: str) -> None:
+        """As of springs, and the surfaces that the collision detection follows."""
+        if setup.state.surface is None:
+            raise SceneError(f"contact '{owner}' needs bodies with outlines")
+        self.surface, self.outline = setup.state.surface, outline_of(setup.state.surface)
+        self.reach = self.options.reach * setup.cell_size
+        self.offset, self.placed = np.zeros(0), False
+        self.table: SurfaceTable | None = None
+        super().prepare(setup, owner)
+
+    def expected(self, bulk_frequency: float) -> float:
+        """That of a place where barriers bear a hundredth of κ M."""
+        return FIRST / self.options.reach * super().expected(bulk_frequency)
+
+    def list_pairs(self, state: State) -> None:
+        """Bodies that have come near were farther apart than a barrier reaches."""
+        super().list_pairs(state)
+        self.offset = np.append(self.offset, np.zeros(len(state.pairs) - len(self.offset)))
+
+    def stiffness(self, rows: ContactRows, old: ContactRows) -> FloatArray:  # noqa: ARG002
+        """κ M A b'' / r where the row may come to in the step."""
+        if self.state.steps == 0 and not self.placed:
+            gaps = np.full(len(self.offset), self.reach)
+            least_gaps(rows, rows.count, gaps)
+            self.offset = self.reach - gaps
+        worst = set_barriers(
+            rows, rows.count, rows.own, self.modulus, self.offset, self.reach, self.cell_size,
+            self.options.tangential_ratio if len(rows.own.tangential) else 0.0,
+        )  # fmt: skip
+        if worst >= 0:
+            raise self._passed(rows, worst)
+        return rows.own.k  # type: ignore[no-any-return]
+
+    def _passed(self, rows: Any, c: int) -> SimulationError:
+        """What ends a run in which a node came past the barrier."""
+        node, pair = int(rows.places.slave[c]), self.state.pairs[int(rows.pair[c])]
+        body = self.state.bodies[int(self.surface.body[node])]
+        return SimulationError(
+            f"{pair.label}: a surface node came past its barrier within a step",
+            body=body.name,
+            index=node - int(self.surface.body_first[body.index]),
+            position=self.surface.position[node].tolist(),
+            time=self.state.time,
+            advice=f"a smaller time.safety, or a larger contact.{self.owner}.kappa or .reach",
+        )
+
+    def longest_step(self, rows: Any, grid: Grid) -> float:
+        """Time in which no node uses up half of its distance, as all move now [s]."""
+        phi = self.surface.stencil
+        if phi is None:
+            raise RuntimeError("the surface's table was not filled")
+        if self.table is None or self.table.weight is not phi.weight:
+            self.table = SurfaceTable(row=phi.row, nodes=phi.nodes, weight=phi.weight)
+        return time_to_touch(
+            rows, rows.count, rows.places, self.outline, self.table, self.offset, self.reach, grid.mass,
+            grid.momentum, grid.spacing,
+        )  # fmt: skip
+
+    def forces(self, rows: ContactRows, old: ContactRows, dashpot: float, records: PairRecords) -> None:  # noqa: ARG002
+        """Barriers along the normal, and f_t returned to Coulomb's cone."""
+        self.placed = True
+        barrier_forces(
+            rows, rows.count, rows.own, old, old.count, old.own, self.modulus, self.reach, self.cell_size,
+            self.options.tangential_ratio, records,
+        )  # fmt: skip
+
+
+class BarrierOptions(BarrierLawOptions, SurfacesOptions):
+    """Those of the barriers and of the surfaces."""
+
+
+class Barrier(ForceContact):
+    """Barriers between surfaces: both bodies slaves, the closest facing facet, friction with a history."""
+
+    name = "barrier"
+    Detection = Surfaces
+    Law = BarrierLaw
+    Options = BarrierOptions

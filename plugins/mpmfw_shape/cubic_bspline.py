@@ -1,0 +1,178 @@
+"""Cubic B-splines (Steffen, Kirby & Berzins 2008): gradients that are smooth as well, from points without extent.
+
+M. Steffen, R. M. Kirby, M. Berzins (2008): Analysis and reduction of quadrature errors in the material point method (MPM).
+International Journal for Numerical Methods in Engineering 76, 922-948.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from mpmfw.api import (
+    FloatArray,
+    Grid,
+    IntArray,
+    Particles,
+    Stencil,
+    check_inside,
+    empty_stencil,
+    hookimpl,
+)
+from mpmfw.kernels import device, kernel, scratch
+from mpmfw.kernels.stencil import fill_tensor_product, fits, read_window
+from mpmfw.kernels.types import Float, Floats, Indices, Ints
+from mpmfw_shape._at_points import AtPoints
+
+#: Splines, hence nodes, along each axis whose support holds a point.
+WIDTH = 4
+
+
+@device
+def cubic_weights(
+    xi: Float, cell: Float, inverse_h: Float, d: int, base: Floats, weight: Floats, slope: Floats
+) -> None:
+    """The four cubic B-splines whose support holds ``xi`` [cells] along axis ``d``, and their slopes [1/m].
+
+    With t = ξ − ``cell`` they are (1 − t)³/6, (3t³ − 6t² + 4)/6, (−3t³ + 3t² + 3t + 1)/6 and t³/6, for the
+    nodes ``base[d]`` = ``cell`` − 1 and the three after it.
+    """
+    t = xi - cell
+    base[d] = cell - 1.0
+    weight[d, 0] = (1.0 - t) ** 3 / 6.0
+    weight[d, 1] = ((3.0 * t - 6.0) * t * t + 4.0) / 6.0
+    weight[d, 2] = (((-3.0 * t + 3.0) * t + 3.0) * t + 1.0) / 6.0
+    weight[d, 3] = t**3 / 6.0
+    slope[d, 0] = -0.5 * (1.0 - t) ** 2 * inverse_h
+    slope[d, 1] = (1.5 * t - 2.0) * t * inverse_h
+    slope[d, 2] = ((-1.5 * t + 1.0) * t + 0.5) * inverse_h
+    slope[d, 3] = 0.5 * t * t * inverse_h
+
+
+@device
+def fold_at_start(d: int, values: Floats) -> None:
+    """Give the share of the node before the grid's first to nodes 0 and 1.
+
+    The missing node is read by linear extrapolation, u_{−1} = 2 u_0 − u_1. This makes Steffen's modified
+    splines: ξ³/6 − ξ + 1 for the first node. They keep Σ φ = 1 and Σ φ x = x, are nowhere negative, and the
+    first node alone is felt at the grid's end. The freed fourth entry becomes zero.
+    """
+    ghost = values[d, 0]
+    values[d, 0] = values[d, 1] + 2.0 * ghost
+    values[d, 1] = values[d, 2] - ghost
+    values[d, 2] = values[d, 3]
+    values[d, 3] = 0.0
+
+
+@device
+def fold_at_end(d: int, values: Floats) -> None:
+    """As :func:`fold_at_start`, for the node after the grid's last."""
+    ghost = values[d, 3]
+    values[d, 3] = values[d, 2] + 2.0 * ghost
+    values[d, 2] = values[d, 1] - ghost
+    values[d, 1] = values[d, 0]
+    values[d, 0] = 0.0
+
+
+@kernel
+def fill_cubic(
+    position: Floats,
+    first: Ints,
+    lower: Floats,
+    grid_nodes: Ints,
+    window_lower: Ints,
+    window_shape: Ints,
+    offset: Ints,
+    modified: bool,
+    nodes: Indices,
+    weight: Floats,
+    gradient: Floats,
+    spacing: tuple[float, ...],
+) -> int:
+    """Cubic B-splines at points; 4**dim entries each. Return the first point outside its window, or −1.
+
+    Points ``first[f]:first[f + 1]`` belong to velocity field ``f``, whose window has its own first node and
+    shape. Where a window ends only because nobody needed more of it, the point is reported and the core lays
+    the window anew; where it ends with the grid, the splines are ``modified``, or the point is reported too.
+    A ``gradient`` of length 0 is not written.
+    """
+    dim = len(spacing)
+    inverse_h = 1.0 / spacing[0]
+    origin = scratch.vector(spacing)
+    shape = scratch.integers(spacing)
+    base = scratch.vector(spacing)
+    w = scratch.matrix(spacing, (0.0, 0.0, 0.0, 0.0))
+    s = scratch.matrix(spacing, (0.0, 0.0, 0.0, 0.0))
+    for f in range(len(first) - 1):
+        read_window(lower, window_lower, window_shape, f, origin, shape, spacing)
+        for p in range(first[f], first[f + 1]):
+            for d in range(dim):
+                xi = (position[p, d] - origin[d]) * inverse_h
+                at_start = modified and window_lower[f, d] == 0
+                at_end = modified and window_lower[f, d] + shape[d] == grid_nodes[d]
+                cell = math.floor(xi)
+                if at_end and xi == shape[d] - 1:  # on the last node: the end of the last cell
+                    cell -= 1
+                cubic_weights(xi, cell, inverse_h, d, base, w, s)
+                if at_start and base[d] == -1.0:
+                    fold_at_start(d, w)
+                    fold_at_start(d, s)
+                    base[d] = 0.0
+                elif at_end and base[d] + WIDTH == shape[d] + 1:
+                    fold_at_end(d, w)
+                    fold_at_end(d, s)
+                    base[d] -= 1.0
+            if not fits(base, WIDTH, shape, spacing):
+                return p
+            fill_tensor_product(
+                p * WIDTH**dim, WIDTH, base, w, s, shape, offset[f], nodes, weight, gradient, spacing
+            )
+    return -1
+
+
+class CubicBSplineOptions(BaseModel):
+    """What happens where the grid ends."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    grid_end: Literal["modified", "refuse"] = Field(
+        "modified",
+        description=(
+            "in the last cell of the grid a node of the support is missing; modified: it is read by linear extrapolation "
+            "(Steffen, Kirby & Berzins 2008), refuse: the run stops, as with the other functions"
+        ),
+    )
+
+
+class CubicBSpline(AtPoints):
+    """φ_ip = Π_d B³((x_p − x_i)_d / h): 16 nodes in 2D, 64 in 3D."""
+
+    name = "cubic_bspline"
+    Options = CubicBSplineOptions
+    options: CubicBSplineOptions
+    boundary_degree = 3
+    functions = (fill_cubic, WIDTH)
+
+    @hookimpl
+    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
+        """φ_i(x_p) and ∇φ_i(x_p)."""
+        return self._fill(particles.position, particles.first, grid, self.table)
+
+    @hookimpl
+    def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
+        """φ_i(x_s), the same functions."""
+        if self._surface is None:
+            self._surface = empty_stencil(len(position), WIDTH**grid.dim, grid.dim, gradient=False)
+        return self._fill(position, first, grid, self._surface)
+
+    def _fill(self, position: FloatArray, first: IntArray, grid: Grid, table: Stencil) -> Stencil:
+        window = (grid.lower, grid.nodes, grid.window_lower, grid.window_shape, grid.offset)
+        modified = self.options.grid_end == "modified"
+        check_inside(
+            fill_cubic(
+                position, first, *window, modified, table.nodes, table.weight, table.gradient, grid.spacing
+            )
+        )
+        return table

@@ -1,0 +1,130 @@
+"""Barriers in motion: what began apart never overlaps, and steps are cut before nodes touch."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import shapely
+
+from contact_kernels import PLANE, join
+from contact_scenes import CELL, body, disc, rectangle, run, scene
+from mpmfw.errors import SceneError, SimulationError
+from mpmfw.scene import load_scene
+from mpmfw.simulation import Simulation
+from mpmfw_contact._barriers import time_to_reach
+from mpmfw_contact.surfaces.assembly import SurfaceTable
+from scenes_for_tests import box, with_changes
+
+WAVES = 10.0  # m/s in the soft body
+
+
+def polygon(centre, turn, speed, kind):
+    """A square of 0.4 m that stands on a corner, but for ``turn`` [rad]."""
+    angle = turn + np.arange(4) * 0.5 * math.pi
+    points = [[centre[0] + 0.28 * math.cos(a), centre[1] + 0.28 * math.sin(a)] for a in angle]
+    geometry = {"type": "polygon", "points": points}
+    return body(geometry, kind=kind, layout="fitted", velocity=[speed, 0.0])
+
+
+def meeting(form, speed, offset, slide, friction):
+    """Two bodies a tenth of a cell or more apart that approach along x."""
+    half = 0.5 * speed
+    right = rectangle([0.0, -0.2 + offset], [0.4, 0.2 + offset], kind="stiff", velocity=[-half, slide])
+    left = {
+        "blocks": lambda: rectangle([-0.45, -0.2], [-0.05, 0.2], velocity=[half, 0.0]),
+        "disc": lambda: disc([-0.3, 0.0], 0.25, velocity=[half, 0.0]),
+        "corners": lambda: polygon([-0.35, 0.0], slide / 3.0, half, "soft"),
+    }[form]()
+    if form == "corners":
+        right = polygon([0.3, 0.5 * offset], -slide / 4.0, -half, "stiff")
+    return scene({"left": left, "right": right}, friction=friction)
+
+
+def outlines(simulation):
+    """The bodies' surfaces as polygons."""
+    surface = simulation.state.surface
+    return [shapely.Polygon(surface.position[surface.of(b)]) for b in range(2)]
+
+
+CASES = [
+    (form, share * WAVES, offset, slide, friction)
+    for share, offset, slide, friction in [(0.1, 0.13, 1.0, 0.5), (0.35, -0.31, -1.5, 0.3)]
+    for form in ("blocks", "disc", "corners")
+]
+
+
+@pytest.mark.parametrize("case", CASES, ids=str)
+def test_bodies_that_began_apart_never_overlap(case):
+    simulation = Simulation(meeting(*case), contact="barrier")
+    simulation.start()
+    nearest = np.inf
+    while simulation.state.time < 0.45 / case[1] + 0.02:
+        simulation.step()
+        first, second = outlines(simulation)
+        assert not first.intersects(second)
+        nearest = min(nearest, first.distance(second))
+    assert 0.0 < nearest < 0.1 * CELL  # they have met
+
+
+def test_bodies_that_touch_in_the_scene_begin_without_a_force():
+    bodies = {"left": rectangle([-0.4, -0.2], [0.0, 0.2]), "right": rectangle([0.0, -0.2], [0.4, 0.2])}
+    simulation = Simulation(scene(bodies), contact="barrier")
+    simulation.start()
+    for _ in range(20):
+        simulation.step()
+    assert not simulation.contact.records.impulse.any()
+    assert not simulation.state.particles.velocity.any()
+
+
+def test_a_step_too_long_by_force_ends_the_run_and_says_where():
+    simulation = Simulation(meeting("blocks", 4.0, 0.0, 0.0, 0.0), contact="barrier")
+    simulation.start()
+    with pytest.raises(SimulationError, match=r"left-right: a surface node came past its barrier.*body '"):
+        run(simulation, 40, dt=8e-3)
+
+
+def test_space_is_refused():
+    bodies = box()["bodies"]
+    second = with_changes(
+        box(), bodies__solid__geometry={"type": "box", "lower": [0.6, 0, 0], "upper": [1, 1, 1]}
+    )
+    mapping = with_changes(
+        box(), contact={"method": "barrier"}, bodies={"a": bodies["solid"], "b": second["bodies"]["solid"]}
+    )
+    with pytest.raises(SceneError, match="barrier"):
+        Simulation(load_scene(mapping))
+
+
+def moving_segment(seed):
+    """A node in front of a segment, both in motion: the surface, and the velocities of the three."""
+    rng = np.random.default_rng(seed)
+    surface = join(
+        [
+            [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.0], [-0.5, 0.0]],
+            rng.uniform([-0.7, 0.05], [0.7, 0.4]) + np.array([[0.0, 0.0], [0.1, 0.2], [-0.1, 0.2]]),
+        ]
+    )
+    return surface, rng.normal(0.0, 1.0, (len(surface.body), 2)) + [0.0, 1.0] * (surface.body[:, None] == 0)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_the_time_to_touch_is_before_the_time_of_impact(seed):
+    """Half of the distance, but for the time that :func:`time_to_reach` lets it: never past what exact detection finds."""
+    ipctk = pytest.importorskip("ipctk")
+    surface, velocity = moving_segment(seed)
+    n, position = len(surface.body), surface.position
+    table = SurfaceTable(row=np.arange(n + 1), nodes=np.arange(n, dtype=np.int32), weight=np.ones(n))
+    ends = position[[2, 3]]
+    share = np.clip(
+        (position[4] - ends[0]) @ (ends[1] - ends[0]) / ((ends[1] - ends[0]) ** 2).sum(), 0.0, 1.0
+    )
+    away = position[4] - (1.0 - share) * ends[0] - share * ends[1]
+    allowed = time_to_reach(
+        4, 2, np.array([1.0 - share, share]), away / np.linalg.norm(away), 0.0, 1e-9, surface.outline, table, np.ones(n),
+        velocity, PLANE,
+    )  # fmt: skip
+    then = position + 4.0 * velocity
+    hit, when = ipctk.TightInclusionCCD().point_edge_ccd(position[4], *ends, then[4], then[2], then[3])
+    assert not hit or allowed <= 4.0 * when * (1.0 + 1e-6)

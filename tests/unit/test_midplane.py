@@ -1,0 +1,118 @@
+"""Segments on the line between them: areas, gaps, a pressure that passes through outlines of any nodes, and moments."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from contact_kernels import PLANE, join, pair_table
+from mpmfw.contact.rows import ContactRows
+from mpmfw_contact._midlines import SegmentPairs, write_midlines
+from mpmfw_contact.surfaces.assembly import SurfaceTable
+
+
+def cut(x, y0, y1):
+    """A rectangle whose bottom and top are cut at the places ``x``."""
+    x = np.asarray(x, dtype=float)
+    return np.concatenate(
+        [np.stack([x, np.full(len(x), y0)], 1), np.stack([x[::-1], np.full(len(x), y1)], 1)]
+    )
+
+
+def rows_between(loops, *, friction=True, reach=0.5):
+    """Rows of all segments of the first body with all of the second; the surface's nodes are the grid's."""
+    n, first = len(loops.body), np.flatnonzero(loops.body == 0)
+    second = np.flatnonzero(loops.body == 1)
+    listed = SegmentPairs(first=np.repeat(first, len(second)), second=np.tile(second, len(first)))
+    rows = ContactRows(2, couples=friction)
+    rows.make_room(4 * len(listed.first), 64 * len(listed.first))
+    table = SurfaceTable(row=np.arange(n + 1), nodes=np.arange(n, dtype=np.int32), weight=np.ones(n))
+    rows.count = write_midlines(
+        len(listed.first), listed, reach, loops.outline, *pair_table(2), table, rows, PLANE
+    )
+    assert rows.count > 0
+    return rows
+
+
+def nodal(rows, force, n):
+    """Bᵀ f on the surface's nodes."""
+    rows.force[: rows.count] = force
+    out = np.zeros((n, 2))
+    rows.add_to(out, PLANE)
+    return out
+
+
+BOTTOM = [0.0, 0.17, 0.5, 0.61, 1.0]
+TOP = [-0.2, 0.1, 0.33, 0.8, 1.3]
+DEPTH = 0.01
+
+
+def overlapping(turn=0.0):
+    """A block that lies on a wider one and overlaps it, both turned."""
+    upper, lower = cut(BOTTOM, 0.0, 0.4), cut(TOP, -0.4, DEPTH)
+    c, s = np.cos(turn), np.sin(turn)
+    return join([each @ np.array([[c, s], [-s, c]]) for each in (upper, lower)])
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.4, 2.0])
+def test_a_pressure_is_passed_on_as_one(turn):
+    """Whatever the nodes of the outlines: those of the upper block have their tributary lengths' part, to rounding."""
+    loops = overlapping(turn)
+    rows = rows_between(loops)
+    n = slice(rows.count)
+    np.testing.assert_allclose(rows.gap[n], -DEPTH, atol=1e-12)
+    assert rows.area[n].sum() == pytest.approx(1.0, abs=1e-12)
+    force = nodal(rows, rows.area[n, None] * rows.normal[n], len(loops.body))
+    expected = 0.5 * np.convolve(np.concatenate([[0.0], np.diff(BOTTOM), [0.0]]), [1.0, 1.0], "valid")
+    np.testing.assert_allclose(np.linalg.norm(force[: len(BOTTOM)], axis=1), expected, atol=1e-12)
+    assert not force[len(BOTTOM) : 2 * len(BOTTOM)].any()  # the top of the upper block
+    np.testing.assert_allclose(force.sum(axis=0), 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.7])
+def test_a_row_leaves_no_moment(friction):
+    """Normal and tangential, between segments that are not parallel."""
+    upper = join(
+        [[[0.0, 0.0], [0.6, -0.15], [0.7, 0.4]], [[-0.2, -0.3], [0.8, -0.4], [0.5, 0.0], [0.1, -0.05]]]
+    )
+    rows = rows_between(upper)
+    n = slice(rows.count)
+    tangent = np.stack([-rows.normal[n, 1], rows.normal[n, 0]], axis=1)
+    force = nodal(rows, rows.normal[n] + friction * tangent, len(upper.body))
+    moment = (upper.position[:, 0] * force[:, 1] - upper.position[:, 1] * force[:, 0]).sum()
+    assert moment == pytest.approx(0.0, abs=1e-12)
+    np.testing.assert_allclose(force.sum(axis=0), 0.0, atol=1e-12)
+
+
+def test_the_order_of_the_bodies_does_not_matter():
+    one, two = cut(BOTTOM, 0.0, 0.4), cut(TOP, -0.4, DEPTH) @ np.array([[1.0, 0.02], [-0.02, 1.0]])
+    forces = []
+    for order in ((one, two), (two, one)):
+        loops = join(order)
+        rows = rows_between(loops)
+        n = slice(rows.count)
+        strength = np.maximum(-rows.gap[n], 0.0) * rows.area[n]
+        force = nodal(rows, strength[:, None] * rows.normal[n], len(loops.body))
+        forces.append(force if order[0] is one else np.roll(force, len(one), axis=0))
+    np.testing.assert_allclose(*forces, atol=1e-14)
+
+
+def test_only_what_overlaps_bears():
+    """A wedge under a flat face: the energy ∫ g² ds / 2 of the overlap is exact, and its derivative is the force."""
+
+    def energy(depth):
+        loops = join(
+            [cut([0.0, 1.0], 0.0, 0.4), [[0.2, -0.4], [0.8, -0.4], [0.8, depth - 0.1], [0.2, depth]]]
+        )
+        rows = rows_between(loops, friction=False)
+        n = slice(rows.count)
+        gap, area = rows.gap[n], rows.area[n]
+        return 0.5 * (area * np.minimum(gap, 0.0) ** 2).sum(), -(area * np.minimum(gap, 0.0)).sum()
+
+    depth, step = 0.03, 1e-5
+    (low, _), (_, force), (high, _) = energy(depth - step), energy(depth), energy(depth + step)
+    slope = 0.1 / 0.6
+    assert force == pytest.approx(
+        0.5 * depth**2 / slope, rel=0.02
+    )  # of the horizontal face, which leans by half
+    assert (high - low) / (2.0 * step) == pytest.approx(force, rel=0.02)
