@@ -10,7 +10,7 @@ from typing import Any
 
 from hard_cases import CASES, IN_SPACE, METHODS_IN_SPACE, MUST_HOLD, MUST_STAY_BOUNDED, OTHERS, applies
 from hard_scenes import FULL
-from placing import PLACES_IN_SPACE, SHIFTS, TURNS, covering
+from places import PLACES_IN_SPACE, SHIFTS, TURNS, covering
 
 Row = tuple[str, str, str, tuple[float, ...], Any]
 

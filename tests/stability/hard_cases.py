@@ -29,7 +29,7 @@ from hard_scenes import (
 from hard_scenes_in_space import corner_on_face, edge_on_corner, edge_on_edge, light_and_heavy
 from hard_scenes_in_space import soft_and_stiff as soft_and_stiff_in_space
 from hard_scenes_in_space import thin as thin_in_space
-from placing import placed
+from places import placed
 
 from mpmfw.api import SimulationError
 from mpmfw.discovery import load

@@ -9,7 +9,7 @@ import math
 import os
 from typing import Any
 
-from placing import CELL
+from places import CELL
 
 #: Whether the long cases run in full: 1e5 steps at rest, 100 cells of sliding.
 FULL = bool(os.environ.get("MPMFW_FULL_STABILITY"))

@@ -9,7 +9,7 @@ import pytest
 from design import Row, label, rows, rows_in_space
 from hard_cases import CASES, IN_SPACE, METHODS, METHODS_IN_SPACE, complaints, outcome
 from known import KNOWN, reason
-from placing import CELL, PLACES_IN_SPACE, SHIFTS, TURNS, covering, placed, rotation_of
+from places import CELL, PLACES_IN_SPACE, SHIFTS, TURNS, covering, placed, rotation_of
 
 from mpmfw.geometry import Box
 

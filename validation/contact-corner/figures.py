@@ -10,7 +10,7 @@ from expansion import PLACES, SLOPE, Expansion, expansion_of
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from mpmfw.plots.style import FONT, dress, legend_below, new_figure
+from mpmfw.plots.style import dress, legend_below, new_figure
 
 if TYPE_CHECKING:
     from mpmfw.validation import CaseRun
@@ -86,9 +86,7 @@ def size_figure(found: Mapping[tuple[float, str], Expansion]) -> Figure:
         panel.plot(sizes, errors, **style)
         handles.append(Line2D([], [], label=name, **style))
     dress(panel, "cell size h [mm]", "error of the slope [%]")
-    panel.text(
-        0.97, 0.04, "band: ± 5 %", transform=panel.transAxes, ha="right", fontsize=FONT - 1, color="0.3"
-    )
+    panel.text(0.97, 0.04, "band: ± 5 %", transform=panel.transAxes, ha="right", color="0.3")
     panel.set_xlim(0.4, 1.1)
     legend_below(figure, [handles])
     return figure

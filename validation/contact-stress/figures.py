@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from measures import Points
 
-from mpmfw.plots.style import FONT, dress, legend_below, new_figure
+from mpmfw.plots.style import dress, legend_below, new_figure
 
 #: Panels: title, range of the ordinate, and the methods with their look.
 PANELS: tuple[tuple[str, tuple[float, float], tuple[str, ...]], ...] = (
@@ -51,7 +51,7 @@ def interface_figure(results: Mapping[str, Points]) -> Figure:
                 _rows(panel, results[label], label, colour, marker)
         dress(panel, "x [m]", "σ_yy / (−p) [1]", title)
         panel.set_ylim(*limits)
-        panel.legend(fontsize=FONT - 2, loc="lower center", frameon=False)
+        panel.legend(loc="lower center")
     handles = [
         Line2D([], [], color="0.3", marker="o", markersize=3.5, linewidth=0.9, label="lower block"),
         Line2D(
@@ -103,9 +103,9 @@ def convergence_figure(curves: Mapping[str, Sequence[Points]]) -> Figure:
     sizes = np.array([points.cell_size for points in next(iter(curves.values()))])
     first = next(iter(curves.values()))[0].l2_error
     axes[0].loglog(sizes, 0.6 * first * np.sqrt(sizes / sizes[0]), color="0.4", linestyle="--", linewidth=0.8)
-    axes[0].text(sizes[1], 0.35 * first, "order 1/2", fontsize=FONT - 1, color="0.3")
+    axes[0].text(sizes[1], 0.35 * first, "order 1/2", color="0.3")
     axes[1].axhline(3.0, color="0.4", linestyle="--", linewidth=0.8)
-    axes[1].text(sizes[-1], 2.6, "limit, 3 %", fontsize=FONT - 1, color="0.3")
+    axes[1].text(sizes[-1], 2.6, "limit, 3 %", color="0.3")
     dress(axes[0], "cell size h [m]", "L2 error of σ_yy, both blocks [%]", "(a)")
     dress(axes[1], "cell size h [m]", "largest departure off the walls [%]", "(b)")
     for panel in axes:

@@ -13,7 +13,7 @@ from rings_fem import Collision
 from rings_fem.figures import draw_von_mises
 from stresses import TIMES, Stresses, reference_stresses
 
-from mpmfw.plots.style import FONT, Look, dress, legend_below, new_figure
+from mpmfw.plots.style import Look, dress, legend_below, new_figure
 from mpmfw.validation import CONTACTS, SHAPES, Method
 
 MOST = 20e6  #: end of the colour scale of [H17] [Pa]
@@ -32,8 +32,7 @@ def beside_finite_elements(stresses: Stresses, elements: Collision) -> Figure:
             axes.label_outer()
             axes.set_axisbelow(True)
     bar = figure.colorbar(drawn, ax=panels, location="bottom", shrink=0.6, aspect=40, extend="max", pad=0.015)
-    bar.set_label("von Mises stress [MPa]", fontsize=FONT)
-    bar.ax.tick_params(labelsize=FONT - 1)
+    bar.set_label("von Mises stress [MPa]")
     return figure
 
 

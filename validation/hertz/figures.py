@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from pressure import HALF_WIDTH, PEAK, Profile
 
-from mpmfw.plots.style import FONT, dress, legend_below, new_figure
+from mpmfw.plots.style import dress, legend_below, new_figure
 
 Profiles = Mapping[tuple[str, float], Profile]
 COLOURS = ("#E69F00", "#0072B2", "#009E73", "#7F3C8D")
@@ -38,9 +38,7 @@ def pressure_figure(profiles: Profiles) -> Figure:
         dress(panel, "x / b [1]", "p / p0 [1]", title)
         panel.set_xlim(-2.2, 2.2) if panel is axes[0] else panel.set_xlim(-4.0, 4.0)
         panel.set_ylim(-0.1, 2.0)
-        panel.legend(
-            fontsize=FONT - 1.5, loc="upper right", frameon=False, ncols=2 if panel is axes[0] else 1
-        )
+        panel.legend(loc="upper right", ncols=2 if panel is axes[0] else 1)
     return figure
 
 
@@ -68,7 +66,7 @@ def convergence_figure(profiles: Profiles) -> Figure:
         handles.append(Line2D([], [], label=name, **style))
     ends = np.array([2.0, 4.0])
     panel.loglog(ends, 8.0 * ends[0] / ends, color="0.4", linestyle="--", linewidth=0.8)
-    panel.text(2.2, 6.4, "order 1", fontsize=FONT - 1, color="0.3")
+    panel.text(2.2, 6.4, "order 1", color="0.3")
     panel.axhline(10.0, color="0.6", linewidth=0.6)
     panel.set_yticks([4, 6, 10, 20], ["4", "6", "10", "20"])
     dress(panel, "cells in the half-width, b/h [1]", "error [%]")

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from noise import Found
 
-from mpmfw.plots.style import FONT, dress, legend_below, new_figure
+from mpmfw.plots.style import dress, legend_below, new_figure
 
 SHIPPED = "scene as shipped"
 #: Colour and marker of what is varied, by the beginning of the label; the first that fits.
@@ -46,7 +46,6 @@ def against_loss(results: Mapping[str, Found], elements: Mapping[str, Found]) ->
                 (100.0 * found.lost, value(found)),
                 xytext=PLACES.get(label, (3, 3)),
                 textcoords="offset points",
-                fontsize=FONT - 2,
             )
         axes.set_xscale("log")
         axes.set_xticks([5, 10, 20, 40, 80], ["5", "10", "20", "40", "80"])

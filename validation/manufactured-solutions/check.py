@@ -144,7 +144,7 @@ def figure(found: dict[tuple[str, str], FloatArray], times: dict[tuple[str, str]
     for (shape, speed), errors in times.items():
         draw(panels[2], step, errors, shape)
         if shape == "cpdi":
-            panels[2].annotate(speed, (step[1], errors[1]), (4, -9), textcoords="offset points", fontsize=7)
+            panels[2].annotate(speed, (step[1], errors[1]), (4, -9), textcoords="offset points")
     slopes(panels[2], step, times["cpdi", "fast"], (1, 2))
     panels[2].set_xticks(step, [f"{value:g}" for value in STEPS])
     panels[2].minorticks_off()

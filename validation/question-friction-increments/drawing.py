@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from questions import BLUE, GRAVITY, ORANGE, REFERENCE
 
-from mpmfw.plots.style import FONT, dress, legend_below, new_figure
+from mpmfw.plots.style import dress, legend_below, new_figure
 
 #: Time step [ms] and error of the displacement [%], by the fraction of the stability limit.
 Curve = dict[float, tuple[float, float]]
@@ -45,7 +45,7 @@ def draw(
         for label, values in over_friction.items():
             look = {key: value for key, value in LOOKS[label].items() if key not in ("label", "linestyle")}
             axes.plot(*np.array(sorted(values.items())).T, linestyle="", markersize=4, **look)
-        axes.legend(fontsize=FONT - 2, frameon=False)
+        axes.legend()
         dress(
             axes,
             "friction coefficient μ [–]",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from matplotlib.figure import Figure
 from questions import BLUE, GREY, ORANGE, REFERENCE
 
-from mpmfw.plots.style import FONT, dress, legend_below, new_figure
+from mpmfw.plots.style import dress, legend_below, new_figure
 
 if TYPE_CHECKING:
     from differences import Difference
@@ -43,7 +43,7 @@ def draw(found: Mapping[tuple[str, str], Difference]) -> Figure:
         if scene != "rings":
             for limit in (-0.06, 0.06):
                 axes.axhline(limit, **REFERENCE)
-            axes.text(0.0, 0.058, "±0.06 %", fontsize=FONT - 1, va="top")
+            axes.text(0.0, 0.058, "±0.06 %", va="top")
     lines = [handles[name] for name in LOOKS if name in handles]
     legend_below(figure, [lines] if len(panels) > 1 else [[line] for line in lines])
     return figure

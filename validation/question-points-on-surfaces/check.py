@@ -21,8 +21,8 @@ from mpmfw.errors import ResultsWarning
 from mpmfw.validation import Case, Method
 
 FOLDER = Path(__file__).parents[1]
-sys.path += [str(FOLDER / name) for name in ("contact-corner", "question-two-pass", "hertz", "hard-scenes")]
-from criteria import of_run  # noqa: E402
+sys.path += [str(FOLDER / name) for name in ("contact-corner", "question-two-pass", "hertz", "hard")]
+from criteria import energy, penetration  # noqa: E402
 from expansion import PLACES, expansion_of, placed  # noqa: E402
 from pressure import of_forces  # noqa: E402
 from sliding import acceleration_error  # noqa: E402
@@ -129,12 +129,15 @@ def _hertz(case: Case, method: Method, name: str) -> None:
 
 
 def _hard(case: Case, method: Method, name: str) -> None:
-    """The scenes of ``hard-scenes``, among them the stack of five squares, with their limits of penetration."""
-    places = tomllib.loads((FOLDER / "hard-scenes" / "case.toml").read_text())["runs"][0]["places"]
-    for place in places:
-        found = of_run(_run(name, str(FOLDER / "hard-scenes" / place["scene"])))
-        for key, unit, within in (
-            ("penetration", "cells", place["within"]["penetration"]),
-            ("energy", "%", (0.0, 0.5)),
+    """The scenes of the suite ``hard`` that are files, among them the stack of five squares, with their limits of penetration."""
+    cases = [tomllib.loads(file.read_text()) for file in sorted((FOLDER / "hard").glob("*/case.toml"))]
+    for place in (place for one in cases for place in one["runs"][0]["places"] if "scene" in place):
+        file = FOLDER / "hard" / "scenes" / Path(place["scene"]).name
+        if not file.is_file():
+            continue
+        tree, limits = _run(name, str(file)), place.get("within", {})
+        for key, unit, measure, within in (
+            ("penetration", "cells", penetration, limits.get("penetration", (0.0, 0.1))),
+            ("energy", "%", energy, (0.0, 0.5)),
         ):
-            case.show(f"{place['at']}: {key}", found[key], within=tuple(within), unit=unit, method=method)
+            case.show(f"{place['at']}: {key}", measure(tree), within=tuple(within), unit=unit, method=method)

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from questions import BLUE, GREEN, ORANGE, REFERENCE
 from rolling import lumping_loss
 
-from mpmfw.plots.style import FONT, dress, legend_below, new_figure
+from mpmfw.plots.style import dress, legend_below, new_figure
 
 LOOKS: dict[str, dict[str, Any]] = {
     "spin": {"color": "black", "marker": "D"},
@@ -70,5 +70,5 @@ def _over_size(
     axes.loglog(h, 100.0 * lumping_loss(h, 0.5 * h) / 3.0, **REFERENCE, label="ε/3 ∝ h²")
     axes.set_xticks(sizes, [f"{size:g}" for size in sizes])
     axes.set_xticks([], minor=True)
-    axes.legend(fontsize=FONT - 1, frameon=False)
+    axes.legend()
     dress(axes, "cell size h [m]", "|error of the acceleration| [%]", "(c) no slip")

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from questions import BLUE, GREEN, ORANGE, PINK, REFERENCE
 
-from mpmfw.plots.style import FONT, dress, new_figure
+from mpmfw.plots.style import dress, new_figure
 
 #: Values by name and κ.
 Found = dict[str, dict[float, float]]
@@ -40,7 +40,7 @@ def draw(found: Found, strain: float) -> Figure:
         axes.set_xticks([0.01, 0.1, 1, 10, 100], ["0.01", "0.1", "1", "10", "100"])
         axes.set_xticks([], minor=True)
         if axes.get_legend_handles_labels()[0]:
-            axes.legend(fontsize=FONT - 2, frameon=False)
+            axes.legend()
     if "displacement" not in found:  # the quick version has the blocks alone
         errors.remove()
         steps.remove()

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from questions import BLUE, GREEN, GREY, ORANGE, PINK, REFERENCE
 
-from mpmfw.plots.style import FONT, dress, new_figure
+from mpmfw.plots.style import dress, new_figure
 
 #: Values by name and length of a segment [h].
 Found = dict[str, dict[float, float]]
@@ -52,7 +52,7 @@ def draw(found: Found) -> Figure:
         drawn = {size for curve in found.values() for size in curve}
         axes.set_xticks(*zip(*((size, name) for size, name in SIZES.items() if size in drawn), strict=True))
         axes.set_xticks([], minor=True)
-        axes.legend(fontsize=FONT - 2, frameon=False)
+        axes.legend()
     return figure
 
 

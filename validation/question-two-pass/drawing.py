@@ -9,7 +9,7 @@ import numpy as np
 from questions import BLUE, GREEN, ORANGE, REFERENCE, points_of
 from symmetry import mirror_errors
 
-from mpmfw.plots.style import FONT, dress, legend_below, new_figure
+from mpmfw.plots.style import dress, legend_below, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -33,7 +33,7 @@ def draw(runs: Sequence[CaseRun]) -> Figure:
         left.semilogy(1e3 * time, np.maximum(error, 1e-16), color=colour, linestyle=style, linewidth=width)
     left.set_xlim(0.0, 1e3 * max(time[-1] for time, _ in mirrors))
     left.axhline(0.01, **REFERENCE)
-    left.text(left.get_xlim()[1], 0.0085, "0.01 h ", fontsize=FONT - 1, ha="right", va="top")
+    left.text(left.get_xlim()[1], 0.0085, "0.01 h ", ha="right", va="top")
     left.set_ylim(1e-5, 1.0)
     dress(left, "time [ms]", "mirror error [h]", "(a) rings: asymmetry")
     for points, (colour, width, style), name in zip(coarse, LOOKS, names, strict=False):

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from rolling import EXACT, NO_SLIP, SLIP, Roll, lumping_loss
 
-from mpmfw.plots.style import FONT, dress, legend_below, new_figure
+from mpmfw.plots.style import dress, legend_below, new_figure
 from mpmfw.validation import Method
 
 Errors = Mapping[float, Mapping[str, float]]
@@ -96,10 +96,10 @@ def _slip(axes: Any, errors: Errors, elastic: Mapping[str, float]) -> None:
         )
         axes.axhline(elastic[name], color="0.4", linestyle=style, linewidth=0.8, zorder=1)
     axes.axhline(0.0, **EXACT)
-    axes.text(sizes[-1], 0.05, "rigid", fontsize=FONT - 1, ha="right", va="bottom")
+    axes.text(sizes[-1], 0.05, "rigid", ha="right", va="bottom")
     dress(axes, "cell size h [m]", "error [%]", "slip, penalty; grey: converged elastic solution")
     # Between the accelerations, where no curve runs
-    axes.legend(loc="center", bbox_to_anchor=(0.5, 0.43), fontsize=FONT - 1, frameon=False)
+    axes.legend(loc="center", bbox_to_anchor=(0.5, 0.43))
     _ticks(axes, sizes)
 
 
@@ -112,7 +112,5 @@ def _triangle(axes: Any, left: float, bottom: float, order: float) -> None:
     """Slope of an order, over a factor of two in h."""
     right, top = 2.0 * left, bottom * 2.0**order
     axes.plot([left, right, right, left], [bottom, bottom, top, bottom], color="0.3", linewidth=0.8)
-    axes.text(1.04 * right, np.sqrt(bottom * top), f"{order:g}", fontsize=FONT - 1, va="center", color="0.3")
-    axes.text(
-        np.sqrt(left * right), 0.93 * bottom, "1", fontsize=FONT - 1, va="top", ha="center", color="0.3"
-    )
+    axes.text(1.04 * right, np.sqrt(bottom * top), f"{order:g}", va="center", color="0.3")
+    axes.text(np.sqrt(left * right), 0.93 * bottom, "1", va="top", ha="center", color="0.3")

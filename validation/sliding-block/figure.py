@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from matplotlib.lines import Line2D
 
 from mpmfw.campaigns.exact import incline
-from mpmfw.plots.style import FONT, dress, legend_below, new_figure
+from mpmfw.plots.style import dress, legend_below, new_figure
 from mpmfw.validation import CLASSICAL, CaseRun
 from mpmfw.validation.tables import QuantityTable
 
@@ -90,4 +90,3 @@ def _accelerations(
     axes.set_yticks(range(len(drawn)), [GROUPS[key][0] for key in drawn])
     axes.invert_yaxis()
     dress(axes, "fitted acceleration over the exact one [–]", "", "(b) every shape function")
-    axes.tick_params(axis="y", labelsize=FONT - 1)

@@ -80,7 +80,7 @@ def draw(runs: Sequence[CaseRun]) -> Figure:
         size = np.hypot(*_moved(series).T) / HEIGHT
         axes.semilogy(series["time"].values[1:], np.maximum(size[1:], 1e-12), **look)
     axes.axhline(MOST_DISPLACEMENT, color="k", linewidth=1.0)
-    axes.annotate("limit", (0.5, MOST_DISPLACEMENT), xytext=(0, 2), textcoords="offset points", fontsize=7)
+    axes.annotate("limit", (0.5, MOST_DISPLACEMENT), xytext=(0, 2), textcoords="offset points")
     axes.set_ylim(1e-10, 1.0)
     dress(axes, "time [s]", "displacement / height [–]")
     contacts = {m.contact for m in results}

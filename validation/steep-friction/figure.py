@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from measures import Measured
 
-from mpmfw.plots.style import FONT, dress, legend_below, new_figure
+from mpmfw.plots.style import dress, legend_below, new_figure
 from mpmfw.validation import Method
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ def draw_chatter(
     """Growth of the lowest mode over friction, and error of the acceleration at 40 degrees over friction."""
     figure = new_figure(2, 1, 68.0)
     left, right = figure.subplots(1, 2)
-    left.legend(handles=_draw_growth(left, modes, grown), loc="upper left", fontsize=FONT - 2, frameon=False)
+    left.legend(handles=_draw_growth(left, modes, grown), loc="upper left")
     handles = _draw_errors(right, steep, sliding_limit)
     legend_below(figure, [handles[k : k + 3] for k in range(0, len(handles), 3)])
     return figure
@@ -115,7 +115,6 @@ def _draw_errors(axes: Any, steep: Sequence[Row], sliding_limit: float) -> list[
         (sliding_limit, 3e-3),
         xytext=(-3, 0),
         textcoords="offset points",
-        fontsize=FONT - 1,
         ha="right",
         rotation=90,
     )
@@ -133,7 +132,7 @@ def draw_map(rows: Sequence[Row], creep: float) -> Figure:
         axes.grid(False)
         axes.label_outer()
     panels[2, 1].tick_params(labelbottom=True)
-    panels[2, 1].set_xlabel("tilt θ [°]", fontsize=FONT)
+    panels[2, 1].set_xlabel("tilt θ [°]")
     names = ["below 0.1 %", "0.1 to 0.3 %", "0.3 to 1 %", "1 to 3 %", "3 to 10 %", "above 10 %"]
     keys = [_key(colour, name) for colour, name in zip(COLOURS, names, strict=True)]
     keys += [_key(STAYS, "sticks, as it must"), _key(CREEPS, "must stick, and creeps")]
@@ -144,9 +143,6 @@ def draw_map(rows: Sequence[Row], creep: float) -> Figure:
         title=title,
         loc="center",
         ncols=2,
-        fontsize=FONT - 1,
-        title_fontsize=FONT - 1,
-        frameon=False,
     )
     return figure
 
@@ -161,7 +157,7 @@ def _draw_cells(axes: Any, found: Sequence[Measured], creep: float) -> None:
         face = colours(norm(size)) if one.slides else STAYS if one.speed < creep else CREEPS
         axes.add_patch(Rectangle((i - 0.5, j - 0.5), 1.0, 1.0, facecolor=face, edgecolor="w", linewidth=0.8))
         colour = "w" if one.slides and (size >= 10.0 or size < 0.1) else "k"
-        axes.text(i, j, _said(one, creep), ha="center", va="center", fontsize=FONT - 1, color=colour)
+        axes.text(i, j, _said(one, creep), ha="center", va="center", color=colour)
     _draw_border(axes, [[math.tan(tilt) > friction for friction in frictions] for tilt in tilts])
     axes.set_xlim(-0.5, len(tilts) - 0.5)
     axes.set_ylim(-0.5, len(frictions) - 0.5)

@@ -54,7 +54,7 @@ def draw(runs: Sequence[CaseRun]) -> Figure:
     right.plot(time, 1e3 * rate * np.maximum(time - start, 0.0) ** 3 / 6.0 / LENGTH, **exact)
     handles.append(Line2D([], [], label="closed form", **exact))
     right.axhline(1.0, color="k", linewidth=0.8)
-    right.annotate("threshold", (0.45 * end, 1.0), xytext=(0, 2), textcoords="offset points", fontsize=7)
+    right.annotate("threshold", (0.45 * end, 1.0), xytext=(0, 2), textcoords="offset points")
     right.set_ylim(-0.3, 4.0)
     dress(left, "time [s]", "friction over normal force [–]", "(a) force, CPDI")
     dress(right, "time [s]", "sliding / length of the block [10⁻³]", "(b) sliding, CPDI")

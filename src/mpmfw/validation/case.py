@@ -96,14 +96,13 @@ class Case:
             for c, s, (label, values) in itertools.product(contact, shape, given.items())
         ]
 
-    def scene(self, name: str, method: Method | None, set: Mapping[str, Any]) -> Scene:
-        """What a run runs: a file of the case or a shipped scene, all values set."""
+    def scene(self, given: str | Mapping[str, Any], method: Method | None, set: Mapping[str, Any]) -> Scene:
+        """What a run runs: a file of the case, a shipped scene or nested mappings, all values set."""
         chosen = {"contact.method": method.contact, "shape.method": method.shape} if method else {}
-        given = {key: one for key, one in chosen.items() if one}
-        own = self.folder / name
-        return load_scene(
-            own if own.exists() else name, set={**given, **set, **(method.set if method else {})}
-        )
+        values = {key: one for key, one in chosen.items() if one}
+        if isinstance(given, str) and (self.folder / given).exists():
+            given = str(self.folder / given)
+        return load_scene(given, set={**values, **set, **(method.set if method else {})})
 
     def run(
         self,
@@ -148,11 +147,12 @@ class Case:
             else:
                 yield method, tree
 
-    def failed(self, method: Method | str, why: str, binds: bool | None = None) -> None:
-        """Record that a method got no result, and why."""
+    def failed(self, method: Method | str, why: str, binds: bool | None = None, at: str = "") -> None:
+        """Record that a method got no result at a place, and why."""
         if binds is None:
             binds = isinstance(method, Method) and method.recommended
-        row = Row(self.name, str(method), "run", math.nan, reference="ends", least=0.0, binds=binds, note=why)
+        name = f"{at}: run" if at else "run"
+        row = Row(self.name, str(method), name, math.nan, reference="ends", least=0.0, binds=binds, note=why)
         self.rows.append(row)
 
     def gate(

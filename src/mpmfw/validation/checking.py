@@ -14,8 +14,8 @@ from pathlib import Path
 from mpmfw.campaigns.outcome import Finished, Outcome
 from mpmfw.validation.case import Case
 from mpmfw.validation.measuring import check_tables
+from mpmfw.validation.reading import load_case
 from mpmfw.validation.rows import Verdict
-from mpmfw.validation.tables import load_case
 
 
 @dataclass(frozen=True)
@@ -34,10 +34,15 @@ class CaseTask:
 
 def check_once(task: CaseTask) -> Finished:
     """Check a case and save its figures; an error in it is part of the outcome, beside the rows before it."""
+    from mpmfw.plots.style import (
+        journal_style,  # matplotlib, which the process that only starts cases does without
+    )
+
     start = time.perf_counter()
     case, error = Case(task.folder, task.quick), ""
     try:
-        check_case(case)
+        with journal_style():
+            check_case(case)
         for name, figure in case.figures.items():
             figure.savefig(task.output / f"{name}.png")
     except (Exception, SystemExit):

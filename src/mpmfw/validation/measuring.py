@@ -3,25 +3,33 @@
 from __future__ import annotations
 
 import importlib
+import itertools
 import json
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
-from mpmfw.campaigns.measures import About, exact_of, measure_of
+from mpmfw.campaigns.measures import exact_of, measure_of
 from mpmfw.errors import SceneError, SimulationError
+from mpmfw.measure import About
 from mpmfw.scene import Scene
 from mpmfw.validation.case import Case, Method
 from mpmfw.validation.tables import (
     CaseTables,
+    MethodsTable,
     PlaceTable,
     QuantityTable,
     RowTable,
     RunsTable,
     TogetherTable,
+    VersionTable,
     When,
+    matches,
 )
+
+#: A table that may count in one version of a case alone.
+_Timed = TypeVar("_Timed", PlaceTable, VersionTable, RowTable, MethodsTable)
 
 
 @dataclass
@@ -32,12 +40,15 @@ class CaseRun:
     ----------
     runs
         Name of the runs that it is one of.
-    place, method
+    place, version, method
         What ran.
     scene
         What it ran, all values set.
     results
         What ``mpmfw.run`` returned, or the function that stands in its place.
+    broken
+        Keys (or, without one, quantities) of its rows whose limits it does not keep, open ones included; of a changed version, of
+        what would be its rows.
     """
 
     runs: str
@@ -45,6 +56,8 @@ class CaseRun:
     method: Method
     scene: Scene
     results: Any
+    version: VersionTable = field(default_factory=VersionTable)
+    broken: tuple[str, ...] = ()
     _measured: dict[str, Any] = field(default_factory=dict)
 
     def quantity(self, table: QuantityTable) -> float | None:
@@ -53,6 +66,11 @@ class CaseRun:
         if name not in self._measured:
             self._measured[name] = self._measure(table)
         return _scaled(table, self._measured[name])
+
+    def keeps(self, row: RowTable) -> bool:
+        """Whether the value of a row is within its limits here, or it has none."""
+        limits, value = row.limits(self.place), self.quantity(row)
+        return limits is None or value is None or limits[0] <= value <= limits[1]
 
     def read(self, measure: str, key: str | None = None, **args: Any) -> float:
         """The number of a measure, as a row of the tables with these keys has it; NaN where there is none."""
@@ -117,34 +135,66 @@ def _functions(tables: CaseTables) -> Iterator[str]:
     rows = [*tables.rows, *(row for runs in tables.runs for row in runs.rows)]
     yield from (row.measure for row in rows if ":" in row.measure)
     yield from (row.reference.measure for row in rows if isinstance(row.reference, QuantityTable))
-    yield from (runs.by for runs in tables.runs if runs.by is not None)
+    for runs in tables.runs:
+        named = [runs.by, runs.scene, *(place.scene for place in runs.places)]
+        named += [version.change for version in runs.versions]
+        yield from (name for name in named if name is not None and ":" in name)
     yield from (figure.draw for figure in tables.figures)
 
 
 def _run(case: Case, runs: RunsTable, now: When) -> list[CaseRun]:
-    """Run the scene at every place with every method; a run that fails keeps its row, red if a gate binds it."""
+    """Run the scene at every place, in every version, with every method.
+
+    A run that fails keeps its row, red if a gate binds it.
+    """
     done = []
-    rows = [row for row in runs.rows if row.when in (None, now)]
-    shared = {**runs.set, **(runs.quick if now == "quick" else {})}
-    for place in (place for place in runs.places if place.when in (None, now)):
-        for method in (m for table in runs.methods if table.when in (None, now) for m in table.methods()):
-            name, values = place.scene or runs.scene, {**shared, **place.set}
-            own = [row for row in rows if row.is_of(method, place)]
-            try:
-                scene = case.scene(name, method, values)
-                if runs.by is None:
-                    results = case.run(scene)
-                else:
-                    with case.timed():
-                        results = function_of(runs.by)(scene)
-            except (SimulationError, SceneError) as error:
-                binds = method.recommended or any(row.is_gate(method, place) for row in own)
-                case.failed(method, str(error), binds=binds)
-                continue
-            done.append(CaseRun(runs.name, place, method, scene, results))
-            for row in own:
-                _record(case, row, done[-1])
+    rows = list(_of_now(runs.rows, now))
+    methods = [method for table in _of_now(runs.methods, now) for method in table.methods()]
+    for place, version, method in itertools.product(
+        _of_now(runs.places, now), list(_of_now(runs.versions, now)), methods
+    ):
+        if not matches(method, version.methods):
+            continue
+        own = [row for row in rows if row.is_of(method, place)]
+        try:
+            scene = scene_at(case, runs, place, version, method, now)
+            results = _results(case, runs, scene)
+        except (SimulationError, SceneError) as error:
+            gates = method.recommended or any(row.is_gate(method, place) for row in own)
+            binds = gates and version.change is None and "run" not in place.open
+            case.failed(method, str(error), binds=binds, at=", ".join(filter(None, (place.at, version.at))))
+            continue
+        run = CaseRun(runs.name, place, method, scene, results, version)
+        run.broken = tuple(row.key or row.quantity for row in own if not run.keeps(row))
+        done.append(run)
+        for row in own if version.change is None else ():
+            _record(case, row, run)
     return done
+
+
+def _of_now(tables: Iterable[_Timed], now: When) -> Iterator[_Timed]:
+    """Those that count in this version of the case."""
+    return (one for one in tables if one.when in (None, now))
+
+
+def scene_at(
+    case: Case, runs: RunsTable, place: PlaceTable, version: VersionTable, method: Method, now: When
+) -> Scene:
+    """The scene of a place in a version: made, set, changed, and with the method."""
+    name = place.scene or runs.scene
+    values = {**runs.set, **(runs.quick if now == "quick" else {}), **place.set}
+    given = function_of(name)(**place.make) if ":" in name else name
+    if version.change is not None:
+        mapping = case.scene(given, None, values).to_mapping()
+        given, values = function_of(version.change)(mapping, **version.args), {}
+    return case.scene(given, method, values)
+
+
+def _results(case: Case, runs: RunsTable, scene: Scene) -> Any:
+    if runs.by is None:
+        return case.run(scene)
+    with case.timed():
+        return function_of(runs.by)(scene)
 
 
 def _record(case: Case, row: RowTable, run: CaseRun) -> None:
@@ -170,21 +220,32 @@ def _together(case: Case, row: TogetherTable, runs: Sequence[CaseRun]) -> None:
     elif not row.each:
         _whole(case, row, row.method, function(runs, **row.args), row.binds != "none")
     else:
-        for method in dict.fromkeys(run.method for run in runs):
+        apart = {(run.method, run.place.at if row.each == "place" else ""): run.place for run in runs}
+        for (method, at), place in apart.items():
             if row.is_of(method):
-                found = function([run for run in runs if run.method == method], **row.args)
-                _whole(case, row, method, found, row.is_gate(method))
+                same = [run for run in runs if run.method == method and at in ("", run.place.at)]
+                here = place if at else None
+                _whole(case, row, method, function(same, **row.args), row.is_gate(method, here), here)
 
 
-def _whole(case: Case, row: TogetherTable, method: Method | str, found: Any, binds: bool) -> None:
-    value = _scaled(row, found)
+def _whole(
+    case: Case,
+    row: TogetherTable,
+    method: Method | str,
+    found: Any,
+    binds: bool,
+    place: PlaceTable | None = None,
+) -> None:
+    value, limits, reference = _scaled(row, found), row.limits(place), row.reference
     if value is not None:
-        assert not isinstance(row.reference, QuantityTable)
-        binds = binds and row.within is not None
-        limits: dict[str, Any] = {"within": row.within, "reference": row.reference, "unit": row.unit}
-        case.gate(row.quantity, value, **limits, method=method, binds=binds)
+        assert not isinstance(reference, QuantityTable)
+        if place is not None and row.key in place.open and limits is not None:
+            reference, limits = limits[0] if math.isfinite(limits[0]) else limits[1], None
+        name = row.quantity.replace("{at}", place.at if place else "{at}")
+        binds = binds and limits is not None
+        case.gate(name, value, within=limits, reference=reference, unit=row.unit, method=method, binds=binds)
 
 
 def _scaled(table: QuantityTable, found: Any) -> float | None:
-    value = found if table.key is None or found is None else found[table.key]
+    value = found[table.key] if isinstance(found, Mapping) and table.key is not None else found
     return None if value is None else table.scale * float(value)

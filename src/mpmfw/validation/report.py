@@ -16,7 +16,7 @@ from mpmfw.campaigns.machine import processor
 from mpmfw.validation.case import CONTACTS, RECOMMENDED, SHAPES, Method
 from mpmfw.validation.known import KnownRed
 from mpmfw.validation.rows import Row, Verdict
-from mpmfw.validation.suite import CaseResult
+from mpmfw.validation.suite import CaseResult, shipped_suite
 
 HEADINGS = ("case", "method", "quantity", "reference", "value", "tolerance", "verdict", "CPU s")
 _STYLE = {
@@ -120,7 +120,7 @@ def _head(outcomes: Sequence[CaseResult], known: Sequence[KnownRed]) -> str:
     packages = ", ".join(f"{name} {version(name)}" for name in ("mpmfw", "numpy", "numba"))
     return "\n\n".join(
         [
-            "# Validation",
+            f"# {_title(outcomes)}",
             f"Written by {_written_by(outcomes)}; cases run one by one into the same folder join as long as the code is the "
             f"same. {summary(outcomes)}.",
             f"Conditions: Python {platform.python_version()}, {packages}; {processor()}. CPU times are of the steps and of "
@@ -132,6 +132,14 @@ def _head(outcomes: Sequence[CaseResult], known: Sequence[KnownRed]) -> str:
             *_matrix(outcomes),
         ]
     )
+
+
+def _title(outcomes: Sequence[CaseResult]) -> str:
+    """What a suite among mpmfw's own is called by its README."""
+    suite = outcomes[0].folder.parent if outcomes else Path()
+    if suite.parent.resolve() != shipped_suite().resolve():
+        return "Validation"
+    return (suite / "README.md").read_text(encoding="utf-8").splitlines()[0].lstrip("# ")
 
 
 def _matrix(outcomes: Iterable[CaseResult]) -> list[str]:
@@ -185,11 +193,16 @@ def _section(outcome: CaseResult, pictures: Path, repository: str) -> str:
     """Title and first paragraph of the case's README, table, figures."""
     readme = (outcome.folder / "README.md").read_text(encoding="utf-8").strip().split("\n\n")
     title, introduction = readme[0].lstrip("# "), readme[1] if len(readme) > 1 else ""
-    link = f"{repository}/{outcome.folder.parent.name}/{outcome.folder.name}/README.md"
+    suite, option = outcome.folder.parent, ""
+    if suite.parent.resolve() == shipped_suite().resolve():
+        suite, option = Path(suite.parent.name, suite.name), f"--suite {suite.name} "
+    else:
+        suite = Path(suite.name)
+    link = f"{repository}/{suite.as_posix()}/{outcome.folder.name}/README.md"
     lines = [
         f"## {title}",
         f"{introduction}",
-        f"[Set-up, tolerances and their sources]({link}); `mpmfw validate {outcome.folder.name}`.",
+        f"[Set-up, tolerances and their sources]({link}); `mpmfw validate {option}{outcome.folder.name}`.",
     ]
     if outcome.error:
         lines.append(f"The case went wrong:\n\n```\n{outcome.error}```")

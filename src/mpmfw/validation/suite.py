@@ -61,6 +61,15 @@ def shipped_suite() -> Path:
     return installed if installed.is_dir() else package.parents[1] / "validation"
 
 
+def suite_of(given: Path | None) -> Path:
+    """The folder of a suite: as it is given, or one of mpmfw's own by name, such as ``hard``; without one, all of mpmfw's own
+    cases that are in no such folder."""
+    if given is None or given.is_dir():
+        return given or shipped_suite()
+    own = shipped_suite() / given
+    return own if len(given.parts) == 1 and own.is_dir() else given
+
+
 def find_cases(suite: Path, names: Sequence[str] = ()) -> list[Path]:
     """Folders of the suite with a ``case.toml`` or a ``check.py``: all, or the named ones.
 
@@ -159,9 +168,15 @@ def _drawn(store: Store, key: str, output: Path) -> bool:
 def _key(folder: Path, quick: bool) -> str:
     """A name for the run of a case: the same for the same files of it and of the suite, code and libraries."""
     inner = [path for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts]
-    shared = list(folder.parent.glob("*.py"))
+    shared = [*folder.parent.glob("*.py"), *_like(folder)]
     parts = [f"{name} {is_}" for name, is_ in sorted(code_of_plugins().items())]
     return digest(folder.name, str(quick), sources([*inner, *shared]), package("mpmfw"), *parts)
+
+
+def _like(folder: Path) -> list[Path]:
+    """The file that a case's tables go on from, if there is one."""
+    named = _said(folder, r"like = \"([^\"]+)\"")
+    return [folder / named] if named and (folder / named).is_file() else []
 
 
 def _result(folder: Path, output: Path, outcome: Outcome | None) -> CaseResult:
@@ -181,6 +196,12 @@ def _longest_first(cases: Iterable[Path]) -> list[Path]:
 
 
 def _cost(folder: Path) -> float:
+    found = _said(folder, r"(?:# cost:|cost =) *([0-9.]+)")
+    return float(found) if found else 10.0
+
+
+def _said(folder: Path, line: str) -> str | None:
+    """What the group of a pattern is in a line of a case's file."""
     file = next(folder / name for name in CHECKS if (folder / name).is_file())
-    found = re.search(r"^(?:# cost:|cost =) *([0-9.]+)", file.read_text(encoding="utf-8"), re.MULTILINE)
-    return float(found.group(1)) if found else 10.0
+    found = re.search(f"^{line}", file.read_text(encoding="utf-8"), re.MULTILINE)
+    return found.group(1) if found else None

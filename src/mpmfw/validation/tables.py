@@ -4,19 +4,12 @@ from __future__ import annotations
 
 import fnmatch
 import itertools
-from collections.abc import Iterable, Iterator, Sequence
-from pathlib import Path
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import Field, Strict
+from pydantic import Field, Strict, field_validator
 
-from mpmfw.campaigns.measures import measure_of
-from mpmfw.campaigns.tables import validated
-from mpmfw.errors import SceneError
 from mpmfw.scene.base import Table
-from mpmfw.scene.locator import Path as KeyPath
-from mpmfw.scene.problem import Problem
-from mpmfw.scene.sources import read_source
 from mpmfw.units import Number
 from mpmfw.validation.case import CLASSICAL, CONTACTS, RECOMMENDED, SHAPES, Method
 
@@ -65,17 +58,55 @@ class PlaceTable(Table):
         What it is, for ``{at}`` in the names of quantities.
     scene, set
         In place of the runs' scene, and values by dotted key over those that all share.
+    make
+        Arguments of the scene where that is a function, ``module:function``, which returns it as nested mappings.
+    vary
+        Arguments of which every combination is a place; ``at`` has their values as ``{name}``.
     within
         Limits that hold here, by ``key`` of a row.
     open
-        Rows that do not keep their limits today, by ``key``, and why: shown beside the limit, they decide nothing.
+        Rows that do not keep their limits today, by ``key``, and why: shown beside the limit, they decide nothing. ``run`` is
+        the run itself.
     """
 
     at: str = ""
     scene: str | None = None
     set: dict[str, Any] = Field(default={})
+    make: dict[str, Any] = Field(default={})
+    vary: dict[str, list[Number]] = Field(default={})
     within: dict[str, Limits] = Field(default={})
     open: dict[str, str] = Field(default={})
+    when: When = None
+
+    def places(self) -> Iterator[PlaceTable]:
+        """One for every combination of what varies."""
+        for values in itertools.product(*self.vary.values()):
+            whole = (int(value) if value.is_integer() else value for value in map(float, values))
+            given = dict(zip(self.vary, whole, strict=True))
+            at = self.at
+            for name, value in given.items():
+                at = at.replace(f"{{{name}}}", f"{value:g}")
+            yield self.model_copy(update={"at": at, "make": {**self.make, **given}, "vary": {}})
+
+
+class VersionTable(Table):
+    """The scene of every place once more, changed. Such a run has no rows of its own: rows of several runs and figures take it.
+
+    Attributes
+    ----------
+    at
+        What it is.
+    change, args
+        ``module:function`` that takes the scene as nested mappings, and these arguments, and returns the changed one; the
+        scene as it is, if left out.
+    methods
+        Patterns of the methods that run it.
+    """
+
+    at: str = ""
+    change: str | None = None
+    args: dict[str, Any] = Field(default={})
+    methods: Patterns = Field(default=["*"])
     when: When = None
 
 
@@ -89,7 +120,7 @@ class QuantityTable(Table):
     args
         Arguments of it: ``body``, ``pair`` and ``axis`` of a campaign's measure, those of the function behind its first.
     key
-        Which one of several that the function returns by name.
+        Which one of several that the function returns by name; of a single number, the name by which places have limits of it.
     scale
         Factor of it, as 100 for per cent.
     relative
@@ -117,7 +148,7 @@ class RowTable(QuantityTable):
     methods, without
         Patterns of the methods whose row it is, all if left out, and of those whose it is not.
     places
-        Where it is a row, by ``at``; everywhere if left out.
+        Where it is a row, by patterns of ``at``; everywhere if left out.
     """
 
     quantity: str
@@ -132,11 +163,11 @@ class RowTable(QuantityTable):
 
     def is_of(self, method: Method, place: PlaceTable | None = None) -> bool:
         """Whether a method has this row at a place."""
-        here = self.places is None or place is None or place.at in self.places
+        here = self.places is None or place is None or _is_one(place.at, self.places)
         return here and matches(method, self.methods) and not matches(method, self.without)
 
     def limits(self, place: PlaceTable | None = None) -> Limits | None:
-        """Those of a place, or the row's own."""
+        """Limits of a place, or the row's own."""
         return self.within if place is None else place.within.get(self.key or "", self.within)
 
     def is_gate(self, method: Method, place: PlaceTable | None = None) -> bool:
@@ -155,7 +186,7 @@ class RunsTable(Table):
     name
         By which rows and figures of several runs name them.
     scene
-        A file of the case, or the name of a shipped one.
+        A file of the case, the name of a shipped one, or a function that makes it from what a place has as ``make``.
     set, quick
         Values by dotted key that all share, and those that the reduced version sets over them.
     by
@@ -169,8 +200,14 @@ class RunsTable(Table):
     by: str | None = None
     methods: list[MethodsTable] = Field(default=[MethodsTable()])
     places: list[PlaceTable] = Field(default=[PlaceTable()])
+    versions: list[VersionTable] = Field(default=[VersionTable()])
     rows: list[RowTable] = Field(default=[])
     when: When = None
+
+    @field_validator("places")
+    @classmethod
+    def _varied(cls, places: list[PlaceTable]) -> list[PlaceTable]:
+        return [one for place in places for one in place.places()]
 
 
 class TogetherTable(RowTable):
@@ -181,13 +218,14 @@ class TogetherTable(RowTable):
     of
         Names of runs, which the function takes as its first argument, a list of ``CaseRun``.
     each
-        Whether every method of these runs has such a row, else there is a single one.
+        Whether every method of these runs has such a row, or every method at every ``place``, with its limits and what is open
+        there; else there is a single one.
     method
         What the single one is said to be of; its limits are a gate unless ``binds`` is ``none``.
     """
 
     of: list[str] = Field(default=[])
-    each: bool = False
+    each: bool | Literal["place"] = False
     method: str = ""
 
 
@@ -201,23 +239,21 @@ class FigureTable(Table):
 
 
 class CaseTables(Table):
-    """All tables of a case; ``cost`` is the CPU time of the full version [s], by which long cases are started first."""
+    """All tables of a case.
 
+    Attributes
+    ----------
+    like
+        A file of such tables beside the case's folder or in it: what the case does not say is as it says.
+    cost
+        CPU time of the full version [s], by which long cases are started first.
+    """
+
+    like: str = ""
     cost: Number = 10.0
     runs: list[RunsTable] = Field(default=[])
     rows: list[TogetherTable] = Field(default=[])
     figures: list[FigureTable] = Field(default=[])
-
-
-def load_case(folder: Path) -> CaseTables:
-    """Read and validate ``case.toml``.
-
-    Raises
-    ------
-    SceneError
-        One line for each thing that is wrong: file, line, key, what was expected.
-    """
-    return validated(CaseTables, read_source(folder / "case.toml", "case", {}), _checks)
 
 
 def matches(method: Method, patterns: Sequence[str]) -> bool:
@@ -225,89 +261,5 @@ def matches(method: Method, patterns: Sequence[str]) -> bool:
     return any(fnmatch.fnmatchcase(str(method), pattern) for pattern in patterns)
 
 
-def _checks(tables: CaseTables) -> Iterator[Problem]:
-    """What would have no effect: patterns of no method, names of no runs, limits and keys that nothing looks at."""
-    for k, runs in enumerate(tables.runs):
-        methods = [method for table in runs.methods for method in table.methods()]
-        for j, row in enumerate(runs.rows):
-            at: KeyPath = ("runs", k, "rows", j)
-            yield from _measure(row, at)
-            yield from _patterns(row, methods, at)
-            yield from _places(row, runs.places, at)
-            if isinstance(row.reference, QuantityTable):
-                yield from _measure(row.reference, (*at, "reference"))
-        keys = {row.key for row in runs.rows}
-        for j, place in enumerate(runs.places):
-            for key in {*place.within, *place.open} - keys:
-                yield Problem(("runs", k, "places", j), f"'{key}' is the key of no row of these runs")
-    names = [runs.name for runs in tables.runs if runs.name]
-    for k, together in enumerate(tables.rows):
-        yield from _of(together.of, names, ("rows", k))
-        yield from _together(together, ("rows", k))
-    for k, figure in enumerate(tables.figures):
-        yield from _of(figure.of, names, ("figures", k))
-
-
-def _measure(table: QuantityTable, at: KeyPath) -> Iterator[Problem]:
-    """A function is looked for when the case runs, in its folder; a campaign's measure must be a number."""
-    if ":" in table.measure:
-        if table.relative:
-            yield Problem((*at, "relative"), "has no effect: only a campaign's measure knows a closed form")
-        return
-    try:
-        measure = measure_of(table.measure)
-    except SceneError as error:
-        yield Problem((*at, "measure"), str(error))
-        return
-    if measure.kind != "number":
-        yield Problem((*at, "measure"), f"{table.measure} is a {measure.kind}; expected a number")
-    if table.key is not None:
-        yield Problem((*at, "key"), f"has no effect: {table.measure} is one number")
-    for key in table.args.keys() - {*measure.keys}:
-        looks = " and ".join(measure.keys)
-        yield Problem((*at, "args"), f"'{key}' has no effect: {table.measure} looks at {looks}")
-
-
-def _places(row: RowTable, places: Sequence[PlaceTable], at: KeyPath) -> Iterator[Problem]:
-    known = [place.at for place in places]
-    for name in row.places or ():
-        if name not in known:
-            yield Problem((*at, "places"), f"there is no place '{name}'; expected one of {', '.join(known)}")
-    if "binds" in row.model_fields_set and all(row.limits(place) is None for place in places):
-        yield Problem((*at, "binds"), "has no effect without limits within")
-
-
-def _patterns(row: RowTable, methods: Iterable[Method], at: KeyPath) -> Iterator[Problem]:
-    for key in ("binds", "methods", "without"):
-        given = getattr(row, key)
-        for pattern in () if isinstance(given, str) else given:
-            if not any(matches(method, [pattern]) for method in methods):
-                listed = "; ".join(map(str, methods))
-                yield Problem((*at, key), f"'{pattern}' is of none of the methods: {listed}")
-
-
-def _of(given: Iterable[str], names: Sequence[str], at: KeyPath) -> Iterator[Problem]:
-    for name in given:
-        if name not in names:
-            expected = f"expected one of {', '.join(names) or 'none'}"
-            yield Problem((*at, "of"), f"no runs are named '{name}'; {expected}")
-
-
-def _together(row: TogetherTable, at: KeyPath) -> Iterator[Problem]:
-    """Of a row that is not of single runs, keys that only these look at."""
-    if ":" not in row.measure:
-        yield Problem((*at, "measure"), f"'{row.measure}' reads single runs; expected module:function")
-    if isinstance(row.reference, QuantityTable):
-        yield Problem((*at, "reference"), "a measure reads single runs; expected a number or words")
-    unseen = ["relative", "places"] + ([] if row.each else ["methods", "without"])
-    for key in unseen:
-        if key in row.model_fields_set:
-            yield Problem((*at, key), "has no effect on a row that is of no single run")
-    if row.each and not row.of:
-        yield Problem((*at, "each"), "has no effect without 'of', which names runs")
-    if row.each and row.method:
-        yield Problem((*at, "method"), "has no effect with each = true: every method has its own")
-    if not row.each and not isinstance(row.binds, str):
-        yield Problem((*at, "binds"), "a single row is of no method; expected 'all' or 'none'")
-    if "binds" in row.model_fields_set and row.within is None:
-        yield Problem((*at, "binds"), "has no effect without limits within")
+def _is_one(name: str, patterns: Sequence[str]) -> bool:
+    return any(fnmatch.fnmatchcase(name, pattern) for pattern in patterns)

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from mpmfw.plots.style import FONT, dress, new_figure
+from mpmfw.plots.style import dress, new_figure
 from mpmfw.references import rings_table
 from rings_fem.collision import Collision, Snapshot
 from rings_fem.comparison import distance, mean_force
@@ -53,10 +53,8 @@ def convergence(collisions: Sequence[Collision], frequency: dict[float, float]) 
         panels["impulse"], "time [ms]", "error [% of the total]", "(b) impulse, departure from the reference"
     )
     dress(panels["error"], "element size [mm]", "relative error", "(c) errors over the element size")
-    panels["force"].legend(
-        fontsize=FONT - 1, frameon=False, ncols=2, loc="upper left", bbox_to_anchor=(0.11, 1.0)
-    )
-    panels["error"].legend(fontsize=FONT - 2, frameon=False, ncols=2, loc="lower center")
+    panels["force"].legend(ncols=2, loc="upper left", bbox_to_anchor=(0.11, 1.0))
+    panels["error"].legend(ncols=2, loc="lower center")
     return figure
 
 
@@ -113,6 +111,5 @@ def stresses(collision: Collision) -> Figure:
         dress(axes, "x [mm]", "y [mm]", f"{1e3 * snapshot.time:.1f} ms")
         axes.label_outer()
     bar = figure.colorbar(drawn, ax=panels, shrink=0.7, extend="max")
-    bar.set_label("von Mises stress [MPa]", fontsize=FONT)
-    bar.ax.tick_params(labelsize=FONT - 1)
+    bar.set_label("von Mises stress [MPa]")
     return figure

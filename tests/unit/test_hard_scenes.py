@@ -1,0 +1,80 @@
+"""The hard scenes as data: each one loads, at every place, and stays the same body there."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import sys
+
+import numpy as np
+import pytest
+
+from mpmfw.validation import Case, Method
+from mpmfw.validation.measuring import scene_at
+from mpmfw.validation.reading import load_case
+from mpmfw.validation.suite import find_cases, shipped_suite
+
+SUITE = shipped_suite() / "hard"
+
+
+@pytest.fixture(autouse=True)
+def _on_the_path(monkeypatch):
+    monkeypatch.syspath_prepend(str(SUITE))
+    yield
+    for name in ("made", "placing", "criteria", "closed", "matrix"):
+        sys.modules.pop(name, None)
+
+
+@pytest.mark.parametrize("folder", find_cases(SUITE), ids=lambda folder: folder.name)
+def test_every_scene_loads_as_it_stands_and_turned(folder):
+    (runs,) = load_case(folder).runs
+    assert len(runs.versions) == 8
+    for place in runs.places:
+        plain, turned = (
+            scene_at(Case(folder), runs, place, version, Method("penalty", "cpdi"), "full")
+            for version in (runs.versions[0], runs.versions[-1])
+        )
+        assert turned.grid.cell_size == pytest.approx(1.4 * plain.grid.cell_size)
+        assert list(turned.bodies) == list(plain.bodies)
+
+
+def test_a_turned_place_is_a_motion_of_the_whole():
+    placing = importlib.import_module("placing")
+    scene = {
+        "grid": {"cell_size": 0.1, "lower": [-1.0, -1.0], "upper": [1.0, 1.0]},
+        "gravity": {"table": [[0.0, 0.0, -9.0], [1.0, 3.0, -9.0]]},
+        "loads": {"push": {"force": [2.0, 0.0]}},
+        "bodies": {
+            "disc": {
+                "geometry": {"type": "disc", "centre": [0.5, 0.0], "radius": 0.2},
+                "velocity": [1.0, 0.0],
+            },
+            "box": {
+                "geometry": {"type": "rectangle", "lower": [0.1, 0.4], "upper": [0.3, 0.5], "angle": "5 deg"}
+            },
+            "floor": {
+                "geometry": {"type": "polygon", "points": [[-1, -1], [1, -1], [1, -0.5], [-1, -0.5]]},
+                "sides": [{"side": "bottom", "fixed": True}],
+            },
+        },
+    }
+    found = placing.placed(scene, shift=(1.0, 2.0), turn=90)
+    disc, box, floor = (found["bodies"][name]["geometry"] for name in ("disc", "box", "floor"))
+    assert disc["centre"] == pytest.approx([0.1, 0.7])
+    assert found["bodies"]["disc"]["velocity"] == pytest.approx([0.0, 1.0])
+    assert np.add(box["lower"], box["upper"]) / 2 == pytest.approx([-0.45 + 0.1, 0.2 + 0.2])
+    assert box["angle"] == pytest.approx(math.radians(95))
+    assert np.array(found["gravity"]["table"]) == pytest.approx(np.array([[0, 9, 0], [1, 9, 3]]))
+    assert found["loads"]["push"]["force"] == pytest.approx([0.0, 2.0])
+    assert len(floor["points"]) == 6
+    assert placing.placed(scene)["bodies"]["disc"] == scene["bodies"]["disc"]
+
+
+def test_generated_scenes_have_what_their_names_say():
+    made = importlib.import_module("made")
+    assert len(made.saws(10)["bodies"]["upper"]["geometry"]["points"]) == 2 * 10 + 1 + 2
+    assert len(made.filling(100, 10)["bodies"]) == 101
+    assert len(made.arch(25)["bodies"]) == 27
+    assert made.incline(0.3, 20)["gravity"]["table"][-1][1:] == pytest.approx(
+        [10 * math.sin(math.radians(20)), -10 * math.cos(math.radians(20))]
+    )

@@ -1,0 +1,87 @@
+"""What the hard scenes must hold: penetration, energy, momentum, friction, mirror symmetry, and closed forms."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matrix import matrix
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from mpmfw.validation import CaseRun
+
+
+def penetration(run: xr.DataTree) -> float:
+    """Deepest of all pairs [cells]."""
+    return max(0.0, -float(run["series"]["min_gap"].min())) / float(run.attrs["cell_size"])
+
+
+def energy(run: xr.DataTree) -> float:
+    """Largest residual of the ledger over the energy put in [%]: that of the start, and the largest works of
+    gravity, loads and sides that move."""
+    series = run["series"].to_dataset()
+    sides = [side for body in scene_of(run)["bodies"].values() for side in body.get("sides", ())]
+    loaded = "loads" in scene_of(run) or any("fixed" not in side for side in sides)
+    works = ["gravity_work"] + ["external_work"] * loaded
+    given = float(series["total_energy"].isel(time=0).sum())
+    given += sum(max(0.0, float(series[name].max())) for name in works if name in series)
+    return 100.0 * float(np.abs(series["energy_residual"]).max()) / given
+
+
+def momentum(run: xr.DataTree) -> float | None:
+    """Largest change of the whole momentum, over the sum of what the bodies bring; None where something acts on them."""
+    scene = scene_of(run)
+    if "gravity" in scene or "loads" in scene or any(body.get("sides") for body in scene["bodies"].values()):
+        return None
+    series = run["series"]["linear_momentum"]
+    whole = series.sum("body")
+    return float(np.abs(whole - whole.isel(time=0)).max()) / float(np.abs(series.isel(time=0)).sum())
+
+
+def friction(run: xr.DataTree) -> float | None:
+    """Largest |T| over μ |N| of a pair that touches with flat faces; None without friction, or where it bears little."""
+    coefficient = float(scene_of(run)["contact"].get("friction", 0.0))
+    along = run["series"]["friction_force"].values
+    whole = run["series"]["contact_force"].values
+    normal = np.linalg.norm(whole - along, axis=-1)
+    bears = normal > 1e-3 * normal.max()
+    if not coefficient or not bears.any():
+        return None
+    return float((np.linalg.norm(along, axis=-1)[bears] / normal[bears]).max()) / coefficient
+
+
+def symmetry(run: xr.DataTree) -> float | None:
+    """Largest distance of a body's centre from its mirror image's, about x = 0 [cells].
+
+    None where bodies do not begin so: ``left…`` and ``right…`` are images of each other, others their own.
+    """
+    centre = run["series"]["centre_of_mass"]
+    apart = []
+    for name in centre["body"].values:
+        image = str(name).replace("left", "\0").replace("right", "left").replace("\0", "right")
+        if image not in centre["body"].values:
+            return None
+        one, other = centre.sel(body=name).values, centre.sel(body=image).values
+        apart.append(np.abs(one * [1.0, -1.0] + other * [1.0, 1.0]).max(1))
+    distance = np.max(apart, axis=0) / float(run.attrs["cell_size"])
+    return None if distance[0] > 0.01 else float(distance.max())
+
+
+def scene_of(run: xr.DataTree) -> dict[str, Any]:
+    """The scene that a run ran, as nested mappings."""
+    return tomllib.loads(run.attrs["scene"])
+
+
+def placed_well(runs: Sequence[CaseRun]) -> float:
+    """Of a scene's runs at all places and with all cells, how many keep every limit."""
+    return float(sum(not run.broken for run in runs))
+
+
+def draw(runs: Sequence[CaseRun]) -> Figure:
+    """The matrix of scenes by methods and places."""
+    return matrix(runs)
