@@ -119,7 +119,10 @@ def test_several_mistakes_are_a_line_each(tmp_path):
 def test_shipped_studies_are_valid_and_their_scenes_have_the_error_that_they_ask_for(monkeypatch):
     installed = functools.cache(available)  # they do not change, and are looked up for every scene
     monkeypatch.setattr("mpmfw.discovery.available", installed)
-    assert {"rolling-cylinder", "rings", "contact-stress", "sliding-block"} == set(shipped_studies())
+    anatomy = {f"anatomy-{part}" for part in ("cylinder", "block", "contact-stress", "rings")}
+    assert anatomy | {"rolling-cylinder", "rings", "contact-stress", "sliding-block"} == set(
+        shipped_studies()
+    )
     for name in shipped_studies():
         judge, grid = judge_of(name)
         assert judge.exact

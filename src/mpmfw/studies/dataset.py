@@ -106,7 +106,7 @@ def _errors(judge: Judge, runs: GridRuns) -> dict[str, xr.DataArray]:
 
 
 def _costs(grid: RunGrid, costs: Mapping[Index, list[Cost]], settling: bool) -> dict[str, xr.DataArray]:
-    """Those of the cheapest repeat; with ``settling`` it counts: in CPU time, stages and steps."""
+    """Costs of the cheapest repeat; with ``settling`` it counts: in CPU time, stages and steps."""
     each = costs_of(grid.coords, costs)
     what = "CPU time of the steps" + (" and of settling" if settling else "")
     if settling:
