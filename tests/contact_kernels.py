@@ -113,11 +113,22 @@ def empty_candidates(n, slots):
 def search_grid(loops, radius, lower=(-3.0, -3.0), nodes=(25, 25)):
     """Lists without entries, and what of every body may be within the radius of another."""
     size, n_bodies = nodes[0] * nodes[1], loops.n_bodies
+    facets = len(loops.outline.facets)
     grid = SearchGrid(
+        near=np.zeros(facets, dtype=np.int32),
+        near_count=np.zeros(1, dtype=np.int64),
+        facet_lower=np.zeros((facets, 2)),
+        facet_upper=np.zeros((facets, 2)),
         lower=np.array(lower),
         nodes=np.array(nodes),
-        **{name: np.zeros(size, dtype=np.int64) for name in ("owner", "shared", "head", "head_stamp")},
-        **{name: np.zeros(64 * len(loops.body), dtype=np.int32) for name in ("link", "link_facet")},
+        **{
+            name: np.zeros(size, dtype=np.int64)
+            for name in ("owner", "shared", "head", "head_stamp", "head_body")
+        },
+        **{
+            name: np.zeros(64 * len(loops.body), dtype=np.int32)
+            for name in ("link", "link_facet", "link_body")
+        },
         **{
             f"{kind}_{end}": np.zeros((n_bodies, 2)) for kind in ("box", "near") for end in ("lower", "upper")
         },

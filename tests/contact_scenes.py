@@ -31,6 +31,8 @@ STRATEGIES: dict[str, tuple[str, dict[str, Any]]] = {
     "lcp": ("lcp", {}),
     "lcp-nodes": ("nodes+lcp", {}),
     "hybrid": ("hybrid", {}),
+    "barrier": ("barrier", {}),
+    "midplane": ("midplane", {}),
     "nairn": ("nairn", {}),
     "particles": ("particles", {}),
 }

@@ -96,6 +96,9 @@ EFFECTS = {
         modules="mpmfw_shape.cpdi mpmfw_shape._at_points mpmfw_shape._packed_rows",
     ),
     "bspline": brings("bspline", hooks=_SHAPE, modules="mpmfw_shape.bspline mpmfw_shape._at_points"),
+    "cubic_bspline": brings(
+        "cubic_bspline", hooks=_SHAPE, modules="mpmfw_shape.cubic_bspline mpmfw_shape._at_points"
+    ),
     "neo_hookean": brings(
         "neo_hookean soft",
         hooks="setup update_stress",
@@ -130,6 +133,7 @@ EFFECTS = {
         modules="mpmfw.effects.constraint mpmfw.effects.faces mpmfw.effects.side_rows",
     ),
     "settling": brings(),
+    "sleep": brings(),
     "pressure": brings(
         "pressure on solid top",
         hooks="add_nodal_force",
@@ -184,7 +188,8 @@ EFFECTS = {
         "penalty",
         hooks="declare_fields setup add_pairs detect add_nodal_force advect stable_timestep diagnostics",
         arrays="impulse friction_impulse frictional_work damping_work spring_work energy count force master facet share gap "
-        "normal inside inside_facet owner shared head head_stamp link link_facet box_lower box_upper near_lower near_upper",
+        "normal inside inside_facet owner shared head head_stamp head_body link link_facet link_body near near_count "
+        "facet_lower facet_upper box_lower box_upper near_lower near_upper",
         modules=f"mpmfw_contact.penalty mpmfw_contact._springs {_SURFACES}",
         series="contact_force friction_force contact_count frictional_work contact_energy damping_work spring_work",
         surface="force",
@@ -289,6 +294,7 @@ CASES = {
         with_changes(ONE, settle={"tolerance": 0.5}, gravity=GRAVITY, bodies__solid__sides=HELD),
         ("settling", "gravity", "prescribed sides"),
     ),
+    "sleep": Case(_two("penalty", sleep={}), (*TOUCHED, "sleep")),
     "ledger": Case(with_changes(ONE, output={"ledger": True}), LEDGER),
     "ledger of a falling body": Case(
         with_changes(ONE, output={"ledger": True}, gravity=GRAVITY),
@@ -314,6 +320,9 @@ CASES = {
     "gimp": Case(with_changes(ONE, shape__method="gimp"), ("affine field",), "gimp"),
     "cpdi": Case(with_changes(ONE, shape__method="cpdi"), ("affine field",), "cpdi"),
     "bspline": Case(with_changes(ONE, shape__method="bspline"), ("affine field",), "bspline"),
+    "cubic_bspline": Case(
+        with_changes(ONE, shape__method="cubic_bspline"), ("affine field",), "cubic_bspline"
+    ),
     "linear elastic": Case(with_changes(ONE, materials__soft=ELASTIC), (), material="linear_elastic"),
     "plastic": Case(with_changes(ONE, materials__soft={**ELASTIC, **YIELDS}), (), material="j2"),
     "three dimensions": Case(box(shape__method="linear", bodies__solid__rotation="lumped"), ()),

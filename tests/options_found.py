@@ -15,7 +15,7 @@ from mpmfw.errors import SceneError
 from mpmfw.scene.tables import Tables
 
 #: Fields that choose a model of a union (an unknown one is refused below), or hold what was validated elsewhere.
-NO_OPTIONS = {"type", "options", "friction_options", "tables"}
+NO_OPTIONS = {"type", "options", "friction_options", "tables", "threads"}
 
 
 def models_of(annotation: Any) -> set[type[BaseModel]]:

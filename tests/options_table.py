@@ -79,6 +79,13 @@ SHAPES: dict[str, dict[str, Any]] = {
 HOLE = [[-0.1, -0.2], [0.1, -0.2], [0.0, 0.0]]
 SIDES = f"{SOLID}__sides"
 SETTLED = held(settle={"tolerance": 0.1, "max_time": 0.05})
+RESTING = pair(
+    time={"end": 0.1, "output_interval": 0.1},
+    bodies__left__geometry={"type": "rectangle", "lower": [-1.8, -0.2], "upper": [-1.3, 0.3]},
+    bodies__right__geometry={"type": "rectangle", "lower": [1.3, -0.2], "upper": [1.8, 0.3]},
+    bodies__left__velocity=[0.01, 0.0],
+    bodies__right__velocity=[0.0, 0.01],
+)
 TWO_SPEEDS = {"bodies__left__velocity": [1.0, 0.3], "bodies__right__velocity": [-1.0, -0.3]}
 STICKY, SMOOTH = (
     {"bodies": ["left", "right"], "friction": 0.5},
@@ -108,6 +115,9 @@ CORE: dict[str, Acts] = {
     "Tables.bodies": values(body(), f"{SOLID}__velocity", [1.0, 0.0], [0.0, 1.0]),
     "Tables.gravity": values(held(), "gravity", G, {"vector": [0, -50]}),
     "Tables.settle": Acts(held(), {}, {"settle": {"tolerance": 0.1, "max_time": 0.05}}),
+    "Tables.sleep": Acts(RESTING, {}, {"sleep": {"strain": 1e-2, "crossings": 1.0}}),
+    "Sleep.strain": values({**RESTING, "sleep": {"crossings": 1.0}}, "sleep__strain", 1e-9, 1e-2),
+    "Sleep.crossings": values({**RESTING, "sleep": {"strain": 1e-2}}, "sleep__crossings", 1.0, 1e3),
     "Tables.output": values(body(), "output", {}, {"energy": False}),
     "Tables.reference": values(body(), "reference", {"kind": "sliding-block"}, {"kind": "none of them"}),
     "Reference.kind": values(body(), "reference", {"kind": "sliding-block"}, {"kind": "none of them"}),
@@ -375,6 +385,28 @@ PLUGINS: dict[str, Acts] = {
     **_on_surfaces("hybrid"),
     "contact.hybrid.kappa": _contact("hybrid", "kappa", 10.0, 0.01),
     **_on_surfaces("impulse"),
+    **_on_surfaces("barrier"),
+    "contact.barrier.kappa": _contact("barrier", "kappa", 0.3, 0.6),
+    "contact.barrier.reach": _contact("barrier", "reach", 0.1, 0.2),
+    "contact.barrier.tangential_ratio": _contact("barrier", "tangential_ratio", 1.0, 0.3),
+    "contact.midplane.kappa": _contact("midplane", "kappa", 1.0, 2.0),
+    "contact.midplane.tangential_ratio": _contact("midplane", "tangential_ratio", 1.0, 0.3),
+    "contact.midplane.friction_law": _contact("midplane", "friction_law", "coulomb", "literal"),
+    "contact.midplane.search_radius": _contact("midplane", "search_radius", 1.0, 0.002),
+    **_on_surfaces("adhesion"),
+    "contact.adhesion.kappa": _contact("adhesion", "kappa", 1.0, 2.0),
+    "contact.adhesion.tangential_ratio": _contact("adhesion", "tangential_ratio", 1.0, 0.3),
+    "contact.adhesion.traction": _contact("adhesion", "traction", 0.0, 1e4),
+    "contact.adhesion.separation": _contact("adhesion", "separation", 0.0, 0.05, traction=1e4),
+    "shape.cubic_bspline.grid_end": values(
+        body(
+            shape={"method": "cubic_bspline"},
+            bodies__solid__geometry={"type": "rectangle", "lower": [-2.0, -2.0], "upper": [-1.0, -1.0]},
+        ),
+        "shape__cubic_bspline",
+        {"grid_end": "modified"},
+        {"grid_end": "refuse"},
+    ),
     "contact.particles.kappa": _contact("particles", "kappa", 1.0, 2.0),
     "contact.particles.tangential_ratio": _contact("particles", "tangential_ratio", 1.0, 0.3),
     "contact.particles.damping": _contact("particles", "damping", 0.0, 0.3),

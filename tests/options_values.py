@@ -79,7 +79,7 @@ EACH: dict[str, Each] = {
             {word: {f"contact__{contact}": {"map": word}} for word in ("plain", "mass_weighted", "auto")},
             "plain",
         )
-        for contact in ("lcp", "hybrid", "impulse")
+        for contact in ("lcp", "hybrid", "impulse", "barrier", "adhesion")
     },
     "contact.bardenhagen.normal": Each(
         UNEQUAL,

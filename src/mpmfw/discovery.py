@@ -15,8 +15,9 @@ from typing import Any, Literal, TypeAlias, get_args
 from mpmfw.errors import SceneError
 
 Kind: TypeAlias = Literal[
-    "contact", "detection", "law", "friction", "shape", "material", "load", "boundary", "output"
-]
+    "contact", "detection", "law", "friction", "shape", "material", "load", "boundary", "output", "geometry",
+    "measure", "reference",
+]  # fmt: skip
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
 
@@ -74,14 +75,15 @@ def available(kind: Kind) -> Available:
 REFERENCES = ("rolling-cylinder", "rolling-sphere", "sliding-block", "pressed-blocks", "colliding-rings")
 
 
-def announced(what: Literal["measure", "reference"]) -> dict[str, EntryPoint]:
-    """Measures or kinds of references that distributions announce, by name; nothing is imported."""
-    return {entry.name: entry for entry in entry_points(group=f"mpmfw.{what}")}
+def only_bundled(kind: Kind, name: str) -> bool:
+    """Whether mpmfw brings the plug-in, and no other distribution announces one of its name."""
+    entries = _announced(kind, entry_points, _search_path()).get(name, [])
+    return [distribution_of(entry) for entry in entries] == ["mpmfw"]
 
 
 def unknown_groups() -> list[str]:
     """One line for each group of entry points ``mpmfw.…`` that nothing here reads, such as a misspelt one."""
-    known = [f"mpmfw.{what}" for what in (*KINDS, "measure", "reference")]
+    known = [f"mpmfw.{kind}" for kind in KINDS]
     found = []
     for group in sorted(entry_points().groups):
         if group.startswith("mpmfw.") and group not in known:
@@ -92,24 +94,6 @@ def unknown_groups() -> list[str]:
                 f"{group}: no such group, so that nothing finds {names}; {did_you_mean(group, known)}"
             )
     return found
-
-
-def load_announced(what: Literal["measure", "reference"], name: str) -> Any:
-    """Import what a distribution announces.
-
-    Raises
-    ------
-    SceneError
-        It cannot be imported.
-    """
-    entry = announced(what)[name]
-    try:
-        return entry.load()
-    except Exception as error:
-        raise SceneError(
-            f"{what} '{name}' of distribution {distribution_of(entry)} cannot be imported from {entry.value}: "
-            f"{type(error).__name__}: {error}"
-        ) from error
 
 
 def choices(kind: Kind) -> Available:
@@ -230,7 +214,7 @@ def refuse_class(plugin: type[Any]) -> None:
         As :func:`refuse_nameless`, or its constructor does not take its options, all as keywords, or asks for more.
     """
     refuse_nameless(plugin)
-    options = getattr(getattr(plugin, "Options", None), "model_fields", {})
+    options = options_of(plugin)
     try:
         inspect.signature(plugin).bind(**options)
     except TypeError as error:
@@ -238,6 +222,11 @@ def refuse_class(plugin: type[Any]) -> None:
             f"{full_name(plugin)}(…) must be made from its options alone, given as keywords "
             f"({', '.join(options) or 'it has none'}): {error}"
         ) from error
+
+
+def options_of(plugin: Any) -> dict[str, Any]:
+    """Fields of the model of a plug-in's options, by name; a geometry is a model itself."""
+    return dict(getattr(getattr(plugin, "Options", plugin), "model_fields", {}))
 
 
 def object_of(given: Any) -> Any:

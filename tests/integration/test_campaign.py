@@ -23,6 +23,7 @@ from mpmfw.campaigns.store import Store
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
 from mpmfw.identity import is_current, key_of
+from mpmfw.measure import Exact, Measure, Measured, Reference
 from mpmfw.scene import load_scene, shipped_scenes
 from mpmfw.scene.toml_text import toml_text
 from mpmfw.stability import stability_map
@@ -94,18 +95,17 @@ def with_entry(where, entry):
 
 def test_a_strangers_scene_has_a_strangers_closed_form(monkeypatch, capsys):
     """Its error columns come by the command line's own way."""
-    from mpmfw.campaigns.exact import Exact
     from mpmfw.cli.summary import print_comparison
 
-    def known(scene, measure, about):  # noqa: ARG001
-        return (
-            Exact("closed-form", "a law of mine", lambda _: np.array([2.0]))
-            if measure == "acceleration"
-            else None
-        )
+    class Mine(Reference):
+        name = "mine"
+
+        def exact(self, scene, measure, about):  # noqa: ARG002
+            is_known = measure == "acceleration"
+            return Exact("closed-form", "a law of mine", lambda _: np.array([2.0])) if is_known else None
 
     entry = type(
-        "Entry", (), {"name": "mine", "value": "a:b", "dist": None, "load": staticmethod(lambda: known)}
+        "Entry", (), {"name": "mine", "value": "a:b", "dist": None, "load": staticmethod(lambda: Mine)}
     )
     monkeypatch.setattr("mpmfw.discovery.entry_points", with_entry("mpmfw.reference", entry))
     data = mpmfw.compare({**SLIDING, "reference": {"kind": "mine"}}, ["penalty"], ["cpdi"], repeats=1)
@@ -135,18 +135,17 @@ def test_the_shipped_scenes_are_of_the_kinds_that_they_name():
 
 
 def test_a_measure_of_a_plug_in_is_known_by_its_entry_point(monkeypatch):
-    entry = type(
-        "Entry", (), {"name": "mine", "value": "a:b", "dist": None, "load": staticmethod(lambda: register())}
-    )
+    class Mine(Measure):
+        """Two."""
 
-    def register():
-        from mpmfw.campaigns.measures import Measured, measure
+        name, unit, kind = "mine", "1", "number"
 
-        @measure("mine", "1", "number")
-        def mine(run, scene, about):  # noqa: ARG001
-            """Two."""
+        def of(self, run, scene, about):  # noqa: ARG002
             return Measured(np.array([2.0]), np.empty(0))
 
+    entry = type(
+        "Entry", (), {"name": "mine", "value": "a:b", "dist": None, "load": staticmethod(lambda: Mine)}
+    )
     monkeypatch.setattr("mpmfw.discovery.entry_points", with_entry("mpmfw.measure", entry))
     try:
         data = mpmfw.campaign(SLIDING, {"contact": ["separate"]}, measures=["mine"], repeats=1)

@@ -261,7 +261,18 @@ def test_explain_schema_and_plugins(scene):
     assert {"grid", "time", "contact", "bodies"} <= set(json.loads(schema.stdout)["properties"])
     listed = invoke("plugins")
     assert listed.exit_code == 0
-    names = ("none", "separate", "bardenhagen", "penalty", "linear", "gimp", "cpdi", "cpdi2", "bspline")
+    names = (
+        "none",
+        "separate",
+        "bardenhagen",
+        "penalty",
+        "linear",
+        "gimp",
+        "cpdi",
+        "cpdi2",
+        "bspline",
+        "cubic_bspline",
+    )
     assert all(re.search(rf"^\s*(name\s+)?{name}\b", listed.stdout, re.MULTILINE) for name in names)
 
 

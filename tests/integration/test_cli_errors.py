@@ -71,11 +71,16 @@ def mpmfw(tmp_path, monkeypatch):
         ("end = 1", 'end = "1 m"', "s.toml:7: time.end: '1 m' is not convertible to s; expected a time in s, a number or a "
          "string such as '5 us'\n"),
         ('method = "none"', 'method = "nonne"', "s.toml:14: contact.method: no such contact plug-in: 'nonne' is unknown; "
-         "did you mean 'none'? (one of bardenhagen, hamad2017, hybrid, impulse, lcp, nairn, none, particles, penalty, separate, "
-         "logistic+hamad2017, "
-         "logistic+hybrid, logistic+impulse, logistic+lcp, logistic+penalty, nodes+hamad2017, nodes+hybrid, nodes+impulse, "
-         "nodes+lcp, nodes+penalty, points+hamad2017, points+hybrid, points+impulse, points+lcp, "
-         "points+penalty, surfaces+hamad2017, surfaces+hybrid, surfaces+impulse, surfaces+lcp, surfaces+penalty)\n"),
+         "did you mean 'none'? (one of adhesion, bardenhagen, barrier, hamad2017, hybrid, impulse, "
+         "lcp, midplane, nairn, none, "
+         "particles, penalty, separate, "
+         "logistic+adhesion, logistic+barrier, logistic+hamad2017, logistic+hybrid, logistic+impulse, "
+         "logistic+lcp, logistic+penalty, midplane+adhesion, midplane+barrier, midplane+hamad2017, "
+         "midplane+hybrid, midplane+impulse, midplane+lcp, midplane+penalty, nodes+adhesion, nodes+barrier, "
+         "nodes+hamad2017, nodes+hybrid, nodes+impulse, nodes+lcp, nodes+penalty, points+adhesion, points+barrier, "
+         "points+hamad2017, points+hybrid, points+impulse, points+lcp, points+penalty, surfaces+adhesion, "
+         "surfaces+barrier, surfaces+hamad2017, surfaces+hybrid, surfaces+impulse, surfaces+lcp, "
+         "surfaces+penalty)\n"),
         ('"block", "floor"', '"blok", "floor"', "s.toml:17: contact.pairs[0].bodies[0]: no body 'blok'; did you mean "
          "'block'?\n"),
         ("[shape]", '[stepping]\ntransfer = "flip"\ntransported = true\n[shape]', "s.toml:12: stepping.transported: has no "

@@ -47,6 +47,7 @@ FAULTS = {
     surfaces.UndeclaredBoundary: "boundary-mass",
     surfaces.SurfaceWithGradients: "structure",
     contract.LongNodes: "structure",
+    contract.Descending: "structure",
     contract.Remembering: "repeatable",
     contract.KeepsElsewhere: "saved",
     contract.Clamping: "changes-nothing-else",
@@ -55,10 +56,11 @@ FAULTS = {
     contract.DeafToOrder: "options",
     contract.DeafBehindRefusals: "options",
     contract.Flatland: "dimensions",
+    contract.Closed: "sent",
 }
 
 #: Checks whose violations have nothing to show: attributes, layouts of arrays, two equal tables.
-WITHOUT_PICTURE = {"dimensions", "options", "structure"}
+WITHOUT_PICTURE = {"sent", "dimensions", "options", "structure"}
 
 CHECKS = {check.name: check for check in shape_checks()}
 
@@ -85,6 +87,11 @@ def test_cpdi2(check):
 
 @shape_conformance("bspline", pictures=None)
 def test_bspline(check):
+    check()
+
+
+@shape_conformance("cubic_bspline", pictures=None)
+def test_cubic_bspline(check):
     check()
 
 

@@ -1,4 +1,4 @@
-"""The conformance kit on friction laws, boundary conditions and outputs: sound ones pass, planted faults are caught."""
+"""The conformance kit on what is small: sound ones pass, planted faults are caught."""
 
 from __future__ import annotations
 
@@ -6,11 +6,15 @@ from typing import Any
 
 import pytest
 
-from faulty_plugins.small import boundary, friction, output
+from faulty_plugins.small import boundary, friction, geometry, measure, output, reference
+from mpmfw.campaigns.measures import MEASURES
 from mpmfw.testing import examine, subject_of
 from mpmfw.testing.parametrised import checks_of
 
-MODULES: dict[Any, Any] = {"friction": friction, "boundary": boundary, "output": output}
+MODULES: dict[Any, Any] = {
+    "friction": friction, "boundary": boundary, "output": output, "geometry": geometry, "measure": measure,
+    "reference": reference,
+}  # fmt: skip
 FAULTS = [(kind, fault, meant) for kind, module in MODULES.items() for fault, meant in module.FAULTS.items()]
 
 
@@ -28,6 +32,17 @@ def test_every_fault_is_caught_by_the_check_meant_for_it(kind: Any, fault: Any, 
         ("friction", "coulomb"),
         ("friction", "stribeck(velocity=0.5)"),
         ("friction", "mohr_coulomb(cohesion=10)"),
+        ("geometry", geometry.SoundSolid),
+        ("geometry", "disc(centre=[0, 0], radius=1)"),
+        ("geometry", "ring(centre=[0.3, 0.2], inner_radius=0.5, outer_radius=0.8)"),
+        ("geometry", "rectangle(lower=[0, 0], upper=[1, 0.4], angle=0.3)"),
+        ("geometry", "polygon(points=[[0, 0], [2, 0], [1, 1], [1, 2]])"),
+        ("geometry", "box(lower=[0, 0, 0], upper=[1, 2, 1])"),
+        ("geometry", "ball(centre=[0, 0, 0], radius=1)"),
+        ("geometry", "cylinder(centre=[0, 0, 0], radius=1, length=2)"),
+        ("geometry", "torus(centre=[0, 0, 0], radius=1, tube_radius=0.3)"),
+        ("measure", measure.Curve),
+        *(("measure", name) for name in MEASURES if name != "force-noise"),
     ],
 )
 def test_sound_ones_pass(kind: Any, plugin: Any) -> None:
@@ -38,3 +53,12 @@ def test_sound_ones_pass(kind: Any, plugin: Any) -> None:
 @pytest.mark.parametrize("kind", MODULES)
 def test_every_check_has_a_fault_planted_for_it(kind: Any) -> None:
     assert set(MODULES[kind].FAULTS.values()) == {check.name for check in checks_of(kind)}
+
+
+def test_noise_is_of_twenty_outputs_and_so_of_how_often_they_come() -> None:
+    wrong = [
+        each.check
+        for each in examine(subject_of("force-noise", "measure"), checks_of("measure"))
+        if each.wrong
+    ]
+    assert wrong == ["outputs"]

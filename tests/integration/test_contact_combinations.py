@@ -21,20 +21,34 @@ from scenes_for_tests import two_blocks
 REFUSED = {
     f"{detection}+{law}": f"law '{law}' acts on facets of surfaces, and detection '{detection}' lists none"
     for detection in ("nodes", "logistic", "points")
-    for law in ("hamad2017", "hybrid")
-} | {"logistic+penalty": "detection 'logistic' is for laws of impulses: its gap jumps as points come and go"}
+    for law in ("hamad2017", "hybrid", "barrier")
+} | {
+    "logistic+penalty": "detection 'logistic' is for laws of impulses: its gap jumps as points come and go",
+    "logistic+adhesion": "detection 'logistic' is for laws of impulses: its gap jumps as points come and go",
+    "midplane+barrier": "law 'barrier' follows nodes towards facets, and detection 'midplane' lists no nodes",
+}
 COMBINED = [f"{detection}+{law}" for detection in available("detection") for law in available("law")]
 
 #: Bounds of the error of the fitted acceleration of the slipping cylinder in its first half second [%].
 SLIPPING = {
     "nodes+impulse": (-20.0, -5.0),  # averaged normals hold the cylinder back
     "nodes+penalty": (-6.0, 1.0),
+    "nodes+adhesion": (-6.0, 1.0),
     "nodes+lcp": (-20.0, -5.0),  # as with impulses
     "logistic+impulse": (-6.0, 1.0),
     "logistic+lcp": (-6.0, 1.0),
     "points+impulse": (-35.0, -10.0),
     "points+lcp": (-35.0, -10.0),
     "points+penalty": (-35.0, -10.0),
+    "points+adhesion": (-35.0, -10.0),
+    "midplane+adhesion": (-3.0, 1.0),
+    "midplane+hamad2017": (-3.0, 1.0),
+    "midplane+hybrid": (-10.0, 1.0),  # the cap of a row is that of an overlap that comes and goes
+    "midplane+impulse": (-3.0, 1.0),
+    "midplane+lcp": (-3.0, 1.0),
+    "midplane+penalty": (-3.0, 1.0),
+    "surfaces+adhesion": (-3.0, 1.0),
+    "surfaces+barrier": (-3.0, 1.0),
     "surfaces+hamad2017": (-3.0, 1.0),
     "surfaces+hybrid": (-3.0, 1.0),
     "surfaces+impulse": (-3.0, 1.0),
@@ -100,6 +114,9 @@ def test_an_unknown_part_is_told_with_the_nearest():
         ("nairn", "logistic+impulse"),
         ("lcp", "surfaces+lcp"),
         ("hybrid", "surfaces+hybrid"),
+        ("barrier", "surfaces+barrier"),
+        ("midplane", "midplane+hamad2017"),
+        ("adhesion", "surfaces+adhesion"),
         ("impulse", "surfaces+impulse"),
         ("particles", "points+penalty"),
     ],

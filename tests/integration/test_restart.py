@@ -51,8 +51,12 @@ COARSE: dict[str, dict[str, Any]] = {
     },
 }
 #: Without those that are refused.
-REFUSED = {f"{name}+{law}" for name in ("nodes", "logistic", "points") for law in ("hamad2017", "hybrid")} | {
-    "logistic+penalty"
+REFUSED = {
+    f"{name}+{law}" for name in ("nodes", "logistic", "points") for law in ("hamad2017", "hybrid", "barrier")
+} | {
+    "logistic+penalty",
+    "logistic+adhesion",
+    "midplane+barrier",
 }
 CONTACTS = [name for name in choices("contact") if name not in REFUSED]
 

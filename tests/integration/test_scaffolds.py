@@ -54,7 +54,7 @@ def test_contact_and_shape_are_the_templates_of_the_documentation(kind: str, tmp
     template = DOCS / folder
     for path in [*sorted(template.rglob("*.py")), template / "pyproject.toml"]:
         written = place / path.relative_to(template)
-        expected = path.read_text(encoding="utf-8").replace("CubicBSpline", "CubicBspline")
+        expected = path.read_text(encoding="utf-8").replace("BoundedBSpline", "BoundedBspline")
         assert written.read_text(encoding="utf-8") == expected
 
 

@@ -53,6 +53,8 @@ LACKS: dict[str, dict[str, str]] = {
         "penalty-one-pass, gimp": "the mass-weighted map has Σ N_i x_i ≠ x_s",
         "lcp, gimp": "the mass-weighted map has Σ N_i x_i ≠ x_s",
         "hybrid, gimp": "the mass-weighted map has Σ N_i x_i ≠ x_s",
+        "barrier, gimp": "the mass-weighted map has Σ N_i x_i ≠ x_s",
+        "midplane, gimp": "the mass-weighted map has Σ N_i x_i ≠ x_s",
         "hamad2017, gimp": "the mass-weighted map has Σ N_i x_i ≠ x_s",
     },
 }

@@ -38,6 +38,7 @@ LAYER = "the interface layer has inertia, contact or not"
 TURN = "rounding decides whether a normal has turned by less than what ends its regression"
 ORDER = "rows that say nearly the same share a force by their order, and within the tolerance"
 ROUNDING = "a node at 0 ≤ ξ ≤ 1 of several segments meets one more or less by a rounding error"
+CORNER = "of two facets as close to a node outside the one with the lower index counts, and it may not face the node"
 TOUCH = "rounding decides whether spheres that just touch are in contact"
 
 LACKS: dict[str, dict[str, str]] = {
@@ -51,7 +52,13 @@ LACKS: dict[str, dict[str, str]] = {
         "hamad2017": MASTER,
     },
     "whole-cell shift": {"hamad2017": ROUNDING},
-    "quarter turn": {"hamad2017, impact": ROUNDING, "lcp, impact": ORDER, "nairn": TURN, "particles": TOUCH},
+    "quarter turn": {
+        "hamad2017, impact": ROUNDING,
+        "barrier, impact": CORNER,
+        "lcp, impact": ORDER,
+        "nairn": TURN,
+        "particles": TOUCH,
+    },
     "absent far away": {
         "none": "one window spans all bodies, so that sums run in another order: equal to rounding only",
         "hamad2017": LAYER,

@@ -116,7 +116,7 @@ def test_a_constructor_may_take_its_options_by_name_or_all_together(install, req
 
 
 #: Kinds of which mpmfw brings none.
-STRANGERS = ("boundary", "output")
+STRANGERS = ("boundary", "output", "measure", "reference")
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in STRANGERS])

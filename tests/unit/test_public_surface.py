@@ -9,6 +9,7 @@ import importlib.metadata
 import importlib.resources
 import inspect
 import pkgutil
+import pydoc
 import re
 import textwrap
 from pathlib import Path
@@ -17,6 +18,7 @@ from typing import Any, NamedTuple
 import pytest
 
 import mpmfw
+import mpmfw.api
 from plugin_imports import foreign_imports
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -44,7 +46,7 @@ SPEAKING = {"Body", "Field", "Grid", "Pair", "Particles", "Setup", "State", "Ste
 UNIT = re.compile(r"\[(?:1/)?(?:m|s|Pa|N|J|kg|rad)(?![A-Za-z])[^\]]*\]")
 
 #: Fields that are numbers without a unit; then lengths that are told by h and x_s, whose unit others have.
-WITHOUT_UNIT = {"friction", "mu", "deformation_gradient", "safety", "flip", "weight"}
+WITHOUT_UNIT = {"friction", "mu", "deformation_gradient", "safety", "flip", "weight", "axes"}
 
 
 class Name(NamedTuple):
@@ -246,3 +248,19 @@ def test_every_package_says_that_it_is_typed(package):
     installed = [str(file) for file in importlib.metadata.files("mpmfw") or ()]
     if "mpmfw/__init__.py" in installed:  # a wheel, not an editable installation
         assert f"{package}/py.typed" in installed
+
+
+@pytest.mark.parametrize(
+    "name", [each for each in mpmfw.api.__all__ if inspect.isclass(getattr(mpmfw.api, each))]
+)
+def test_help_names_every_attribute_of_a_class(name: str) -> None:
+    own = getattr(mpmfw.api, name)
+    annotated = {
+        attribute
+        for base in own.__mro__
+        if base.__module__.startswith("mpmfw")
+        for attribute in vars(base).get("__annotations__", {})
+        if not attribute.startswith("_")
+    }
+    shown = pydoc.render_doc(own, renderer=pydoc.plaintext)
+    assert [attribute for attribute in sorted(annotated) if not re.search(rf"\b{attribute}\b", shown)] == []

@@ -146,7 +146,7 @@ def test_shipped_scenes_are_valid(name):
          "a quantity; expected a length in m, a number or a string such as '2 mm'"),
         ("end = 1\n", "", "s.toml:8: time.end: missing; expected a time in s, a number or a string such as '5 us'"),
         ('method = "linear"', 'method = "liner"', "s.toml:13: shape.method: no such shape plug-in: 'liner' is unknown; "
-         "did you mean 'linear'? (one of bspline, cpdi, cpdi2, gimp, linear)"),
+         "did you mean 'linear'? (one of bspline, cpdi, cpdi2, cubic_bspline, gimp, linear)"),
         ('method = "linear"', 'metod = "linear"', "s.toml:13: shape.metod: unknown key; did you mean 'method'?"),
         ('"block", "floor"', '"block", "flor"', "s.toml:20: contact.pairs[0].bodies[1]: no body 'flor'; did you mean "
          "'floor'?"),
@@ -187,7 +187,7 @@ def test_shipped_scenes_are_valid(name):
         ("[shape]", '[stepping]\ntransfer = "apic"\npic_fraction = 0.1\n[shape]', "s.toml:14: stepping.pic_fraction: has "
          "no effect with transfer apic, only with flip"),
         ("friction = 0.2", "[contact.penlty]\nstiffness = 1", "s.toml:17: contact.penlty: no such contact plug-in: "
-         "'penlty' is unknown; did you mean 'penalty'? (one of bardenhagen, hamad2017, hybrid, impulse, lcp, nairn, none, particles, penalty, separate, "
+         "'penlty' is unknown; did you mean 'penalty'? (one of adhesion, bardenhagen, barrier, hamad2017, hybrid, impulse, lcp, midplane, nairn, none, particles, penalty, separate, "
          "logistic, nodes, points, surfaces, coulomb, mohr_coulomb, stribeck, method, detection, law, friction, friction_law, pairs)"),
         ("friction = 0.2", "[contact.none]\nstiffness = 1", "s.toml:18: contact.none.stiffness: unknown key; no key is "
          "valid here"),

@@ -50,11 +50,12 @@ def test_a_scene_written_again_is_the_same():
         ),
         (
             {"detection": "nodes"},
-            "contact.law: missing beside detection = 'nodes'; expected one of hamad2017, hybrid, impulse, lcp, penalty",
+            "contact.law: missing beside detection = 'nodes'; expected one of "
+            "adhesion, barrier, hamad2017, hybrid, impulse, lcp, penalty",
         ),
         (
             {"law": "penalty"},
-            "contact.detection: missing beside law = 'penalty'; expected one of logistic, nodes, points, surfaces",
+            "contact.detection: missing beside law = 'penalty'; expected one of logistic, midplane, nodes, points, surfaces",
         ),
         ({"detecton": "nodes", "law": "penalty"}, "contact.detecton: unknown key; did you mean 'detection'?"),
         ({"detection": "nods", "law": "penalty"}, "contact.detection: no such detection: 'nods' is unknown; did you"),

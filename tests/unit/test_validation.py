@@ -205,6 +205,19 @@ def test_table_and_page_and_figures_are_written(suite, tmp_path):
     assert "(validation/b-line.png)" in text
 
 
+def test_a_suite_among_ones_own_is_called_by_its_name(suite, tmp_path, monkeypatch):
+    inner = suite(a=GREEN)
+    (inner / "README.md").write_text("# Hard ones\n\nMore.\n")
+    for module in ("suite", "report"):
+        monkeypatch.setattr(f"mpmfw.validation.{module}.shipped_suite", lambda: tmp_path)
+    page = tmp_path / "page.md"
+    result = command(Path("suite"), tmp_path, "--document", str(page))
+    assert result.exit_code == 0
+    text = page.read_text()
+    assert text.startswith("# Hard ones\n\nWritten by `mpmfw validate --suite suite --jobs 1`")
+    assert f"(../{tmp_path.name}/suite/a/README.md); `mpmfw validate --suite suite a`" in text
+
+
 def test_the_page_opens_with_cases_by_methods(suite, tmp_path):
     page = tmp_path / "page.md"
     judged = """

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import pytest
 
 from mpmfw.errors import SceneError, SimulationError
 from mpmfw.validation import Case, Verdict
 from mpmfw.validation.checking import check_case
-from mpmfw.validation.suite import CHECKS, find_cases, shipped_suite
-from mpmfw.validation.tables import load_case
+from mpmfw.validation.reading import load_case
+from mpmfw.validation.suite import CHECKS, find_cases, shipped_suite, suite_of
 
 MEASURES = """
 from types import SimpleNamespace
@@ -237,3 +238,118 @@ def test_the_shipped_cases_are_data_but_for_a_few():
     tables = [load_case(folder) for folder in cases if (folder / CHECKS[0]).is_file()]
     assert len(cases) - len(tables) < 8
     assert all(one.runs and (one.rows or any(runs.rows for runs in one.runs)) for one in tables)
+
+
+MADE = """
+def scene(cell, friction=0.2):
+    from mpmfw import load_scene
+    values = {"grid.cell_size": cell, "contact.friction": friction}
+    return load_scene("rolling-cylinder-slip", set=values).to_mapping()
+
+def coarser(scene, by):
+    return {**scene, "grid": {**scene["grid"], "cell_size": by * scene["grid"]["cell_size"]}}
+"""
+GENERATED = """
+[[runs]]
+name = "made"
+scene = "made:scene"
+by = "measures:in_place"
+[[runs.places]]
+at = "h {cell}, mu {friction}"
+make = { cell = 9.0 }
+vary = { cell = [0.4, 0.8], friction = [0.1, 0.3] }
+within.value = [0.0, 0.5]
+[[runs.versions]]
+[[runs.versions]]
+at = "coarser"
+change = "made:coarser"
+args = { by = 2.0 }
+methods = ["penalty, *"]
+[[runs.rows]]
+quantity = "{at}: size"
+measure = "measures:of_run"
+key = "value"
+[[rows]]
+quantity = "{at}: broken"
+measure = "made:broken"
+key = "broken"
+of = ["made"]
+each = "place"
+"""
+BROKEN = """
+def broken(runs):
+    return sum(run.broken == ("value",) for run in runs)
+"""
+
+
+@pytest.fixture
+def check_made(check, tmp_path):
+    (tmp_path / "made.py").write_text(MADE + BROKEN, encoding="utf-8")
+    return check
+
+
+def test_scenes_are_made_from_what_varies_and_run_in_versions(check_made):
+    found = {row.quantity: row for row in check_made(GENERATED).rows}
+    assert len(found) == 8
+    assert {found[f"h {h}, mu {mu}: size"].value for h in (0.4,) for mu in (0.1, 0.3)} == {0.4}
+    assert found["h 0.4, mu 0.1: size"].verdict is Verdict.HOLDS
+    assert found["h 0.8, mu 0.3: size"].verdict is Verdict.RED
+    # A changed version has no row of its own, and is judged all the same
+    assert [found[f"h {h}, mu 0.1: broken"].value for h in (0.4, 0.8)] == [1.0, 2.0]
+
+
+def test_a_place_may_say_that_a_run_does_not_end_and_other_versions_fail_by_themselves(
+    check_made, monkeypatch
+):
+    def fail(*_, **__):
+        raise SimulationError("it burst")
+
+    monkeypatch.setattr("mpmfw.validation.case.Case.run", fail)
+    text = GENERATED.replace('by = "measures:in_place"\n', "")
+    rows = check_made(text).rows
+    assert [(row.quantity, row.verdict) for row in rows[:2]] == [
+        ("h 0.4, mu 0.1: run", Verdict.RED),
+        ("h 0.4, mu 0.1, coarser: run", Verdict.FAILED),
+    ]
+    open_ = check_made(text.replace("make = {", 'open.run = "why"\nmake = {')).rows
+    assert {row.verdict for row in open_} == {Verdict.FAILED}
+
+
+def test_a_case_goes_on_from_what_it_is_like(check_made, tmp_path):
+    (tmp_path / "usual.toml").write_text(GENERATED, encoding="utf-8")
+    more = """
+[[runs.places]]
+at = "more"
+make = { cell = 0.2 }
+[[figures]]
+draw = "measures:draw"
+"""
+    case = check_made('like = "usual.toml"\n[[runs]]\n' + more)
+    assert {row.quantity for row in case.rows} >= {"more: size", "h 0.8, mu 0.3: size"}
+    assert case.figures
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('scene = "made:scene"', 'scene = "sliding-block"', "make has no effect"),
+        ('at = "h {cell}, mu {friction}"', 'at = "mu {friction}"', "two places have the same name"),
+        ('change = "made:coarser"\n', "", "args have no effect without change"),
+        ("[[runs.versions]]\n[[", "[[", "of a version without change"),
+        ("within.value", "within.valu", "'valu' is the key of no row"),
+        ('change = "made:coarser"', 'change = "made:corser"', "'made:corser' is no function"),
+    ],
+)
+def test_what_is_wrong_with_places_and_versions_is_said(check_made, old, new, said):
+    assert old in GENERATED
+    with pytest.raises(SceneError, match=said):
+        check_made(GENERATED.replace(old, new, 1))
+
+
+def test_a_suite_of_ones_own_cases_is_named():
+    own = shipped_suite()
+    assert suite_of(None) == own
+    assert suite_of(Path("hard")) == own / "hard"
+    assert suite_of(Path("hrad")) == Path("hrad")
+    loaded = [load_case(folder) for folder in find_cases(own / "hard")]
+    assert sum(len(runs.places) for case in loaded for runs in case.runs) >= 60

@@ -2,30 +2,29 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
 from mpmfw.benchmark import table
 from yardstick.block import make_block
 from yardstick.kernels import SHAPES, measure_kernels
-from yardstick.plain import STAGES, PlainLoop, compiled_library
+from yardstick.plain import STAGES, PlainLoop, compilers
 
-needs_compiler = pytest.mark.skipif(compiled_library() is None, reason="needs a C++ compiler")
+#: Dimensions, compiler, and whether the step is the one without a table.
+LOOPS = [(2, None, False), *itertools.product((2, 3), compilers(), (False, True))]
 
 
-@pytest.mark.parametrize(
-    ("dim", "compiler"),
-    [(2, False), pytest.param(2, True, marks=needs_compiler), pytest.param(3, True, marks=needs_compiler)],
-)
+@pytest.mark.parametrize(("dim", "compiler", "whole"), LOOPS)
 @pytest.mark.parametrize("shape", SHAPES)
-def test_plain_loop_takes_the_same_steps(shape, dim, compiler):
+def test_plain_loop_takes_the_same_steps(shape, dim, compiler, whole):
     block = make_block(shape, 100, dim)
     plain = PlainLoop(shape, block, compiler=compiler)
     start = block.state.particles.position.copy()
     for _ in range(20):
         block.step()
-        for stage in STAGES:
-            plain.stages[stage]()
+        (plain.whole if whole else plain.step)()
     ours, theirs = block.state.particles, plain.problem
     moved = np.abs(ours.position - start).max()
     assert moved > 1e-5

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from mpmfw.benchmark.sampling import quartiles, stage_times
 from yardstick.block import Block, make_block
-from yardstick.plain import STAGES, PlainLoop
+from yardstick.plain import STAGES, PlainLoop, compilers
 
 #: Shape functions that the plain loop knows.
 SHAPES = ("linear", "gimp", "bspline", "cpdi")
@@ -30,7 +30,8 @@ def measure_kernels(
 ) -> list[dict[str, Any]]:
     """Cost of a step with affine transfer, update stress last, neo-Hookean material and no contact.
 
-    Samples alternate between the kernels and the plain loop, so that both meet the same disturbances.
+    Samples of the kernels and of the plain loops alternate, so that all meet the same disturbances. The plain loop that counts is
+    the fastest of those of every compiler, with an interpolation table and without.
 
     Parameters
     ----------
@@ -43,13 +44,13 @@ def measure_kernels(
     dim
         Number of space dimensions.
     compiler
-        Use a C++ compiler if there is one; else the plain loop is numba's (two dimensions only).
+        Use the C++ compilers that there are; else the plain loop is numba's (two dimensions only).
 
     Returns
     -------
     One row for each shape and count: ``shape``, ``dim``, ``particles``; least CPU time over the repeats
-    [ns per point and step], ``ns_total``, its stages (``ns_gather``, …), and ``ns_plain`` of the plain loop,
-    whose language is ``loop``; ``ratio``, the median over the repeats of total / plain, and its quartiles
+    [ns per point and step], ``ns_total``, its stages (``ns_gather``, …), and ``ns_plain`` of the fastest plain loop,
+    which ``loop`` describes; ``ratio``, the median over the repeats of total / plain, and its quartiles
     ``ratio_low`` and ``ratio_high``.
     """
     return [_measure(shape, count, repeats, dim, compiler) for shape in shapes for count in counts]
@@ -57,17 +58,20 @@ def measure_kernels(
 
 def _measure(shape: str, count: int, repeats: int, dim: int, compiler: bool) -> dict[str, Any]:
     block = make_block(shape, count, dim)
-    plain = PlainLoop(shape, block, compiler=compiler)
+    plains = _plain_steps(shape, block, compiler)
     n = block.state.particles.count
     steps = max(1, -(-POINTS_PER_SAMPLE // n))
     _sample_block(block, 1)
-    _sample_plain(plain, 1)
-    wall, ours, theirs = np.zeros((repeats, len(STAGES))), np.zeros(repeats), np.zeros(repeats)
+    for step in plains.values():
+        _sample_plain(step, 1)
+    wall, ours = np.zeros((repeats, len(STAGES))), np.zeros(repeats)
+    theirs = np.zeros((len(plains), repeats))
     for repeat in range(repeats):
         ours[repeat], wall[repeat] = _sample_block(block, steps)
-        theirs[repeat] = _sample_plain(plain, steps)
+        theirs[:, repeat] = [_sample_plain(step, steps) for step in plains.values()]
+    fastest = int(theirs.min(axis=1).argmin())
     to_ns = 1e9 / (n * steps)
-    low, median, high = quartiles(ours / theirs)
+    low, median, high = quartiles(ours / theirs[fastest])
     times = stage_times(wall, ours) * to_ns
     return {
         "shape": shape,
@@ -75,12 +79,23 @@ def _measure(shape: str, count: int, repeats: int, dim: int, compiler: bool) -> 
         "particles": n,
         **{f"ns_{stage}": float(time) for stage, time in zip(STAGES, times, strict=True)},
         "ns_total": float(ours.min() * to_ns),
-        "ns_plain": float(theirs.min() * to_ns),
-        "loop": plain.language,
+        "ns_plain": float(theirs[fastest].min() * to_ns),
+        "loop": list(plains)[fastest],
         "ratio": median,
         "ratio_low": low,
         "ratio_high": high,
     }
+
+
+def _plain_steps(shape: str, block: Block, compiler: bool) -> dict[str, Callable[[], object]]:
+    """A step of every plain loop that there is, by what it is."""
+    found: dict[str, Callable[[], object]] = {}
+    for path in (compiler and compilers()) or (None,):
+        loop = PlainLoop(shape, block, compiler=path)
+        found[f"{loop.language}, table"] = loop.step
+        if loop.whole is not None:
+            found[f"{loop.language}, no table"] = loop.whole
+    return found
 
 
 def _sample_block(block: Block, steps: int) -> tuple[float, list[float]]:
@@ -93,10 +108,9 @@ def _sample_block(block: Block, steps: int) -> tuple[float, list[float]]:
     return sum(block.clock.cpu.values()), [block.clock.wall[stage] for stage in STAGES]
 
 
-def _sample_plain(plain: PlainLoop, steps: int) -> float:
-    """CPU seconds of so many steps of the plain loop."""
+def _sample_plain(step: Callable[[], object], steps: int) -> float:
+    """CPU seconds of so many steps of a plain loop."""
     begin = time.process_time()
     for _ in range(steps):
-        for stage in STAGES:
-            plain.stages[stage]()
+        step()
     return time.process_time() - begin

@@ -1,7 +1,8 @@
 // The same arithmetic as the kernels, as a plain compiled loop: the yardstick of the benchmark, not part of any simulation.
 //
 // One velocity field, one window. The number of dimensions D and of table entries E are compile-time constants and arrays do
-// not overlap, both of which the kernels do not know. Every function takes one pointer to the arrays of the problem.
+// not overlap, both of which the kernels do not know. Every exported function takes one pointer to the arrays of the problem:
+// stage by stage with an interpolation table, as the kernels work, and a whole step that keeps none and fills a point's rows twice.
 
 #include <cmath>
 #include <cstdint>
@@ -119,23 +120,26 @@ struct Gimp {
     }
 };
 
+// Rows of one point: E nodes, weights, and gradients of D components.
 template <class Shape, int D>
-void fill_tensor(Problem& x) {
-    constexpr int W = Shape::width, E = power(W, D);
-    const double inverse_h = 1.0 / x.h;
-    for (int64_t p = 0; p < x.n_particles; p++) {
+struct Tensor {
+    static constexpr int dim = D, entries = power(Shape::width, D);
+    static void fill(const Problem& x, int64_t p, int32_t* nodes, double* weight, double* gradient) {
+        constexpr int W = Shape::width;
+        const double inverse_h = 1.0 / x.h;
         double base[D], w[D][W], s[D][W];
         for (int d = 0; d < D; d++)
             base[d] = Shape::weights(x.position[p * D + d] * inverse_h, x.half_length[p] * inverse_h, inverse_h, w[d], s[d]);
-        tensor_product<D, W>(base, w, s, x.nodes_per_axis, x.nodes + p * E, x.weight + p * E, x.gradient + p * E * D);
+        tensor_product<D, W>(base, w, s, x.nodes_per_axis, nodes, weight, gradient);
     }
-}
+};
 
 template <int D>
-void fill_cpdi(Problem& x) {
-    constexpr int C = power(2, D), E = C * C;
-    const double inverse_h = 1.0 / x.h, share = 1.0 / C;
-    for (int64_t p = 0; p < x.n_particles; p++) {
+struct Cpdi {
+    static constexpr int dim = D, entries = power(4, D);
+    static void fill(const Problem& x, int64_t p, int32_t* nodes, double* weight, double* gradient) {
+        constexpr int C = power(2, D);
+        const double inverse_h = 1.0 / x.h, share = 1.0 / C;
         double r[D][D], inverse[D][D];
         for (int d = 0; d < D; d++)
             for (int e = 0; e < D; e++) {
@@ -167,55 +171,51 @@ void fill_cpdi(Problem& x) {
                     index = index * x.nodes_per_axis + bit;
                     n *= bit ? fraction[d] : 1.0 - fraction[d];
                 }
-                const int64_t k = p * E + c * C + entry;
-                x.nodes[k] = static_cast<int32_t>(node + index);
-                x.weight[k] = share * n;
-                for (int d = 0; d < D; d++) x.gradient[k * D + d] = slope[d] * n;
+                const int k = c * C + entry;
+                nodes[k] = static_cast<int32_t>(node + index);
+                weight[k] = share * n;
+                for (int d = 0; d < D; d++) gradient[k * D + d] = slope[d] * n;
             }
         }
     }
-}
+};
 
 template <int D, int E>
-void project(Problem& x) {
+inline void project(Problem& x, int64_t p, const int32_t* nodes, const double* weight) {
     double *__restrict node_mass = x.node_mass, *__restrict momentum = x.momentum;
-    for (int64_t p = 0; p < x.n_particles; p++) {
-        double v[D], c[D][D];
-        for (int d = 0; d < D; d++) {
-            v[d] = x.velocity[p * D + d];
-            for (int e = 0; e < D; e++) {
-                c[d][e] = x.affine[(p * D + d) * D + e];
-                v[d] -= c[d][e] * x.position[p * D + e];
-            }
+    double v[D], c[D][D];
+    for (int d = 0; d < D; d++) {
+        v[d] = x.velocity[p * D + d];
+        for (int e = 0; e < D; e++) {
+            c[d][e] = x.affine[(p * D + d) * D + e];
+            v[d] -= c[d][e] * x.position[p * D + e];
         }
-        const double m = x.mass[p];
-        for (int64_t k = p * E; k < (p + 1) * E; k++) {
-            const int64_t i = x.nodes[k];
-            const double phi_m = x.weight[k] * m;
-            node_mass[i] += phi_m;
-            for (int d = 0; d < D; d++) {
-                double v_i = v[d];
-                for (int e = 0; e < D; e++) v_i += c[d][e] * x.node_position[i * D + e];
-                momentum[i * D + d] += phi_m * v_i;
-            }
+    }
+    const double m = x.mass[p];
+    for (int k = 0; k < E; k++) {
+        const int64_t i = nodes[k];
+        const double phi_m = weight[k] * m;
+        node_mass[i] += phi_m;
+        for (int d = 0; d < D; d++) {
+            double v_i = v[d];
+            for (int e = 0; e < D; e++) v_i += c[d][e] * x.node_position[i * D + e];
+            momentum[i * D + d] += phi_m * v_i;
         }
     }
 }
 
 template <int D, int E>
-void internal_force(Problem& x) {
+inline void internal_force(Problem& x, int64_t p, const int32_t* nodes, const double* gradient) {
     double* __restrict force = x.force;
-    for (int64_t p = 0; p < x.n_particles; p++) {
-        double s[D][D];
-        for (int d = 0; d < D; d++)
-            for (int e = 0; e < D; e++) s[d][e] = -x.volume[p] * x.stress[(p * D + d) * D + e];
-        for (int64_t k = p * E; k < (p + 1) * E; k++) {
-            const int64_t i = x.nodes[k];
-            for (int d = 0; d < D; d++) {
-                double f = 0.0;
-                for (int e = 0; e < D; e++) f += s[d][e] * x.gradient[k * D + e];
-                force[i * D + d] += f;
-            }
+    double s[D][D];
+    for (int d = 0; d < D; d++)
+        for (int e = 0; e < D; e++) s[d][e] = -x.volume[p] * x.stress[(p * D + d) * D + e];
+    for (int k = 0; k < E; k++) {
+        const int64_t i = nodes[k];
+        for (int d = 0; d < D; d++) {
+            double f = 0.0;
+            for (int e = 0; e < D; e++) f += s[d][e] * gradient[k * D + e];
+            force[i * D + d] += f;
         }
     }
 }
@@ -230,105 +230,97 @@ inline void axes(F f) {
 
 // Affine field B D^-1, or the velocity gradient itself where D can be singular (linear shape functions).
 template <int D, int E, bool LeastSquares>
-void gather(Problem& x) {
+inline void gather(Problem& x, int64_t p, const int32_t* nodes, const double* weight, const double* gradient) {
     const double *__restrict node_position = x.node_position, *__restrict node_velocity = x.node_velocity,
-                 *__restrict start_velocity = x.start_velocity, *__restrict gradient = x.gradient;
-    for (int64_t p = 0; p < x.n_particles; p++) {
-        double xp[D], v[D] = {}, increment[D] = {}, l[D][D] = {}, moment[D][D] = {}, spread[D][D] = {}, inverse[D][D];
-        axes<D>([&](int d) { xp[d] = x.position[p * D + d]; });
-        for (int64_t k = p * E; k < (p + 1) * E; k++) {
-            const int64_t i = x.nodes[k];
-            const double phi = x.weight[k];
-            double q[D];
-            axes<D>([&](int d) { q[d] = node_position[i * D + d] - xp[d]; });
-            axes<D>([&](int d) {
-                const double v_i = node_velocity[i * D + d], phi_v = phi * v_i, phi_q = phi * q[d];
-                v[d] += phi_v;
-                increment[d] += phi * (v_i - start_velocity[i * D + d]);
-                axes<D>([&](int e) {
-                    l[d][e] += v_i * gradient[k * D + e];
-                    if constexpr (LeastSquares) {
-                        moment[d][e] += phi_v * q[e];
-                        if (e >= d) spread[d][e] += phi_q * q[e];
-                    }
-                });
-            });
-        }
+                 *__restrict start_velocity = x.start_velocity;
+    double xp[D], v[D] = {}, increment[D] = {}, l[D][D] = {}, moment[D][D] = {}, spread[D][D] = {}, inverse[D][D];
+    axes<D>([&](int d) { xp[d] = x.position[p * D + d]; });
+    for (int k = 0; k < E; k++) {
+        const int64_t i = nodes[k];
+        const double phi = weight[k];
+        double q[D];
+        axes<D>([&](int d) { q[d] = node_position[i * D + d] - xp[d]; });
         axes<D>([&](int d) {
+            const double v_i = node_velocity[i * D + d], phi_v = phi * v_i, phi_q = phi * q[d];
+            v[d] += phi_v;
+            increment[d] += phi * (v_i - start_velocity[i * D + d]);
             axes<D>([&](int e) {
-                if (e < d) spread[d][e] = spread[e][d];
-            });
-        });
-        if constexpr (LeastSquares) invert<D>(spread, inverse);
-        axes<D>([&](int d) {
-            x.velocity[p * D + d] = x.flip * (x.velocity[p * D + d] + increment[d]) + (1.0 - x.flip) * v[d];
-            x.position[p * D + d] = xp[d] + x.dt * v[d];
-            axes<D>([&](int e) {
-                double c = l[d][e];
+                l[d][e] += v_i * gradient[k * D + e];
                 if constexpr (LeastSquares) {
-                    c = 0.0;
-                    axes<D>([&](int a) { c += moment[d][a] * inverse[a][e]; });
+                    moment[d][e] += phi_v * q[e];
+                    if (e >= d) spread[d][e] += phi_q * q[e];
                 }
-                x.affine[(p * D + d) * D + e] = c;
-                x.velocity_gradient[(p * D + d) * D + e] = l[d][e];
             });
         });
     }
+    axes<D>([&](int d) {
+        axes<D>([&](int e) {
+            if (e < d) spread[d][e] = spread[e][d];
+        });
+    });
+    if constexpr (LeastSquares) invert<D>(spread, inverse);
+    axes<D>([&](int d) {
+        x.velocity[p * D + d] = x.flip * (x.velocity[p * D + d] + increment[d]) + (1.0 - x.flip) * v[d];
+        x.position[p * D + d] = xp[d] + x.dt * v[d];
+        axes<D>([&](int e) {
+            double c = l[d][e];
+            if constexpr (LeastSquares) {
+                c = 0.0;
+                axes<D>([&](int a) { c += moment[d][a] * inverse[a][e]; });
+            }
+            x.affine[(p * D + d) * D + e] = c;
+            x.velocity_gradient[(p * D + d) * D + e] = l[d][e];
+        });
+    });
 }
 
 template <int D>
-void transport_affine(Problem& x) {
-    for (int64_t p = 0; p < x.n_particles; p++) {
-        double c[D][D], motion[D][D], inverse[D][D];
-        for (int d = 0; d < D; d++)
-            for (int e = 0; e < D; e++) {
-                c[d][e] = x.affine[(p * D + d) * D + e];
-                motion[d][e] = x.dt * c[d][e] + (d == e ? 1.0 : 0.0);
-            }
-        invert<D>(motion, inverse);
-        for (int d = 0; d < D; d++)
-            for (int e = 0; e < D; e++) {
-                double value = 0.0;
-                for (int a = 0; a < D; a++) value += c[d][a] * inverse[a][e];
-                x.affine[(p * D + d) * D + e] = value;
-            }
-    }
+inline void transport_affine(Problem& x, int64_t p) {
+    double c[D][D], motion[D][D], inverse[D][D];
+    for (int d = 0; d < D; d++)
+        for (int e = 0; e < D; e++) {
+            c[d][e] = x.affine[(p * D + d) * D + e];
+            motion[d][e] = x.dt * c[d][e] + (d == e ? 1.0 : 0.0);
+        }
+    invert<D>(motion, inverse);
+    for (int d = 0; d < D; d++)
+        for (int e = 0; e < D; e++) {
+            double value = 0.0;
+            for (int a = 0; a < D; a++) value += c[d][a] * inverse[a][e];
+            x.affine[(p * D + d) * D + e] = value;
+        }
 }
 
 template <int D>
-void update_deformation(Problem& x) {
-    for (int64_t p = 0; p < x.n_particles; p++) {
-        double f[D][D], out[D][D];
-        for (int d = 0; d < D; d++)
-            for (int e = 0; e < D; e++) f[d][e] = x.deformation[(p * D + d) * D + e];
-        for (int d = 0; d < D; d++)
-            for (int e = 0; e < D; e++) {
-                double value = f[d][e];
-                for (int a = 0; a < D; a++) value += x.dt * x.velocity_gradient[(p * D + d) * D + a] * f[a][e];
-                out[d][e] = value;
-            }
-        for (int d = 0; d < D; d++)
-            for (int e = 0; e < D; e++) x.deformation[(p * D + d) * D + e] = out[d][e];
-        x.volume[p] = determinant<D>(out) * x.initial_volume[p];
-    }
+inline void update_deformation(Problem& x, int64_t p) {
+    double f[D][D], out[D][D];
+    for (int d = 0; d < D; d++)
+        for (int e = 0; e < D; e++) f[d][e] = x.deformation[(p * D + d) * D + e];
+    for (int d = 0; d < D; d++)
+        for (int e = 0; e < D; e++) {
+            double value = f[d][e];
+            for (int a = 0; a < D; a++) value += x.dt * x.velocity_gradient[(p * D + d) * D + a] * f[a][e];
+            out[d][e] = value;
+        }
+    for (int d = 0; d < D; d++)
+        for (int e = 0; e < D; e++) x.deformation[(p * D + d) * D + e] = out[d][e];
+    x.volume[p] = determinant<D>(out) * x.initial_volume[p];
 }
 
 // Compressible neo-Hookean solid, sigma = [G (b - 1) + lambda ln J 1] / J with b = F F^T.
 template <int D>
-void update_stress(Problem& x) {
+inline void update_stress(Problem& x, int64_t p) {
     const double lambda = x.bulk - 2.0 / 3.0 * x.shear;
-    for (int64_t p = 0; p < x.n_particles; p++) {
-        double f[D][D];
-        for (int d = 0; d < D; d++)
-            for (int e = 0; e < D; e++) f[d][e] = x.deformation[(p * D + d) * D + e];
-        const double j = determinant<D>(f), pressure = lambda * std::log(j) - x.shear;
-        for (int d = 0; d < D; d++)
-            for (int e = 0; e < D; e++) {
-                double b = 0.0;
-                for (int a = 0; a < D; a++) b += f[d][a] * f[e][a];
-                x.stress[(p * D + d) * D + e] = (x.shear * b + (d == e ? pressure : 0.0)) / j;
-            }
-    }
+    double f[D][D];
+    for (int d = 0; d < D; d++)
+        for (int e = 0; e < D; e++) f[d][e] = x.deformation[(p * D + d) * D + e];
+    const double j = determinant<D>(f), pressure = lambda * std::log(j) - x.shear;
+    for (int d = 0; d < D; d++)
+        for (int e = 0; e < D; e++) {
+            double b = 0.0;
+            for (int a = 0; a < D; a++) b += f[d][a] * f[e][a];
+            x.stress[(p * D + d) * D + e] = (x.shear * b + (d == e ? pressure : 0.0)) / j;
+        }
 }
 
 template <int D>
@@ -358,33 +350,71 @@ void integrate_nodes(Problem& x) {
     }
 }
 
+template <class Shape>
+struct Step {
+    static constexpr int D = Shape::dim, E = Shape::entries;
+
+    static void fill(Problem& x) {
+        for (int64_t p = 0; p < x.n_particles; p++) Shape::fill(x, p, x.nodes + p * E, x.weight + p * E, x.gradient + p * E * D);
+    }
+    static void to_nodes(Problem& x) {
+        reset_nodes<D>(x);
+        for (int64_t p = 0; p < x.n_particles; p++) project<D, E>(x, p, x.nodes + p * E, x.weight + p * E);
+        start_velocity<D>(x);
+    }
+    static void force(Problem& x) {
+        for (int64_t p = 0; p < x.n_particles; p++) internal_force<D, E>(x, p, x.nodes + p * E, x.gradient + p * E * D);
+        integrate_nodes<D>(x);
+    }
+    static void to_points(Problem& x) {
+        for (int64_t p = 0; p < x.n_particles; p++) {
+            gather<D, E, (E > power(2, D))>(x, p, x.nodes + p * E, x.weight + p * E, x.gradient + p * E * D);
+            transport_affine<D>(x, p);
+        }
+    }
+    static void material(Problem& x) {
+        for (int64_t p = 0; p < x.n_particles; p++) {
+            update_deformation<D>(x, p);
+            update_stress<D>(x, p);
+        }
+    }
+    // The same without a table.
+    static void whole(Problem& x) {
+        int32_t nodes[E];
+        double weight[E], gradient[E * D];
+        reset_nodes<D>(x);
+        for (int64_t p = 0; p < x.n_particles; p++) {
+            Shape::fill(x, p, nodes, weight, gradient);
+            project<D, E>(x, p, nodes, weight);
+            internal_force<D, E>(x, p, nodes, gradient);
+        }
+        start_velocity<D>(x);
+        integrate_nodes<D>(x);
+        for (int64_t p = 0; p < x.n_particles; p++) {
+            Shape::fill(x, p, nodes, weight, gradient);
+            gather<D, E, (E > power(2, D))>(x, p, nodes, weight, gradient);
+            transport_affine<D>(x, p);
+            update_deformation<D>(x, p);
+            update_stress<D>(x, p);
+        }
+    }
+};
+
 }  // namespace
 
-#define STAGES_OF(shape, fill, D, E)                                                \
-    extern "C" void shape##_##D##_shape(Problem* x) { fill(*x); }                   \
-    extern "C" void shape##_##D##_projection(Problem* x) {                          \
-        reset_nodes<D>(*x);                                                         \
-        project<D, E>(*x);                                                          \
-        start_velocity<D>(*x);                                                      \
-    }                                                                               \
-    extern "C" void shape##_##D##_force(Problem* x) {                               \
-        internal_force<D, E>(*x);                                                   \
-        integrate_nodes<D>(*x);                                                     \
-    }                                                                               \
-    extern "C" void shape##_##D##_gather(Problem* x) {                              \
-        gather<D, E, (E > power(2, D))>(*x);                                        \
-        transport_affine<D>(*x);                                                    \
-    }                                                                               \
-    extern "C" void shape##_##D##_material(Problem* x) {                            \
-        update_deformation<D>(*x);                                                  \
-        update_stress<D>(*x);                                                       \
-    }
+#define STAGES_OF(shape, D, ...)                                                         \
+    extern "C" void shape##_##D##_shape(Problem* x) { Step<__VA_ARGS__>::fill(*x); }          \
+    extern "C" void shape##_##D##_projection(Problem* x) { Step<__VA_ARGS__>::to_nodes(*x); } \
+    extern "C" void shape##_##D##_force(Problem* x) { Step<__VA_ARGS__>::force(*x); }         \
+    extern "C" void shape##_##D##_gather(Problem* x) { Step<__VA_ARGS__>::to_points(*x); }    \
+    extern "C" void shape##_##D##_material(Problem* x) { Step<__VA_ARGS__>::material(*x); }   \
+    extern "C" void shape##_##D##_step(Problem* x) { Step<__VA_ARGS__>::whole(*x); }
 
-STAGES_OF(linear, (fill_tensor<Linear, 2>), 2, 4)
-STAGES_OF(linear, (fill_tensor<Linear, 3>), 3, 8)
-STAGES_OF(gimp, (fill_tensor<Gimp, 2>), 2, 9)
-STAGES_OF(gimp, (fill_tensor<Gimp, 3>), 3, 27)
-STAGES_OF(bspline, (fill_tensor<BSpline, 2>), 2, 9)
-STAGES_OF(bspline, (fill_tensor<BSpline, 3>), 3, 27)
-STAGES_OF(cpdi, fill_cpdi<2>, 2, 16)
-STAGES_OF(cpdi, fill_cpdi<3>, 3, 64)
+STAGES_OF(linear, 2, Tensor<Linear, 2>)
+STAGES_OF(linear, 3, Tensor<Linear, 3>)
+STAGES_OF(gimp, 2, Tensor<Gimp, 2>)
+STAGES_OF(gimp, 3, Tensor<Gimp, 3>)
+STAGES_OF(bspline, 2, Tensor<BSpline, 2>)
+STAGES_OF(bspline, 3, Tensor<BSpline, 3>)
+STAGES_OF(cpdi, 2, Cpdi<2>)
+STAGES_OF(cpdi, 3, Cpdi<3>)

@@ -44,29 +44,22 @@ class _Problem(ctypes.Structure):
 
 
 @functools.cache
-def compiler() -> str | None:
-    """Path of the C++ compiler; None where there is none."""
+def compilers() -> tuple[str, ...]:
+    """Paths of the C++ compilers: the one that ``CXX`` names, g++ and clang++, or whatever is called c++; empty without any."""
     named = os.environ.get("CXX")
-    found = (shutil.which(name) for name in (*([named] if named else []), "c++", "g++", "clang++"))
-    return next((path for path in found if path), None)
+    found = [shutil.which(name) for name in (*([named] if named else []), "g++", "clang++")]
+    return tuple(dict.fromkeys(path for path in found if path)) or tuple(filter(None, [shutil.which("c++")]))
 
 
-def compiler_version() -> str:
-    """What the compiler says of itself."""
-    path = compiler()
-    if path is None:
-        return "no C++ compiler"
-    return subprocess.run([path, "--version"], check=True, capture_output=True, text=True).stdout.partition(
-        "\n"
-    )[0]
+def compiler_version(path: str) -> str:
+    """What a compiler says of itself, and the flags that it is given."""
+    said = subprocess.run([path, "--version"], check=True, capture_output=True, text=True).stdout
+    return f"{said.partition(chr(10))[0]} {' '.join(FLAGS[:2])}"
 
 
 @functools.cache
-def compiled_library() -> ctypes.CDLL | None:
+def compiled_library(path: str) -> ctypes.CDLL | None:
     """The C++ loop, compiled once per process into a temporary folder; None where that is not possible."""
-    path = compiler()
-    if path is None:
-        return None
     source = Path(__file__).with_name("plain.cpp")
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         target = Path(folder) / "plain.so"
@@ -123,14 +116,23 @@ def problem_of(block_: Block, shape: str) -> SimpleNamespace:
 class PlainLoop:
     """The plain loop on a copy of a block.
 
+    Parameters
+    ----------
+    shape, block_
+        The shape function and the block.
+    compiler
+        Path of the compiler; None for numba.
+
     Attributes
     ----------
     language
-        ``C++`` or ``numba``.
+        The compiler's name, or ``numba``.
     problem
         Its arrays.
     stages
-        One call without arguments for each of :data:`STAGES`.
+        One call without arguments for each of :data:`STAGES`, with an interpolation table.
+    whole
+        The call of a whole step without a table; None with numba.
 
     Raises
     ------
@@ -138,28 +140,36 @@ class PlainLoop:
         No compiler, and the block is not two-dimensional.
     """
 
-    def __init__(self, shape: str, block_: Block, *, compiler: bool = True) -> None:
-        particles = block_.state.particles
+    def __init__(self, shape: str, block_: Block, *, compiler: str | None = None) -> None:
+        dim = block_.state.particles.dim
         self.problem = problem_of(block_, shape)
-        library = compiled_library() if compiler else None
-        self.language = "numba" if library is None else "C++"
+        library = None if compiler is None else compiled_library(compiler)
+        self.language = "numba" if compiler is None or library is None else Path(compiler).name
         self.stages: dict[str, Callable[[], object]]
+        self.whole: Callable[[], object] | None = None
         if library is not None:
-            self.stages = _foreign_calls(library, f"{shape}_{particles.dim}", self.problem)
-        elif particles.dim == 2:
+            call = _foreign_calls(library, f"{shape}_{dim}", self.problem)
+            self.stages = {stage: call(stage) for stage in STAGES}
+            self.whole = call("step")
+        elif dim == 2:
             from yardstick.plain_numba import calls
 
             self.stages = calls(shape, self.problem)
         else:
             raise NotImplementedError("the plain loop in three dimensions needs a C++ compiler")
 
+    def step(self) -> None:
+        """Take a step stage by stage."""
+        for stage in STAGES:
+            self.stages[stage]()
+
 
 def _foreign_calls(
     library: ctypes.CDLL, prefix: str, problem: SimpleNamespace
-) -> dict[str, Callable[[], object]]:
-    """The library's stages, bound to a problem whose arrays they read and write in place."""
+) -> Callable[[str], Callable[[], object]]:
+    """The library's functions by the end of their name, bound to a problem whose arrays they read and write in place."""
     numbers = [getattr(problem, name) for name in (*_INTEGERS, *_NUMBERS)]
     pointers = [getattr(problem, name).ctypes.data for name in _ARRAYS]
     struct = _Problem(*numbers, *pointers)
     argument = ctypes.byref(struct)
-    return {stage: functools.partial(getattr(library, f"{prefix}_{stage}"), argument) for stage in STAGES}
+    return lambda name: functools.partial(getattr(library, f"{prefix}_{name}"), argument)

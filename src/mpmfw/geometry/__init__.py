@@ -1,6 +1,7 @@
 """Body outlines and particle layouts."""
 
 from mpmfw.geometry.ball import Ball
+from mpmfw.geometry.base import BodyGeometry
 from mpmfw.geometry.box import Box
 from mpmfw.geometry.disc import Disc
 from mpmfw.geometry.discretise import Geometry, discretise
@@ -8,6 +9,7 @@ from mpmfw.geometry.extrusion import Cylinder, Extrusion
 from mpmfw.geometry.layout import FloatArray, Layout
 from mpmfw.geometry.mesh_file import MeshFile
 from mpmfw.geometry.particles import Particles
+from mpmfw.geometry.plane import PlaneGeometry
 from mpmfw.geometry.polygon import Polygon
 from mpmfw.geometry.rectangle import Rectangle
 from mpmfw.geometry.revolution import Revolution, Torus
@@ -17,6 +19,7 @@ from mpmfw.geometry.surface_mesh import SurfaceMesh
 
 __all__ = [
     "Ball",
+    "BodyGeometry",
     "Box",
     "Cylinder",
     "Disc",
@@ -26,6 +29,7 @@ __all__ = [
     "Layout",
     "MeshFile",
     "Particles",
+    "PlaneGeometry",
     "Polygon",
     "Rectangle",
     "Revolution",

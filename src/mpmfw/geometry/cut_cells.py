@@ -51,14 +51,16 @@ def cut_cells(corners: FloatArray, counts: tuple[int, int, int]) -> Cuts:
     counts
         Number of cells along each axis.
     """
-    whole = np.round(corners)
-    pieces = np.where(np.abs(corners - whole) < NEAR, whole, corners)
+    # (corner, axis, triangle): sums over three numbers that lie side by side cost numpy as much as over many
+    pieces = np.ascontiguousarray(np.moveaxis(corners, 0, 2))
+    whole = np.round(pieces)
+    pieces = np.where(np.abs(pieces - whole) < NEAR, whole, pieces)
     for axis in range(3):
         pieces = _cut_at_planes(pieces, axis)
-    centre = pieces.mean(axis=1)
-    index = np.clip(np.floor(centre).astype(np.int64), 0, np.array(counts) - 1)
-    cell = np.ravel_multi_index(tuple(index.T), counts)
-    area = 0.5 * np.cross(pieces[:, 1] - pieces[:, 0], pieces[:, 2] - pieces[:, 0])
+    centre = _sum(pieces) / 3.0
+    index = np.clip(np.floor(centre).astype(np.int64), 0, np.array(counts)[:, np.newaxis] - 1)
+    cell = np.ravel_multi_index(tuple(index), counts)
+    area = 0.5 * _normals(pieces)
 
     def summed(values: FloatArray) -> FloatArray:
         sums = np.bincount(cell, weights=values, minlength=int(np.prod(counts)))
@@ -69,15 +71,14 @@ def cut_cells(corners: FloatArray, counts: tuple[int, int, int]) -> Cuts:
         from_top = np.cumsum(summed(values)[:, :, ::-1], axis=2)[:, :, ::-1]
         return np.concatenate([from_top[:, :, 1:], np.zeros((*counts[:2], 1))], axis=2)
 
-    up, high = area[:, 2], pieces[:, :, 2] - index[:, 2, np.newaxis]
-    volume = summed(up * high.mean(axis=1)) + (above := below(up))
+    up, high = area[2], pieces[:, 2] - index[2]
+    volume = summed(up * (_sum(high) / 3.0)) + (above := below(up))
     moment = np.empty((*counts, 3))
     for axis in range(2):
-        along = pieces[:, :, axis]
-        moment[..., axis] = summed(up * _mean_product(along, high)) + below(up * centre[:, axis])
+        moment[..., axis] = summed(up * _mean_product(pieces[:, axis], high)) + below(up * centre[axis])
     layer = np.arange(counts[2])
     moment[..., 2] = summed(0.5 * up * _mean_product(high, high)) + 0.5 * above + layer * volume
-    faces = (_lower_faces(summed(area[:, axis]), axis) for axis in range(3))
+    faces = (_lower_faces(summed(area[axis]), axis) for axis in range(3))
     return Cuts(volume, moment, tuple(faces))  # type: ignore[arg-type]
 
 
@@ -87,45 +88,55 @@ def _lower_faces(through: FloatArray, axis: int) -> FloatArray:
     return faces
 
 
+def _sum(corners: FloatArray) -> FloatArray:
+    """Sum over the three corners, which come first."""
+    total: FloatArray = corners[0] + corners[1] + corners[2]
+    return total
+
+
 def _mean_product(u: FloatArray, v: FloatArray) -> FloatArray:
-    """Mean over triangles of the product of two linear functions, given at their corners (n, 3)."""
-    mean: FloatArray = (u.sum(axis=1) * v.sum(axis=1) + (u * v).sum(axis=1)) / 12.0
+    """Mean over triangles of the product of two linear functions, given at their corners (3, n)."""
+    mean: FloatArray = (_sum(u) * _sum(v) + _sum(u * v)) / 12.0
     return mean
+
+
+def _normals(pieces: FloatArray) -> FloatArray:
+    """Twice the vector areas (3, n) of triangles (3, 3, n)."""
+    (ux, uy, uz), (vx, vy, vz) = pieces[1] - pieces[0], pieces[2] - pieces[0]
+    return np.stack([uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx])
 
 
 def _cut_at_planes(pieces: FloatArray, axis: int) -> FloatArray:
     """The triangles cut at all planes of the lattice across an axis, each at the middle one of its planes first."""
     done: list[FloatArray] = []
-    while len(pieces):
-        along = pieces[:, :, axis]
-        first, last = np.floor(along.min(axis=1)) + 1.0, np.ceil(along.max(axis=1)) - 1.0
+    while pieces.shape[2]:
+        a, b, c = pieces[:, axis]
+        first = np.floor(np.minimum(np.minimum(a, b), c)) + 1.0
+        last = np.ceil(np.maximum(np.maximum(a, b), c)) - 1.0
         crossing = first <= last
-        done.append(pieces[~crossing])
+        done.append(pieces[..., ~crossing])
         plane = np.floor(0.5 * (first + last))[crossing]
-        pieces = _cut_once(pieces[crossing], axis, plane)
-    return np.concatenate(done)
+        pieces = _cut_once(pieces[..., crossing], axis, plane)
+    return np.concatenate(done, axis=2)
 
 
 def _cut_once(pieces: FloatArray, axis: int, plane: FloatArray) -> FloatArray:
     """Each triangle cut in three at its plane, which it crosses; those without an area are left out."""
-    if not len(pieces):
-        return pieces
-    rows = np.arange(len(pieces))
-    above = pieces[:, :, axis] >= plane[:, np.newaxis]
+    above = pieces[:, axis] >= plane
     # the corner that is alone on its side, and the two that follow it
-    lone = np.argmax(above == (above.sum(axis=1) == 1)[:, np.newaxis], axis=1)
-    a, b, c = (pieces[rows, (lone + k) % 3] for k in range(3))
+    lone = np.argmax(above == (above.sum(axis=0) == 1), axis=0)
+    a, b, c = (np.choose((lone + k) % 3, pieces) for k in range(3))
 
     def crossing(end: FloatArray) -> FloatArray:
-        share = (plane - a[:, axis]) / (end[:, axis] - a[:, axis])
-        point: FloatArray = a + share[:, np.newaxis] * (end - a)
-        point[:, axis] = plane
+        share = (plane - a[axis]) / (end[axis] - a[axis])
+        point: FloatArray = a + share * (end - a)
+        point[axis] = plane
         return point
 
     p, q = crossing(b), crossing(c)
-    parts = np.concatenate([np.stack(one, axis=1) for one in ((a, p, q), (p, b, c), (p, c, q))])
-    area = np.cross(parts[:, 1] - parts[:, 0], parts[:, 2] - parts[:, 0])
-    kept: FloatArray = parts[(area * area).sum(axis=1) > 0.0]
+    parts = np.concatenate([np.stack(one) for one in ((a, p, q), (p, b, c), (p, c, q))], axis=2)
+    x, y, z = _normals(parts)
+    kept: FloatArray = parts[..., x * x + y * y + z * z > 0.0]
     return kept
 
 

@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import (
+    Field,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    WrapSerializer,
+    WrapValidator,
+)
 
+from mpmfw.discovery import available, load, only_bundled
+from mpmfw.errors import SceneError
 from mpmfw.geometry.ball import Ball
+from mpmfw.geometry.base import BodyGeometry
 from mpmfw.geometry.box import Box
 from mpmfw.geometry.disc import Disc
 from mpmfw.geometry.extrusion import Cylinder, Extrusion
@@ -19,6 +30,63 @@ from mpmfw.geometry.rectangle import Rectangle
 from mpmfw.geometry.revolution import Revolution, Torus
 from mpmfw.geometry.ring import Ring
 from mpmfw.geometry.surface_mesh import SurfaceMesh
+
+
+def geometry_class(name: str) -> type[BodyGeometry]:
+    """The geometry that an installed distribution announces by this name, or at ``module:Class``.
+
+    Raises
+    ------
+    SceneError
+        It cannot be imported, is no geometry, or leaves out what every geometry must answer.
+    """
+    plugin = load("geometry", name)
+    refuse_incomplete(plugin)
+    return plugin
+
+
+def refuse_incomplete(plugin: type[Any]) -> None:
+    """Refuse a class that is no geometry, or does not say what a geometry must.
+
+    Raises
+    ------
+    SceneError
+        Which base class is expected, or what is missing.
+    """
+    named = f"geometry {plugin.__module__}.{plugin.__qualname__}"
+    if not issubclass(plugin, BodyGeometry):
+        raise SceneError(
+            f"{named}: expected a class derived from mpmfw.api.PlaneGeometry or mpmfw.api.SolidGeometry"
+        )
+    if missing := sorted(getattr(plugin, "__abstractmethods__", ())):
+        raise SceneError(f"{named} lacks {', '.join(missing)}; expected all that its base class leaves open")
+
+
+def _of_any_distribution(value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
+    """A geometry of another distribution by its own model, a bundled one by the union of these."""
+    if isinstance(value, BodyGeometry):
+        return value
+    name = value.get("type") if isinstance(value, Mapping) else None
+    if not isinstance(name, str) or only_bundled("geometry", name) or name not in available("geometry"):
+        return handler(value)
+    try:
+        plugin = geometry_class(name)
+        return plugin.model_validate({**value, "type": plugin.name})
+    except ValidationError:
+        raise
+    except Exception as error:  # a stranger's validators may raise anything
+        said = (
+            str(error)
+            if isinstance(error, SceneError)
+            else f"geometry '{name}': {type(error).__name__}: {error}"
+        )
+        raise ValueError(said) from error
+
+
+def _by_its_own_model(value: Any, handler: SerializerFunctionWrapHandler) -> Any:
+    """The fields of a geometry of whatever distribution."""
+    return value.model_dump() if isinstance(value, BodyGeometry) else handler(value)
+
 
 Geometry = Annotated[
     Disc
@@ -34,6 +102,8 @@ Geometry = Annotated[
     | Revolution
     | SurfaceMesh,
     Field(discriminator="type"),
+    WrapValidator(_of_any_distribution),
+    WrapSerializer(_by_its_own_model),
 ]
 
 

@@ -53,7 +53,7 @@ class Extrusion(SolidGeometry):
 
     @property
     def axes(self) -> FloatArray:
-        """Those of the outline and along it, one a row (3, 3): sides turn with the body."""
+        """Axes of the outline's plane and the one that it is extruded along, one a row (3, 3): sides turn with the body."""
         return turning(self.angles).T
 
     @property

@@ -15,32 +15,19 @@ IntArray = npt.NDArray[np.int64]
 class Layout:
     """Material points of one body before the motion starts.
 
-    Attributes
-    ----------
-    position : (n, dim)
-        Centroids [m].
-    volume : (n,)
-        Areas or volumes [m^dim].
-    half_edges : (n, dim, dim)
-        ``half_edges[p, :, a]`` is the half-edge vector r_a of the parallelogram or parallelepiped domain [m];
-        det(2 r) > 0 and equals the volume.
-    corners : (n, 4, 2) or None
-        Counter-clockwise quadrilateral domains [m]; None in 3D.
-    outlines : tuple of (m, dim)
-        Nodes of the closed surfaces [m]; none where none was asked for. In 2D they are polylines, first point not repeated:
-        the material lies on the left of the direction of travel (outer ones counter-clockwise, holes clockwise), and a
-        segment with tangent t has the outward normal (t_y, -t_x)/abs(t).
-    facets : tuple of (k, dim)
-        Of each surface the nodes of its facets: of a polyline's segments each and the next, of triangles
-        counter-clockwise as seen from outside.
+    Of a point's parallelogram or parallelepiped ``half_edges[p, :, a]`` is the half-edge vector r_a; det(2 r) > 0 is the volume.
+
+    Surfaces are there where they were asked for. In 2D they are polylines, first point not repeated: the material lies left
+    of the direction of travel (outer ones counter-clockwise, holes clockwise), and a segment with tangent t has the outward
+    normal (t_y, -t_x)/abs(t). Triangles are counter-clockwise as seen from outside.
     """
 
-    position: FloatArray
-    volume: FloatArray
-    half_edges: FloatArray
-    corners: FloatArray | None
-    outlines: tuple[FloatArray, ...] = ()
-    facets: tuple[IntArray, ...] = ()
+    position: FloatArray  #: (n, dim) centroids [m]
+    volume: FloatArray  #: (n,) areas or volumes [m^dim]
+    half_edges: FloatArray  #: (n, dim, dim) of the domains [m]
+    corners: FloatArray | None  #: (n, 4, 2) of counter-clockwise quadrilateral domains [m]; None in 3D
+    outlines: tuple[FloatArray, ...] = ()  #: nodes (m, dim) of every closed surface [m]
+    facets: tuple[IntArray, ...] = ()  #: nodes (k, dim) of every surface's facets
 
     def moved(self, by: FloatArray) -> Layout:
         """The same at another place, ``by`` (dim,) [m] away."""

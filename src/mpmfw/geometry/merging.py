@@ -38,14 +38,17 @@ def merge_small_pieces(
     """
     dim = index.shape[1]
     preferred = shared * (1.0 - TIE_BREAK * np.repeat(np.arange(dim), 2))
-    beside = _neighbours(index, small)
+    order = np.argsort(-preferred, axis=1, kind="stable")
+    beside = np.where(shared > 0.0, _neighbours(index, small), -1)[
+        np.arange(len(small))[:, np.newaxis], order
+    ]
     owner = np.arange(len(volume))
     joint = volume.copy()
     for k in np.argsort(volume[small], kind="stable"):
         piece = int(small[k])
         # Pieces that joined this one may have made it large enough
         if joint[piece] < least_volume:
-            owner[piece] = _most_shared(piece, preferred[k], beside[k], owner)
+            owner[piece] = _most_shared(piece, beside[k], owner)
             joint[owner[piece]] += joint[piece]
     roots = owner.copy()
     for piece in small.tolist():
@@ -69,13 +72,14 @@ def _neighbours(index: npt.NDArray[np.intp], small: npt.NDArray[np.intp]) -> npt
     return np.stack([number[tuple((index[small] - lower + step).T)] for step in steps], axis=1)
 
 
-def _most_shared(
-    piece: int, shared: FloatArray, beside: npt.NDArray[np.intp], owner: npt.NDArray[np.intp]
-) -> int:
-    """The (joint) piece that shares most with ``piece``; ``piece`` itself where there is none."""
-    for side in np.argsort(-shared, kind="stable"):
-        if shared[side] > 0 and beside[side] >= 0 and _root(owner, int(beside[side])) != piece:
-            return _root(owner, int(beside[side]))
+def _most_shared(piece: int, beside: npt.NDArray[np.intp], owner: npt.NDArray[np.intp]) -> int:
+    """The (joint) piece that shares most with ``piece``; ``piece`` itself where there is none.
+
+    ``beside`` has its neighbours, those with the largest face first, −1 where there is none.
+    """
+    for other in beside.tolist():
+        if other >= 0 and (root := _root(owner, other)) != piece:
+            return root
     return piece
 
 

@@ -6,8 +6,10 @@ from abc import abstractmethod
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+import shapely
+from pydantic import Field
 
+from mpmfw.geometry.base import BodyGeometry
 from mpmfw.geometry.clipped_lattice import clipped_lattice
 from mpmfw.geometry.facets import closed_loop
 from mpmfw.geometry.layout import FloatArray, IntArray, Layout
@@ -18,27 +20,28 @@ Point2D = tuple[Length, Length]
 Point3D = tuple[Length, Length, Length]
 
 
-class PlaneGeometry(BaseModel):
-    """A plane body: its region, outlines and layouts."""
+class PlaneGeometry(BodyGeometry):
+    """Base of plane bodies: subclasses say their :attr:`region` and :meth:`outlines`, from which the rest follows.
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    Where the true shape is curved they say its :attr:`exact_volume`, :attr:`centroid` and :attr:`bounds` as well.
+    """
 
     dim: ClassVar[int] = 2
 
     @property
     @abstractmethod
-    def exact_volume(self) -> float:
-        """Area of the true shape [m^2]."""
-
-    @property
-    @abstractmethod
-    def centroid(self) -> FloatArray:
-        """Centroid of the true shape (2,) [m]."""
-
-    @property
-    @abstractmethod
     def region(self) -> Any:
         """The body as a shapely polygon [m], of the exact area."""
+
+    @property
+    def exact_volume(self) -> float:
+        """Area of the true shape [m^2]."""
+        return float(self.region.area)
+
+    @property
+    def centroid(self) -> FloatArray:
+        """Centroid of the true shape (2,) [m]."""
+        return np.asarray(shapely.get_coordinates(self.region.centroid)[0])
 
     @property
     def outline_length(self) -> float:
@@ -57,10 +60,6 @@ class PlaneGeometry(BaseModel):
     def surfaces(self, edge: float) -> tuple[tuple[FloatArray, IntArray], ...]:
         """Nodes (m, 2) [m] and segments (m, 2) of every outline, the segments no longer than ``edge`` [m]."""
         return tuple((loop, closed_loop(len(loop))) for loop in self.outlines(edge))
-
-    @abstractmethod
-    def fitted(self, size: float) -> Layout:
-        """Quadrilaterals of edges up to ``size`` [m] that follow the outline."""
 
     @property
     def axes(self) -> FloatArray:

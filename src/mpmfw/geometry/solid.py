@@ -7,8 +7,9 @@ from functools import cached_property
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from mpmfw.geometry.base import BodyGeometry
 from mpmfw.geometry.clipped_lattice import SMALLEST_PIECE
 from mpmfw.geometry.cut_cells import centroid_of, cut_cells, volume_of
 from mpmfw.geometry.facets import measures_of
@@ -24,20 +25,16 @@ Turns = Annotated[tuple[Angle, Angle, Angle], Field(min_length=3, max_length=3)]
 Surfaces = tuple[tuple[FloatArray, IntArray], ...]
 
 
-class SolidGeometry(BaseModel):
-    """A body in space: its surfaces and layouts.
+class SolidGeometry(BodyGeometry):
+    """Base of bodies in space: subclasses say their :meth:`surfaces` and :attr:`bounds`; the rest follows from triangles.
 
-    A geometry of one's own answers :meth:`surfaces` and has a key ``type`` with its name; the rest follows from triangles.
+    Where volume and centroid of the true shape have a formula they say :attr:`exact_volume` and :attr:`centroid` as well.
     """
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     dim: ClassVar[int] = 3
     is_connected: ClassVar[bool] = True
     #: Whether the surface of triangles is that of the body itself, however large they are.
     has_plane_faces: ClassVar[bool] = False
-
-    type: str
 
     @abstractmethod
     def surfaces(self, edge: float) -> Surfaces:
@@ -46,7 +43,7 @@ class SolidGeometry(BaseModel):
 
     @cached_property
     def fine_surface(self) -> tuple[FloatArray, IntArray]:
-        """Nodes and triangles so fine that they stand for the body."""
+        """Nodes (n, 3) [m] and triangles (k, 3) so fine that they stand for the body."""
         extent = float(np.ptp(self.bounds, axis=0).max())
         return joined(self.surfaces(extent if self.has_plane_faces else extent / 60.0))
 
@@ -91,10 +88,6 @@ class SolidGeometry(BaseModel):
             stretch = np.cbrt(self.exact_volume / volume_of(nodes, facets))
             nodes = self.centroid + stretch * (nodes - self.centroid)
         return solid_lattice(nodes, facets, size, offset)
-
-    def fitted(self, size: float) -> Layout:
-        """Refused: there is no layout of hexahedra that follows the surface."""
-        raise ValueError(f"a {self.type} has no fitted layout (size {size} m): choose layout = 'lattice'")
 
 
 def joined(surfaces: Surfaces) -> tuple[FloatArray, IntArray]:

@@ -7,14 +7,14 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
-from mpmfw.discovery import announced, available, did_you_mean
+from mpmfw.discovery import available, did_you_mean
 from mpmfw.errors import SceneError
 from mpmfw.scaffolds.texts import MODULE_OF, PYPROJECT, README, RUN, TESTS
 
 #: Kinds that are whole distributions among the documentation: the folder, and name and class of the plug-in in it.
 WHOLE: Mapping[str, tuple[str, str, str]] = {
     "contact": ("plugin-template", "film", "Film"),
-    "shape": ("shape-template", "cubic_bspline", "CubicBSpline"),
+    "shape": ("shape-template", "bounded_bspline", "BoundedBSpline"),
 }
 
 #: All kinds.
@@ -63,8 +63,6 @@ def write_package(kind: str, name: str, folder: Path) -> Path:
 
 def _taken(kind: str) -> set[str]:
     """Names of installed plug-ins of the kind."""
-    if kind in ("measure", "reference"):
-        return set(announced(kind))  # type: ignore[arg-type]
     return set(available("law" if kind == "contact" else kind))  # type: ignore[arg-type]
 
 
@@ -87,12 +85,11 @@ def _copied(folder: str, known: str, kind: str, name: str) -> dict[str, str]:
 def _made(kind: str, name: str) -> dict[str, str]:
     """A distribution of one module, with its test."""
     module = (Path(__file__).parent / f"{kind}.py").read_text(encoding="utf-8")
-    entry = name if kind in ("measure", "reference") else _class_name(name)
     facts = {
         "NAME": name,
         "DASHED": name.replace("_", "-"),
         "KIND": kind,
-        "ENTRY": entry,
+        "ENTRY": _class_name(name),
         "RUN": RUN.get(kind, ""),
     }
     texts = {

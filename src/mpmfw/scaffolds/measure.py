@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-import xarray as xr
 
-from mpmfw.api import FloatArray
-from mpmfw.campaigns.measures import About, Measured, measure
-from mpmfw.scene import Scene
+from mpmfw.api import About, FloatArray, Measure, Measured
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from mpmfw.scene import Scene
 
 
-@measure("template", "m", "number", ("body",))
-def template(run: xr.DataTree, scene: Scene, about: About) -> Measured:
+class Template(Measure):
     """Length of the way of a body's centre of mass."""
-    body = about.body or next(iter(scene.bodies))
-    centre: FloatArray = np.asarray(run["series"]["centre_of_mass"].sel(body=body))
-    way = np.diff(centre, axis=0)
-    return Measured(np.array([np.sqrt((way**2).sum(axis=1)).sum()]), np.zeros(0))
+
+    name = "template"
+    unit = "m"
+    kind = "number"
+    keys = ("body",)
+
+    def of(self, run: xr.DataTree, scene: Scene, about: About) -> Measured:
+        """The way of the body that is named, else of the scene's first."""
+        body = about.body or next(iter(scene.bodies))
+        centre: FloatArray = np.asarray(run["series"]["centre_of_mass"].sel(body=body))
+        way = np.diff(centre, axis=0)
+        return Measured(np.array([np.sqrt((way**2).sum(axis=1)).sum()]), np.zeros(0))

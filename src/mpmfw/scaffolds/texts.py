@@ -52,6 +52,7 @@ RUN = {
     "boundary": '\n```toml\n[boundaries.floor]\nmodel = "@NAME@"\n```\n',
     "output": '\n```toml\n[outputs.fast]\nmodel = "@NAME@"\n```\n',
     "friction": '\n```toml\n[contact]\nfriction_law = "@NAME@"\n```\n',
+    "geometry": '\n```toml\n[bodies.mine]\ngeometry = { type = "@NAME@", centre = [0.0, 0.5] }\n```\n',
     "measure": '\n```sh\nmpmfw study STUDY      # with error.quantity = "@NAME@"\n```\n',
     "reference": '\n```toml\n[reference]\nkind = "@NAME@"\n```\n',
 }
@@ -128,19 +129,29 @@ def test_a_factor_of_two_is_twice_the_friction():
     ours = end(0.1, {"friction_law": "@NAME@", "@NAME@": {"factor": 2.0}})
     np.testing.assert_allclose(ours, end(0.2, {}), rtol=1e-12)
 """,
-    "measure": _SCENE
+    "geometry": _CHECKED_SCENE
+    + """
+def test_the_body_falls_with_the_mass_of_its_area():
+    egg = {**SCENE["bodies"]["block"], "geometry": {"type": "@NAME@", "semi_axes": [0.5, "20 cm"]}}
+    series = mpmfw.run({**SCENE, "bodies": {"egg": egg}})["series"]
+    momentum = series["linear_momentum"].sel(axis="y").values[-1]
+    assert momentum == pytest.approx(-1000.0 * np.pi * 0.5 * 0.2 * 10.0 * 0.01, rel=1e-6)
+""",
+    "measure": _CHECKED_SCENE
     + """
 def test_the_way_of_a_falling_square():
-    from mpmfw.campaigns.measures import About, measure_of
+    from mpmfw.api import About
+    from mpmfw.campaigns.measures import measure_of
 
     scene = mpmfw.load_scene(SCENE)
     found = measure_of("@NAME@").of(mpmfw.run(scene), scene, About(body="block"))
     assert found.values[0] == pytest.approx(0.5 * 10.0 * 0.01**2, rel=0.05)
 """,
-    "reference": _SCENE
+    "reference": _CHECKED_SCENE
     + """
 def test_free_fall_is_known():
-    from mpmfw.campaigns.measures import About, exact_of, measure_of
+    from mpmfw.api import About
+    from mpmfw.campaigns.measures import exact_of, measure_of
 
     scene = mpmfw.load_scene({**SCENE, "reference": {"kind": "@NAME@"}})
     exact = exact_of(measure_of("displacement"), scene, About(body="block", axis="y"))

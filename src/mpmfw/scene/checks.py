@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.discovery import REFERENCES, announced, available, nearest
+from mpmfw.discovery import REFERENCES, available, nearest
 from mpmfw.geometry import SurfaceMesh
 from mpmfw.scene.gravity import ConstantGravity
 from mpmfw.scene.locator import Path
@@ -53,8 +53,9 @@ def check(scene: Tables, plugins: Mapping[Path, type[Any]], options: Mapping[Pat
 def _reference(scene: Tables) -> Iterator[Problem]:
     """A kind that is neither bundled nor announced; whether the scene is one of it is asked where it is judged."""
     if scene.reference is not None:
-        known = sorted({*REFERENCES, *announced("reference")})
-        if scene.reference.kind not in known:
+        installed = available("reference")
+        if scene.reference.kind not in REFERENCES and scene.reference.kind not in installed:
+            known = sorted({*REFERENCES, *installed})
             yield Problem(("reference", "kind"), choice_message(scene.reference.kind, known))
 
 

@@ -89,6 +89,18 @@ def _entry(data: Any, part: str | int) -> Any:
         return None
 
 
+def as_written(schemas: list[Schema]) -> str:
+    """`` such as { size = '2 mm' }`` of a table with so few keys that must be there that each has an example; else empty."""
+    if len(schemas) != 1 or schemas[0].get("type") != "object":
+        return ""
+    required = schemas[0].get("required", [])
+    units = [schemas[0]["properties"][key].get("unit") for key in required]
+    if not units or any(unit not in _QUANTITIES for unit in units):
+        return f" with {' and '.join(required)}" if required else ""
+    keys = ", ".join(f"{key} = '{_QUANTITIES[unit][1]}'" for key, unit in zip(required, units, strict=True))
+    return f" such as {{ {keys} }}"
+
+
 def _phrase(schema: Schema) -> str:
     choices = schema.get("enum", [schema["const"]] if "const" in schema else [])
     if choices:

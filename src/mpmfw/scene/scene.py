@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import copy
 import itertools
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from pydantic import PrivateAttr
 
-from mpmfw.scene.tables import Tables
+from mpmfw.scene.tables import Output, Tables
 from mpmfw.scene.toml_text import toml_text
 
 
@@ -88,6 +88,30 @@ class Scene(Tables):
     def to_mapping(self) -> dict[str, Any]:
         """The tables as nested mappings, as a scene writes them, overrides included."""
         return copy.deepcopy(self._mapping)
+
+    def of_bodies(self, names: Collection[str]) -> Scene:
+        """Some of the bodies with what concerns them, in motion from the start, nothing recorded and none asleep."""
+        contact = self.contact
+        if contact is not None:
+            pairs = tuple(pair for pair in contact.pairs if set(pair.bodies) <= set(names))
+            contact = contact.model_copy(update={"pairs": pairs})
+        loads = {
+            title: load
+            if load.bodies is None
+            else load.model_copy(update={"bodies": tuple(name for name in load.bodies if name in names)})
+            for title, load in self.loads.items()
+        }
+        return self.model_copy(
+            update={
+                "bodies": {name: body for name, body in self.bodies.items() if name in names},
+                "contact": contact,
+                "loads": {title: load for title, load in loads.items() if load.bodies != ()},
+                "settle": None,
+                "sleep": None,
+                "output": Output(gap=False, particles=False, surface=False, energy=False),
+                "outputs": {},
+            }
+        )
 
     def with_overrides(self, overrides: Mapping[str, Any]) -> Scene:
         """This scene with other values of some keys, validated anew.

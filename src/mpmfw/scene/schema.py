@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from mpmfw.discovery import Kind, available, load
+from mpmfw.discovery import Kind, available, load, only_bundled
+from mpmfw.scene.geometries import with_geometries
 from mpmfw.scene.tables import Tables
 
 _OPEN = "additionalProperties"
@@ -29,6 +30,9 @@ def json_schema() -> dict[str, Any]:
     }
     for table, named in models.items():
         _add_models(schema, table, named)
+    schema = with_geometries(
+        schema, [name for name in available("geometry") if not only_bundled("geometry", name)]
+    )
     _allow_units(schema)
     return schema
 

@@ -199,6 +199,21 @@ class Settle(Table):
     gravity: ConstantGravity | None = None
 
 
+class Sleep(Table):
+    """Bodies at rest take no part in the steps until something disturbs them.
+
+    Attributes
+    ----------
+    strain
+        Bound on the speed of every material point, over the body's wave speed: the strain of a plane wave of that speed.
+    crossings
+        How long the body must stay below it, in the times that its wave takes along its longest edge.
+    """
+
+    strain: Annotated[Number, Field(gt=0, lt=1)] = 1e-6
+    crossings: PositiveNumber = 10.0
+
+
 class Output(Table):
     """What a run records besides the series that every run has.
 
@@ -240,6 +255,7 @@ class Tables(Table):
     title: str = ""
     allow_overlap: bool = False
     allow_unstable: bool = False
+    threads: Annotated[int, Strict(), Field(ge=1)] = 1
     grid: Grid
     time: Time
     stepping: Stepping = Stepping()
@@ -251,6 +267,7 @@ class Tables(Table):
     loads: Mapping[str, Load] = {}
     boundaries: Mapping[str, Boundary] = {}
     settle: Settle | None = None
+    sleep: Sleep | None = None
     output: Output = Output()
     outputs: Mapping[str, Series] = {}
     reference: Reference | None = None

@@ -8,9 +8,10 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from mpmfw.discovery import nearest
+from mpmfw.discovery import available, nearest
 from mpmfw.scene.cells import may_be_in_cells
-from mpmfw.scene.expectation import Schema, expected, keys, subschemas
+from mpmfw.scene.expectation import Schema, as_written, expected, keys, subschemas
+from mpmfw.scene.geometries import strangers, with_geometries
 from mpmfw.scene.locator import Path
 from mpmfw.scene.problem import Problem
 
@@ -27,6 +28,8 @@ def problems_of(
     ``also_valid`` are keys of the same table that another model reads.
     """
     schema = _schema(model)
+    if others := strangers(schema, data):
+        schema = with_geometries(schema, others)
     found: dict[Path, list[Any]] = {}
     for item in error.errors(include_url=False):
         found.setdefault(_data_path(item["loc"], data, item["type"]), []).append(item)
@@ -73,14 +76,16 @@ def _problem(
         case "extra_forbidden":
             return unknown_key(where, [*keys(subschemas(schema, path[:-1], data)), *also_valid])
         case "missing":
-            return Problem(where, _join("missing", expectation), "missing")
+            return Problem(where, _join("missing", expectation + as_written(schemas)), "missing")
         case "union_tag_not_found":
             names = item["ctx"].get("discriminator", "'type'").strip("'")
             return Problem(
-                (*where, names), f"missing; expected one of {', '.join(_tags(schema, path, data))}", "missing"
+                (*where, names),
+                f"missing; expected one of {', '.join(_types(schema, path, data))}",
+                "missing",
             )
         case "union_tag_invalid":
-            tag, tags = item["ctx"]["tag"], _tags(schema, path, data)
+            tag, tags = item["ctx"]["tag"], _types(schema, path, data)
             key = item["ctx"]["discriminator"].strip("'")
             return Problem((*where, key), choice_message(tag, tags))
         case "literal_error" | "enum" if isinstance(item["input"], str):
@@ -114,6 +119,12 @@ def _tags(schema: Schema, path: Path, data: Any) -> list[str]:
         properties = alternative.get("properties", {}).values()
         found += [str(entry["const"]) for entry in properties if "const" in entry]
     return list(dict.fromkeys(found))
+
+
+def _types(schema: Schema, path: Path, data: Any) -> list[str]:
+    """As :func:`_tags`; of a body's geometry those of other distributions as well."""
+    tags = _tags(schema, path, data)
+    return list(dict.fromkeys([*tags, *available("geometry")])) if path[-1:] == ("geometry",) else tags
 
 
 def _value_message(item: Any, expectation: str) -> str:

@@ -23,19 +23,23 @@ if TYPE_CHECKING:
     from mpmfw.testing.contact import contact_checks
     from mpmfw.testing.examination import examine
     from mpmfw.testing.friction import friction_checks
+    from mpmfw.testing.geometry import geometry_checks
     from mpmfw.testing.load import load_checks
     from mpmfw.testing.material import material_checks
+    from mpmfw.testing.measure import measure_checks
     from mpmfw.testing.output import output_checks
     from mpmfw.testing.parametrised import (
         boundary_conformance,
         check_plugin,
         contact_conformance,
         friction_conformance,
+        geometry_conformance,
         load_conformance,
         material_conformance,
         output_conformance,
         shape_conformance,
     )
+    from mpmfw.testing.reference import reference_checks
     from mpmfw.testing.searching import ladder, search, try_all
     from mpmfw.testing.shape import shape_checks
     from mpmfw.testing.subject import Subject, subject_of
@@ -60,6 +64,12 @@ _MODULES = {
     "friction_conformance": "mpmfw.testing.parametrised",
     "output_checks": "mpmfw.testing.output",
     "output_conformance": "mpmfw.testing.parametrised",
+    "geometry_checks": "mpmfw.testing.geometry",
+    "geometry_conformance": "mpmfw.testing.parametrised",
+    "measure_checks": "mpmfw.testing.measure",
+    "measure_conformance": "mpmfw.testing.parametrised",
+    "reference_checks": "mpmfw.testing.reference",
+    "reference_conformance": "mpmfw.testing.parametrised",
     "ladder": "mpmfw.testing.searching",
     "search": "mpmfw.testing.searching",
     "shape_checks": "mpmfw.testing.shape",
@@ -82,13 +92,19 @@ __all__ = [
     "examine",
     "friction_checks",
     "friction_conformance",
+    "geometry_checks",
+    "geometry_conformance",
     "ladder",
     "load_checks",
     "load_conformance",
     "material_checks",
     "material_conformance",
+    "measure_checks",
+    "measure_conformance",
     "output_checks",
     "output_conformance",
+    "reference_checks",
+    "reference_conformance",
     "search",
     "shape_checks",
     "shape_conformance",

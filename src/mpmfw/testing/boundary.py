@@ -10,6 +10,7 @@ from mpmfw.scene import load_scene
 from mpmfw.simulation import Simulation
 from mpmfw.testing.check import Check, Inapplicable, Violation
 from mpmfw.testing.load.bench import dims_of, scene, simulation_with
+from mpmfw.testing.sent import SENT
 from mpmfw.testing.subject import Subject
 
 #: Times at which it is asked [s].
@@ -126,4 +127,5 @@ def boundary_checks() -> list[Check]:
         Check("each-for-itself", "A place moves by where it is, in whatever company.", each_for_itself),
         Check("as-prescribed", "What is held moves as it says.", as_prescribed),
         Check("own-body", "It holds its own bodies alone.", own_body),
+        SENT,
     ]

@@ -118,7 +118,7 @@ class Outcome:
     def report(self) -> str:
         """Which property is broken, by what, in which smallest case, and where its picture is."""
         if self.same_as:
-            return f"{self.check}: {self.status}, as {self.same_as}: {self.message}"
+            return f"{self.check}: {self.status}, as {self.same_as}"
         lines = [f"{self.check}: {self.status}", f"  what must hold: {self.statement}"]
         if self.message:
             lines.append(f"  what happened: {self.message}")

@@ -11,6 +11,7 @@ from mpmfw.contact.rows import ContactRows
 from mpmfw.fields import FloatArray, IntArray
 from mpmfw.testing.check import Check, Violation
 from mpmfw.testing.options import every_option_acts
+from mpmfw.testing.sent import SENT
 from mpmfw.testing.subject import Subject
 
 #: μ of three pairs, and the length of a step [s].
@@ -111,6 +112,33 @@ def frame(subject: Subject) -> None:
         _same(first, second, f"whether rows are {what}", ROUNDING)
 
 
+def slip_alone(subject: Subject) -> None:
+    """Motion along the normal is no slip: with 1 m/s more of it the same to 1e-6, as rounding lets a row at rest slip."""
+    rows, law = rows_of(subject.make(), 2), subject.make()
+    n = rows.count
+    rows.motion[:n] += STEP * rows.normal[:n]
+    _same(bounds(subject.make(), rows_of(law, 2)), bounds(law, rows), "motion along the normal", 1e-6)
+
+
+def share(subject: Subject) -> None:
+    """A row of a quarter of the area, with another number, has the same μ and a quarter of the cohesion, to 1e-12.
+
+    Rows are nodes of a surface, or of the grid: a finer one has more of them, numbered otherwise.
+    """
+    rows, law = rows_of(subject.make(), 2), subject.make()
+    n = rows.count
+    rows.area[:n] *= 0.25
+    rows.whole[:n] *= 0.25
+    rows.identity[:n] += 1
+    found = bounds(law, rows) * np.array([1.0, 4.0])
+    _same(
+        bounds(subject.make(), rows_of(law, 2)),
+        found,
+        "its number, or how finely the surface is divided",
+        ROUNDING,
+    )
+
+
 def units(subject: Subject) -> None:
     """In steps half as long, with half the motion in each, the bounds are the same, to 1e-12: they go with the speed."""
     law = subject.make()
@@ -158,6 +186,9 @@ def friction_checks() -> list[Check]:
         Check("each-for-itself", "A row's bound is that of its own motion and pair.", each_for_itself),
         Check("no-memory", "The bound is a function of the rows.", no_memory),
         Check("frame", "Turned rows, and rows seen from the other side, have the same bound.", frame),
+        Check("slip", "The bound goes with the slip, not with the approach.", slip_alone),
+        Check("share", "The bound is that of the surface, however it is divided into rows.", share),
         Check("units", "The bound goes with the speed, however long a step is.", units),
         Check("options", "Every option changes something or is refused.", options_act),
+        SENT,
     ]

@@ -14,7 +14,9 @@ from mpmfw.testing.examination import examine, examine_one, justified, named
 from mpmfw.testing.subject import Subject, bases_of_kinds, subject_of
 
 #: Kinds of plug-ins that there are checks for.
-CHECKED: tuple[Kind, ...] = ("contact", "shape", "material", "load", "friction", "boundary", "output")
+CHECKED: tuple[Kind, ...] = (
+    "contact", "shape", "material", "load", "friction", "boundary", "output", "geometry", "measure", "reference",
+)  # fmt: skip
 
 #: Folder for pictures of counterexamples, in the working directory; made by the first failure.
 PICTURES = Path("mpmfw-check")
@@ -96,6 +98,15 @@ load_conformance = _conformance_of(
 friction_conformance = _conformance_of("friction")
 boundary_conformance = _conformance_of("boundary")
 output_conformance = _conformance_of("output")
+geometry_conformance = _conformance_of(
+    "geometry",
+    """
+
+    A geometry whose keys have no default is named with them: ``"disc(centre=[0, 0], radius=1)"``.
+    """,
+)
+measure_conformance = _conformance_of("measure")
+reference_conformance = _conformance_of("reference")
 
 
 def checks_of(kind: Kind) -> Sequence[Check]:

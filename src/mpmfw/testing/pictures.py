@@ -6,13 +6,14 @@ import textwrap
 from pathlib import Path
 from typing import Any
 
-from mpmfw.plots.style import FONT, new_figure
+from mpmfw.plots.style import journal_style, new_figure
 from mpmfw.testing.check import Violation, shown
 
 #: Characters of a line of text under the picture.
 LINE = 74
 
 
+@journal_style()
 def draw(path: Path, title: str, violation: Violation) -> Path:
     """Draw a violation's picture with its legend above and the numbers of its case below, and write it.
 
@@ -27,14 +28,12 @@ def draw(path: Path, title: str, violation: Violation) -> Path:
     axes = figure.add_subplot()
     if violation.picture is not None:
         violation.picture(axes)
-    axes.set_title(title, fontsize=FONT, loc="left")
+    axes.set_title(title, loc="left")
     _legend_above(figure, axes)
     case = [f"{name} = {shown(value)}" for name, value in violation.counterexample.items()]
     if violation.measured is not None and violation.bound is not None:
         case.insert(0, f"measured {shown(violation.measured)}, bound {shown(violation.bound)}")
-    figure.supxlabel(
-        "\n".join(textwrap.wrap("; ".join(case), LINE)), fontsize=FONT - 2, x=0.02, horizontalalignment="left"
-    )
+    figure.supxlabel("\n".join(textwrap.wrap("; ".join(case), LINE)), x=0.02, horizontalalignment="left")
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path)
     return path
@@ -51,7 +50,5 @@ def _legend_above(figure: Any, axes: Any) -> None:
             labels,
             loc="outside upper left",
             ncols=2,
-            fontsize=FONT - 2,
-            frameon=False,
             columnspacing=1.2,
         )

@@ -17,6 +17,10 @@ _last: contextvars.ContextVar[tuple[dict[str, Any], int] | None] = contextvars.C
 )
 
 
+#: Kinds whose checks run no scene that names the plug-in, or none that a simulation is given.
+NO_PROGRAM = ("material", "friction", "geometry", "measure", "reference")
+
+
 def remember(mapping: Mapping[str, Any], steps: int) -> None:
     """Say which scene the kit runs now, and for how many steps."""
     _last.set((dict(mapping), steps))
@@ -57,7 +61,7 @@ def save(folder: Path, name: str, subject: Subject, violation: Violation) -> tup
     ]
     comment = "".join(f"# {line}\n" for text in about for line in text.splitlines())
     scene.write_text(comment + toml_text(mapping), encoding="utf-8")
-    if subject.plugin is None or subject.kind == "material":
+    if subject.plugin is None or subject.kind in NO_PROGRAM:
         return (scene,)
     program = folder / f"{name}.py"
     program.write_text(_program(scene, steps, subject), encoding="utf-8")
@@ -70,12 +74,14 @@ def _program(scene: Path, steps: int, subject: Subject) -> str:
     assert plugin is not None
     options = ", ".join(f"{key}={value!r}" for key, value in subject.options.items())
     made = f"{plugin.__qualname__}({options})"
-    given = f'loads={{"checked": {made}}}' if subject.kind == "load" else f"{subject.kind}={made}"
+    given = {
+        "load": f', loads={{"checked": {made}}}', "contact": f", contact={made}", "shape": f", shape={made}"
+    }.get(subject.kind, "")  # fmt: skip
     return (
         f'"""Run {scene.name} with {subject.label}: python {scene.with_suffix(".py").name}"""\n\n'
         "from pathlib import Path\n\n"
         f"from {plugin.__module__} import {plugin.__qualname__.partition('.')[0]}\n"
         "from mpmfw.simulation import Simulation\n\n"
-        f'simulation = Simulation(Path(__file__).with_suffix(".toml"), {given})\n'
+        f'simulation = Simulation(Path(__file__).with_suffix(".toml"){given})\n'
         f"simulation.advance({steps}, lambda frame: print(frame.time, 's', frame.series['linear_momentum'].tolist()))\n"
     )

@@ -9,8 +9,17 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from mpmfw.dead_hooks import refuse_dead_hooks
-from mpmfw.discovery import Kind, did_you_mean, full_name, load, refuse_class, refuse_nameless
+from mpmfw.discovery import (
+    Kind,
+    did_you_mean,
+    full_name,
+    load,
+    options_of,
+    refuse_class,
+    refuse_nameless,
+)
 from mpmfw.errors import SceneError
+from mpmfw.geometry.discretise import refuse_incomplete
 from mpmfw.scene.specification import parse_specification, specification_of
 from mpmfw.testing.check import Inapplicable
 
@@ -22,7 +31,7 @@ class Subject:
     A strategy object keeps state of the simulation that it serves, so that a check makes one for each simulation.
     """
 
-    kind: Kind  #: contact or shape
+    kind: Kind  #: one of those that there are checks for
     label: str  #: name and options, for messages
     plugin: type[Any] | None  #: the class; None where a function makes the objects
     factory: Callable[..., Any]  #: takes options as keywords
@@ -46,10 +55,9 @@ class Subject:
         Inapplicable
             The plug-in has no options that could be set.
         """
-        model = getattr(self.plugin, "Options", None)
-        if model is None or not model.model_fields:
+        if self.plugin is None or not options_of(self.plugin):
             raise Inapplicable("the plug-in has no options")
-        return model  # type: ignore[no-any-return]
+        return getattr(self.plugin, "Options", self.plugin)
 
 
 def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None) -> Subject:
@@ -61,7 +69,7 @@ def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None
         A plug-in class; an object, of whose options fresh ones are made; a function that makes objects; the name of
         an installed plug-in; or ``module:Class``; names may be followed by options, as in ``penalty(kappa=2)``.
     kind
-        ``contact`` or ``shape``.
+        One of those that there are checks for.
     options
         Options over those of the plug-in.
 
@@ -80,24 +88,41 @@ def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None
                 f"{plugin}: the option '{twice[0]}' is given beside it as well; leave one of them out"
             )
         given = {**text.options, **given}
-        plugin = load(kind, text.name)
+        plugin = _named(kind, text.name)
     if isinstance(plugin, type):
         _check_kind(plugin, kind)
         refuse_class(plugin)
-        refuse_dead_hooks(plugin)
+        _refuse_unusable(plugin, kind)
         _one(plugin, given)
         return Subject(kind, _label(plugin, given), plugin, plugin, given)
-    if hasattr(plugin, "options") and hasattr(plugin, "from_options"):
+    if isinstance(plugin, tuple(bases_of_kinds().values())):
         return subject_of(type(plugin), kind, {**_options_set(plugin), **given})
     if callable(plugin):
         made = _one(plugin, given)
         _check_kind(type(made), kind)
         refuse_nameless(type(made))
-        refuse_dead_hooks(type(made))
+        _refuse_unusable(type(made), kind)
         return Subject(kind, _label(type(made), given), None, plugin, given)
     raise SceneError(
         f"cannot check {plugin!r}: expected a plug-in class, an object of one, a function that makes one, or a name"
     )
+
+
+def _named(kind: Kind, name: str) -> type[Any]:
+    """The class of a name; bundled measures are registered, not announced."""
+    if kind == "measure":
+        from mpmfw.campaigns.measures import measure_of
+
+        return type(measure_of(name))
+    return load(kind, name)
+
+
+def _refuse_unusable(plugin: type[Any], kind: Kind) -> None:
+    """Refuse a class with hooks that nobody would call, or a geometry that does not say what it must."""
+    if kind == "geometry":
+        refuse_incomplete(plugin)
+    elif kind not in ("measure", "reference"):
+        refuse_dead_hooks(plugin)
 
 
 def bases_of_kinds() -> dict[Kind, type[Any]]:
@@ -136,8 +161,8 @@ def _one(factory: Callable[..., Any], options: Mapping[str, Any]) -> Any:
 
 def _problem_text(plugin: Any, problem: Any) -> str:
     where = ".".join(map(str, problem["loc"])) or "options"
-    if problem["type"] == "extra_forbidden" and hasattr(plugin, "Options"):
-        return f"no such option '{where}'; {did_you_mean(where, plugin.Options.model_fields)}"
+    if problem["type"] == "extra_forbidden" and options_of(plugin):
+        return f"no such option '{where}'; {did_you_mean(where, options_of(plugin))}"
     if problem["type"] == "missing":
         return f"{where}: missing; give it as in '{getattr(plugin, 'name', 'NAME')}({where}=…)'"
     return f"{where}: {problem['msg']}"
@@ -148,4 +173,5 @@ def _label(plugin: type[Any], options: Mapping[str, Any]) -> str:
 
 
 def _options_set(plugin: Any) -> dict[str, Any]:
-    return {key: getattr(plugin.options, key) for key in plugin.options.model_fields_set}
+    options = getattr(plugin, "options", plugin)
+    return {key: getattr(options, key) for key in getattr(options, "model_fields_set", ())}

@@ -8,6 +8,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from faulty_plugins.contact.plain import PlainContact
+from faulty_plugins.sealed import Sealed
 from mpmfw.api import AnyArray, State, hookimpl
 from mpmfw_contact.bardenhagen import Bardenhagen
 from mpmfw_contact.penalty import Penalty
@@ -155,3 +156,9 @@ class RemembersWork(Bardenhagen):
 
     def restart(self) -> None:
         pass
+
+
+class Closed(Sealed, PlainContact):
+    """Holds a function."""
+
+    name = "closed"

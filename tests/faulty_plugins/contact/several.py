@@ -173,3 +173,30 @@ class Remembers(PlainContact):
     def correct(self, grid):
         super().correct(grid)
         self.log = [*getattr(self, "log", []), grid.momentum.copy()]
+
+
+class EveryOtherStep(PlainContact):
+    """Acts in two steps, and rests in two."""
+
+    name = "every-other-step"
+
+    @hookimpl
+    def setup(self, setup):
+        PlainContact.setup(self, setup)
+        self.asked = 0
+
+    def correct(self, grid):
+        self.asked += 1
+        if self.asked // 4 % 2 == 0:
+            super().correct(grid)
+
+
+class LightIsNothing(PlainContact):
+    """Leaves nodes out that have less than a hundredth of the largest mass."""
+
+    name = "light-is-nothing"
+
+    def shared_nodes(self, grid, pair):
+        a, b = super().shared_nodes(grid, pair)
+        heavy = np.minimum(grid.mass[a], grid.mass[b]) > 0.01 * grid.mass.max()
+        return a[heavy], b[heavy]

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from faulty_plugins.sealed import Forgetful, Sealed
 from mpmfw.api import (
     BodyLoad,
     FloatArray,
@@ -218,6 +219,18 @@ class PastTheEnd(BodyLoad):
 
 
 #: The check that is meant for each.
+class Closed(Sealed, Sound):
+    """Holds a function."""
+
+    name = "closed"
+
+
+class Forgetting(Forgetful, Sound):
+    """Is sent without a number that it needs."""
+
+    name = "forgetting"
+
+
 FAULTS: dict[type[Any], str] = {
     Infinite: "runs",
     WrongShape: "runs",
@@ -234,4 +247,6 @@ FAULTS: dict[type[Any], str] = {
     Shaking: "power",
     EachPoint: "refinement",
     FirstPoint: "refinement",
+    Closed: "sent",
+    Forgetting: "sent",
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from faulty_plugins.material.sound import G, K, Keeping, Sound
+from faulty_plugins.sealed import Sealed
 from mpmfw.api import FloatArray, Particles, Setup, hookimpl
 
 _noise = np.random.default_rng()
@@ -201,3 +202,34 @@ class NotANumber(Sound):
     def stress(self, f: FloatArray) -> FloatArray:
         with np.errstate(invalid="ignore"):
             return super().stress(f) + 0.0 * np.sqrt(np.linalg.det(f) - 1.0)[:, None, None]
+
+
+class OutputsInThePlane(Sound):
+    """The stress for outputs has no component across the plane."""
+
+    def cauchy_stress(self, deformation_gradient: FloatArray) -> FloatArray:
+        found = super().cauchy_stress(deformation_gradient).copy()
+        if deformation_gradient.shape[1] == 2:
+            found[:, 2, 2] = 0.0
+        return found
+
+
+class Yielding(Sound):
+    """Past 20 % of strain the stress stays, and the energy goes on."""
+
+    def stress(self, f: FloatArray) -> FloatArray:
+        strain = self.left(f) - np.eye(f.shape[1])
+        size = np.sqrt((strain**2).sum(axis=(1, 2)))[:, None, None]
+        return super().stress(f) * np.minimum(1.0, 0.7 / np.maximum(size, 1e-300))
+
+    def cauchy_stress(self, deformation_gradient: FloatArray) -> FloatArray:
+        f = np.tile(np.eye(3), (len(deformation_gradient), 1, 1))
+        dim = deformation_gradient.shape[1]
+        f[:, :dim, :dim] = deformation_gradient
+        return self.stress(f)
+
+
+class Closed(Sealed, Sound):
+    """Holds a function."""
+
+    name = "closed"

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 from pydantic import BaseModel, Field
 
+from faulty_plugins.sealed import Sealed
 from faulty_plugins.shape.sound import Sound
 from mpmfw.api import Grid, Particles, Stencil, hookimpl
 
@@ -19,6 +20,23 @@ class LongNodes(Sound):
         """int64."""
         table = super().interpolate(particles, grid)
         return table._replace(nodes=table.nodes.astype(np.int64))
+
+
+class Descending(Sound):
+    """Rows from their last node to the first, of which it says that they ascend: threads would lose what a point adds."""
+
+    rows_ascend = True
+
+    @hookimpl
+    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
+        """All entries turned round within their rows."""
+        table = super().interpolate(particles, grid)
+        order = np.concatenate(
+            [np.arange(b - 1, a - 1, -1) for a, b in zip(table.row[:-1], table.row[1:], strict=True)]
+        )
+        return table._replace(
+            nodes=table.nodes[order], weight=table.weight[order], gradient=table.gradient[order]
+        )
 
 
 class Stumbling(Sound):
@@ -132,3 +150,9 @@ class Flatland(Sound):
     """Says that it works in one dimension, in which there is no grid."""
 
     dimensions = (1, 2)
+
+
+class Closed(Sealed, Sound):
+    """Holds a function."""
+
+    name = "closed"

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from faulty_plugins.sealed import Sealed
 from mpmfw.api import AnyArray, Boundary, FloatArray, Grid, hookimpl
 
 
@@ -85,6 +86,12 @@ class Everybody(Sound):
         grid.momentum[low, 0] = grid.mass[low]
 
 
+class Closed(Sealed, Sound):
+    """Holds a function."""
+
+    name = "closed"
+
+
 #: The check that is meant for each.
 FAULTS: dict[type[Any], str] = {
     OneForAll: "runs",
@@ -93,4 +100,5 @@ FAULTS: dict[type[Any], str] = {
     ByTheLowest: "each-for-itself",
     HalfAsFast: "as-prescribed",
     Everybody: "own-body",
+    Closed: "sent",
 }

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
+from faulty_plugins.sealed import Sealed
 from mpmfw.api import ContactRows, FloatArray, FrictionLaw
 
 
@@ -122,6 +123,42 @@ class Dropped(Sound):
     Options = Factor
 
 
+class WholeMotion(Sound):
+    """Takes the approach for slip as well."""
+
+    name = "whole-motion"
+
+    def speed(self, rows: ContactRows, dt: float) -> FloatArray:
+        moved: FloatArray = np.linalg.norm(rows.motion[: rows.count], axis=1)
+        return moved / dt if dt > 0.0 else 0.0 * moved
+
+
+class ByArea(Sound):
+    """A large row has more of it."""
+
+    name = "by-area"
+
+    def bound(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
+        super().bound(rows, friction, dt)
+        rows.friction[: rows.count] *= 1.0 + rows.area[: rows.count]
+
+
+class OddNumbers(Sound):
+    """Points with an odd number have more of it."""
+
+    name = "odd-numbers"
+
+    def bound(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
+        super().bound(rows, friction, dt)
+        rows.friction[: rows.count] *= 1.0 + 0.1 * (rows.identity[: rows.count] % 2)
+
+
+class Closed(Sealed, Sound):
+    """Holds a function."""
+
+    name = "closed"
+
+
 #: The check that is meant for each.
 FAULTS: dict[type[Any], str] = {
     DividesByNothing: "runs",
@@ -133,4 +170,8 @@ FAULTS: dict[type[Any], str] = {
     AlongX: "frame",
     ByTheStep: "units",
     Dropped: "options",
+    WholeMotion: "slip",
+    ByArea: "share",
+    OddNumbers: "share",
+    Closed: "sent",
 }

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from faulty_plugins.sealed import Sealed
 from mpmfw.api import Field, FloatArray, OutputSeries, State
 
 
@@ -107,6 +108,49 @@ class FirstBody(Sound):
         return {"way": way - way[0]}
 
 
+class Squared(Sound):
+    """A length, declared as an area."""
+
+    name = "squared"
+
+    def series(self) -> list[Field]:
+        return [Field("way", ("body", "axis"), "m2", "way of the centre of mass")]
+
+
+class Rounded(Sound):
+    """Whole micrometres."""
+
+    name = "rounded"
+
+    def values(self, state: State, interval: float) -> dict[str, FloatArray]:
+        return {"way": 1e-6 * np.round(1e6 * super().values(state, interval)["way"])}
+
+
+class NoWord(Sound):
+    """A unit that there is not."""
+
+    name = "no-word"
+
+    def series(self) -> list[Field]:
+        return [Field("way", ("body", "axis"), "metres per tick", "way of the centre of mass")]
+
+
+class Summed(Sound):
+    """Adds up what it finds at outputs, however far they are apart."""
+
+    name = "summed"
+
+    def values(self, state: State, interval: float) -> dict[str, FloatArray]:
+        self.total = getattr(self, "total", 0.0) + super().values(state, interval)["way"]
+        return {"way": self.total}
+
+
+class Closed(Sealed, Sound):
+    """Holds a function."""
+
+    name = "closed"
+
+
 #: The check that is meant for each.
 FAULTS: dict[type[Any], str] = {
     NoUnit: "runs",
@@ -116,4 +160,9 @@ FAULTS: dict[type[Any], str] = {
     Replaces: "changes-nothing",
     CountsElsewhere: "saved",
     FirstBody: "order",
+    Squared: "unit",
+    Rounded: "unit",
+    NoWord: "runs",
+    Summed: "outputs",
+    Closed: "sent",
 }

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from mpmfw.testing.check import Check
 from mpmfw.testing.contact.bystanders import bystander, one_body
-from mpmfw.testing.contact.company import many_contacts, met_again, moving_frame, refinement
+from mpmfw.testing.contact.company import many_contacts, met_again, moving_frame, refinement, step_length
 from mpmfw.testing.contact.conservation import equal_and_opposite, moment_balance
 from mpmfw.testing.contact.energy import energy_kept, own_time_step
 from mpmfw.testing.contact.friction import coulomb_cone, frictionless, slip_on_the_cone, sticking
 from mpmfw.testing.contact.options import options_act
 from mpmfw.testing.contact.reports import reported_force
-from mpmfw.testing.contact.separation import asleep_apart, no_adhesion, pushes_apart
+from mpmfw.testing.contact.separation import asleep_apart, no_adhesion, pushes_apart, unequal
 from mpmfw.testing.contact.shapes import every_shape, runs
 from mpmfw.testing.contact.similarity import outputs_change_nothing, similarity, three_bodies
 from mpmfw.testing.contact.space import three_dimensions
 from mpmfw.testing.contact.state import restart, saved, used_twice
 from mpmfw.testing.contact.symmetry import relabelling, rotation, shift
 from mpmfw.testing.contact.writes import changes_nothing_else, no_growth
+from mpmfw.testing.sent import SENT
 
 _CHECKS = (
     Check("runs", "A scene of two bodies that meet runs to its end.", runs),
@@ -25,6 +26,7 @@ _CHECKS = (
     Check(
         "pushes-apart", "Bodies that meet are pushed apart until they stop, and never pulled.", pushes_apart
     ),
+    Check("unequal", "A light body is stopped by a heavy one, and the reverse.", unequal),
     Check("no-adhesion", "Bodies that touch and part do not feel each other.", no_adhesion),
     Check(
         "coulomb-cone", "Friction is at most the friction coefficient times the normal impulse.", coulomb_cone
@@ -40,6 +42,7 @@ _CHECKS = (
     Check("met-again", "Bodies that met and parted are stopped when they meet again.", met_again),
     Check("moving-frame", "A velocity that all bodies share does not matter.", moving_frame),
     Check("refinement", "How many points a surface has does not matter.", refinement),
+    Check("step-length", "How long a step is does not matter.", step_length),
     Check("changes-nothing-else", "It changes forces and momentum of the grid alone.", changes_nothing_else),
     Check("no-growth", "What is kept for the next step does not grow.", no_growth),
     Check("similarity", "The scene in other units moves alike.", similarity),
@@ -56,6 +59,7 @@ _CHECKS = (
     Check("options", "Every option changes something or is refused.", options_act),
     Check("shapes", "The law works with every bundled shape function, or refuses it.", every_shape),
     Check("three-dimensions", "In three dimensions too, impulses balance and bodies stop.", three_dimensions),
+    SENT,
     Check("used-twice", "A strategy object carries nothing from one run to the next.", used_twice),
     Check("restart", "restart() forgets work and impulse and keeps the state of contact.", restart),
     Check("saved", "A run that is saved in the middle and loaded goes on to the same bits.", saved),

@@ -130,9 +130,45 @@ def _refined(subject: Subject, meeting: Meeting, first: int, second: int) -> Mot
     return simulate(subject, mapping, duration=2.0 * DEPTH / WAVE_SPEED)
 
 
-def _by_time(motion: Motion, meeting: Meeting, time: FloatArray) -> FloatArray:
-    """Impulse on the second block along the line between the bodies up to every time [N s/m]."""
-    taken = np.concatenate([[0.0], np.cumsum(motion.impulse[:, 1] @ meeting.normal)])
+def step_length(subject: Subject) -> None:
+    """In steps of a quarter of half the stable one, blocks that stick exchange the same by any time: 10 % along, 20 % across.
+
+    What a law does in every step, however long that is, it does four times as often: stop a part of the approach, or let
+    a part of what springs hold go.
+    """
+    meeting = Meeting(gap=0.05, slide=0.2, friction=1.0)
+    longest = 0.5 * simulate(subject, meeting.mapping(), 1).dt[0]
+
+    def trial(shorter: float) -> None:
+        coarse, fine = (
+            simulate(
+                subject,
+                meeting.mapping(time={"end": 1.0, "output_interval": 1.0, "step": step}),
+                duration=meeting.duration,
+            )
+            for step in (longest, longest / shorter)
+        )
+        time = np.linspace(0.0, min(sum(m.dt) for m in (coarse, fine)), 60)
+        across = np.array([-meeting.normal[1], meeting.normal[0]])
+        for what, direction, bound in (("along", meeting.normal, 0.1), ("across", across, 0.2)):
+            found, expected = (_by_time(m, meeting, time, direction) for m in (fine, coarse))
+            within(
+                float(np.abs(found - expected).max() / max(np.abs(expected).max(), 1e-300)),
+                bound,
+                f"what is exchanged {what} the line between the bodies depends on how long a step is (share of the whole)",
+                {"step [s]": longest},
+                histories({"shorter": (time, found), "longer": (time, expected)}, "impulse by then [N s/m]"),
+            )
+
+    try_all({"shorter": (4.0,)}, trial, names={"shorter": "steps are shorter by"})
+
+
+def _by_time(
+    motion: Motion, meeting: Meeting, time: FloatArray, direction: FloatArray | None = None
+) -> FloatArray:
+    """Impulse on the second block along the line between the bodies, or a direction, up to every time [N s/m]."""
+    along = meeting.normal if direction is None else direction
+    taken = np.concatenate([[0.0], np.cumsum(motion.impulse[:, 1] @ along)])
     by_step = np.concatenate([[0.0], np.cumsum(motion.dt)])
     return np.asarray(np.interp(time, by_step, taken))
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.fields import FloatArray
-from mpmfw.plots.style import FONT, dress
+from mpmfw.plots.style import dress
 from mpmfw.testing.check import Picture
 from mpmfw.testing.contact.motion import Motion
 
@@ -49,7 +49,7 @@ def histories(curves: Mapping[str, tuple[FloatArray, FloatArray]], what: str) ->
             axes.plot(1e3 * time, values, styles[k % 4], color=COLOURS[k % 4], label=label, linewidth=1.1)
         dress(axes, "time [ms]", what)
         if len(curves) > 1:
-            axes.legend(fontsize=FONT - 1, frameon=False)
+            axes.legend()
 
     return picture
 
@@ -111,4 +111,4 @@ def _arrows(axes: Any, motion: Motion, step: int) -> None:
 def _finish(axes: Any) -> None:
     dress(axes, "x [m]", "y [m]")
     axes.set_aspect("equal", adjustable="datalim")
-    axes.legend(fontsize=FONT - 2, frameon=False)
+    axes.legend()

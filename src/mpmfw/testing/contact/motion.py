@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 
 from mpmfw.api import FloatArray, Grid, IntArray, State, hookimpl
-from mpmfw.errors import SimulationError
+from mpmfw.errors import PluginError, SimulationError
 from mpmfw.results import Frame
 from mpmfw.simulation import Simulation
 from mpmfw.testing.check import Inapplicable, Violation
 from mpmfw.testing.saving import remember
+from mpmfw.testing.searching import raised
 from mpmfw.testing.subject import Subject
 
 
@@ -28,7 +29,7 @@ class NodalImpulses:
     field: IntArray  #: (n,) velocity field
 
     def of(self, index: int) -> NodalImpulses:
-        """Those of one velocity field."""
+        """Impulses on one velocity field."""
         own = self.field == index
         return NodalImpulses(self.position[own], self.impulse[own], self.field[own])
 
@@ -106,6 +107,7 @@ class Motion:
                 f"the run breaks down: {self.failure.what}",
                 {"steps": len(self.dt), "time [s]": float(sum(self.dt))},
                 impulses_at(self, len(self.dt) - 1) if self.dt else None,
+                where=raised(self.failure).where if isinstance(self.failure, PluginError) else (),
             ) from self.failure
 
     def of(self, name: str) -> FloatArray:
@@ -184,7 +186,7 @@ def simulate(
     contact
         A strategy object or name, or a subject that makes one.
     partial
-        Whether a run that breaks down is handed back as far as it got, for what can be told from it.
+        Whether a run that breaks down after its first step is handed back as far as it got, for what can be told from it.
 
     Raises
     ------
@@ -207,7 +209,7 @@ def simulate(
         except SimulationError as error:
             motion.failure = error
             del motion.nodal[len(motion.dt) :]
-    if not partial:
+    if not partial or not motion.dt:
         motion.require_whole()
     return motion
 

@@ -12,13 +12,15 @@ from mpmfw.testing.contact.bounds import search_meetings, within
 from mpmfw.testing.contact.drawing import impulse_history, impulses_at
 from mpmfw.testing.contact.meeting import CELL, WAVE_SPEED, Meeting, slowest
 from mpmfw.testing.contact.motion import Motion, simulate
-from mpmfw.testing.searching import ladder
+from mpmfw.testing.searching import ladder, try_all
 from mpmfw.testing.subject import Subject
 
 #: Pull in a step, as a share of the largest push.
 PULL = 0.01
 #: Speed of approach that may be left after the meeting, as a share of that before.
 LEFT = 0.05
+#: Energy that a light body and a heavy one may gain, as a share of that at the start.
+GAINED = 0.005
 #: Impulse between bodies that part, as a share of their momentum.
 NOTHING = 1e-12
 
@@ -61,6 +63,31 @@ def pushes_apart(subject: Subject) -> None:
         },
         form="discs",
     )
+
+
+def unequal(subject: Subject) -> None:
+    """Discs one of which has a thousand times the other's density and moduli are stopped, and gain at most 0.5 % of energy.
+
+    At most 5 % of the speed of approach is left. What a law takes for no mass, or for a small one, is that of a body here.
+    """
+
+    def trial(ratio: float) -> None:
+        meeting = Meeting(form="discs", heavier=ratio, stiffer=ratio)
+        motion = simulate(subject, meeting.mapping(), duration=meeting.duration)
+        left = (motion.velocity[-1, 0] - motion.velocity[-1, 1]) @ meeting.normal
+        growth = float(motion.energy.max() / motion.energy[0]) - 1.0
+        picture = impulses_at(motion)
+        text = "a light body and a heavy one are not stopped: a share of the speed of approach is left"
+        within(float(left) / meeting.speed, LEFT, text, None, picture)
+        within(
+            growth,
+            GAINED,
+            "a light body and a heavy one gain energy (a share of that at the start)",
+            None,
+            picture,
+        )
+
+    try_all({"ratio": (1e3, 1e-3)}, trial, names={"ratio": "density of the second body over the first's"})
 
 
 def no_adhesion(subject: Subject) -> None:

@@ -14,6 +14,7 @@ from mpmfw.testing.contact.energy import GROWTH
 from mpmfw.testing.contact.meeting import CELL, NAMES, Meeting, body, material, rectangle, scene
 from mpmfw.testing.contact.motion import Motion, simulate
 from mpmfw.testing.contact.symmetry import SAME, STEPS, difference, three_blocks
+from mpmfw.testing.other_units import options_in_units
 from mpmfw.testing.searching import try_all
 from mpmfw.testing.subject import Subject
 
@@ -24,15 +25,17 @@ FACTORS = (1024.0, 1.0 / 1024.0)
 def similarity(subject: Subject) -> None:
     """The scene with lengths, times or densities 1024 times as large or small moves alike, to 1e-9 cells and of its momentum.
 
-    Moduli go with density (length / time)², so that the two are one motion in other units; all factors are powers of two, so that
-    arithmetic gives the same digits. A tolerance in metres, a stiffness as a constant or a speed that counts as zero does not.
+    Moduli go with density (length / time)², and options that say a unit with theirs: the two are one motion in other units;
+    all factors are powers of two, so that arithmetic gives the same digits. A tolerance in metres, a stiffness as a constant or a
+    speed that counts as zero does not.
     """
     meeting = Meeting(form="discs", gap=0.05, friction=0.3, slide=0.5, heavier=4.0, stiffer=4.0)
     reference = simulate(subject, meeting.mapping(), STEPS)
 
     def trial(quantity: str, factor: float) -> None:
         units = {"length": 1.0, "time": 1.0, "density": 1.0, quantity: factor}
-        motion = simulate(subject, in_units(meeting.mapping(), **units), STEPS)
+        law = subject.make(**options_in_units(subject, units))
+        motion = simulate(law, in_units(meeting.mapping(), **units), STEPS)
         length, time, density = units["length"], units["time"], units["density"]
         momentum = density * length ** (reference.centre.shape[-1] + 1) / time
         within(
@@ -66,6 +69,7 @@ def in_units(mapping: dict[str, Any], length: float, time: float, density: float
     bodies = {}
     for name, given in mapping["bodies"].items():
         one = sized(sized(given, ("segment",), length), ("velocity",), speed)
+        one = sized(one, ("angular_velocity",), 1.0 / time)
         one["geometry"] = sized(one["geometry"], ("lower", "upper", "centre", "radius"), length)
         one["particles"] = sized(one["particles"], ("size",), length)
         bodies[name] = one
@@ -75,7 +79,7 @@ def in_units(mapping: dict[str, Any], length: float, time: float, density: float
         for name, given in mapping["materials"].items()
     }
     grid = sized(mapping["grid"], ("cell_size", "lower", "upper"), length)
-    instants = sized(mapping["time"], ("end", "output_interval"), time)
+    instants = sized(mapping["time"], ("end", "output_interval", "step"), time)
     return {**mapping, "grid": grid, "time": instants, "bodies": bodies, "materials": materials}
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 from mpmfw.testing.check import Check
 from mpmfw.testing.load.contract import contract_checks
 from mpmfw.testing.load.force import force_checks
+from mpmfw.testing.sent import SENT
 
 
 def load_checks() -> list[Check]:
     """All checks of a load: those first whose failure makes others fail as well."""
-    return [*contract_checks(), *force_checks()]
+    return [*contract_checks(), *force_checks(), SENT]
 
 
 __all__ = ["load_checks"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,8 @@ from mpmfw.scene import load_scene
 from mpmfw.simulation import Simulation
 from mpmfw.steppers.operations import interpolate, project_mass_momentum
 from mpmfw.testing.check import Inapplicable, Violation
+from mpmfw.testing.contact.similarity import in_units
+from mpmfw.testing.other_units import options_in_units
 from mpmfw.testing.saving import remember
 from mpmfw.testing.subject import Subject
 
@@ -126,6 +129,7 @@ def simulation_with(
     beside: bool = False,
     named: bool = True,
     backwards: bool = False,
+    units: Mapping[str, float] | None = None,
 ) -> Simulation:
     """The square or cube with a plug-in of which a scene has tables, ``[boundaries]`` or ``[outputs]``, before its first step.
 
@@ -139,6 +143,8 @@ def simulation_with(
         Whether there is a table of the plug-in at all.
     backwards
         Whether the scene lists its bodies the other way round, all of them the plug-in's.
+    units
+        What lengths, times and densities of the scene are multiplied by.
     """
     plugin = subject.plugin
     if plugin is None or "<" in plugin.__qualname__:
@@ -146,9 +152,13 @@ def simulation_with(
     mapping = scene(dim, 0.25, beside=beside or backwards)
     if backwards:
         mapping["bodies"] = dict(reversed(mapping["bodies"].items()))
+    if units:
+        mapping = in_units(mapping, **{"length": 1.0, "time": 1.0, "density": 1.0, **units})
     bodies = {} if backwards or group == "outputs" else {"bodies": ["loaded"]}
-    table = {"model": f"{plugin.__module__}:{plugin.__qualname__}", **bodies, **subject.options}
-    made = Simulation(load_scene({**mapping, **({group: {"checked": table}} if named else {})}))
+    options = {**subject.options, **(options_in_units(subject, units) if units else {})}
+    table = {"model": f"{plugin.__module__}:{plugin.__qualname__}", **bodies, **options}
+    mapping |= {group: {"checked": table}} if named else {}
+    made = Simulation(load_scene(mapping))
     remember(mapping, 3)
     made.start()
     return made

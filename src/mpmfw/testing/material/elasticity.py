@@ -92,7 +92,10 @@ def plane_strain(subject: Subject) -> None:
     plane, space = Bench(subject, 2, 4), Bench(subject, 3, 4)
     for f in path(2, 4, 0.05, 10):
         in_plane, in_space = plane.deform(f), space.deform(_padded(f))
-    pairs = (("stress", in_plane, in_space[:, :2, :2]), ("energy", plane.energy(), space.energy()))
+    pairs = (
+        ("stress", in_plane, in_space[:, :2, :2]), ("energy", plane.energy(), space.energy()),
+        ("stress for outputs", plane.full_stress(), space.full_stress()),
+    )  # fmt: skip
     for what, first, second in pairs:
         off = float(np.abs(first - second).max()) / plane.modulus
         within(off, PLANE, f"the {what} in 2D is not that of plane strain (over K + 4 G / 3)", {})

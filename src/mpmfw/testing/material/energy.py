@@ -13,7 +13,7 @@ from mpmfw.testing.subject import Subject
 UNEXPLAINED = 0.02
 #: Energy that may come back, over K + 4 G / 3.
 RETURNED = 1e-14
-SIZES, STEPS = (1e-3, 0.1), 2000
+SIZES, STEPS = (1e-3, 0.1, 0.4), 2000
 
 
 def _history(bench: Bench, steps: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -34,7 +34,7 @@ def _history(bench: Bench, steps: FloatArray) -> tuple[FloatArray, FloatArray, F
 def work_is_accounted_for(subject: Subject) -> None:
     """Along paths of 2000 steps ∫ P : dF is the change of the stored energy and what was lost, to 2 % of the largest work.
 
-    At every step, at a strain of 0.1 % and of 10 %, with rotation and most of the way back. A stress that is no gradient of its
+    At every step, at strains of 0.1, 10 and 40 %, with rotation and most of the way back. A stress that is no gradient of its
     energy misses it by its own size.
     """
     for dim in dims_of(subject):
@@ -62,7 +62,7 @@ def loss_never_falls(subject: Subject) -> None:
     """
     for dim in dims_of(subject):
         bench = Bench(subject, dim, 4)
-        _, _, lost = _history(bench, path(dim, 4, SIZES[-1], 200))
+        _, _, lost = _history(bench, path(dim, 4, SIZES[1], 200))
         if not bench.material.dissipates and np.any(lost):
             raise Violation(
                 "the material loses energy, and says dissipates = False: no series has it", {"dim": dim}

@@ -9,6 +9,7 @@ Tests of a shape function's own closed forms can use :func:`place` as well::
 from __future__ import annotations
 
 from mpmfw.testing.check import Check
+from mpmfw.testing.sent import SENT
 from mpmfw.testing.shape.contract import contract_checks
 from mpmfw.testing.shape.deformation import deformation_checks
 from mpmfw.testing.shape.gradients import gradient_checks
@@ -30,6 +31,7 @@ def shape_checks() -> list[Check]:
         *deformation_checks(),
         *surface_checks(),
         *option_checks(),
+        SENT,
     ]
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.fields import AnyArray, FloatArray
-from mpmfw.plots.style import FONT, dress
+from mpmfw.plots.style import dress
 from mpmfw.snapshot import NotSaved, put, take
 from mpmfw.state import Stencil
 from mpmfw.testing.check import Check, Picture, Violation
@@ -40,7 +40,8 @@ def runs(subject: Subject) -> None:
 
 
 def structure(subject: Subject) -> None:
-    """``row`` counts up from 0 to at most the number of entries; int64, int32 and contiguous float64; all finite.
+    """``row`` counts up from 0 to at most the number of entries; int64, int32 and contiguous float64; all finite; the nodes of a
+    row ascend, if ``rows_ascend`` says so.
 
     Compiled kernels read the table without asking: a wrong type compiles them anew or crashes, a wrong row reads
     another point's entries.
@@ -50,6 +51,9 @@ def structure(subject: Subject) -> None:
         placed = _one_among_three(subject, dim, case)
         table = placed.table()
         _require_table(table, placed.particles.count, dim, True, placed)
+        falls = np.flatnonzero(np.diff(table.nodes[: table.row[-1]].astype(np.int64)) < 0) + 1
+        if subject.make().rows_ascend and not np.isin(falls, table.row).all():
+            raise Violation("the nodes of a row do not ascend, as rows_ascend = True says")
         if dim == 2:
             position = placed.particles.position[1:].copy()
             surface = placed.surface_table(position)
@@ -189,7 +193,7 @@ def _memory_picture(held: FloatArray) -> Picture:
         axes.plot(fillings, 1e-3 * (held - held[0]), ".-", markersize=3, label="memory kept")
         axes.plot(fillings, 1e-3 * GROWTH * fillings, "--", color="0.5", label="bound")
         dress(axes, "fillings of the table", "memory kept [kB]")
-        axes.legend(fontsize=FONT - 1, frameon=False)
+        axes.legend()
 
     return picture
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.fields import FloatArray
-from mpmfw.plots.style import FONT, dress
+from mpmfw.plots.style import dress
 from mpmfw.state import OutsideGrid, Stencil
 from mpmfw.testing.check import Picture
 from mpmfw.testing.shape.placement import Placement
@@ -32,7 +32,7 @@ def picture_of(placement: Placement, point: int) -> Picture:
         if len(seen):
             _frame(axes, seen.min(axis=0), seen.max(axis=0))
         if placement.dim == 3:
-            axes.set_ylabel("y [cells], seen along z", fontsize=FONT)
+            axes.set_ylabel("y [cells], seen along z")
         key = axes.fill(*outline.T, facecolor=_DOMAIN, alpha=0.3, edgecolor=_DOMAIN, label="domain")
         key += axes.plot(*centre[:2], "+", color="black", markersize=7, linestyle="", label="point")
         for colour, sign, name in ((_POSITIVE, 1.0, "weight > 0"), (_NEGATIVE, -1.0, "weight < 0")):
@@ -43,9 +43,7 @@ def picture_of(placement: Placement, point: int) -> Picture:
                 key += axes.plot([], [], "o", color=colour, markersize=5, linestyle="", label=name)
         for node, weight in zip(nodes, weights, strict=True):
             if weight != 0.0:
-                axes.annotate(
-                    f"{weight:.3g}", node, xytext=(3, 3), textcoords="offset points", fontsize=FONT - 3
-                )
+                axes.annotate(f"{weight:.3g}", node, xytext=(3, 3), textcoords="offset points")
         if _crosses(window, axes.get_xlim(), axes.get_ylim()):
             key += axes.plot(*window.T, linestyle="--", linewidth=0.9, color="0.35", label="window")
         # below the axes' own label, since the figure's foot belongs to the numbers of the case
@@ -54,8 +52,6 @@ def picture_of(placement: Placement, point: int) -> Picture:
             loc="upper center",
             bbox_to_anchor=(0.5, -0.2),
             ncols=5,
-            fontsize=FONT - 2,
-            frameon=False,
             columnspacing=0.9,
             handletextpad=0.3,
             handlelength=1.4,

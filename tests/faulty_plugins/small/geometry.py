@@ -1,0 +1,327 @@
+"""Geometries that are wrong in one place: ellipses with a round hole, and tetrahedra."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+from typing import Any, Literal
+
+import numpy as np
+import shapely
+
+from mpmfw.api import FloatArray, IntArray, Layout, Length, PlaneGeometry, SolidGeometry
+
+FINE = 1440
+
+
+class Sound(PlaneGeometry):
+    """An ellipse of twice the height of its hole [m]."""
+
+    type: Literal["sound"] = "sound"
+    centre: tuple[Length, Length] = (0.2, -0.1)
+    semi_axes: tuple[Length, Length] = (1.0, 0.6)
+    hole: Length = 0.3
+
+    @property
+    def exact_volume(self) -> float:
+        """π (a b − r²) [m^2]."""
+        return float(np.pi * (self.semi_axes[0] * self.semi_axes[1] - self.hole**2))
+
+    @property
+    def centroid(self) -> FloatArray:
+        return np.array(self.centre)
+
+    @property
+    def bounds(self) -> FloatArray:
+        half = np.array(self.semi_axes)
+        return np.array(self.centre) + np.array([-half, half])
+
+    @property
+    def region(self) -> Any:
+        larger = np.sqrt(2.0 * np.pi / FINE / np.sin(2.0 * np.pi / FINE))
+        outer, inner = (self.loop(half, FINE, larger) for half in self.halves())
+        return shapely.Polygon(outer, [inner])
+
+    def outlines(self, segment: float) -> tuple[FloatArray, ...]:
+        outer, inner = (
+            self.loop(half, int(np.ceil(2.0 * np.pi * max(half) / segment))) for half in self.halves()
+        )
+        return outer, inner[::-1].copy()
+
+    def halves(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Semi-axes of both outlines [m]."""
+        return self.semi_axes, (self.hole, self.hole)
+
+    def loop(self, half: tuple[float, float], number: int, larger: float = 1.0) -> FloatArray:
+        """An ellipse (number, 2) [m], counter-clockwise."""
+        angle = 2.0 * np.pi * np.arange(number) / number
+        found: FloatArray = np.array(self.centre) + larger * np.array(half) * np.stack(
+            [np.cos(angle), np.sin(angle)], axis=1
+        )
+        return found
+
+
+class SoundSolid(SolidGeometry):
+    """A tetrahedron with an edge of 1 m along each axis."""
+
+    type: Literal["tetrahedron"] = "tetrahedron"
+    has_plane_faces = True
+
+    @property
+    def bounds(self) -> FloatArray:
+        return np.array([[0.0] * 3, [1.0] * 3])
+
+    def surfaces(self, edge: float) -> tuple[tuple[FloatArray, IntArray], ...]:
+        n = int(np.ceil(np.sqrt(2.0) / edge))
+        corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+        places: dict[tuple[int, ...], int] = {}
+        facets = []
+        for face in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)):
+
+            def number(i: int, j: int, face: tuple[int, ...] = face) -> int:
+                at = np.zeros(4, dtype=int)
+                at[list(face)] = n - i - j, i, j
+                return places.setdefault(tuple(at), len(places))
+
+            for i, j in itertools.product(range(n), range(n)):
+                if i + j < n:
+                    facets.append((number(i, j), number(i + 1, j), number(i, j + 1)))
+                if i + j < n - 1:
+                    facets.append((number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)))
+        nodes = np.array(list(places), dtype=float) / n @ corners
+        return ((nodes, np.array(facets)),)
+
+
+class FlatBounds(Sound):
+    """Bounds as one row."""
+
+    type: Literal["flat-bounds"] = "flat-bounds"
+
+    @property
+    def bounds(self) -> FloatArray:
+        return super().bounds.ravel()
+
+
+class Hole(SoundSolid):
+    """One triangle is left out."""
+
+    type: Literal["hole"] = "hole"
+
+    def surfaces(self, edge: float) -> tuple[tuple[FloatArray, IntArray], ...]:
+        ((nodes, facets),) = super().surfaces(edge)
+        return ((nodes, facets[1:]),)
+
+
+class Flipped(SoundSolid):
+    """One triangle runs the other way round."""
+
+    type: Literal["flipped"] = "flipped"
+
+    def surfaces(self, edge: float) -> tuple[tuple[FloatArray, IntArray], ...]:
+        ((nodes, facets),) = super().surfaces(edge)
+        facets[3] = facets[3][::-1]
+        return ((nodes, facets),)
+
+
+class Eight(Sound):
+    """Two nodes of the outer outline are exchanged."""
+
+    type: Literal["eight"] = "eight"
+
+    def outlines(self, segment: float) -> tuple[FloatArray, ...]:
+        outer, inner = super().outlines(segment)
+        outer[[3, 4]] = outer[[4, 3]]
+        return outer, inner
+
+
+class Repeated(Sound):
+    """The first node is repeated at the end."""
+
+    type: Literal["repeated"] = "repeated"
+
+    def outlines(self, segment: float) -> tuple[FloatArray, ...]:
+        return tuple(np.concatenate([loop, loop[:1]]) for loop in super().outlines(segment))
+
+
+class Clockwise(Sound):
+    """All outlines run the other way round."""
+
+    type: Literal["clockwise"] = "clockwise"
+
+    def outlines(self, segment: float) -> tuple[FloatArray, ...]:
+        return tuple(loop[::-1].copy() for loop in super().outlines(segment))
+
+
+class FilledHole(Sound):
+    """The hole runs the way of the outer outline."""
+
+    type: Literal["filled-hole"] = "filled-hole"
+
+    def outlines(self, segment: float) -> tuple[FloatArray, ...]:
+        outer, inner = super().outlines(segment)
+        return outer, inner[::-1].copy()
+
+
+class Coarse(Sound):
+    """Sixteen nodes, whatever is asked for."""
+
+    type: Literal["coarse"] = "coarse"
+
+    def outlines(self, segment: float) -> tuple[FloatArray, ...]:  # noqa: ARG002
+        return super().outlines(0.4)
+
+
+class Many(Sound):
+    """Ten times as many nodes as needed."""
+
+    type: Literal["many"] = "many"
+
+    def outlines(self, segment: float) -> tuple[FloatArray, ...]:
+        return super().outlines(0.1 * segment)
+
+
+class Narrow(Sound):
+    """Bounds are those of the unit square."""
+
+    type: Literal["narrow"] = "narrow"
+
+    @property
+    def bounds(self) -> FloatArray:
+        return np.array(self.centre) + np.array([[-0.9, -0.6], [0.9, 0.6]])
+
+
+class Wide(Sound):
+    """Bounds are those of the square round the ellipse."""
+
+    type: Literal["wide"] = "wide"
+
+    @property
+    def bounds(self) -> FloatArray:
+        return np.array(self.centre) + np.array([[-1.0, -1.0], [1.0, 1.0]])
+
+
+class WholeArea(Sound):
+    """The hole counts as a part of the body."""
+
+    type: Literal["whole-area"] = "whole-area"
+
+    @property
+    def exact_volume(self) -> float:
+        return float(np.pi * self.semi_axes[0] * self.semi_axes[1])
+
+
+class Rough(Sound):
+    """The region is a polygon of 24 corners on the ellipse: 1 % is missing."""
+
+    type: Literal["rough"] = "rough"
+
+    @property
+    def region(self) -> Any:
+        outer, inner = (self.loop(half, 24) for half in self.halves())
+        return shapely.Polygon(outer, [inner])
+
+
+class Origin(Sound):
+    """The centroid is the origin."""
+
+    type: Literal["origin"] = "origin"
+
+    @property
+    def centroid(self) -> FloatArray:
+        return np.zeros(2)
+
+
+class OneSize(Sound):
+    """All points are of one size, whatever is asked for."""
+
+    type: Literal["one-size"] = "one-size"
+
+    def lattice(self, size: float, offset: tuple[float, ...]) -> Layout:  # noqa: ARG002
+        return super().lattice(0.4, offset)
+
+
+class SmallDomains(Sound):
+    """Domains have not the volume of their points."""
+
+    type: Literal["small-domains"] = "small-domains"
+
+    def lattice(self, size: float, offset: tuple[float, ...]) -> Layout:
+        layout = super().lattice(size, offset)
+        return replace(layout, half_edges=0.5 * layout.half_edges)
+
+
+class Shared(Sound):
+    """Gives the array that it keeps away."""
+
+    type: Literal["shared"] = "shared"
+
+    def outlines(self, segment: float) -> tuple[FloatArray, ...]:
+        key = f"_kept_{segment}"
+        if key not in self.__dict__:
+            self.__dict__[key] = super().outlines(segment)
+        kept: tuple[FloatArray, ...] = self.__dict__[key]
+        return kept
+
+
+class Random(Sound):
+    """Nodes are shifted by chance along the outline."""
+
+    type: Literal["random"] = "random"
+
+    def loop(self, half: tuple[float, float], number: int, larger: float = 1.0) -> FloatArray:
+        return super().loop(half, number, larger) + np.random.default_rng().uniform(0.0, 1e-9)
+
+
+class Hidden(Sound):
+    """A part of what it is made of is no key."""
+
+    type: Literal["hidden"] = "hidden"
+
+    def __init__(self, **keys: Any) -> None:
+        super().__init__(**{"hole": 0.29, **keys})
+        self.__dict__["more"] = 0.01 if "hole" not in keys else 0.0
+
+    def halves(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        hole = self.hole + self.__dict__["more"]
+        return self.semi_axes, (hole, hole)
+
+    @property
+    def exact_volume(self) -> float:
+        return float(np.pi * (self.semi_axes[0] * self.semi_axes[1] - self.halves()[1][0] ** 2))
+
+
+class Unsent(Sound):
+    """Holds a function, which no other process can be sent."""
+
+    type: Literal["unsent"] = "unsent"
+
+    def model_post_init(self, _: Any) -> None:
+        self.__dict__["made"] = lambda: self.hole
+
+
+class Swelling(Sound):
+    """The hole grows with the distance from the origin."""
+
+    type: Literal["swelling"] = "swelling"
+
+    def halves(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        hole = self.hole * (1.0 + 0.1 * abs(self.centre[0]))
+        return self.semi_axes, (hole, hole)
+
+
+class LeftHanded(Sound):
+    """The second axis points down."""
+
+    type: Literal["left-handed"] = "left-handed"
+
+    @property
+    def axes(self) -> FloatArray:
+        return np.diag([1.0, -1.0])
+
+
+FAULTS: dict[Any, str] = {
+    FlatBounds: "runs", Hole: "closed", Flipped: "closed", Eight: "closed", Repeated: "closed", Clockwise: "oriented",
+    FilledHole: "oriented", Coarse: "sides", Many: "sides", Narrow: "in-bounds", Wide: "in-bounds", WholeArea: "volume",
+    Rough: "volume", Origin: "centroid", OneSize: "points", SmallDomains: "points", Shared: "repeatable", Random: "repeatable",
+    Hidden: "saved", Unsent: "saved", Swelling: "moves", LeftHanded: "axes",
+}  # fmt: skip
