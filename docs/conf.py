@@ -24,6 +24,7 @@ root_doc = "docs/index"
 
 extensions = [
     "sphinx.ext.autodoc",
+    "sphinx.ext.intersphinx",
     "sphinx.ext.napoleon",
     "sphinx.ext.mathjax",
     "sphinx.ext.viewcode",
@@ -70,11 +71,19 @@ toc_object_entries_show_parents = "hide"
 numfig = True
 math_numfig = True
 
-# Every reference in a docstring must lead somewhere, but for types of other packages (their inventories would have to
-# come over the network), aliases of array types, and types of mpmfw that stand in signatures and on no page.
+# What docstrings name of other packages; the lists are kept here, so that the site is built without a network.
+intersphinx_mapping = {
+    "python": ("https://docs.python.org/3", "docs/_inventories/python.txt"),
+    "matplotlib": ("https://matplotlib.org/stable", "docs/_inventories/matplotlib.txt"),
+    "xarray": ("https://docs.xarray.dev/en/stable", "docs/_inventories/xarray.txt"),
+    "pandas": ("https://pandas.pydata.org/docs", "docs/_inventories/pandas.txt"),
+    "pydantic": ("https://docs.pydantic.dev/latest", "docs/_inventories/pydantic.txt"),
+}
+
+# Every reference in a docstring must lead somewhere, but for aliases of array types, and types of mpmfw that stand in
+# signatures and on no page.
 nitpicky = True
 nitpick_ignore_regex = [
-    ("py:.*", r"(collections|matplotlib|os|pathlib|pd|pydantic|xarray|xr)\..*"),
     (
         "py:class",
         r"(Any|Float|Index|Int)Array|Floats|Ints|Indices|TypeAliasForwardRef|Params|Layout|NearPairs|Results",
@@ -117,7 +126,7 @@ sphinx_gallery_conf: dict[str, Any] = {
     "copyfile_regex": r".*\.toml",
     "abort_on_example_error": True,
     "remove_config_comments": True,
-    "ignore_repr_types": r"matplotlib\.figure",
+    "ignore_repr_types": r"matplotlib\.figure|pathlib",
     "first_notebook_cell": "%matplotlib inline",
     "write_computation_times": False,
     "show_memory": False,

@@ -15,12 +15,15 @@ to the node,
 A law is a class with options, and methods for its places in the time step. Here it is, in plain NumPy.
 """
 
+import matplotlib.pyplot as plt
 import numpy as np
 from pydantic import BaseModel, Field
 
 import mpmfw
 from mpmfw.api import ContactStrategy, hookimpl
 from mpmfw.plots.style import Look, dress, legend_below, new_figure
+
+plt.style.use("mpmfw.plots.journal")
 
 
 class FilmOptions(BaseModel, extra="forbid", frozen=True):

@@ -7,11 +7,14 @@ One material point moves through a few cells. What it gives to one node, :math:`
 interpolation table of a simulation.
 """
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import mpmfw
 from mpmfw.plots.style import dress, legend_below, new_figure
 from mpmfw.simulation import Simulation
+
+plt.style.use("mpmfw.plots.journal")
 
 #: One square point of half a cell, on a grid of unit cells.
 scene = {

@@ -11,6 +11,9 @@ import matplotlib.pyplot as plt
 
 import mpmfw
 from mpmfw import plots
+from mpmfw.plots.style import new_figure
+
+plt.style.use("mpmfw.plots.journal")
 
 contacts = ["bardenhagen", "bardenhagen(direction=[0.0, 1.0], normal=specified)", "penalty"]
 trees = {
@@ -47,7 +50,8 @@ near
 changes = {"settle": None, "time.end": 0.12, "time.output_interval": 5e-4}
 swinging = mpmfw.run("contact-stress", contact="penalty", set=changes)
 gap = mpmfw.gap(swinging)
-figure, axes = plt.subplots(figsize=(5, 3), layout="constrained")
+figure = new_figure(1, 1)
+axes = figure.subplots()
 gap.plot(ax=axes)
 axes.axhline(mpmfw.gap(trees["penalty"]).values[-1], color="black", linewidth=0.8, label="at rest")
 axes.legend()
@@ -58,6 +62,7 @@ figure
 # ``mpmfw.history`` has any series of a run, of one body and along one axis where asked for:
 
 height = mpmfw.history(swinging, "centre_of_mass", body="upper", axis="y")
-figure, axes = plt.subplots(figsize=(5, 3), layout="constrained")
+figure = new_figure(1, 1)
+axes = figure.subplots()
 height.plot(ax=axes)
 figure

@@ -4,7 +4,7 @@ from mpmfw.testing import contact_conformance
 BY_DESIGN = {
     "coulomb-cone": "the film drags beside friction, in proportion to speed and area",
     "frictionless": "the film drags without friction, in proportion to speed and area",
-    "similarity": "the resistance is in Pa s/m, and the same number is another film in other units",
+    "similarity": "the option says no unit, so that the same number is another film in other units",
 }
 
 

@@ -18,7 +18,7 @@ from mpmfw.errors import SceneError
 from mpmfw.fields import FloatArray
 from mpmfw.outputs import Results, attribute, frame_at, opened_run
 from mpmfw.plots.field_panel import Box, FieldPanel, Scales
-from mpmfw.plots.style import FONT, PANEL, dress, new_figure
+from mpmfw.plots.style import PANEL, dress, journal_style, new_figure
 from mpmfw.plots.units import in_brackets, length_scale, readable, with_prefix
 
 #: Drawings wider than this, in heights, stand one above the other; narrower ones two in a row.
@@ -103,6 +103,7 @@ def side_by_side(
 class Drawing:
     """Panels with common scales, a colour bar, and what is needed to move them from output to output."""
 
+    @journal_style()
     def __init__(
         self,
         panels: Mapping[str, FieldPanel],
@@ -129,6 +130,7 @@ class Drawing:
             self._frame(axes)
         self._bar(unit, below=below)
 
+    @journal_style()
     def show(self, label: str, frame: int) -> None:
         """Draw one output of one panel."""
         title = label or ", ".join(attribute(self.panels[label].tree, key) for key in ("contact", "shape"))
@@ -153,8 +155,7 @@ class Drawing:
             pad=0.02,
             extend=self.scales.extend,
         )
-        bar.set_label(in_brackets(field.label, unit), fontsize=FONT)
-        bar.ax.tick_params(labelsize=FONT - 1)
+        bar.set_label(in_brackets(field.label, unit))
         if self.scales.largest_force > 0.0:
             panel = next(iter(self.panels.values())).tree
             place = next(group for group in panel["surface"].children.values() if "force" in group.data_vars)
@@ -163,7 +164,7 @@ class Drawing:
                 f"{self.scales.largest_force / size:.3g} {prefix}{readable(place['force'].attrs['units'])}"
             )
             text = f"contact force on surface nodes, longest arrow: {force}"
-            self.figure.supxlabel(text, fontsize=FONT - 1, color="#D55E00")
+            self.figure.supxlabel(text, color="#D55E00")
 
 
 @contextmanager

@@ -16,7 +16,6 @@ from mpmfw.errors import SceneError
 from mpmfw.fields import FloatArray
 from mpmfw.joining import loops
 from mpmfw.outputs import bodies_of, frame_of, times_of
-from mpmfw.plots.style import FONT
 from mpmfw.plots.units import time_scale
 from mpmfw.point_fields import PointField, point_field
 
@@ -131,9 +130,7 @@ class FieldPanel:
             self._drawn.append(axes.add_collection(shapes, autolim=False))
         for body in self.outlined:
             self._drawn += self._draw_surface(axes, frame_of(self.tree, f"surface/{body}", frame), scales)
-        axes.set_title(
-            ", ".join(part for part in (title, self.time_text(frame)) if part), fontsize=FONT, loc="left"
-        )
+        axes.set_title(", ".join(part for part in (title, self.time_text(frame)) if part), loc="left")
         return first
 
     def time_text(self, frame: int) -> str:

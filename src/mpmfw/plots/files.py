@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from mpmfw.errors import MpmfwError, SceneError
@@ -28,7 +27,7 @@ from mpmfw.plots.scene import (
 )
 from mpmfw.plots.stability import stability_figures
 from mpmfw.plots.study import study_figures
-from mpmfw.plots.style import at_last, drawn_reference, drawn_values
+from mpmfw.plots.style import at_last, drawn_reference, drawn_values, journal_style
 from mpmfw.references import RingsReference, RollingReference
 from mpmfw.results import open as open_results
 
@@ -209,8 +208,7 @@ def write_figure(figure: Figure, path: Path) -> Path:
     """
     path = path if path.suffix else path.with_suffix(".png")
     try:
-        # Text as text in vectors, to be found and edited; nothing of the moment in the file
-        with rc_context({"pdf.fonttype": 42, "svg.fonttype": "none", "svg.hashsalt": "mpmfw"}):
+        with journal_style():
             figure.savefig(path, metadata=_TIMELESS.get(path.suffix.lower(), {}))
     except (OSError, ValueError) as error:
         raise MpmfwError(f"cannot write '{path}': {getattr(error, 'strerror', None) or error}") from error

@@ -10,7 +10,8 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from mpmfw.plots.style import Look, combinations, dress, head, legend_below, new_figure
+from mpmfw.plots.style import Look, combinations, dress, head, journal_style, legend_below, new_figure
+from mpmfw.plots.units import scaled_label
 from mpmfw.references import cell_size
 
 _PANELS = (
@@ -21,13 +22,12 @@ _PANELS = (
     ("contact_force", "contact force, x", "pair"),
     ("min_gap", "gap", "pair"),
 )
-#: CF writes exponents; a figure writes a fraction.
-_SHORT = {"m s-1": "m/s", "J m-1": "J/m", "N m-1": "N/m"}
 #: Top of the gap's history, in cells.
 LARGEST_GAP = 3.0
 _CYCLE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 
 
+@journal_style()
 def gap_history(dataset: xr.Dataset) -> Figure:
     """Least distance between the surfaces of the first pair, in cells where the cell size is known.
 
@@ -57,6 +57,7 @@ def gap_history(dataset: xr.Dataset) -> Figure:
     return figure
 
 
+@journal_style()
 def series_overview(dataset: xr.Dataset) -> Figure:
     """Series of a run or a comparison, one panel for each; a run's bodies and pairs by colour.
 
@@ -76,9 +77,7 @@ def series_overview(dataset: xr.Dataset) -> Figure:
             label = f"{label}\n({dataset[over].values[0]})"
         else:
             _draw_run(axes, dataset, name, over)
-        units = dataset[name].attrs.get("units", "1")
-        units = _SHORT.get(units, units)
-        dress(axes, "time [s]", f"{label} [{units}]")
+        dress(axes, "time [s]", scaled_label(axes.yaxis, label, dataset[name].attrs.get("units", "1")))
     for axes in panels[len(present) :]:
         axes.remove()
     legend_below(figure, Look(dataset).key() if compared else [_run_key(dataset)])

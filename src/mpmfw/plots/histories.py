@@ -17,8 +17,8 @@ from matplotlib.lines import Line2D
 from mpmfw.errors import SceneError
 from mpmfw.outputs import Results, checked_name, opened
 from mpmfw.plots.field_figure import labelled
-from mpmfw.plots.style import PANEL, Look, combinations, dress, head, legend_below, new_figure
-from mpmfw.plots.units import in_brackets, readable, time_scale
+from mpmfw.plots.style import PANEL, Look, combinations, dress, head, journal_style, legend_below, new_figure
+from mpmfw.plots.units import count_in, scaled_label, time_scale
 
 #: Letters of a legend that fit below one panel.
 _LETTERS = 52
@@ -60,6 +60,7 @@ class Curve:
         return np.asarray(array.sel(dict(self.choice)).values, dtype=float)
 
 
+@journal_style()
 def history(
     results: Results | xr.Dataset | Mapping[str, Results] | Sequence[Results],
     names: str | Sequence[str],
@@ -184,14 +185,10 @@ def _dress(axes: Any, sources: Sequence[RunSeries], name: str, label: str) -> No
     """Labels with units; times in ms where all are short."""
     last = max(float(source.series["time"].values[-1]) for source in sources)
     scale, unit = time_scale(last)
-    if scale != 1.0:
-        for line in axes.get_lines():
-            line.set_xdata(scale * np.asarray(line.get_xdata()))
-        axes.relim()
-        axes.autoscale_view()
+    count_in(axes.xaxis, 1.0 / scale)
     own = next(source.series[name] for source in sources if name in source.series)
-    words = name.replace("_", " ")
-    dress(axes, f"time [{unit}]", in_brackets(words, readable(own.attrs.get("units", "1"))), label)
+    words = scaled_label(axes.yaxis, name.replace("_", " "), own.attrs.get("units", "1"))
+    dress(axes, f"time [{unit}]", words, label)
 
 
 def _sources(results: Any) -> tuple[list[RunSeries], list[list[Artist]], xr.Dataset | None]:

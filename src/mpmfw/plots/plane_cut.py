@@ -14,10 +14,12 @@ from mpmfw.domains import triangles_of
 from mpmfw.errors import SceneError
 from mpmfw.fields import FloatArray, IntArray
 from mpmfw.outputs import Results, bodies_of, frame_at, frame_of, opened_run, times_of
+from mpmfw.plots.style import journal_style
 from mpmfw.plots.units import in_brackets, with_prefix
 from mpmfw.point_fields import point_field
 
 
+@journal_style()
 def plane_cut(
     results: Results,
     name: str = "von_mises",

@@ -9,9 +9,10 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from mpmfw.fields import FloatArray
-from mpmfw.plots.style import Look, dress, legend_below, new_figure
+from mpmfw.plots.style import Look, dress, journal_style, legend_below, new_figure
 
 
+@journal_style()
 def profiles(ranking: xr.Dataset) -> Figure:
     """Data profiles, a panel for each quantity that is known: share of problems and levels over the cost.
 

@@ -12,7 +12,16 @@ from matplotlib.lines import Line2D
 
 from mpmfw import analysis
 from mpmfw.fields import FloatArray
-from mpmfw.plots.style import Look, combinations, drawn_reference, dress, head, legend_below, new_figure
+from mpmfw.plots.style import (
+    Look,
+    combinations,
+    drawn_reference,
+    dress,
+    head,
+    journal_style,
+    legend_below,
+    new_figure,
+)
 from mpmfw.references import RingsReference, rings_table
 
 WINDOW = 100e-6  #: of the averaged panel [s]
@@ -20,6 +29,7 @@ WINDOW = 100e-6  #: of the averaged panel [s]
 _EXACT: dict[str, Any] = {"color": "black", "linewidth": 1.0, "zorder": 5}
 
 
+@journal_style()
 def contact_force(dataset: xr.Dataset) -> Figure:
     """Contact force over time as stored and averaged over 100 µs, and its impulse, beside the reference.
 

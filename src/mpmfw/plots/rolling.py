@@ -11,21 +11,23 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from mpmfw.plots.style import (
-    FONT,
     Look,
     combinations,
     drawn_reference,
     drawn_values,
     dress,
     head,
+    journal_style,
     legend_below,
     new_figure,
+    on_lines,
 )
 from mpmfw.references import RollingReference, cell_size, grid_lower_of, own_attributes
 
 _EXACT: dict[str, Any] = {"color": "black", "linewidth": 0.8, "zorder": 5}
 
 
+@journal_style()
 def motion(datasets: Sequence[xr.Dataset]) -> Figure:
     """Displacement and velocity of the cylinder's centre, one row for each comparison (slip, no slip).
 
@@ -64,6 +66,7 @@ def motion(datasets: Sequence[xr.Dataset]) -> Figure:
     return figure
 
 
+@journal_style()
 def deviation(dataset: xr.Dataset) -> Figure:
     """Spin against the closed form, and by how much the displacement departs from it.
 
@@ -114,6 +117,7 @@ def _legend(figure: Figure, dataset: xr.Dataset) -> None:
     legend_below(figure, [[exact, *contacts], shapes])
 
 
+@journal_style()
 def positions(dataset: xr.Dataset, shape: str | None = None) -> Figure:
     """First and last outlines, one row for each contact method; the gap at the end enlarged beside it.
 
@@ -140,17 +144,19 @@ def positions(dataset: xr.Dataset, shape: str | None = None) -> Figure:
     head(figure, dataset)
     look = Look(dataset)
     panels = figure.subplots(len(runs), 2, squeeze=False, width_ratios=(6, 1))
-    for (axes, near), (contact, shape_name, run) in zip(panels, runs, strict=True):
+    for row, ((axes, near), (contact, shape_name, run)) in enumerate(zip(panels, runs, strict=True)):
         # The start on top and dashed: it shows where the end covers it
         for frame, colour, style in (("last", look.colours[contact], "-"), ("first", "0.35", (0, (3, 3)))):
             for line in run["outline"].sel(frame=frame).values:
                 axes.plot(line[:, 0], line[:, 1], color=colour, linestyle=style, linewidth=0.9)
         axes.set_aspect("equal")
         time = float(run["outline_time"].sel(frame="last"))
-        dress(axes, "", "y [m]", f"{contact}, {shape_name}: start (dashed) and {time:.3g} s{_gap_text(run)}")
-        axes.grid(False)
+        letter = f"({chr(ord('a') + row)}) " if len(runs) > 1 else ""
+        title = f"{contact}, {shape_name}: start (dashed) and {time:.3g} s{_gap_text(run)}"
+        axes.set_title(letter + on_lines(title))
+        axes.set_ylabel("y [m]")
         _closer(axes, near, run, look.colours[contact])
-    panels[-1][0].set_xlabel("x [m]", fontsize=FONT)
+    panels[-1][0].set_xlabel("x [m]")
     return figure
 
 

@@ -12,8 +12,18 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from mpmfw.plots.generic import LARGEST_GAP
-from mpmfw.plots.style import PANEL, Look, at_last, combinations, dress, head, legend_below, new_figure
-from mpmfw.plots.units import length_scale, readable, time_scale
+from mpmfw.plots.style import (
+    PANEL,
+    Look,
+    at_last,
+    combinations,
+    dress,
+    head,
+    journal_style,
+    legend_below,
+    new_figure,
+)
+from mpmfw.plots.units import length_scale, scaled_label, time_scale
 from mpmfw.references import cell_size
 
 #: Bodies by colour, in the scene's order; those that move no further than this part of what moves most are grey.
@@ -57,6 +67,7 @@ def near_pairs(dataset: xr.Dataset) -> list[str]:
     return [str(name) for name in dataset["pair"].values[near]]
 
 
+@journal_style()
 def start_and_end(dataset: xr.Dataset) -> Figure:
     """Outlines of all bodies at the first output (dashed) and at the last, one panel for each method, all at one scale.
 
@@ -99,24 +110,24 @@ def start_and_end(dataset: xr.Dataset) -> Figure:
     return figure
 
 
+@journal_style()
 def pair_forces(dataset: xr.Dataset) -> Figure:
     """Size of the normal and the tangential force of every pair that touches, one row each."""
     names = ("normal force", "tangential force") if "friction_force" in dataset else ("contact force",)
-    unit = readable(dataset["contact_force"].attrs.get("units", "N"))
-    kilo = float(np.nanmax(np.abs(dataset["contact_force"].values))) >= 1e4
-    unit = f"k{unit}" if kilo else unit
+    unit = dataset["contact_force"].attrs.get("units", "N")
 
     def parts(run: xr.Dataset, pair: str) -> list[Any]:
-        force = run["contact_force"].sel(pair=pair) * (1e-3 if kilo else 1.0)
+        force = run["contact_force"].sel(pair=pair)
         if "friction_force" not in run:
             return [_size(force)]
-        along = run["friction_force"].sel(pair=pair) * (1e-3 if kilo else 1.0)
+        along = run["friction_force"].sel(pair=pair)
         return [_size(force - along), _size(along)]
 
     figure, _ = _histories(dataset, touching_pairs(dataset)[:MOST], [(name, unit) for name in names], parts)
     return figure
 
 
+@journal_style()
 def pair_gaps(dataset: xr.Dataset) -> Figure:
     """Least distance of the bodies of every pair that comes near, in cells; below zero they overlap."""
     h = cell_size(at_last(dataset))
@@ -133,6 +144,7 @@ def pair_gaps(dataset: xr.Dataset) -> Figure:
     return figure
 
 
+@journal_style()
 def body_motion(dataset: xr.Dataset) -> Figure:
     """Displacement of the centre of mass along every axis and, where there is one, the spin of each body that moves."""
     directions = [str(name) for name in dataset["axis"].values]
@@ -149,11 +161,12 @@ def body_motion(dataset: xr.Dataset) -> Figure:
     return figure
 
 
+@journal_style()
 def energies(dataset: xr.Dataset) -> Figure:
     """Kinetic and strain energy of all bodies, and what friction, dashpots and contact springs took, over time."""
-    unit = readable(dataset["kinetic_energy"].attrs.get("units", "J"))
+    unit = dataset["kinetic_energy"].attrs.get("units", "J")
     lost = [name for name in ("frictional_work", "damping_work", "spring_work") if name in dataset]
-    names = ("kinetic energy", "strain energy", "dissipated by contact")[: 2 + bool(lost)]
+    names = ("kinetic energy", "strain energy", "dissipated")[: 2 + bool(lost)]
 
     def parts(run: xr.Dataset, _row: str) -> list[Any]:
         sums = [run[name].sum("body", skipna=False).values for name in ("kinetic_energy", "strain_energy")]
@@ -184,7 +197,8 @@ def _histories(
             for axes, values in zip(line, parts(run, row), strict=True):
                 axes.plot(factor * time, values, **look.line(contact, shape, len(time), turn))
         for axes, (title, unit) in zip(line, columns, strict=True):
-            dress(axes, f"time [{second}]" if row == rows[-1] else "", f"{title} [{unit}]", row)
+            label = scaled_label(axes.yaxis, title, unit)
+            dress(axes, f"time [{second}]" if row == rows[-1] else "", label, row)
             axes.set_xlim(factor * time[0], factor * time[-1])
     legend_below(figure, look.key())
     return figure, panels

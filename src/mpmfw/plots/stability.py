@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from mpmfw.fields import FloatArray
-from mpmfw.plots.style import FONT, dress, legend_below, new_figure
+from mpmfw.plots.style import dress, journal_style, legend_below, new_figure
 
 #: Colours of the classes in their order; they differ in lightness too.
 COLOURS = ("#F2F2F2", "#9BD0E8", "#E69F00", "#8C1515")
@@ -30,6 +30,7 @@ def stability_figures(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     return {"stability": (stability_chart(dataset), caption)}
 
 
+@journal_style()
 def stability_chart(dataset: xr.Dataset) -> Figure:
     """Classes over stiffness and Courant number, both logarithmic.
 
@@ -118,4 +119,3 @@ def _ticks(axis: Any, values: FloatArray) -> None:
     axis.set_major_locator(FixedLocator(list(values[::every])))
     axis.set_minor_locator(NullLocator())
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axis.set_tick_params(labelsize=FONT - 1)

@@ -15,7 +15,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from mpmfw.plots.costs import _STAGE_COLOURS
 from mpmfw.plots.markers import Marker, draw_side_by_side
 from mpmfw.plots.study_grid import label_of, order_of, problems_of, resolution_of, runs_of, with_methods
-from mpmfw.plots.style import FONT, Look, dress, legend_below, new_figure
+from mpmfw.plots.style import Look, dress, journal_style, legend_below, new_figure
 
 #: Marker sizes [pt] of the coarsest and the finest resolution.
 _SIZES = (5.5, 3.5)
@@ -39,6 +39,7 @@ def study_figures(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     return figures
 
 
+@journal_style()
 def front(dataset: xr.Dataset) -> Figure:
     """Error over CPU time on logarithmic axes, one panel a problem, the Pareto front drawn.
 
@@ -83,7 +84,6 @@ def front(dataset: xr.Dataset) -> Figure:
         figure,
         key,
         most=max(map(len, key)),
-        fontsize=FONT - 2,
         columnspacing=0.8,
         handlelength=1.3,
         handletextpad=0.5,
@@ -96,6 +96,7 @@ def front(dataset: xr.Dataset) -> Figure:
     return figure
 
 
+@journal_style()
 def stages(dataset: xr.Dataset) -> Figure:
     """CPU time by stage as stacked bars, one for each combination at the finest resolution that ran.
 
@@ -281,8 +282,8 @@ def _draw_bars(axes: Any, rows: list[dict[str, Any]], names: list[str]) -> None:
     axes.set_yticks(places, labels)
     axes.set_ylim(-0.8, max(places, default=0.0) + 0.8)
     for place, contact in heads.items():
-        axes.text(0.01, place, contact, va="center", fontsize=FONT - 1, transform=axes.get_yaxis_transform())
+        axes.text(0.01, place, contact, va="center", transform=axes.get_yaxis_transform())
     for k, row in enumerate(rows):
         status = str(row["run"]["status"].item()).partition(":")[0]
         if status != "ok":
-            axes.text(left[k], places[k], f" {status}", va="center", fontsize=FONT - 2)
+            axes.text(left[k], places[k], f" {status}", va="center")

@@ -6,10 +6,14 @@ import itertools
 import re
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import xarray as xr
+from matplotlib import rc_context
 from matplotlib.artist import Artist
+from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -19,16 +23,19 @@ from mpmfw.references import Reference, own_attributes, reference_of
 
 #: Width of one panel [inch]: 85 mm, a journal's column.
 PANEL = 85.0 / 25.4
-FONT = 8
+#: Width of a figure of two columns or more [inch]: 175 mm, a journal's page.
+PAGE = 175.0 / 25.4
 
 #: Of the installed contacts and shape functions in their order (:func:`installed`): a method looks the same in every figure.
 _COLOURS = (
-    "#D55E00", "#56B4E9", "#8C564B", "#7F3C8D", "#B2B200", "#CC79A7", "#009E73", "#6B6B6B", "#0072B2", "#A0A0A0",
+    "#117733", "#D55E00", "#AA4499", "#56B4E9", "#8C564B", "#7F3C8D", "#B2B200", "#DDAA33", "#CC79A7", "#009E73", "#6B6B6B",
+    "#0072B2", "#A0A0A0",
 )  # fmt: skip
 _STYLES: tuple[tuple[Any, str], ...] = (
     ((0, (5, 1, 1, 1, 1, 1)), "v"),
     ("-", "o"),
     ("-.", "D"),
+    ((0, (3, 1, 1, 1)), "p"),
     ("--", "^"),
     (":", "s"),
 )
@@ -43,9 +50,27 @@ def installed(kind: Kind) -> list[str]:
     return sorted(found, key=lambda name: (distribution_of(found[name]) != "mpmfw", name))
 
 
+@contextmanager
+def journal_style() -> Iterator[None]:
+    """Draw with the style sheet ``mpmfw.plots.journal``: a context, or a decorator of what draws a figure."""
+    with rc_context(fname=Path(__file__).with_name("journal.mplstyle")):
+        yield
+
+
+class _Figure(Figure):
+    """Draws itself with the style sheet too, since matplotlib asks for some settings only then (ticks)."""
+
+    @journal_style()
+    def draw(self, renderer: RendererBase) -> None:
+        """Draw on ``renderer``."""
+        super().draw(renderer)
+
+
+@journal_style()
 def new_figure(columns: int, rows: int, height: float = 58.0) -> Figure:
-    """Return an empty figure of ``columns`` × ``rows`` panels of one column's width and ``height`` [mm]."""
-    figure = Figure(figsize=(columns * PANEL, rows * height / 25.4 + 0.45), dpi=200, layout="constrained")
+    """Return an empty figure for ``columns`` × ``rows`` panels of ``height`` [mm], as wide as a journal's column if it is one
+    panel wide, else as its page."""
+    figure = _Figure(figsize=(PANEL if columns == 1 else PAGE, rows * height / 25.4 + 0.45))
     FigureCanvasAgg(figure)
     return figure
 
@@ -55,15 +80,19 @@ def dress(axes: Any, xlabel: str, ylabel: str, title: str = "") -> None:
 
     Where there are several panels, each has a letter, unless its title begins with one.
     """
-    axes.set_xlabel(xlabel, fontsize=FONT)
-    axes.set_ylabel(ylabel, fontsize=FONT)
-    axes.tick_params(labelsize=FONT - 1)
-    axes.grid(True, linewidth=0.3, alpha=0.5)
+    axes.set_xlabel(xlabel)
+    axes.set_ylabel(ylabel)
+    axes.grid(visible=True)
     panels = [one for one in axes.figure.axes if one.get_subplotspec() is not None]
     wanted = len(panels) > 1 and axes in panels and not re.match(r"\([a-z]\)", title)
     letter = f"({chr(ord('a') + panels.index(axes))}) " if wanted else ""
     if letter or title:
-        axes.set_title(letter + re.sub(r"(?<=\w)\((?=\w+=)", "\n(", title), fontsize=FONT, loc="left")
+        axes.set_title(letter + on_lines(title))
+
+
+def on_lines(text: str) -> str:
+    """``text`` with each method's options on a line of their own."""
+    return re.sub(r"(?<=\w)\((?=\w+=)", "\n(", text)
 
 
 class Look:
@@ -142,7 +171,7 @@ def head(figure: Figure, dataset: xr.Dataset) -> None:
     """Say above the panels which of the varied values are drawn."""
     text = drawn_values(dataset)
     if text:
-        figure.suptitle(textwrap.fill(text, round(28 * figure.get_figwidth())), fontsize=FONT)
+        figure.suptitle(textwrap.fill(text, round(28 * figure.get_figwidth())))
 
 
 def combinations(dataset: xr.Dataset) -> Iterator[tuple[str, str, xr.Dataset]]:
@@ -168,7 +197,6 @@ def legend_below(
     """
     longest = max(map(len, rows))
     columns = min(longest, most or 4 * round(figure.get_figwidth() / PANEL))
-    look = {"fontsize": FONT - 1, "columnspacing": 1.2, "handlelength": 2.4, **look}
     for count in range(columns, 0, -1):
         lines = [row[k : k + count] for row in rows for k in range(0, len(row), count)]
         # matplotlib fills columns
@@ -177,9 +205,7 @@ def legend_below(
             for k in range(count)
             for line in lines
         ]
-        legend = figure.legend(
-            handles=entries, loc="outside lower center", ncols=count, frameon=False, **look
-        )
+        legend = figure.legend(handles=entries, loc="outside lower center", ncols=count, **look)
         if count == 1 or legend.get_window_extent().width <= figure.bbox.width:
             return
         legend.remove()

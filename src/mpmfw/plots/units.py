@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-_PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
+from typing import Any
+
+import numpy as np
+
+_LARGE = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
+_SMALL = ((1e-3, "m"), (1e-6, "µ"))
+#: What is counted in thousands, and what in parts of a thousand; other units stay as they are.
+_WITH_LARGE, _WITH_SMALL = ("Pa", "N", "J", "W"), ("N", "J", "W", "m")
 
 
 def readable(unit: str) -> str:
@@ -20,12 +27,38 @@ def readable(unit: str) -> str:
 
 
 def with_prefix(unit: str, largest: float) -> tuple[float, str]:
-    """The size of one shown unit, and its name: pascals as kPa, MPa or GPa where they are that many."""
-    if unit == "Pa":
-        for size, prefix in _PREFIXES:
-            if largest >= size:
-                return size, f"{prefix}Pa"
+    """The size of one shown unit, and its name: pascals as kPa, MPa or GPa where they are that many, metres as mm."""
+    first = unit.partition(" ")[0]
+    prefixes: tuple[tuple[float, str], ...] = _LARGE if first in _WITH_LARGE and largest >= 1.0 else ()
+    if first in _WITH_SMALL and (first != "m" or unit == "m") and 0.0 < largest < 0.1:
+        prefixes = _SMALL
+    for size, prefix in prefixes:
+        if largest >= size:
+            return size, readable(prefix + unit)
     return 1.0, readable(unit)
+
+
+def scaled_label(axis: Any, words: str, unit: str) -> str:
+    """``words [unit]`` for an axis of matplotlib whose ticks are then counted in an engineer's unit; drawn data stay as they are.
+
+    Parameters
+    ----------
+    axis
+        ``axes.yaxis`` of a panel with curves.
+    words, unit
+        What is drawn, and its CF unit.
+    """
+    curves = [np.abs(np.asarray(line.get_ydata(), float)) for line in axis.axes.get_lines()]
+    largest = max((np.nanmax(curve) for curve in curves if np.isfinite(curve).any()), default=0.0)
+    size, shown = with_prefix(unit, float(largest))
+    count_in(axis, size)
+    return in_brackets(words, shown)
+
+
+def count_in(axis: Any, size: float) -> None:
+    """Let ticks of a matplotlib axis count in units of ``size``."""
+    if size != 1.0:
+        axis.set_major_formatter(lambda value, _: f"{value / size:.6g}".replace("-", "\N{MINUS SIGN}"))
 
 
 def in_brackets(label: str, unit: str) -> str:
