@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from mpmfw.resuming import resume
     from mpmfw.runs import run
     from mpmfw.scene import load_scene
+    from mpmfw.studies.choosing import choose
     from mpmfw.studies.ranking import rank
     from mpmfw.studies.study import study
     from mpmfw.testing.parametrised import check_plugin
@@ -30,6 +31,7 @@ _MODULES = {
     "animate": "mpmfw.plots",
     "check_plugin": "mpmfw.testing.parametrised",
     "campaign": "mpmfw.campaigns.campaign",
+    "choose": "mpmfw.studies.choosing",
     "compare": "mpmfw.comparison",
     "export": "mpmfw.paraview",
     "field": "mpmfw.notebook",
@@ -50,6 +52,7 @@ __all__ = [
     "animate",
     "campaign",
     "check_plugin",
+    "choose",
     "compare",
     "export",
     "field",

@@ -5,6 +5,8 @@ a ``name``, and implementations of the hooks of :class:`mpmfw.hookspecs.HookSpec
 :data:`hookimpl`. It derives from :class:`ContactStrategy`, :class:`ShapeFunction`, :class:`Material`, :class:`BodyLoad`,
 :class:`SurfaceLoad`, :class:`Boundary` or :class:`OutputSeries`, and is announced as an entry point of the group
 ``mpmfw.contact``, ``mpmfw.shape``, ``mpmfw.material``, ``mpmfw.load``, ``mpmfw.boundary`` or ``mpmfw.output``.
+A geometry, of the group ``mpmfw.geometry``, is a model itself, derived from :class:`PlaneGeometry` or :class:`SolidGeometry`; a
+:class:`Measure` and a :class:`Reference`, of ``mpmfw.measure`` and ``mpmfw.reference``, read results and scenes alone.
 
 Names that are neither classes nor functions:
 
@@ -24,7 +26,8 @@ Names that are neither classes nor functions:
 
 from __future__ import annotations
 
-from typing import ClassVar
+from collections.abc import Callable
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -38,8 +41,13 @@ from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.errors import PluginError, SceneError, SimulationError
 from mpmfw.fields import CONTACT_SERIES, AnyArray, Field, FloatArray, IndexArray, IntArray
+from mpmfw.geometry.base import BodyGeometry
+from mpmfw.geometry.layout import Layout
+from mpmfw.geometry.plane import PlaneGeometry
+from mpmfw.geometry.solid import SolidGeometry
 from mpmfw.hookspecs import hookimpl
 from mpmfw.load import BodyLoad, Load, LoadedFacets, SurfaceLoad
+from mpmfw.measure import About, Exact, Measure, Measured, Reference
 from mpmfw.named import NamedPlugIn, shares_near
 from mpmfw.output_series import OutputSeries
 from mpmfw.plugin import NoOptions, PlugIn
@@ -75,6 +83,8 @@ class ShapeFunction(PlugIn):
     boundary_degree: ClassVar[int] = 1
     #: Whether Σ φ q qᵀ may be singular, so that the affine field must be taken from Σ v ∇φᵀ.
     singular_spread: ClassVar[bool] = False
+    #: Whether the nodes of every row of its tables ascend: then several threads share the nodes out when they project.
+    rows_ascend: ClassVar[bool] = False
     #: Largest Courant number c Δt / h that is not refused.
     courant: ClassVar[float] = 0.8
     #: What ``auto`` means for scheme and transfer.
@@ -97,6 +107,17 @@ class Material(PlugIn):
 
     #: Slices of the material points made of this material.
     slices: tuple[slice, ...] = ()
+
+    def over_points(self, kernel: Callable[..., None], particles: Particles, *arguments: Any) -> None:
+        """``kernel(first, last, *arguments)`` for the material's points, of which several threads have a part each.
+
+        A kernel that is called so writes to the points ``first:last`` alone, and asks no other.
+        """
+        if particles.threads is not None:
+            particles.threads.over_slices(kernel, self.slices, *arguments)
+            return
+        for own in self.slices:
+            kernel(own.start, own.stop, *arguments)
 
     @property
     def bulk_modulus(self) -> float:
@@ -176,11 +197,13 @@ def check_inside(index: int) -> None:
 
 __all__ = [
     "CONTACT_SERIES",
+    "About",
     "Acceleration",
     "Angle",
     "AngularVelocity",
     "AnyArray",
     "Body",
+    "BodyGeometry",
     "BodyLoad",
     "Boundary",
     "ContactLaw",
@@ -188,6 +211,7 @@ __all__ = [
     "ContactStrategy",
     "Density",
     "Detection",
+    "Exact",
     "Field",
     "FloatArray",
     "Force",
@@ -199,10 +223,13 @@ __all__ = [
     "ImpulseLaw",
     "IndexArray",
     "IntArray",
+    "Layout",
     "Length",
     "Load",
     "LoadedFacets",
     "Material",
+    "Measure",
+    "Measured",
     "NamedPlugIn",
     "NoOptions",
     "Number",
@@ -211,13 +238,16 @@ __all__ = [
     "Pair",
     "PairRecords",
     "Particles",
+    "PlaneGeometry",
     "PlugIn",
     "PluginError",
     "Pressure",
+    "Reference",
     "SceneError",
     "Setup",
     "ShapeFunction",
     "SimulationError",
+    "SolidGeometry",
     "State",
     "Stencil",
     "Surface",

@@ -7,6 +7,7 @@ step.
 from __future__ import annotations
 
 import functools
+import inspect
 import linecache
 import re
 import traceback
@@ -79,8 +80,10 @@ def refusing(said: str) -> Iterator[None]:
 def culprit(error: BaseException, plugins: list[Any]) -> tuple[Any, str] | None:
     """The plug-in that an exception came out of, and the name of its method; None if it came from none.
 
-    The outermost frame counts that is a method of a plug-in, or a call of one that never got as far.
+    The outermost frame counts that is a method of a plug-in, or a call of one that never got as far; a hook's wrapper, which an
+    error of what it wraps passes through, only where there is no other.
     """
+    wrapper = None
     for frame, line in traceback.walk_tb(error.__traceback__):
         called = _called(frame, line)
         if called is None:
@@ -88,8 +91,10 @@ def culprit(error: BaseException, plugins: list[Any]) -> tuple[Any, str] | None:
             called = (frame.f_locals.get(names[0]) if names else None, frame.f_code.co_name)
         for plugin in plugins:
             if called[0] is plugin:
-                return plugin, called[1]
-    return None
+                if not frame.f_code.co_flags & inspect.CO_GENERATOR:
+                    return plugin, called[1]
+                wrapper = wrapper or (plugin, called[1])
+    return wrapper
 
 
 def _called(frame: FrameType, line: int) -> tuple[Any, str] | None:

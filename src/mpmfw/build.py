@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -17,9 +18,10 @@ from mpmfw.dead_hooks import refuse_dead_hooks
 from mpmfw.discovery import Kind, full_name, load, object_of, refuse_nameless
 from mpmfw.errors import SceneError
 from mpmfw.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, IntArray
-from mpmfw.geometry import Layout, discretise
+from mpmfw.geometry import BodyGeometry, Layout, discretise
 from mpmfw.hookspecs import HookSpecs
 from mpmfw.load import Load
+from mpmfw.measure import Measure, Reference
 from mpmfw.named import NamedPlugIn
 from mpmfw.output_series import OutputSeries
 from mpmfw.pairs import FEW, NearPairs, overlapping
@@ -49,6 +51,7 @@ class Build:
     friction_law: FrictionLaw | None = None  #: that the scene names
     #: Loads, boundary conditions and outputs by the scene's tables of them and its names.
     named: dict[str, dict[str, NamedPlugIn]] = field(default_factory=dict)
+    whole: Build | None = None  #: of all bodies, where these are some of them (:func:`build_some`)
 
     @property
     def named_plugins(self) -> list[NamedPlugIn]:
@@ -88,6 +91,41 @@ def build(
     _check_inside(scene, layouts, bodies)
     if not scene.allow_overlap:
         _check_overlap(bodies)
+    return _put_together(scene, layouts, bodies, chosen_shape, chosen_contact, materials, loads or {})
+
+
+def build_some(made: Build, which: Sequence[int]) -> Build:
+    """Some of the bodies as they were at the start, by themselves; methods are made anew of the same options.
+
+    One body alone has no contact.
+    What all bodies together decide stays: the largest wave speed, whether there is friction, and whether surfaces are tracked.
+    """
+
+    def again(plugin: Any) -> Any:
+        return None if plugin is None else type(plugin).from_options(plugin.options)
+
+    names = [made.state.bodies[index].name for index in which]
+    scene = made.scene.of_bodies(names)
+    used = dict.fromkeys(scene.bodies[name].material for name in names)
+    shape, contact = again(made.shape), again(made.contact) if len(names) > 1 else None
+    materials = {name: again(made.materials[name]) for name in used}
+    layouts = tuple(made.layouts[index] for index in which)
+    bodies = _bodies(scene, layouts, materials, per_body=True)
+    some = _put_together(scene, layouts, bodies, shape, contact, materials, {})
+    return dataclasses.replace(some, bulk_frequency=made.bulk_frequency, whole=made)
+
+
+def _put_together(
+    scene: Scene,
+    layouts: tuple[Layout, ...],
+    bodies: tuple[Body, ...],
+    chosen_shape: ShapeFunction,
+    chosen_contact: ContactStrategy | None,
+    materials: dict[str, Material],
+    loads: Mapping[str, Load],
+) -> Build:
+    """The state of the bodies, and what moves them, of methods that are made."""
+    per_body = chosen_contact is not None and chosen_contact.velocity_fields == "per_body"
     scheme, name = scene.stepping.chosen(chosen_shape)
     transfer = make_transfer(
         name,
@@ -102,7 +140,7 @@ def build(
         material = materials[scene.bodies[body.name].material]
         material.slices = joined(material.slices, body.particles)
     state = State(particles, grid, bodies, ())
-    friction, named = _friction_law(scene, chosen_contact), _named(scene, bodies, loads or {})
+    friction, named = _friction_law(scene, chosen_contact), _named(scene, bodies, loads)
     _list_pairs(scene, state, chosen_contact, friction)
     fastest = max(2.0 * body.wave_speed / grid.cell_size for body in bodies)
     return Build(
@@ -166,7 +204,7 @@ def _plugin(kind: Any, name: str, options: Any) -> Any:
 #: Base classes of what a scene names.
 BASES: dict[Kind, type[Any]] = {
     "contact": ContactStrategy, "friction": FrictionLaw, "shape": ShapeFunction, "material": Material, "load": Load,
-    "boundary": Boundary, "output": OutputSeries,
+    "boundary": Boundary, "output": OutputSeries, "geometry": BodyGeometry, "measure": Measure, "reference": Reference,
 }  # fmt: skip
 
 
@@ -264,8 +302,9 @@ def _layouts(scene: Scene) -> tuple[Layout, ...]:
 def _alike(body: Any, scene: Scene) -> tuple[Any, Any, float]:
     """What bodies that differ by their centres alone have in common: the geometry about the origin, None if it has no
     centre, the division into points, and the length of a segment."""
-    centre = getattr(body.geometry, "centre", None)
-    geometry = None if centre is None else body.geometry.model_copy(update={"centre": (0.0,) * len(centre)})
+    centre, geometry = getattr(body.geometry, "centre", None), None
+    if centre is not None:  # made anew: a copy would have what the original has worked out
+        geometry = type(body.geometry)(**{**dict(body.geometry), "centre": (0.0,) * len(centre)})
     return geometry, body.particles, body.segment_length(scene.grid.cell_size)
 
 
@@ -367,7 +406,7 @@ def _particles(
 ) -> Particles:
     volume = np.concatenate([layout.volume for layout in layouts])
     sizes = {"particle": len(volume), "axis": scene.dim, "axis2": scene.dim}
-    arrays = {declared.name: declared.allocate(sizes) for declared in PARTICLE_FIELDS}
+    arrays: dict[str, Any] = {declared.name: declared.allocate(sizes) for declared in PARTICLE_FIELDS}
     arrays["position"][:] = np.concatenate([layout.position for layout in layouts])
     arrays["initial_volume"][:] = arrays["volume"][:] = volume
     arrays["deformation_gradient"][:] = np.eye(scene.dim)

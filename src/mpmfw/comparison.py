@@ -11,11 +11,12 @@ import xarray as xr
 
 from mpmfw.campaigns.campaign import campaign
 from mpmfw.campaigns.grid import given_twice, label_of
-from mpmfw.campaigns.measures import About, exact_of, measure_of, names_of_measures
+from mpmfw.campaigns.measures import exact_of, measure_of, names_of_measures
 from mpmfw.campaigns.running import Progress, Repeats
 from mpmfw.campaigns.store import store_of
 from mpmfw.discovery import Kind, object_of
 from mpmfw.errors import SceneError
+from mpmfw.measure import About
 from mpmfw.references import reference_of
 from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene.loading import load_scene
@@ -110,6 +111,7 @@ def compare(
             report=report,
             force=force,
             grown=grown,
+            threads=_threads(scene, methods, set or {}),
         )
     except SceneError as error:
         names = {kind: f"{kind} {label_of(chosen[0])}" for kind, chosen in methods.items()}
@@ -136,6 +138,15 @@ def _applicable_measures(
     numbers = [measure_of(name) for name in names_of_measures()]
     exact = {one.name: exact_of(one, loaded, About()) for one in numbers if one.kind != "curve"}
     return [name for name, known in exact.items() if known is not None]
+
+
+def _threads(scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str, Any]) -> int:
+    """Threads of each run, as the scene has it."""
+    named = {f"{kind}.method": chosen[0] for kind, chosen in methods.items() if isinstance(chosen[0], str)}
+    try:
+        return load_scene(scene, set={**shared, **named}).threads
+    except SceneError:
+        return 1  # the campaign says so, if no combination can run
 
 
 def _write(dataset: xr.Dataset, path: str) -> None:

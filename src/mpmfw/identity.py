@@ -56,7 +56,8 @@ def code_of(scene: Scene, contact: Any = None, shape: Any = None) -> dict[str, s
     if scene.contact is not None and scene.contact.friction_law is not None:
         methods.append(("friction", scene.contact.friction_law))
     packages = {_home(kind, name) for kind, name in methods}
-    packages |= {type(one).__module__.partition(".")[0] for one in (contact, shape) if one is not None}
+    others = [contact, shape, *(body.geometry for body in scene.bodies.values())]
+    packages |= {type(one).__module__.partition(".")[0] for one in others if one is not None}
     return {name: current(name) for name in sorted({"mpmfw", *packages, *_LIBRARIES})}
 
 
@@ -89,7 +90,7 @@ def _home(kind: Kind, name: str) -> str:
 
 def _meaning(scene: Scene, objects: Mapping[str, Any]) -> dict[str, Any]:
     """The scene's validated tables; of methods and materials the options of those that run."""
-    tables = scene.model_dump(exclude={"title", "reference"})
+    tables = scene.model_dump(exclude={"title", "reference", "threads"})
     for kind, chosen in (("contact", scene.contact), ("shape", scene.shape)):
         if tables.get(kind) is not None and chosen is not None:
             options = None if chosen.options is None else chosen.options.model_dump()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,13 +14,14 @@ if TYPE_CHECKING:
     from mpmfw.scene import Scene
 
 
-def initial_velocity(scene: Scene, state: State, phi: Stencil) -> None:
+def initial_velocity(scene: Scene, state: State, interpolate: Callable[[], Stencil]) -> None:
     """Set v = v_0 + ω × (x − c), and the affine field that goes with it, on every body.
 
-    ``phi`` is the table of the points where they are: a stored moment is B = W D with D = Σ φ q qᵀ of it.
+    ``interpolate`` makes the table φ of the points where they are, if it is needed: a stored moment is B = W D with
+    D = Σ φ q qᵀ.
     """
     p = state.particles
-    spread = _spread(state, phi) if p.moment is not None else None
+    spread = _spread(state, interpolate()) if p.moment is not None else None
     for body in state.bodies:
         model, own = scene.bodies[body.name], body.particles
         if model.velocity is not None:

@@ -7,6 +7,7 @@ them begins if it is forced.
 from __future__ import annotations
 
 import math
+import os
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -92,6 +93,22 @@ def remark_on_size(simulation: Simulation, header: RunHeader) -> str:
         f"the results take up to {shown_bytes(size)}: {frames:g} frames of {shown_bytes(each)}; a longer "
         "time.output_interval or output.particle_interval, or output.particles = false, makes them smaller"
     )
+
+
+def remark_on_threads(threads: int) -> str:
+    """What to say of more threads than there are cores; empty of others."""
+    if threads <= cores():
+        return ""
+    return (
+        f"threads: {threads} are more than the {cores()} cores that this process may use; they wait for each other, and the run "
+        "takes longer than with fewer"
+    )
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    allowed = getattr(os, "sched_getaffinity", None)
+    return len(allowed(0)) if allowed is not None else os.cpu_count() or 1
 
 
 def results_size(simulation: Simulation, header: RunHeader) -> tuple[float, float, float]:

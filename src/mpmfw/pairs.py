@@ -33,6 +33,10 @@ def overlapping(lower: AnyArray, upper: AnyArray) -> tuple[IntArray, IntArray]:
     low, high = np.asarray(lower, dtype=float)[there], np.asarray(upper, dtype=float)[there]
     if len(there) < 2:
         return there[:0], there[:0]
+    if len(there) <= FEW:
+        first, second = np.triu_indices(len(there), 1)
+        meet = ((low[first] <= high[second]) & (low[second] <= high[first])).all(axis=1)
+        return there[first[meet]], there[second[meet]]
     entries = _strips(low, high)
     room = 8 * len(there)
     while True:

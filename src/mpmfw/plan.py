@@ -40,6 +40,7 @@ def plan_effects(made: Build, limits: Callable[[], list[tuple[float, str]]]) -> 
     _named(made, plan)
     _rotation(made, plan)
     plan_records(made, plan, limits)
+    _sleep(made, plan)
     return plan
 
 
@@ -77,6 +78,7 @@ def _surface(made: Build, plan: Plan) -> None:
         *(["loads on sides"] if loaded else []),
         *on_surfaces,
         *(["min_gap"] if measured else []),
+        *(["all bodies"] if made.whole is not None and made.whole.state.surface is not None else []),
     ]
     if not plan.note(
         "surfaces", bool(users), "for " + ", ".join(users) if users else "nothing needs outlines"
@@ -160,6 +162,19 @@ def _rotation(made: Build, plan: Plan) -> None:
         from mpmfw.effects.local_inertia import LocalInertia
 
         plan.plugins.append(LocalInertia(tuple(treated["local"]), held(treated["local"])))
+
+
+def _sleep(made: Build, plan: Plan) -> None:
+    """Bodies at rest are left out of the steps."""
+    asked = made.scene.sleep
+    if asked is None:
+        plan.note("sleep", False, "no [sleep]")
+        return
+    from mpmfw.sleeping import check
+
+    check(made, plan.plugins)
+    reason = f"[sleep]: below {asked.strain:g} of the wave speed for {asked.crossings:g} crossings"
+    plan.note("sleep", True, reason)
 
 
 def _is_held(made: Build, body: Body) -> bool:

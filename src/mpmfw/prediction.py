@@ -1,48 +1,49 @@
-"""The cost of a run before it runs: steps, CPU time by stage, memory, from measured times per stage.
+"""The cost of a run before it runs: steps, CPU time by stage, of settling and output, memory, from measured times.
 
-A stage's time per step is taken as a + b n: a for the calls, b for each of the n entities that it works on, material
-points, or surface nodes for a contact strategy that works on outlines. Both come from the same scene at two sizes
-(:func:`measure`). A table of them ships with the package; one that ``mpmfw explain --measure`` made on this
-machine takes its place.
+A stage's time per step is taken as a + b n + c m: a for the calls, b for each of n material points and c for each of m grid
+nodes, or for surface nodes of a contact that works on outlines (:mod:`mpmfw.cost_table`).
 """
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from importlib.resources import files
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import platformdirs
-
 from mpmfw.clock import STEP_STAGES
+from mpmfw.cost_table import (
+    SHAPE_STAGES,
+    Costs,
+    measured_costs,
+    points_and_nodes,
+    seconds,
+    surface_and_near,
+)
 from mpmfw.discovery import available, load
+from mpmfw.limits import frames_of, particle_frames_of
+from mpmfw.settling import longest_settling
 
 if TYPE_CHECKING:
     from mpmfw.simulation import Simulation
 
-#: Stages that a shape function decides; the contact's own is measured for each strategy.
-SHAPE_STAGES = tuple(stage for stage in STEP_STAGES if stage != "contact")
-
-#: Cells along the edge of each of two blocks, at the two sizes.
-SIZES = (5, 40)
-
-Costs = dict[str, dict[str, dict[str, list[float]]]]
-
 
 @dataclass(frozen=True)
 class Prediction:
-    """What a run will take, settling and output left out.
+    """What a run will take.
 
     Attributes
     ----------
     steps
         If the time step's limit stays what it is at the start.
     stages
-        CPU time by stage [s].
+        CPU time of the steps by stage [s].
+    settle_steps
+        Most that settling may take before it gives up; 0 in a scene that does not settle.
+    output_time
+        CPU time of frames, energy ledger and gap diagnostic [s].
+    start_time
+        CPU time of the process that is neither [s]: imports, loading of compiled kernels, the build.
     memory
         Bytes of all arrays, those that are allocated with the first step included.
     source
@@ -53,14 +54,22 @@ class Prediction:
 
     steps: int
     stages: Mapping[str, float]
+    settle_steps: int
+    output_time: float
+    start_time: float
     memory: int
     source: str
     unknown: tuple[str, ...]
 
     @property
     def cpu_time(self) -> float:
-        """CPU time of all steps [s]."""
+        """CPU time of all steps [s], those of settling left out."""
         return sum(self.stages.values())
+
+    @property
+    def settle_time(self) -> float:
+        """CPU time of the most steps of settling [s]."""
+        return self.settle_steps * self.cpu_time / max(self.steps, 1)
 
 
 def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
@@ -72,46 +81,99 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
         Sizes of the arrays that are allocated already [bytes].
     """
     costs, source = measured_costs()
-    state = simulation.state
+    state, settle = simulation.state, simulation.scene.settle
     shape, contact = simulation.shape.name, simulation.contact
     unknown = [] if shape in costs["shape"] else [shape]
-    table = costs["shape"].get(shape, costs["shape"]["cpdi"])
-    times = {stage: _time(table[stage], state.particles.count) for stage in SHAPE_STAGES}
+    table, counts = costs["shape"].get(shape, costs["shape"]["cpdi"]), points_and_nodes(simulation)
+    times = {stage: seconds(table[stage], counts) for stage in SHAPE_STAGES}
+    forces, sides = _effects(simulation, costs["effect"])
+    times["force"] += forces + sides
+    if simulation.scheme != "usl":  # sides are asked again for the velocity of the strain
+        times["projection"] += sides
     times["contact"] = 0.0
     if contact is not None:
         if contact.name not in costs["contact"]:
             unknown.append(contact.name)
-        entry = costs["contact"].get(contact.name) or _relative(contact, costs["contact"])
-        entry = entry["contact"]
-        surface = state.surface if contact.needs_surface else None
-        times["contact"] = _time(entry, surface.count if surface is not None else state.particles.count)
-    steps = _steps(simulation)
-    stages = {stage: steps * times[stage] for stage in STEP_STAGES}
-    entries = {"linear": 4, "gimp": 9, "bspline": 9}.get(shape, 7) ** (state.grid.dim / 2)
-    table_bytes = int(state.particles.count * entries * (4 + 8 + 8 * state.grid.dim))
-    return Prediction(steps, stages, sum(arrays) + table_bytes, source, tuple(unknown))
+        line = costs["contact"].get(contact.name) or _relative(contact, costs["contact"])
+        times["contact"] = seconds(line, surface_and_near(simulation) if contact.needs_surface else counts)
+    step = _step(simulation)
+    steps = _steps(simulation, step)
+    settle_steps = 0 if settle is None else math.ceil(longest_settling(settle, state.bodies) / step)
+    return Prediction(
+        steps=steps,
+        stages={stage: steps * times[stage] for stage in STEP_STAGES},
+        settle_steps=settle_steps,
+        output_time=output_time(simulation, costs, steps, settle_steps),
+        start_time=seconds(costs["start"], counts),
+        memory=sum(arrays) + _tables(simulation),
+        source=source,
+        unknown=tuple(unknown),
+    )
+
+
+def _tables(simulation: Simulation) -> int:
+    """Bytes of the tables of interpolation, which are filled with the first step, and of the rows of contact."""
+    state, shape = simulation.state, simulation.shape.name
+    dim, surface = state.grid.dim, state.surface
+    entries = {"linear": 4, "gimp": 9, "bspline": 9, "cubic_bspline": 16}.get(shape, 7) ** (dim / 2)
+    total = int(state.particles.count * entries * (4 + 8 + 8 * dim))
+    if surface is not None:
+        total += surface.count * {"bspline": 3, "cubic_bspline": 4}.get(shape, 2) ** dim * (4 + 8)
+    rows = {id(each): each for each in (getattr(simulation.contact, name, None) for name in ("rows", "old"))}
+    for each in rows.values():
+        total += 0 if each is None else sum(int(array.nbytes) for array in each.arrays().values())
+    return total
+
+
+def _effects(simulation: Simulation, costs: Costs) -> tuple[float, float]:
+    """Seconds a step of gravity and rotation, and of prescribed sides."""
+    state, scene = simulation.state, simulation.scene
+    total = sides = 0.0
+    if simulation.manager.has_plugin("gravity"):
+        total += seconds(costs["gravity"], points_and_nodes(simulation))
+    for body in state.bodies:
+        nodes = state.grid.field_nodes(body.field)
+        own = (float(body.particles.stop - body.particles.start), float(nodes.stop - nodes.start))
+        held = [side for side in scene.bodies[body.name].sides if not side.is_loaded]
+        sides += len(held) * seconds(costs["sides"], own)
+        how = simulation.rotations[body.name]
+        total += seconds(costs[how], own) if how != "lumped" else 0.0
+    return total, sides
+
+
+def output_time(simulation: Simulation, costs: Costs, steps: int, settle_steps: int) -> float:
+    """Seconds of frames, and of what is measured in every step; the ledger looks away while a scene settles."""
+    counts, surface = points_and_nodes(simulation), simulation.state.surface
+    total = frames_of(simulation) * seconds(costs["frame"]["series"], counts)
+    if simulation.scene.output.particles:
+        total += particle_frames_of(simulation) * seconds(costs["frame"]["points"], counts)
+    if simulation.manager.has_plugin("energy_ledger"):
+        total += steps * seconds(costs["effect"]["ledger"], counts)
+    if surface is not None and surface.stage == "gap":
+        total += (steps + settle_steps) * seconds(costs["effect"]["gap"], surface_and_near(simulation))
+    return total
 
 
 def _relative(contact: Any, known: Mapping[str, Any]) -> Any:
     """Of the measured contacts that work on surfaces as this does, or not as it does not, the costliest; else of all."""
     alike = [
-        times
-        for name, times in known.items()
+        line
+        for name, line in known.items()
         if name in available("contact") and load("contact", name).needs_surface == contact.needs_surface
     ]
-    return max(alike or known.values(), key=lambda times: _time(times["contact"], 1000))
+    return max(alike or known.values(), key=lambda line: seconds(line, (1000.0, 100.0)))
 
 
-def _time(cost: list[float], count: int) -> float:
-    """a + b n [s]."""
-    return cost[0] + cost[1] * count
-
-
-def _steps(simulation: Simulation) -> int:
-    """Outputs times the steps between two, which are of equal length, or all steps where outputs shorten none."""
+def _step(simulation: Simulation) -> float:
+    """Length of a step [s] as the limits are at the start."""
     time = simulation.scene.time
     limits = _limits(simulation)
-    step: float = time.safety * min(limits)[0] if time.step is None else time.step
+    return float(time.safety * min(limits)[0] if time.step is None else time.step)
+
+
+def _steps(simulation: Simulation, step: float) -> int:
+    """Outputs times the steps between two, which are of equal length, or all steps where outputs shorten none."""
+    time = simulation.scene.time
     if time.outputs == "nearest":
         steps: int = math.ceil(time.end / step - 1e-9)
         return steps
@@ -120,86 +182,15 @@ def _steps(simulation: Simulation) -> int:
 
 
 def _limits(simulation: Simulation) -> list[tuple[float, str]]:
-    """Stable time steps [s] with the contacts of the start; where bodies do not meet yet, those taken for granted."""
+    """Stable time steps [s] with the contacts of the start; where bodies do not meet yet, those taken for granted.
+
+    Nothing is detected, and compiled for it, where contact limits no step or its search is asleep.
+    """
     before = simulation.limits()
+    asleep = any(effect.name == "contact search" and not effect.on for effect in simulation.effects)
+    if asleep or not hasattr(simulation.contact, "stable_timestep"):
+        return before
     with simulation.blaming():
         simulation.detect()
     after = simulation.limits()
     return after if len(after) >= len(before) else before
-
-
-def measured_costs() -> tuple[Costs, str]:
-    """Measured times per stage, and in words where they were measured."""
-    own = own_table()
-    if own.exists():
-        return json.loads(own.read_text(encoding="utf-8")), "measured here by mpmfw explain --measure"
-    shipped = json.loads((files("mpmfw") / "reference" / "costs.json").read_text(encoding="utf-8"))
-    return shipped, "the shipped table; mpmfw explain --measure takes one of this machine"
-
-
-def own_table() -> Path:
-    """Where this user's own table is kept."""
-    return platformdirs.user_cache_path("mpmfw") / "costs.json"
-
-
-def measure(path: Path) -> None:
-    """Measure every installed shape function and contact strategy, and write the table."""
-    from mpmfw.benchmark import measure_scene
-    from mpmfw.contact.strategy import NoInteraction
-
-    def line(stages: tuple[str, ...], by_surface: bool, contact: Any, shape: str) -> dict[str, list[float]]:
-        rows = [measure_scene(_touching(cells), 5, steps=40, contact=contact, shape=shape) for cells in SIZES]
-        counts = [
-            _surface_nodes(cells) if by_surface else row["particles"]
-            for cells, row in zip(SIZES, rows, strict=True)
-        ]
-        return {
-            stage: _fit(counts, [1e-9 * row[f"ns_{stage}"] * row["particles"] for row in rows])
-            for stage in stages
-        }
-
-    contacts = {name: load("contact", name).needs_surface for name in available("contact")}
-    costs = {
-        "shape": {
-            name: line(SHAPE_STAGES, False, shape=name, contact=NoInteraction())
-            for name in available("shape")
-        },
-        "contact": {
-            name: line(("contact",), by_surface, shape="cpdi", contact=name)
-            for name, by_surface in contacts.items()
-        },
-    }
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(costs, indent=1) + "\n", encoding="utf-8")
-
-
-def _fit(counts: list[int], times: list[float]) -> list[float]:
-    """a and b of the line through two measurements, neither negative."""
-    slope = max((times[1] - times[0]) / (counts[1] - counts[0]), 0.0)
-    return [max(times[0] - slope * counts[0], 0.0), slope]
-
-
-def _surface_nodes(cells: int) -> int:
-    """Of two blocks with segments of a quarter of a cell."""
-    return 2 * 4 * 4 * cells
-
-
-def _touching(cells: int) -> dict[str, Any]:
-    """Two blocks that touch along one face and are pushed together."""
-
-    def block(left: float, speed: float) -> dict[str, Any]:
-        geometry = {"type": "rectangle", "lower": [left, 0.3], "upper": [left + cells, 0.3 + cells]}
-        particles = {"layout": "fitted", "size": "0.5 cells"}
-        return {"material": "m", "geometry": geometry, "particles": particles, "velocity": [speed, 0.0]}
-
-    return {
-        "grid": {"cell_size": 1.0, "lower": [-cells - 4, -4], "upper": [cells + 4, cells + 4]},
-        "time": {"end": 1e3, "output_interval": 1e3},
-        "shape": {"method": "cpdi"},
-        "contact": {"method": next(iter(available("contact"))), "friction": 0.3},  # others take its place
-        "output": {"gap": False, "particles": False, "surface": False},
-        "materials": {
-            "m": {"model": "neo_hookean", "density": 1.0, "bulk_modulus": 1.0, "shear_modulus": 0.5}
-        },
-        "bodies": {"left": block(0.4 - cells, 1e-3), "right": block(0.4, -1e-3)},
-    }

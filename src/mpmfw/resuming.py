@@ -38,6 +38,7 @@ def resume(
     progress: Callable[[float, int], None] | None = None,
     force: bool = False,
     checkpoint: float | None = None,
+    threads: int | None = None,
 ) -> xr.DataTree:
     """Go on with a run from its last checkpoint; it ends as it would have without the interruption, to the bit.
 
@@ -53,6 +54,8 @@ def resume(
         Go on with another version of the code, a library or the interpreter, or on another processor.
     checkpoint
         Seconds of wall time between two checkpoints; as before by default.
+    threads
+        That share the work of each step, in place of the scene's; the results are the same to the bit.
 
     Returns
     -------
@@ -65,7 +68,7 @@ def resume(
     SimulationError, Interrupted
         As :func:`mpmfw.run`.
     """
-    with _resuming(results, contact, shape, progress, force, checkpoint) as writer:
+    with _resuming(results, contact, shape, progress, force, checkpoint, threads) as writer:
         return writer.results()
 
 
@@ -74,9 +77,10 @@ def resume_to_file(
     progress: Callable[[float, int], None] | None = None,
     force: bool = False,
     checkpoint: float | None = None,
+    threads: int | None = None,
 ) -> None:
     """Go on with a run and leave its results in the file; the rest is as :func:`resume` says."""
-    with _resuming(results, None, None, progress, force, checkpoint):
+    with _resuming(results, None, None, progress, force, checkpoint, threads):
         pass
 
 
@@ -88,6 +92,7 @@ def _resuming(
     progress: Callable[[float, int], None] | None,
     force: bool,
     checkpoint: float | None,
+    threads: int | None,
 ) -> Iterator[RunWriter]:
     """The writer of a run that was taken up and has come to its end."""
     if checkpoint is not None and not checkpoint >= 0.0:
@@ -97,7 +102,7 @@ def _resuming(
     _check_unfinished(path)
     snapshot, facts = _read(path)
     objects = _objects(facts, contact, shape)
-    simulation = _restored(snapshot, facts, objects, path, force)
+    simulation = _restored(snapshot, facts, objects, path, force, threads)
     resumed = [*facts["resumed"], simulation.state.time]
     every = facts["every"] if checkpoint is None else checkpoint
     with interruptible() as signals, _rewritten(simulation, path, facts["frames"], resumed) as writer:
@@ -178,8 +183,8 @@ def _objects(facts: dict[str, Any], contact: Any, shape: Any) -> dict[str, Any]:
 
 
 def _restored(
-    snapshot: Snapshot, facts: dict[str, Any], objects: dict[str, Any], path: str, force: bool
-) -> Simulation:
+    snapshot: Snapshot, facts: dict[str, Any], objects: dict[str, Any], path: str, force: bool, threads: int | None
+) -> Simulation:  # fmt: skip
     """The simulation as it was."""
     scene = scene_from(source_of(facts), {})
     then, now = facts["made_by"], dependencies_of(scene, objects)
@@ -193,7 +198,9 @@ def _restored(
             f"{path}: another version would go on than began: {', '.join(changed)}; --force (force=True) goes on all the "
             "same, to other numbers"
         )
-    simulation = Simulation(scene, contact=objects.get("contact"), shape=objects.get("shape"))
+    simulation = Simulation(
+        scene, contact=objects.get("contact"), shape=objects.get("shape"), threads=threads
+    )
     try:
         simulation.restore(snapshot)
     except NotSaved as error:

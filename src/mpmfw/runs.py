@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from mpmfw.checkpoints import EVERY, Checkpoints
 from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.interruption import interruptible
-from mpmfw.limits import check_length, remark_on_size
+from mpmfw.limits import check_length, remark_on_size, remark_on_threads
 from mpmfw.own_process import run_in_own_process
 from mpmfw.results import RunWriter
 from mpmfw.results.memory import peak_memory, restart_peak_memory
@@ -34,6 +34,7 @@ def run(
     force: bool = False,
     apart: bool = False,
     checkpoint: float | None = None,
+    threads: int | None = None,
 ) -> xr.DataTree:
     """Run a scene.
 
@@ -56,6 +57,8 @@ def run(
     checkpoint
         Seconds of wall time between two checkpoints beside the file, ``OUTPUT.checkpoint``, from which
         :func:`mpmfw.resume` goes on; ten minutes by default, ``math.inf`` for none.
+    threads
+        That share the work of each step, in place of the scene's; the results are the same to the bit.
 
     Returns
     -------
@@ -75,9 +78,9 @@ def run(
         if any(method is not None and not isinstance(method, str) for method in (contact, shape)):
             raise SceneError("apart: a run in a process of its own takes plug-ins by name, no objects")
         request = {"contact": contact, "shape": shape, "set": dict(set or {}), "force": force}
-        request["checkpoint"] = checkpoint
+        request |= {"checkpoint": checkpoint, "threads": threads}
         return run_in_own_process(scene, output, progress, **request)
-    with _writing(scene, contact, shape, output, progress, set, force, checkpoint) as writer:
+    with _writing(scene, contact, shape, output, progress, set, force, checkpoint, threads) as writer:
         return writer.results()
 
 
@@ -95,7 +98,7 @@ def run_to_file(
     SceneError, SimulationError, Interrupted
         As there.
     """
-    with _writing(scene, None, None, output, progress, None, force, checkpoint):
+    with _writing(scene, None, None, output, progress, None, force, checkpoint, None):
         pass
 
 
@@ -119,19 +122,22 @@ def _writing(
     set: Mapping[str, Any] | None,
     force: bool,
     checkpoint: float | None,
+    threads: int | None,
 ) -> Iterator[RunWriter]:
     """The writer of a run that has come to its end."""
     restart_peak_memory()
     path = None if output is None else os.path.abspath(output)  # a plug-in may change the working folder
     loaded = load_scene(scene, set={**chosen_methods(contact, shape), **(set or {})})
     try:
-        simulation = Simulation(loaded, contact=contact, shape=shape)
+        simulation = Simulation(loaded, contact=contact, shape=shape, threads=threads)
         if not force:
             check_length(simulation)
     except SceneError as error:
         raise located(error, loaded) from error
     header = simulation.header()
     if path is not None and (text := remark_on_size(simulation, header)):
+        warnings.warn(text, ResultsWarning, stacklevel=4)
+    if text := remark_on_threads(simulation.threads):
         warnings.warn(text, ResultsWarning, stacklevel=4)
     objects = {
         kind: method

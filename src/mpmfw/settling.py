@@ -8,7 +8,7 @@ damping: nothing of it stays in the stresses.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -19,7 +19,7 @@ from mpmfw.errors import ResultsWarning
 from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels import kernel
 from mpmfw.kernels.types import Floats
-from mpmfw.state import Grid, State
+from mpmfw.state import Body, Grid, State
 
 if TYPE_CHECKING:
     from mpmfw.scene.tables import Settle
@@ -70,6 +70,15 @@ def called_for(asked: Settle | None) -> tuple[bool, str]:
     return True, f"[settle]: to {asked.tolerance:g} of the first force, for {given_up} at most"
 
 
+def longest_settling(asked: Settle, bodies: Iterable[Body]) -> float:
+    """Simulated time after which settling gives up [s]."""
+    if asked.max_time is not None:
+        return float(asked.max_time)
+    return CROSSINGS * max(
+        float(np.subtract(body.upper, body.lower).max()) / body.wave_speed for body in bodies
+    )
+
+
 class LocalDamping:
     """The damping as a plug-in that is registered only while a scene settles."""
 
@@ -115,9 +124,7 @@ class Settling:
     """
 
     def __init__(self, simulation: Simulation, asked: Settle) -> None:
-        bodies = simulation.state.bodies
-        longest = max(float(np.subtract(body.upper, body.lower).max()) / body.wave_speed for body in bodies)
-        self.limit = CROSSINGS * longest if asked.max_time is None else asked.max_time
+        self.limit = longest_settling(asked, simulation.state.bodies)
         self.tolerance = asked.tolerance
         _tell(simulation, asked)
         self.transfer = simulation.transfer

@@ -33,6 +33,7 @@ class Setup:
     allow_unstable: bool = False  #: the scene lets a step exceed the stability limit
     flip: float = 1.0  #: share of FLIP in the transfer
     friction_law: FrictionLaw | None = None  #: that the scene names; None is Coulomb's
+    whole: Setup | None = None  #: that of all bodies, where these are those of them that are awake
 
     @property
     def bodies(self) -> tuple[Body, ...]:
@@ -52,6 +53,8 @@ class Setup:
     def has_friction(self) -> bool:
         """Whether any two bodies have friction, be their pair listed yet or not."""
         near = self.state.near
+        if self.whole is not None:
+            return self.whole.has_friction
         if self.friction_law is not None and self.friction_law.cohesive:
             return True
         return near.has_friction if near is not None else any(pair.mu > 0.0 for pair in self.pairs)
@@ -111,6 +114,7 @@ class Setup:
         }
         array = declaration.allocate({**known, **sizes})
         state.arrays[f"{owner}/{declaration.name}"] = array
+        state.dims[f"{owner}/{declaration.name}"] = declaration.dims
         return array
 
 
@@ -129,4 +133,5 @@ def make_setup(made: Build) -> Setup:
         safety=made.scene.time.safety,
         allow_unstable=made.scene.allow_unstable,
         friction_law=made.friction_law,
+        whole=None if made.whole is None else make_setup(made.whole),
     )

@@ -10,7 +10,7 @@ from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any
 
 from mpmfw.answers import declared_fields
-from mpmfw.blame import blaming, described
+from mpmfw.blame import blaming, bundled, described
 from mpmfw.build import Build, build, strategy
 from mpmfw.clock import STAGES, STEP_STAGES, Clock
 from mpmfw.compilation import CompileTimer
@@ -33,10 +33,15 @@ from mpmfw.state import State
 from mpmfw.steppers import SCHEMES
 from mpmfw.steppers.operations import apply_moment, interpolate, project_mass_momentum
 from mpmfw.timestep import TimeStep
-from mpmfw.windows import lay_windows
+from mpmfw.transfer import Transfer
+from mpmfw.windows import is_cut_off, lay_windows
 
 if TYPE_CHECKING:
     from mpmfw.scene import Scene
+    from mpmfw.sleeping import Sleep
+
+#: One time step: state, hooks, transfer, clock, and what is asked for its length.
+Step = Callable[[State, Any, Transfer, Clock, Callable[[], float]], float]
 
 #: Steps between two reports of progress.
 REPORT_EVERY = 50
@@ -53,6 +58,8 @@ class Simulation:
         Name of a plug-in, ``module:Class``, a strategy object or its class, in place of the scene's.
     loads
         Load objects by name, on all bodies, beside the scene's.
+    threads
+        Threads that share the work of a step, in place of the scene's; the results are the same to the bit.
 
     Raises
     ------
@@ -61,24 +68,47 @@ class Simulation:
     """
 
     def __init__(
-        self, scene: Any, *, contact: Any = None, shape: Any = None, loads: Mapping[str, Any] | None = None
+        self,
+        scene: Any,
+        *,
+        contact: Any = None,
+        shape: Any = None,
+        loads: Mapping[str, Any] | None = None,
+        threads: int | None = None,
     ) -> None:
         contact, shape = strategy("contact", contact), strategy("shape", shape)
-        self.scene = _with_methods(scene, contact, shape)
-        self.clock = Clock()
         made = build(
-            self.scene,
+            _with_methods(scene, contact, shape),
             contact=None if contact is None or isinstance(contact, str) else contact,
             shape=None if shape is None or isinstance(shape, str) else shape,
             loads=loads or {},
         )
+        self._assemble(made, Clock(), made.scene.threads if threads is None else checked_threads(threads))
+
+    @classmethod
+    def of(cls, made: Build, clock: Clock, threads: int) -> Simulation:
+        """The simulation of what is built already, on so many threads; its time goes to ``clock``."""
+        simulation = cls.__new__(cls)
+        simulation._assemble(made, clock, threads)
+        return simulation
+
+    def _assemble(self, made: Build, clock: Clock, threads: int) -> None:
+        """Plan the effects, and set up all that acts."""
+        self.scene, self.clock = made.scene, clock
         made_plugins = [made.contact, made.shape, *made.materials.values(), *made.named_plugins]
         with blaming(made_plugins):
             plan = plan_effects(made, self.limits)
         self.state, self.contact, self.shape = made.state, made.contact, made.shape
         self.scheme, self.transfer = made.scheme, made.transfer
         self.effects: tuple[Effect, ...] = tuple(plan.effects)
-        self._rotations = plan.rotations  #: how every body's rotational inertia is treated
+        self.threads = threads
+        if threads > 1:
+            from mpmfw.threads import Threads
+
+            particles = self.state.particles
+            count = min(threads, particles.count)
+            particles.threads = Threads(count, rows_ascend=self.shape.rows_ascend)
+        self.rotations = plan.rotations  #: how every body's rotational inertia is treated
         self.manager = make_manager()
         for plugin in reversed(plan.plugins):  # pluggy calls the last registered first
             self._register(plugin, _registered_name(made, plugin))
@@ -108,7 +138,8 @@ class Simulation:
         lay_windows(self.state.grid, self.state.particles, reach, self.state.surface)
         list_near(self.state, self.hook)
         self._check_supports()
-        self._step = SCHEMES[self.scheme]
+        self._step: Step = SCHEMES[self.scheme]
+        self._sleep: Sleep | None = None
         self._time_step = TimeStep(
             self.scene,
             self.state,
@@ -119,12 +150,17 @@ class Simulation:
         self._recorder = Recorder(
             self.scene, self.state, self.fields, self.hook, self._callers("diagnostics")
         )
-        self._started = False
+        self.started = False
         self._settling: Settling | None = None
         self._settled: dict[str, float] = {}
         self._next_output, self._last_output = 0, 0.0  #: number of the next output, and time of the last [s]
         self.compile_time = 0.0
         self._time_step.check(self.hook)
+        if self.scene.sleep is not None:
+            from mpmfw.sleeping import Sleep
+
+            self._sleep = Sleep(self, made)
+            self._step = self._sleep.step
 
     def _bind_hooks(self) -> None:
         """Bind the calls of all hooks; those of strangers cannot change what belongs to the step."""
@@ -156,10 +192,14 @@ class Simulation:
     def stable_step(self) -> float:
         """Length of a step as the limits are [s], with the contacts that were detected last; before the first step, with
         those that contact takes for granted. See :meth:`mpmfw.timestep.TimeStep.next`."""
-        return self._time_step.next(self.hook)
+        running = self if self._sleep is None else self._sleep.running
+        return running._time_step.next(running.hook)
 
     def _check_supports(self) -> None:
-        """Refuse a body whose shape functions reach beyond the grid before it has moved."""
+        """Refuse a body whose shape functions reach beyond the grid before it has moved; the bundled ones stay in a window that
+        the grid's edge has not cut off."""
+        if bundled(type(self.shape)) and not is_cut_off(self.state.grid):
+            return
         try:
             interpolate(self.state, self.hook, self.clock)
         except SimulationError as error:
@@ -204,14 +244,14 @@ class Simulation:
 
     def start(self, after_step: Callable[[], None] | None = None) -> None:
         """Settle if the scene asks for it, then set the initial motion: time zero."""
-        if self._started:
+        if self.started:
             return
         if self.scene.settle is not None:
             self._settling = self._settling or Settling(self, self.scene.settle)
             self._settled = self._settling.finish(self, after_step)
             self._settling = None
-        initial_velocity(self.scene, self.state, interpolate(self.state, self.hook, self.clock))
-        self._started = True
+        initial_velocity(self.scene, self.state, lambda: interpolate(self.state, self.hook, self.clock))
+        self.started = True
         self.clock.restart()
 
     def advance(self, steps: int, write: Callable[[Frame], None] | None = None) -> None:
@@ -225,6 +265,7 @@ class Simulation:
                 self.step()
                 if write is not None:
                     self._output(write, self.state.dt)
+        self._gather()
         self.clock("output")
 
     def run(
@@ -304,11 +345,17 @@ class Simulation:
 
     def _output(self, write: Callable[[Frame], None] | None, interval: float, *, points: bool = True) -> None:
         self.clock("output")
+        self._gather()
         self._guard.check()
         frame = self._recorder.frame(interval, points=points)
         if write is not None:
             write(frame)
         self.clock.flush()
+
+    def _gather(self) -> None:
+        """Know of all bodies what the steps did to those awake."""
+        if self._sleep is not None:
+            self._sleep.gather(self.state.time)
 
     # -- how it is kept
     # -----------------------------------------------------------------------------------------------
@@ -321,6 +368,7 @@ class Simulation:
         NotSaved
             A plug-in holds something that cannot be saved.
         """
+        self._gather()
         return take(self._parts())
 
     def restore(self, snapshot: Snapshot) -> None:
@@ -332,6 +380,8 @@ class Simulation:
             It was another scene, or other methods.
         """
         put(snapshot, self._parts())
+        if self._sleep is not None:
+            self._sleep.resume()
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write :meth:`snapshot` to a file, in one step.
@@ -382,7 +432,7 @@ class Simulation:
                 "scheme": self.scheme,
                 "transfer": self.transfer.name,
                 "transported": int(self.transfer.transported),
-                "rotation": self._rotations,
+                "rotation": self.rotations,
                 "cell_size": self.state.grid.cell_size,
                 "outputs": self.scene.time.outputs,
                 "output_interval": self.scene.time.output_interval,
@@ -459,6 +509,19 @@ def _registered_name(made: Any, plugin: Any) -> str:
 
 def _outputs(end: float, interval: float) -> int:
     return max(1, math.ceil(end / interval - 1e-9))
+
+
+def checked_threads(threads: Any) -> int:
+    """A number of threads that is one.
+
+    Raises
+    ------
+    SceneError
+        It is none.
+    """
+    if type(threads) is not int or threads < 1:
+        raise SceneError(f"threads: found {threads!r}; expected an integer of at least 1")
+    return threads
 
 
 def chosen_methods(contact: Any, shape: Any) -> dict[str, str]:

@@ -42,7 +42,22 @@ def lay_windows(grid: Grid, particles: Particles, reach: FloatArray, surface: Su
     reach
         Half the extent of every particle's domain, (n, dim) [m].
     """
+    grid.window_lower[:], grid.window_shape[:] = windows_round(grid, particles, reach, surface)
+    allocate_nodes(grid)
+
+
+def windows_round(
+    grid: Grid, particles: Particles, reach: FloatArray, surface: Surface | None
+) -> tuple[IntArray, IntArray]:
+    """First node and shape of every field's window, (n_fields, dim), if it were laid now.
+
+    Parameters
+    ----------
+    reach
+        Half the extent of every particle's domain, (n, dim) [m].
+    """
     low, high = particles.position - reach, particles.position + reach
+    first, shape = np.empty_like(grid.window_lower), np.empty_like(grid.window_shape)
     for index in range(grid.n_fields):
         own = slice(int(particles.first[index]), int(particles.first[index + 1]))
         lower, upper = low[own].min(axis=0), high[own].max(axis=0)
@@ -53,8 +68,19 @@ def lay_windows(grid: Grid, particles: Particles, reach: FloatArray, surface: Su
                 upper = np.maximum(upper, nodes.max(axis=0))
         start = _node(grid, lower) - MARGIN
         stop = _node(grid, upper) + 1 + MARGIN
-        grid.window_lower[index] = np.clip(start, 0, grid.nodes - 1)
-        grid.window_shape[index] = np.clip(stop, 0, grid.nodes - 1) - grid.window_lower[index] + 1
+        first[index] = np.clip(start, 0, grid.nodes - 1)
+        shape[index] = np.clip(stop, 0, grid.nodes - 1) - first[index] + 1
+    return first, shape
+
+
+def is_cut_off(grid: Grid) -> bool:
+    """Whether a window ends where the background grid does."""
+    last = grid.window_lower + grid.window_shape
+    return bool((grid.window_lower == 0).any() or (last == grid.nodes).any())
+
+
+def allocate_nodes(grid: Grid) -> None:
+    """Nodal arrays, all zero, and node positions for the windows as they are."""
     np.cumsum(np.prod(grid.window_shape, axis=1), out=grid.offset[1:])
     sizes = {"node": int(grid.offset[-1]), "axis": grid.dim}
     for field in GRID_FIELDS:

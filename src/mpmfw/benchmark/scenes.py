@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from typing import Any
 
 import numpy as np
@@ -68,4 +70,51 @@ def measure_scene(
         "ns_median": median,
         "ns_low": low,
         "ns_high": high,
+    }
+
+
+def measure_threads(
+    scene: Any,
+    threads: int,
+    repeats: int = 10,
+    *,
+    steps: int = 20,
+    start: int = WARM_UP,
+    contact: str | None = None,
+    shape: str | None = None,
+) -> dict[str, Any]:
+    """Wall time of a scene's steps with one thread and with several, in turns.
+
+    Parameters
+    ----------
+    threads
+        How many, at least 2.
+    scene, repeats, steps, start, contact, shape
+        As :func:`measure_scene` takes them; ``steps`` are those between two turns.
+
+    Returns
+    -------
+    ``scene``, ``contact``, ``shape``, ``particles``, ``threads``; ``ns_one`` and ``ns_shared``, the least wall time of a step
+    with one thread and with all of them [ns per point], and their ``ratio``. What is recorded at outputs is left out.
+    """
+    both = [Simulation(scene, contact=contact, shape=shape, threads=each) for each in (1, threads)]
+    for simulation in both:
+        simulation.advance(max(start, WARM_UP))
+    least = [math.inf, math.inf]
+    for _ in range(repeats):
+        for which, simulation in enumerate(both):
+            for _ in range(steps):
+                begin = time.perf_counter()
+                simulation.step()
+                least[which] = min(least[which], time.perf_counter() - begin)
+    one, count = both[0], both[0].state.particles.count
+    return {
+        "scene": one.scene.name,
+        "contact": "none" if one.contact is None else one.contact.name,
+        "shape": one.shape.name,
+        "particles": count,
+        "threads": threads,
+        "ns_one": 1e9 * least[0] / count,
+        "ns_shared": 1e9 * least[1] / count,
+        "ratio": least[0] / least[1],
     }

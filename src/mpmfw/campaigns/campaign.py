@@ -33,6 +33,7 @@ def campaign(
     report: Callable[[float, int], None] | None = None,
     force: bool = False,
     grown: Callable[[xr.Dataset], None] | None = None,
+    threads: int = 1,
 ) -> xr.Dataset:
     """Run a scene at all points of a grid, and join what came of them.
 
@@ -64,6 +65,8 @@ def campaign(
         Begin runs past the limits of steps and frames.
     grown
         Called with the dataset so far after each run.
+    threads
+        Of each run that takes place in this process, in place of the scene's; processes beside each other have one each.
 
     Returns
     -------
@@ -84,7 +87,7 @@ def campaign(
     if all(one.scene is None for one in grid.combinations.values()):
         raise SceneError(next(iter(grid.combinations.values())).refusal)
     judges = judge_all(grid, tuple(measures), reference)
-    runs = GridRuns(grid, "campaign", store=store, executor=executor, jobs=jobs)
+    runs = GridRuns(grid, "campaign", store=store, executor=executor, jobs=jobs, threads=threads)
 
     def tell(event: Event) -> None:
         if progress is not None:

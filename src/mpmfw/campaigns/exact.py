@@ -2,34 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from mpmfw.fields import FloatArray
 from mpmfw.geometry import Rectangle
 from mpmfw.references import at_rest, rings, rolling, rolling_sphere, tilt_of
 from mpmfw.scene import Scene
-
-
-@dataclass(frozen=True)
-class Exact:
-    """What a quantity must be.
-
-    Attributes
-    ----------
-    kind
-        ``closed-form`` or ``reference``, as a study's ``error.kind``.
-    says
-        What it is, for a reader.
-    at
-        The value at times [s] of shape (n,), in SI units; a number's or a field's is the same at all.
-    """
-
-    kind: str
-    says: str
-    at: Callable[[FloatArray], FloatArray]
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ from typing import Any, Protocol, TypeVar
 
 from mpmfw.errors import SceneError
 from mpmfw.interruption import unbroken
+from mpmfw.limits import cores
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -230,12 +231,6 @@ def _begin_worker() -> None:
             os._exit(1)
 
     threading.Thread(target=watch, daemon=True).start()
-
-
-def cores() -> int:
-    """Cores that this process may use."""
-    allowed = getattr(os, "sched_getaffinity", None)
-    return len(allowed(0)) if allowed is not None else os.cpu_count() or 1
 
 
 @contextmanager

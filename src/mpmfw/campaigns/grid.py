@@ -118,7 +118,7 @@ class RunGrid:
             filled, dims=tuple(self.coords), attrs=text if unit is None else {"units": unit, **text}
         )
 
-    def tasks(self, here: bool = False, force: bool = False) -> dict[str, Task]:
+    def tasks(self, here: bool = False, force: bool = False, threads: int = 1) -> dict[str, Task]:
         """The different runs by key.
 
         Parameters
@@ -127,6 +127,8 @@ class RunGrid:
             Whether they take place in this process, where a stranger's code, which may bring it down, gets one of its own.
         force
             Whether they may be past the limits of steps and frames.
+        threads
+            Of each run.
         """
         found = {}
         for one in self.combinations.values():
@@ -134,8 +136,8 @@ class RunGrid:
                 code = code_of(one.scene, one.contact, one.shape)
                 apart = here and one.contact is None and one.shape is None and is_strange(one.scene)
                 task = Task(
-                    one.key, one.name, one.scene, one.contact, one.shape, code, apart=apart, force=force
-                )
+                    one.key, one.name, one.scene, one.contact, one.shape, code, apart=apart, force=force, threads=threads
+                )  # fmt: skip
                 found[one.key] = task
         return found
 

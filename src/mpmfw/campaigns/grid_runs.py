@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import replace
 from typing import Any
 
 import xarray as xr
@@ -13,12 +14,12 @@ from mpmfw.campaigns.costs import conditions
 from mpmfw.campaigns.executors import InProcess, Pool, executor_of
 from mpmfw.campaigns.grid import Combination, Index, RunGrid
 from mpmfw.campaigns.judging import measured
-from mpmfw.campaigns.measures import Measure
 from mpmfw.campaigns.outcome import Cost, Finished, Outcome
 from mpmfw.campaigns.running import Progress, Repeats, complete, counted, do, resumable
 from mpmfw.campaigns.store import Store, store_of
 from mpmfw.campaigns.work import Task
 from mpmfw.errors import ResultsWarning
+from mpmfw.measure import Measure
 
 
 class GridRuns:
@@ -36,6 +37,8 @@ class GridRuns:
         As :func:`mpmfw.campaign` takes them.
     exclusive
         Whether those costs alone count that were measured one run at a time.
+    threads
+        Of each run, if runs take place in this process.
     """
 
     def __init__(
@@ -48,10 +51,12 @@ class GridRuns:
         executor: Any = None,
         jobs: int | None = None,
         exclusive: bool = False,
+        threads: int = 1,
     ) -> None:
         self.grid, self.what, self.exclusive = grid, what, exclusive
         # 1 is what most requests have by default: beside an executor it says nothing
         self.executor = executor_of(executor, None if executor is not None and jobs == 1 else jobs)
+        self.threads = threads if self.here else 1
         self.store = Store(store if store is not None else store_of(output))
 
     @property
@@ -65,15 +70,25 @@ class GridRuns:
         progress: Progress | None = None,
         report: Callable[[float, int], None] | None = None,
         force: bool = False,
+        only: Collection[Index] | None = None,
     ) -> None:
         """Run what is missing, repeats for the cost included, as :func:`mpmfw.campaigns.running.complete` does.
+
+        Parameters
+        ----------
+        repeats, progress, report, force
+            As it takes them, and as :func:`mpmfw.campaign` does.
+        only
+            Points to run; None is all.
 
         Raises
         ------
         Interrupted
             Ctrl-C or SIGTERM.
         """
-        tasks = self.grid.tasks(self.here, force)
+        points = self.grid.combinations
+        grid = self.grid if only is None else replace(self.grid, combinations={i: points[i] for i in only})
+        tasks = grid.tasks(self.here, force, self.threads)
         with resumable(self.store, self.what):
             complete(tasks, self.store, self.executor, repeats, self.exclusive, progress, report)
 

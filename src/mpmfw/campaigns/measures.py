@@ -1,90 +1,29 @@
 """Measures by name: what a campaign reads off a run, and what is known of it beforehand.
 
-A measure is a function ``(run, scene, about) -> Measured`` under ``@measure(name, unit, kind, keys, exact)``. A script may
-register its own in the same way before it calls ``mpmfw.study``: measures are read here, not by the workers, off the
-runs' stored series.
+A measure is a class derived from :class:`mpmfw.api.Measure`, which an installed distribution announces, or a function
+``(run, scene, about) -> Measured`` under ``@measure(name, unit, kind, keys, exact)``. A script may register its own in this way
+before it calls ``mpmfw.study``: measures are read here, not by the workers, off the runs' stored series.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 import xarray as xr
 
 from mpmfw.analysis import fitted_acceleration, force_noise, impulse, value_at
-from mpmfw.campaigns.exact import Exact, column, incline, kind_of
-from mpmfw.discovery import REFERENCES, announced, did_you_mean, load_announced
+from mpmfw.campaigns.exact import column, incline, kind_of
+from mpmfw.discovery import REFERENCES, available, did_you_mean, full_name, load
 from mpmfw.errors import SceneError
-from mpmfw.fields import FloatArray
+from mpmfw.measure import About, Exact, Measure, Measured, Reference
 from mpmfw.references import rings, rings_table
 from mpmfw.scene import Scene
 
 Kind: TypeAlias = Literal["number", "curve", "field"]
-
-
-@dataclass(frozen=True)
-class About:
-    """What a quantity is of: names as a study's table ``error`` gives them; None lets the scene decide."""
-
-    body: str | None = None
-    pair: str | None = None
-    axis: str = "x"
-
-
-@dataclass(frozen=True)
-class Measured:
-    """A quantity of one run.
-
-    Attributes
-    ----------
-    values
-        Shape (1,) for a number, (time,) for a curve, (points,) for a field; NaN where it is not known.
-    time
-        Of a curve [s], shape (time,); empty for others.
-    """
-
-    values: FloatArray
-    time: FloatArray
-
-
 Extract: TypeAlias = Callable[[xr.DataTree, Scene, About], Measured]
 Known: TypeAlias = Callable[[Scene, About], Exact | None]
-
-
-@dataclass(frozen=True)
-class Measure:
-    """A named quantity.
-
-    Attributes
-    ----------
-    name, meaning, unit
-        For a reader; SI.
-    kind
-        A number, a curve in time, or a field at points.
-    keys
-        Of ``body``, ``pair`` and ``axis``, those that it looks at; a study that gives another one is refused.
-    of
-        Reads it off a run, given its scene.
-    exact
-        What it must be in a scene, or None where nobody knows.
-    norm
-        Of differences, where a study does not say.
-    particles
-        Whether it needs the arrays of the material points.
-    """
-
-    name: str
-    meaning: str
-    unit: str
-    kind: Kind
-    keys: tuple[str, ...]
-    of: Extract
-    exact: Known
-    norm: Literal["largest", "l2"] = "largest"
-    particles: bool = False
 
 
 #: All measures by name.
@@ -106,47 +45,61 @@ def measure(
     Parameters
     ----------
     name, unit, kind, keys, exact, norm, particles
-        As of a ``Measure``.
+        As of a :class:`mpmfw.api.Measure`.
     """
 
     def register(function: Extract) -> Extract:
-        meaning = (function.__doc__ or name).strip().splitlines()[0].rstrip(".")
-        MEASURES[name] = Measure(name, meaning, unit, kind, keys, function, exact, norm, particles)
+        made = {
+            "name": name, "unit": unit, "kind": kind, "keys": keys, "norm": norm, "particles": particles,
+            "of": staticmethod(function), "exact": staticmethod(exact), "__doc__": function.__doc__,
+        }  # fmt: skip
+        MEASURES[name] = type(function.__name__, (Measure,), made)()
         return function
 
     return register
 
 
 def measure_of(name: str) -> Measure:
-    """The measure of a name: registered here, or announced by an installed plug-in under ``mpmfw.measure``.
+    """The measure of a name: registered here, announced by an installed plug-in under ``mpmfw.measure``, or ``module:Class``.
 
     Raises
     ------
     SceneError
-        There is none, or the plug-in's cannot be imported or does not register it.
+        There is none, or the plug-in's cannot be imported or is no measure.
     """
     if name not in MEASURES:
-        if name not in announced("measure"):
+        if name not in available("measure"):
             raise SceneError(f"'{name}' is unknown; {did_you_mean(name, names_of_measures())}")
-        load_announced("measure", name)
-        if name not in MEASURES:
-            raise SceneError(
-                f"'{name}' is announced as a measure, but its module registers none of that name"
-            )
+        MEASURES[name] = _made("measure", name, Measure)
     return MEASURES[name]
+
+
+def _made(kind: Literal["measure", "reference"], name: str, base: type[Any]) -> Any:
+    """An object of what a distribution announces.
+
+    Raises
+    ------
+    SceneError
+        It cannot be imported, or is of another kind.
+    """
+    plugin = load(kind, name)
+    if not issubclass(plugin, base):
+        raise SceneError(
+            f"{full_name(plugin)} is no {kind}; expected a class derived from mpmfw.api.{base.__name__}"
+        )
+    return plugin()
 
 
 def names_of_measures() -> list[str]:
     """Names of all measures, announced ones included, which are not imported."""
-    return sorted({*MEASURES, *announced("measure")})
+    return sorted({*MEASURES, *available("measure")})
 
 
 def exact_of(measure: Measure, scene: Scene, about: About) -> Exact | None:
     """What a quantity must be in a scene; None where nobody knows.
 
-    A scene says what its motion is known to be by ``[reference] kind = …``: a bundled kind, which it must be one of, or one
-    that a distribution announces under ``mpmfw.reference`` as a function ``(scene, measure's name, about) -> Exact | None``.
-    Of a scene without it mpmfw recognises its own kinds.
+    A scene says what its motion is known to be by ``[reference] kind = …``: a bundled kind, which it must be one of, or a
+    :class:`mpmfw.api.Reference` that a distribution announces. Of a scene without it mpmfw recognises its own kinds.
 
     Raises
     ------
@@ -155,8 +108,8 @@ def exact_of(measure: Measure, scene: Scene, about: About) -> Exact | None:
     """
     kind = None if scene.reference is None else scene.reference.kind
     if kind is not None and kind not in REFERENCES:
-        found: Exact | None = load_announced("reference", kind)(scene, measure.name, about)
-        return found
+        known: Exact | None = _made("reference", kind, Reference).exact(scene, measure.name, about)
+        return known
     return measure.exact(scene, about) if kind in (None, kind_of(scene)) else None
 
 

@@ -55,6 +55,8 @@ class Task:
         Whether it needs a process of its own here: a stranger's code may bring down the one that it runs in.
     force
         Whether it may be past the limits of steps and frames.
+    threads
+        That share its work, whatever the scene says.
     """
 
     key: str
@@ -66,6 +68,7 @@ class Task:
     timing: str = ""
     apart: bool = False
     force: bool = False
+    threads: int = 1
 
 
 def run_once(task: Task, progress: Callable[[float, int], None] | None = None) -> Finished:
@@ -119,12 +122,13 @@ def _try(
             progress=progress,
             apart=task.apart,
             force=task.force,
+            threads=task.threads,
             checkpoint=None if path is None else math.inf,
         )
     except SceneError as error:
         return f"refused: {error}", True, None, None
     except SimulationError as error:
-        cost = None if error.results is None else _cost(error.results, task.timing, load.others(), first)
+        cost = None if error.results is None else _cost(error.results, task, load.others(), first)
         return f"failed: {error}", True, error.results, cost
     except MpmfwError as error:  # a file that could not be written
         return f"failed: {error}", False, None, None
@@ -135,7 +139,7 @@ def _try(
     ) as error:  # a stranger's method may raise anything; it may have been the machine as well
         _log.exception("%s failed", task.name)
         return f"failed: {cause(error)}", False, None, None
-    cost = _cost(tree, task.timing, load.others(), first)
+    cost = _cost(tree, task, load.others(), first)
     return str(tree.attrs.get("status", "ok")), True, tree, cost
 
 
@@ -148,7 +152,8 @@ def _warnings() -> Iterator[list[warnings.WarningMessage]]:
         yield caught
 
 
-def _cost(tree: xr.DataTree, timing: str, others: float, first: bool) -> Cost:
+def _cost(tree: xr.DataTree, task: Task, others: float, first: bool) -> Cost:
+    timing = task.timing if task.threads == 1 else "shared cores"  # threads that wait take CPU time as well
     attributes = {"settle_steps": 0, **tree.attrs}
     if not first:
         attributes.pop("peak_memory", None)

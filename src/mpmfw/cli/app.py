@@ -10,6 +10,7 @@ from mpmfw._version import __version__
 from mpmfw.cli.animate import animate
 from mpmfw.cli.benchmark import benchmark
 from mpmfw.cli.check import check
+from mpmfw.cli.choose import choose
 from mpmfw.cli.compare import compare
 from mpmfw.cli.errors import exit_status
 from mpmfw.cli.explain import explain
@@ -41,6 +42,7 @@ for command in (
     compare,
     study,
     rank,
+    choose,
     stability,
     plot,
     animate,

@@ -23,11 +23,14 @@ def benchmark(
         str, typer.Option("--scenes", help="Scenes between commas.")
     ] = "rolling-cylinder-slip,colliding-rings",
     repeats: Annotated[int, typer.Option("--repeats", min=3, help="Samples of each measurement.")] = 15,
+    threads: Annotated[
+        int, typer.Option("--threads", min=1, help="Compare wall times with one thread and with so many.")
+    ] = 1,
 ) -> None:
-    """Print ns per material point and step of whole scenes, by stage, and the contact's share."""
+    """Print ns per material point and step of whole scenes, by stage, and the contact's share; or what threads gain."""
     from rich.console import Console
 
-    from mpmfw.benchmark import measure_scene, table
+    from mpmfw.benchmark import measure_scene, measure_threads, table
     from mpmfw.campaigns.machine import Load, processor
     from mpmfw.scene import load_scene
 
@@ -38,9 +41,18 @@ def benchmark(
         load_scene(name)  # an unknown one is refused before anything is measured
     rows, load = [], Load()
     for name in names:
-        row = measure_scene(name, repeats, start=IN_CONTACT.get(name, 0))
+        start = IN_CONTACT.get(name, 0)
+        if threads > 1:
+            rows.append(measure_threads(name, threads, repeats, start=start))
+            continue
+        row = measure_scene(name, repeats, start=start)
         shown = {key: value for key, value in row.items() if key not in HIDDEN}
         rows.append({**shown, "contact %": 100.0 * row["ns_contact"] / row["ns_total"]})
     console = Console(width=max(Console().width, WIDTH))
-    console.print(table(rows, "Scenes: ns per material point and step"))
+    what = (
+        "ns per material point and step"
+        if threads == 1
+        else "least wall time of a step, ns per material point"
+    )
+    console.print(table(rows, f"Scenes: {what}"))
     console.print(f"{processor()}; other processes kept {load.others():.1f} cores busy")

@@ -38,7 +38,7 @@ PluginArgument: TypeAlias = Annotated[
 KindOption: TypeAlias = Annotated[
     str | None,
     typer.Option(
-        metavar="contact|shape|material|load|friction|boundary|output",
+        metavar="contact|shape|material|load|friction|boundary|output|geometry|measure|reference",
         help="Kind of the plug-in, where its name does not say.",
     ),
 ]
@@ -114,7 +114,8 @@ def check(
     if wrong:
         names = ", ".join(outcome.check for outcome in wrong)
         twins = sum(bool(outcome.same_as) for outcome in wrong)
-        causes = f" for {len(wrong) - twins} different reasons" if twins else ""
+        reasons = "one reason" if len(wrong) == twins + 1 else f"{len(wrong) - twins} different reasons"
+        causes = f" for {reasons}" if twins else ""
         raise MpmfwError(
             f"{subject.label}: {len(wrong)} of {len(outcomes)} checks went wrong{causes}: {names}"
         )
@@ -180,6 +181,7 @@ def _kind_of(text: str, kind: str | None) -> Kind:
     SceneError
         No plug-in or several have the name.
     """
+    from mpmfw.campaigns.measures import names_of_measures
     from mpmfw.discovery import available, choices, did_you_mean, load
     from mpmfw.scene.specification import parse_specification
     from mpmfw.testing.parametrised import CHECKED, kind_of
@@ -193,6 +195,8 @@ def _kind_of(text: str, kind: str | None) -> Kind:
     if ":" in plugin and "+" not in plugin:
         return kind_of(load("contact", plugin))
     found = [each for each in CHECKED if plugin in choices(each)]
+    if not found and plugin in names_of_measures():  # bundled ones are announced by no entry point
+        return "measure"
     if not found:
         names = [name for each in CHECKED for name in available(each)]
         raise SceneError(f"no plug-in '{plugin}' is installed; {did_you_mean(plugin, names)}")

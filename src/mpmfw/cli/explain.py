@@ -61,8 +61,24 @@ def _print_head(simulation: Simulation) -> None:
     method = "none needed" if simulation.contact is None else simulation.contact.label
     typer.echo(
         f"{scene.dim}D, {len(state.bodies)} bodies, {state.particles.count} material points, "
-        f"contact {method}, shape {simulation.shape.label}\n"
+        f"contact {method}, shape {simulation.shape.label}"
     )
+    if simulation.threads > 1:
+        typer.echo(_of_threads(simulation))
+    typer.echo("")
+
+
+def _of_threads(simulation: Simulation) -> str:
+    """How many threads share which work, and whether there are cores for them."""
+    from mpmfw.limits import remark_on_threads
+
+    what = (
+        "points and sums at nodes"
+        if simulation.shape.rows_ascend
+        else "points; sums at nodes are one thread's"
+    )
+    remark = remark_on_threads(simulation.threads)
+    return f"{simulation.threads} threads share {what}" + (f"\n{remark}" if remark else "")
 
 
 def _print_effect_names(simulation: Simulation) -> None:
@@ -122,12 +138,12 @@ def _print_step(simulation: Simulation, everything: bool) -> None:
 
 def _print_cost(simulation: Simulation, measure: bool, everything: bool) -> None:
     """Steps, CPU time, by stage where ``everything`` is printed, and memory, predicted from measured times per stage."""
-    from mpmfw import prediction
+    from mpmfw import cost_table, prediction
     from mpmfw.limits import results_size
     from mpmfw.sizing import most_memory, shown_bytes
 
     if measure:
-        prediction.measure(prediction.own_table())
+        cost_table.measure(cost_table.own_table())
     found = prediction.predict(simulation, [array.nbytes for _, array in named_arrays(simulation.state)])
     if everything:
         rows = [{"stage": stage, "CPU [s]": f"{seconds:.3g}"} for stage, seconds in found.stages.items()]
@@ -141,7 +157,10 @@ def _print_cost(simulation: Simulation, measure: bool, everything: bool) -> None
     typer.echo(f"at most {shown_bytes(most_memory(simulation.scene))} of memory while it is built and runs")
     frames, each, size = results_size(simulation, simulation.header())
     typer.echo(f"{frames:g} frames of {shown_bytes(each)}, and series: {shown_bytes(size)}")
-    typer.echo(f"from {found.source}; settling and output come on top")
+    typer.echo(f"{found.output_time:.3g} s for output, {found.start_time:.3g} s to start")
+    if found.settle_steps:
+        typer.echo(f"settling: at most {found.settle_steps} steps, {found.settle_time:.3g} s")
+    typer.echo(f"from {found.source}")
     if found.unknown:
         typer.echo(f"not measured, the nearest relative's times were taken: {', '.join(found.unknown)}")
     typer.echo("")

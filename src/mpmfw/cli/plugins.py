@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+import re
 from typing import TYPE_CHECKING, Any
 
 import typer
@@ -16,12 +18,27 @@ if TYPE_CHECKING:
 
 
 def plugins() -> None:
-    """List the installed plug-ins: name, kind, distribution, version and what each is."""
+    """List the installed plug-ins: name, kind, the distribution that each comes from, and what it is.
+
+    One that cannot be used says why: BROKEN. Measures that mpmfw registers itself are listed as well.
+    """
+    from mpmfw.campaigns.measures import MEASURES
     from mpmfw.discovery import KINDS, available, unknown_groups
 
-    print_rows([_row(kind, name, entry) for kind in KINDS for name, entry in available(kind).items()])
+    rows = [_row(kind, name, entry) for kind in KINDS for name, entry in available(kind).items()]
+    own = [
+        _said("measure", name, "mpmfw", first_sentence(measure.__doc__)) for name, measure in MEASURES.items()
+    ]
+    print_rows([*rows, *own])
     for line in unknown_groups():
         typer.echo(line)
+
+
+def first_sentence(text: str | None) -> str:
+    """The first sentence of a docstring, whole, however many lines it takes."""
+    paragraph = " ".join(inspect.cleandoc(text or "").partition("\n\n")[0].split())
+    found = re.match(r"(.*?[.!?])(?= +[A-Z`]|$)", paragraph)
+    return found.group(1) if found else paragraph
 
 
 def _row(kind: Kind, name: str, entry: EntryPoint) -> dict[str, Any]:
@@ -29,13 +46,11 @@ def _row(kind: Kind, name: str, entry: EntryPoint) -> dict[str, Any]:
 
     version = "" if entry.dist is None else entry.dist.version
     try:
-        about = (load(kind, name).__doc__ or "").strip().partition("\n")[0]
+        about = first_sentence(load(kind, name).__doc__)
     except SceneError as error:  # one broken plug-in does not hide the others
         about = f"BROKEN: {error}"
-    return {
-        "name": name,
-        "kind": kind,
-        "distribution": distribution_of(entry),
-        "version": version,
-        "about": about,
-    }
+    return _said(kind, name, f"{distribution_of(entry)} {version}", about)
+
+
+def _said(kind: str, name: str, source: str, about: str) -> dict[str, Any]:
+    return {"name": name, "kind": kind, "source": source, "about": about}

@@ -17,6 +17,12 @@ def resume(
         typer.Argument(metavar="RUN.nc", help="Results of a run that did not end.", show_default=False),
     ],
     checkpoint: CheckpointOption = None,
+    threads: Annotated[
+        int | None,
+        typer.Option(
+            "--threads", help="Threads in place of the scene's; the results are the same.", show_default=False
+        ),
+    ] = None,
     force: Annotated[
         bool,
         typer.Option(
@@ -30,5 +36,5 @@ def resume(
     time, end = last_checkpoint(results)
     typer.echo(f"{results}: goes on at {time:.6g} s of {end:g} s", err=True)
     with run_progress(end) as progress:
-        resume_to_file(results, progress=progress, force=force, checkpoint=checkpoint)
+        resume_to_file(results, progress=progress, force=force, checkpoint=checkpoint, threads=threads)
     typer.echo(str(results))

@@ -25,7 +25,9 @@ def validate(
     suite: Annotated[
         Path | None,
         typer.Option(
-            metavar="FOLDER", help="Folder of the cases; mpmfw's own if left out.", show_default=False
+            metavar="FOLDER",
+            help="Folder of the cases, or 'hard', the hard scenes of other fields; mpmfw's own cases if left out.",
+            show_default=False,
         ),
     ] = None,
     output: Annotated[
@@ -67,10 +69,10 @@ def validate(
 
     from mpmfw.validation.known import departures, read_known_red
     from mpmfw.validation.report import summary, terminal_table, write_csv, write_page
-    from mpmfw.validation.suite import find_cases, kept, run_cases, shipped_suite
+    from mpmfw.validation.suite import find_cases, kept, run_cases, suite_of
 
-    suite = shipped_suite() if suite is None else suite
-    found = find_cases(suite, cases or ())
+    folder = suite_of(suite)
+    found = find_cases(folder, cases or ())
     known = read_known_red(known_red) if known_red is not None else []
     with campaign_progress("cases") as (progress, _):
         outcomes = run_cases(
@@ -80,7 +82,7 @@ def validate(
             jobs=jobs_of(jobs, scheduler, None),
             progress=progress,
             executor=scheduler,
-            command=_command(cases, quick, jobs, scheduler),
+            command=_command(cases, quick, suite if suite != folder else None, jobs, scheduler),
             force=force,
         )
     console = Console()
@@ -88,7 +90,7 @@ def validate(
     for outcome in outcomes:
         if outcome.error:
             typer.echo(f"{outcome.folder.name} went wrong:\n{outcome.error}", err=True)
-    everything = kept(find_cases(suite), output, quick)
+    everything = kept(find_cases(folder), output, quick)
     write_csv(everything, output / "validation.csv")
     if document is not None:
         write_page(everything, document, known)
@@ -101,8 +103,10 @@ def validate(
         raise typer.Exit(1)
 
 
-def _command(cases: list[str] | None, quick: bool, jobs: int | None, scheduler: str | None) -> str:
-    """What was asked for, but for where the suite is and the results go."""
-    given = {"--jobs": jobs, "--scheduler": scheduler}
+def _command(
+    cases: list[str] | None, quick: bool, named: Path | None, jobs: int | None, scheduler: str | None
+) -> str:
+    """What was asked for, but for where the results go, and a suite that is not mpmfw's own."""
+    given = {"--suite": named, "--jobs": jobs, "--scheduler": scheduler}
     options = [f"{name} {value}" for name, value in given.items() if value is not None]
     return " ".join(["mpmfw validate", *(cases or ()), *["--quick"] * quick, *options])

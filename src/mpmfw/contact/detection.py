@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from mpmfw.contact.rows import ContactRows
 from mpmfw.fields import AnyArray, Field
 from mpmfw.plugin import PlugIn
 from mpmfw.setup import Setup
 from mpmfw.state import Grid, Particles, State, Stencil
+
+if TYPE_CHECKING:
+    from mpmfw.numbers import Numbers
 
 
 class Detection(PlugIn):
@@ -76,6 +79,9 @@ class Detection(PlugIn):
 
     def keep(self) -> None:
         """The step has ended: what was detected in it is the past."""
+
+    def take_over(self, other: Any, numbers: Numbers) -> None:
+        """Know of bodies, by other ``numbers``, what ``other`` of the same class remembers of them; nothing by default."""
 
     def outputs(self, rows: ContactRows) -> dict[str, AnyArray]:  # noqa: ARG002
         """Values of the declared output fields from the ``rows`` of the last step."""

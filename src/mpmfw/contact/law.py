@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any, ClassVar
 
@@ -25,6 +26,8 @@ class ContactLaw(PlugIn):
     softness_option: ClassVar[str | None] = None
     #: Whether it is written for facets alone.
     needs_facets: ClassVar[bool] = False
+    #: Dimensions that it works in.
+    dimensions: ClassVar[tuple[int, ...]] = (2, 3)
 
     @classmethod
     def joined_with(cls, detection: type[Any]) -> type[Any]:
@@ -92,6 +95,13 @@ class ForceLaw(ContactLaw):
             Of this step, and of the last one, where ``rows.before`` points.
         """
         raise NotImplementedError
+
+    def longest_step(self, rows: ContactRows, grid: Grid) -> float:  # noqa: ARG002
+        """Step [s] that ``rows`` of this step allow beside their stiffness, before the safety factor; infinite unless a law says.
+
+        ``grid`` has the mass and the momentum of the projection, before forces have acted.
+        """
+        return math.inf
 
     def forces(self, rows: ContactRows, old: ContactRows, dashpot: float, records: PairRecords) -> None:
         """Write ``rows.force``, and the pairs' works and energies.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from pydantic import BaseModel
@@ -20,6 +20,9 @@ from mpmfw.fields import AnyArray, Field, FloatArray
 from mpmfw.hookspecs import hookimpl
 from mpmfw.setup import Setup
 from mpmfw.state import Grid, Pair, Particles, State, Stencil
+
+if TYPE_CHECKING:
+    from mpmfw.numbers import Numbers
 
 
 class RowContact(ContactStrategy):
@@ -50,17 +53,17 @@ class RowContact(ContactStrategy):
         super().__init_subclass__(**keywords)
         if hasattr(cls, "Detection"):
             cls.needs_surface = cls.Detection.needs_surface
-            cls.dimensions = cls.Detection.dimensions
+            cls.dimensions = tuple(d for d in cls.Detection.dimensions if d in cls.Law.dimensions)
             cls.uses_friction = cls.takes_friction_law = cls.Law.uses_friction
             if cls.Law.remarks is not ContactLaw.remarks:
                 cls.concerns = _concerns
 
     def parts(self) -> list[Any]:
-        """Those of the detection."""
+        """Parts of the detection."""
         return self._parts
 
     def reach(self, cell_size: float) -> float | None:
-        """That of the detection."""
+        """Reach of the detection [m]."""
         return self.detection.reach(cell_size)
 
     def unused(self, pairs: Sequence[Pair]) -> list[str]:
@@ -145,6 +148,10 @@ class RowContact(ContactStrategy):
         """
         self.rows.record(scale, self.records, spacing)
 
+    def take_over(self, other: RowContact, numbers: Numbers) -> None:
+        """Know of bodies, by other ``numbers``, what ``other`` knows of them from step to step; records are declared arrays."""
+        self.detection.take_over(other.detection, numbers)
+
     def restart(self) -> None:
         """Forget impulse and work of the settling; contacts stay loaded."""
         self.records.restart()
@@ -159,7 +166,10 @@ class RowContact(ContactStrategy):
 
 
 class ForceContact(RowContact):
-    """Forces on rows act beside the internal ones (eq. 12 of [H17]), and the step must resolve them."""
+    """Forces on rows act beside the internal ones (eq. 12 of [H17]), and the step must resolve them.
+
+    A subclass names the classes ``Detection`` and ``Law``; the hook ``concerns`` is there where the law has something to say.
+    """
 
     Law: ClassVar[type[ForceLaw]]
 
@@ -171,12 +181,13 @@ class ForceContact(RowContact):
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """Those, and the detection's output fields."""
+        """Fields of every contact, and the detection's output fields."""
         return [*self.detection.fields(), *super().declare_fields()]
 
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
-        """Those, and the detection's output fields, from the rows of the last step; ``interval`` [s] is since the last output."""
+        """Series of every contact, and the detection's output fields, from the rows of the last step; ``interval`` [s] is since
+        the last output."""
         return {**self.detection.outputs(self.old), **super().diagnostics(state, interval)}
 
     @hookimpl
@@ -187,18 +198,20 @@ class ForceContact(RowContact):
         self.omega_squared: float | None = (
             None  #: of the rows of this step [1/s²]; None before any was detected
         )
+        self.longest_step = math.inf  #: that the law allows beside it [s]
 
     @hookimpl
     def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
         """The rows where the bodies are now, their stiffness, and the highest frequency that they give the grid."""
         rows, old = self.rows, self.old
         self.find_rows(grid, phi, particles)
-        self.omega_squared = 0.0
+        self.omega_squared, self.longest_step = 0.0, math.inf
         if rows.count:
             rows.match(old)
             self.bound_slip()
             stiffness = self.law.stiffness(rows, old)
             self.omega_squared = rows.couplings(stiffness, grid, self.scratch(grid), stiffness)
+            self.longest_step = self.law.longest_step(rows, grid)
             if rows.gap[: rows.count].min() > 0.0:
                 # The step in which they touch must not be longer than the next: springs begin with the depth that it leaves,
                 # and with its square the energy that nothing paid for
@@ -226,6 +239,11 @@ class ForceContact(RowContact):
         self.detection.keep()
         self.rows, self.old = self.old, rows
 
+    def take_over(self, other: RowContact, numbers: Numbers) -> None:
+        """Those, and the rows of the last step that ``other`` has, by ``numbers``."""
+        super().take_over(other, numbers)
+        self.old.take_over(other.last_rows, numbers)
+
     @property
     def last_rows(self) -> ContactRows:
         """The rows of the last step, with their forces."""
@@ -233,20 +251,29 @@ class ForceContact(RowContact):
 
     @hookimpl
     def stable_timestep(self) -> tuple[float, str] | None:
-        """2 / sqrt(ω_bulk² + ω²) [s]: bulk and springs act together. Before the first detection, ω² is that of equal bodies."""
+        """2 / sqrt(ω_bulk² + ω²) [s]: bulk and springs act together. Before the first detection, ω² is that of equal bodies.
+
+        It is less where the law allows less.
+        """
         omega_squared = self.omega_squared
         if omega_squared is None:
             omega_squared = self.law.expected(self.bulk_frequency)
-        if omega_squared == 0.0:
+        if omega_squared == 0.0 and self.longest_step == math.inf:
             return None
         zeta = self.law.damping
         # A dashpot that lags by a step takes away from the limit of its spring: 2 (√(1 + ζ²) − ζ) / ω.
         omega_squared /= (math.sqrt(1.0 + zeta * zeta) - zeta) ** 2
-        return 2.0 / math.sqrt(self.bulk_frequency**2 + omega_squared), f"{self.law.name} springs and bulk"
+        resolved = 2.0 / math.sqrt(self.bulk_frequency**2 + omega_squared)
+        if self.longest_step < resolved:
+            return self.longest_step, f"{self.law.name} at the present approach"
+        return resolved, f"{self.law.name} springs and bulk"
 
 
 class ImpulseContact(RowContact):
-    """Impulses on rows correct the grid's momentum: the projected and the updated one, and MUSL's second."""
+    """Impulses on rows correct the grid's momentum: the projected and the updated one, and MUSL's second.
+
+    A subclass names the classes ``Detection`` and ``Law``; the hook ``concerns`` is there where the law has something to say.
+    """
 
     Law: ClassVar[type[ImpulseLaw]]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from mpmfw.kernels.contact import (
 )
 from mpmfw.state import Grid
 
+if TYPE_CHECKING:
+    from mpmfw.numbers import Numbers
+
 #: Which arrays have a vector in every row, which are of integers, and which have rows for the entries of B.
 _VECTORS = ("normal", "motion", "force", "couple", "tilt")
 _INTEGERS = ("pair", "identity", "before", "start", "dof")
@@ -30,7 +33,9 @@ _OF_ENTRIES = ("dof", "weight", "couple", "tilt")
 class ContactRows(Rows):
     """The rows of one step. Arrays have room for more than ``count`` rows, the first ``count`` are meant.
 
-    Kernels take them as one argument, ``rows.gap[c]`` (:class:`mpmfw.kernels.contact.Rows`).
+    Kernels take them as one argument, ``rows.gap[c]``. :class:`mpmfw.kernels.contact.Rows` says what each is: pair, identity,
+    before, sign, gap, area, whole, normal, motion, friction, cohesion, force, and of the operator start, dof, weight, couple,
+    tilt.
 
     Parameters
     ----------
@@ -81,6 +86,35 @@ class ContactRows(Rows):
         """All arrays with room for anything, by name."""
         whole = self.members() | self.own.members()
         return {name: array for name, array in whole.items() if len(array)}
+
+    def take_over(self, other: ContactRows, numbers: Numbers) -> None:
+        """Rows of the last step that ``other`` has of bodies by other ``numbers``, in place of those of the same pairs.
+
+        B is not taken: it belongs to nodes that lie elsewhere.
+        """
+        kept = np.flatnonzero(~np.isin(self.pair[: self.count], numbers.pair))
+        taken = np.flatnonzero(numbers.pair[other.pair[: other.count]] >= 0)
+        ours = {name: array[kept].copy() for name, array in self.history().items() if len(array)}
+        theirs = {name: array[taken].copy() for name, array in other.history().items() if len(array)}
+        other.renumber(theirs, self, numbers)
+        order = np.argsort(np.concatenate([ours["identity"], theirs["identity"]]), kind="stable")
+        if len(order) > len(self.pair):
+            self.make_room(2 * len(order), len(self.dof))
+        self.count = len(order)
+        for name, array in self.history().items():
+            if len(array):
+                none = np.zeros((len(taken), *array.shape[1:]), dtype=array.dtype)
+                array[: self.count] = np.concatenate([ours[name], theirs.get(name, none)])[order]
+
+    def history(self) -> dict[str, AnyArray]:
+        """All arrays with an entry for every row; the law's are called ``own/NAME``."""
+        entries = ("start", *_OF_ENTRIES)
+        arrays = {name: array for name, array in self.members().items() if name not in entries}
+        return arrays | {f"own/{name}": array for name, array in self.own.members().items()}
+
+    def renumber(self, history: dict[str, AnyArray], own: ContactRows, numbers: Numbers) -> None:  # noqa: ARG002
+        """Let ``history`` speak of pairs by the ``numbers`` that they have in ``own``."""
+        history["pair"] = numbers.pair[history["pair"]]
 
     def match(self, old: ContactRows) -> None:
         """Fill ``before`` with the rows of the last step, ``old``."""

@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from mpmfw.errors import MpmfwError
 from mpmfw.plots import figures_of
+from mpmfw.plots.style import journal_style
 from mpmfw.references import described
 from mpmfw.report.columns import CHOICES, COLUMNS, COSTS, column_of
 from mpmfw.report.differences import differences, refinement
@@ -205,7 +205,7 @@ def _conditions(dataset: xr.Dataset) -> str:
 def _svg(figure: Figure) -> str:
     """Draw a figure as inline SVG; text stays text, ids do not depend on the time."""
     buffer = io.StringIO()
-    with rc_context({"svg.fonttype": "none", "svg.hashsalt": "mpmfw"}):
+    with journal_style():
         figure.savefig(buffer, format="svg", metadata={"Date": None})
     text = buffer.getvalue()
     return text[text.index("<svg") :]

@@ -6,11 +6,14 @@ import contextlib
 import os
 import uuid
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import netCDF4
-import xarray as xr
 
 from mpmfw.errors import MpmfwError, SceneError
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def check_replaceable(path: str | os.PathLike[str], kind: str, what: str) -> None:

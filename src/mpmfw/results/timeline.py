@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -114,6 +115,8 @@ class Timeline:
         dtype: Any = np.dtype(field.dtype)
         chunks = layout.chunks(field, values.shape, dtype.itemsize, more_pairs=self.more_pairs)
         variable = _variable(group, field.name, dtype, layout.dimensions(field), chunksizes=chunks)
+        if chunks is not None:  # HDF5 keeps 16 MB of every variable, which nobody asks for again
+            variable.set_var_chunk_cache(size=dtype.itemsize * math.prod(chunks))
         variable.setncatts(
             {**field.attributes, "units": layout.unit(field, self.dim, per_metre=self.per_metre)}
         )

@@ -87,7 +87,7 @@ def is_opaque(value: Any) -> bool:
 
 
 def attributes_of(value: Any) -> dict[str, Any]:
-    """Attributes of the object itself, those in slots as well."""
+    """Attributes of the object itself, those in slots as well; none that its class has among ``unsaved``."""
     found = dict(getattr(value, "__dict__", {}))
     for kind in type(value).__mro__:
         slots = vars(kind).get("__slots__", ())
@@ -99,4 +99,4 @@ def attributes_of(value: Any) -> dict[str, Any]:
             )
             if name not in ("__dict__", "__weakref__") and hasattr(value, name):
                 found[name] = getattr(value, name)
-    return found
+    return {name: part for name, part in found.items() if name not in getattr(type(value), "unsaved", ())}
