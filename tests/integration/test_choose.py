@@ -41,15 +41,26 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_methods_run_at_two_cells_and_the_answer_is_what_meets_the_target(store: Path) -> None:
     found = mpmfw.choose(scene(), "90 %", store=store, **METHODS)
     assert found["cell_size"].values.tolist() == [0.4 / k for k in (1, 2, 3, 4, 6, 8)]
-    ran = found["status"].sel(contact="penalty", shape="cpdi") == "ok"
-    assert 1 <= int(ran.sum()) <= 3
-    assert np.isfinite(found["error"].sel(contact="penalty", shape="cpdi").where(ran, drop=True)).all()
     best = method_rows(found)[0]
+    ran = found["status"].sel(contact=best["contact"], shape="cpdi") == "ok"
+    assert 1 <= int(ran.sum()) <= 3
+    assert np.isfinite(found["error"].sel(contact=best["contact"], shape="cpdi").where(ran, drop=True)).all()
     assert best["answer"]
     assert best["upper"] <= 0.9
     assert best["cost"] > 0.0
     assert advice(found)[0].startswith(f"For 90 %: {best['contact']}, cpdi, cell_size")
     assert "a rigid block under Coulomb friction" in advice(found)[1]
+
+
+def test_what_costs_more_than_a_run_that_meets_the_target_is_not_run(store: Path) -> None:
+    cheap, dear = "separate", "lcp"
+    found = mpmfw.choose(scene(), "99 %", contact=[dear, cheap], shape=["cpdi"], store=store)
+    first, last = method_rows(found)
+    assert (first["contact"], first["verdict"], first["cell_size_needed"]) == (cheap, "measured", 0.4)
+    assert last["verdict"] == "not run"
+    assert last["why"].startswith("predicted to take ")
+    assert (found["status"].sel(contact=dear) == "not run").all()
+    assert int((found["status"] == "ok").sum()) == 1
 
 
 def test_what_nobody_meets_has_no_answer_and_says_what_is_nearest(store: Path) -> None:
@@ -135,7 +146,7 @@ def test_the_command_prints_a_table_and_the_answer_and_rows_for_other_programs(t
     done = CliRunner().invoke(app, [*asked, "--error", "90%"])
     assert done.exit_code == 0, done.output
     assert "For 90 %: " in done.stdout
-    assert "The pilots took" in done.stdout
+    assert "The runs took" in done.stdout
     again = CliRunner().invoke(app, [*asked, "--error", "80%", "--format", "json"])
     assert again.exit_code == 0, again.output
     rows = json.loads(again.stdout)

@@ -14,7 +14,7 @@ from mpmfw.studies.fitting import Interval
 from mpmfw.studies.verdicts import interval_text
 
 #: Verdicts, the best ones first.
-_ORDER = ("measured", "predicted", "unsure", "out of reach", "failed")
+_ORDER = ("measured", "predicted", "unsure", "out of reach", "not run", "failed")
 
 
 def method_rows(dataset: xr.Dataset) -> list[dict[str, Any]]:
@@ -54,11 +54,13 @@ def advice(dataset: xr.Dataset) -> list[str]:
     target = f"{percent(dataset.attrs['target'])} %"
     rows, pilots = method_rows(dataset), float(dataset["cpu_time"].sum())
     best = next((row for row in rows if row["answer"]), None)
-    took = f"The pilots took {pilots:.3g} s of CPU time"
+    took = f"The runs took {pilots:.3g} s of CPU time"
     if best is None:
         return [f"No method is certain to meet {target}: {_nearest(rows)}", *_against(dataset), took]
-    how = "measured, by a pilot" if best["verdict"] == "measured" else "predicted"
-    share = f", {pilots / best['cost']:.2g} of what the answer costs" if best["cost"] > 0.0 else ""
+    measured = best["verdict"] == "measured"
+    how = "measured, by a pilot" if measured else "predicted"
+    others = (pilots - best["cost"] if measured else pilots) / best["cost"]
+    share = f", those that are not the answer {max(others, 0.0):.2g} of what the answer costs"
     return [
         f"For {target}: {best['contact']}, {best['shape']}, cell_size {best['cell_size_needed']:.4g} m; error {_error(best)}, "
         f"{best['cost']:.3g} s of CPU time ({how})",

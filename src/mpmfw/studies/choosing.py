@@ -52,8 +52,9 @@ def choose(
 ) -> xr.Dataset:
     """Say which method and cell size bring a scene's error below a target at the least cost, from a few coarse runs.
 
-    Every method runs at two cells, twice the scene's own and its own; a third is run where it decides. A method whose next run
-    would cost more than one that meets the target already is not run further. Of each method e(h) = e0 + C h^p
+    Methods run at two cells, twice the scene's own and its own, the cheapest first, as :func:`mpmfw.prediction.predict` has it; a
+    third is run where it decides. A method whose next run would cost more than one that meets the target already is not run, nor
+    one that is out of reach of it. Of each method e(h) = e0 + C h^p
     is fitted (:class:`mpmfw.studies.fitting.ErrorFit`) and the cost, steps times (a + b points). A method meets the target where
     a run of it did, or where it is predicted to with a probability of 95 %.
 
@@ -110,7 +111,9 @@ def choose(
     with tempfile.TemporaryDirectory(prefix="mpmfw-choose-") as folder:
         kept = store if store is not None or output is not None else folder
         runs = GridRuns(grid, "choice", output=output, store=kept, executor=executor, jobs=jobs)
-        pilots = Pilots(runs, *known, target, lambda only: runs.complete(1, progress, report, force, only))
+        at_once = len(grid.combinations) if executor is not None else jobs or 1
+        complete = lambda only: runs.complete(1, progress, report, force, only)  # noqa: E731
+        pilots = Pilots(runs, *known, target, complete, at_once)
         pilots.run()
         runs.warn(lambda one: one.name)
         dataset = pilots.dataset()

@@ -13,9 +13,11 @@ from mpmfw.campaigns.costs import costs_of, least
 from mpmfw.campaigns.grid import Index, RunGrid
 from mpmfw.campaigns.grid_runs import GridRuns
 from mpmfw.campaigns.judging import ErrorTable, Judge
-from mpmfw.errors import SimulationError
+from mpmfw.errors import MpmfwError, SimulationError
 from mpmfw.measure import Measure
+from mpmfw.prediction import predict
 from mpmfw.results.provenance import provenance
+from mpmfw.scene import Scene
 from mpmfw.studies.fitting import CostFit, Pilot
 from mpmfw.studies.verdicts import Method, Task, Verdict, best_of, verdict, with_reasons
 
@@ -39,6 +41,8 @@ class Pilots:
         Relative error.
     complete
         Makes the runs of some points.
+    at_once
+        Runs that are made at a time.
     """
 
     def __init__(
@@ -48,8 +52,9 @@ class Pilots:
         kind: str,
         target: float,
         complete: Callable[[Collection[Index]], None],
+        at_once: int = 1,
     ) -> None:
-        self.runs, self.grid, self._complete = runs, runs.grid, complete
+        self.runs, self.grid, self._complete, self._at_once = runs, runs.grid, complete, at_once
         labels = self.grid.coords
         self.ladder: list[float] = labels["cell_size"]
         self.methods: list[Method] = [
@@ -63,12 +68,14 @@ class Pilots:
         self.reference = (0, 0, len(self.ladder) - 1) if finest else None
         scene = next(one.scene for one in self.grid.combinations.values() if one.scene is not None)
         self.task = Task(target, self.ladder, measure.kind == "number", scene.dim)
+        self.prices = {method: price(self.grid.combinations[*method, 0].scene) for method in self.methods}
         self.pruned: dict[Method, float] = {}
         self.asked: set[Index] = set()
         self._found: dict[Index, Pilot] = {}
 
     def run(self) -> None:
-        """Make the runs: all methods at the coarsest cells, those that may be the answer at the next, a few at the third.
+        """Make the runs at the coarsest cells, then at the next, the cheapest first, until one meets the target or none is left
+        that may; a few at the third.
 
         Raises
         ------
@@ -83,10 +90,19 @@ class Pilots:
                     f"the run that errors are to be against, {self.grid.combinations[self.reference].name}, has no result: "
                     f"{status}; expected another method in the first place, or coarser cells"
                 )
-        self._ask({(*method, 0) for method in self.methods})
-        self._ask({(*method, 1) for method in self.methods if self._worth(method)})
+            self._ask({(*self.reference[:2], k) for k in (0, 1)})  # what it is off by itself
+        for k in (0, 1):
+            waiting = sorted((m for m in self.methods if (*m, k) not in self.asked), key=self._expected)
+            while waiting := [method for method in waiting if self._worth(method)]:
+                self._ask({(*method, k) for method in waiting[: self._at_once]})
+                del waiting[: self._at_once]
         if len(self.ladder) > 2:
             self._ask({(*method, 2) for method in self._thirds()})
+
+    def _expected(self, method: Method) -> float:
+        """CPU time of the next run of a method [s]: predicted, or from its last one."""
+        found = self.found()[method]
+        return found[-1].cost if found else self.prices[method]
 
     def _ask(self, points: set[Index]) -> None:
         """Make runs, and read them; others that the store may hold are not looked at, so that no answer depends on them."""
@@ -105,13 +121,19 @@ class Pilots:
                 self._found[index] = Pilot(self.ladder[index[2]], float(error), *values)
 
     def _worth(self, method: Method) -> bool:
-        """Whether the second run of a method may cost less than what meets the target already: it costs as many steps more."""
+        """Whether the next run of a method may cost less than what meets the target already: it costs as many steps more.
+
+        What is out of reach with the best order of convergence is not run either.
+        """
         verdicts = self.verdicts()
         best = best_of({name: one for name, one in verdicts.items() if one.kind == "measured"})
         found = self.found()[method]
-        if best is None or not found:
-            return True
-        least = found[0].cost * self.ladder[0] / self.ladder[1]
+        if best is None:
+            return verdicts[method].kind != "out of reach"
+        if found:
+            least = found[0].cost * self.ladder[0] / self.ladder[1]
+        else:  # prices are of use as ratios alone
+            least = verdicts[best].cost * self.prices[method] / max(self.prices[best], 1e-9)
         if least < verdicts[best].cost:
             return True
         self.pruned[method] = least
@@ -142,7 +164,12 @@ class Pilots:
         """What is known of every method."""
         found = self.found()
         task = self.task.with_slack(self._slack(found))
-        return {method: verdict(found[method], task) for method in self.methods}
+        return {
+            method: Verdict("not run")
+            if method in self.pruned and (*method, 0) not in self.asked
+            else verdict(found[method], task)
+            for method in self.methods
+        }
 
     def _slack(self, found: Mapping[Method, list[Pilot]]) -> float:
         """What the run that errors are against is off by itself: its distance from the next coarser one of its method.
@@ -213,6 +240,19 @@ class Pilots:
             "target": task.target,
             "versions": json.dumps(provenance()["versions"]),
         }
+
+
+def price(scene: Scene | None) -> float:
+    """Predicted CPU time of a run [s], settling included; 0 of one that is refused."""
+    from mpmfw.simulation import Simulation
+
+    if scene is None:
+        return 0.0
+    try:
+        found = predict(Simulation(scene), ())
+    except MpmfwError:  # it fails as fast where it is run, and its status says why
+        return 0.0
+    return found.cpu_time + found.settle_time
 
 
 def _is_likely(one: Verdict, task: Task) -> bool:

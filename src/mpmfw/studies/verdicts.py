@@ -54,7 +54,7 @@ class Verdict:
     ----------
     kind
         ``measured`` or ``predicted``: the target is met, by a pilot or by prediction; ``unsure``: it may be met;
-        ``out of reach``; ``failed``: no pilot has an error.
+        ``out of reach``; ``failed``: no pilot has an error; ``not run``: dearer than the answer at any cell.
     cell_size
         The cheapest cell that meets the target; else the finest of the ladder [m].
     error
@@ -141,6 +141,8 @@ def with_reasons(
     for method, one in verdicts.items():
         if method == best:
             words[method] = "the answer: " + ("a pilot run has it" if one.kind == "measured" else "predicted")
+        elif one.kind == "not run":
+            words[method] = f"predicted to take {pruned[method] / cost:.2g} times the cost of the answer"
         elif one.kind == "failed":
             words[method] = failures.get(method, "no run has an error")
         elif one.meets:
