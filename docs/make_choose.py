@@ -17,9 +17,9 @@ import numpy as np
 import xarray as xr
 
 import mpmfw
-from mpmfw.campaigns.exact import Exact
-from mpmfw.campaigns.measures import About, Measured, measure
+from mpmfw.campaigns.measures import measure
 from mpmfw.errors import ResultsWarning
+from mpmfw.measure import About, Exact, Measured
 from mpmfw.scene import Scene, load_scene
 from mpmfw.studies.advice import method_rows
 from mpmfw.studies.choosing import DIVISORS
@@ -86,7 +86,7 @@ def _rebound(scene: Scene, about: About) -> Exact | None:  # noqa: ARG001
 @measure("rebound", "m s-1", "number", (), _rebound)
 def rebound(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
     """Velocity of the left bar at the end."""
-    velocity = run["series"]["mean_velocity"].sel(body="left", axis="x").values
+    velocity = run["series"].to_dataset()["mean_velocity"].sel(body="left", axis="x").values
     return Measured(velocity[-1:], np.empty(0))
 
 
@@ -441,8 +441,8 @@ def in_sample() -> str:
     for row in (HERE / "studies.md").read_text(encoding="utf-8").splitlines():
         cells = [cell.strip() for cell in row.strip("| ").split("|")]
         if cells[0] in ("slip", "no slip") and cells[1] != "none":
-            numbers = tuple(float(cells[k]) for k in (6, 7, 9))
-            found.setdefault(tuple(cells[:3]), {})[float(cells[3])] = numbers
+            error, cost, steps = (float(cells[k]) for k in (6, 7, 9))
+            found.setdefault(tuple(cells[:3]), {})[float(cells[3])] = error, cost, steps
     above = below = 0
     for runs in found.values():
         pilots = [Pilot(h, runs[h][0] / 100.0, runs[h][1], runs[h][2], 1.0 / h**2) for h in (0.8, 0.4)]

@@ -25,7 +25,7 @@ import hard_cases  # noqa: E402
 import hard_scenes  # noqa: E402
 import known  # noqa: E402
 from design import rows  # noqa: E402
-from placing import PLACES, PLACES_IN_SPACE, rotation_of  # noqa: E402
+from places import PLACES, PLACES_IN_SPACE, rotation_of  # noqa: E402
 
 HEAD = """\
 # Hard cases
