@@ -90,8 +90,9 @@ def runs(workers: int, tasks: list[tuple[Any, ...]]) -> Found:
     found: Found = {}
     with ProcessPoolExecutor(workers) as pool:
         for task, outcome in zip(tasks, pool.map(run, tasks), strict=True):
-            said = hard_cases.complaints(*task[:3], outcome)
-            found.setdefault(task[:3], []).append((outcome, said))
+            case, contact, shape = task[:3]
+            said = hard_cases.complaints(case, contact, shape, outcome)
+            found.setdefault((case, contact, shape), []).append((outcome, said))
             print(*task, outcome.status, *said, flush=True)
     return found
 
