@@ -86,7 +86,7 @@ nitpicky = True
 nitpick_ignore_regex = [
     (
         "py:class",
-        r"(Any|Float|Index|Int)Array|Floats|Ints|Indices|TypeAliasForwardRef|Params|Layout|NearPairs|Results",
+        r"(Any|Float|Index|Int)Array|Floats|Ints|Indices|TypeAliasForwardRef|Params|Layout|NearPairs|Results|numpy\.\w+",
     ),
     (
         "py:class",
@@ -98,7 +98,7 @@ nitpick_ignore_regex = [
     ),
     (
         "py:class",
-        r"mpmfw\.(hookspecs\.HookSpecs|studies\.loading\.Study|point_fields\.PointField)",
+        r"mpmfw\.(hookspecs\.HookSpecs|studies\.loading\.Study|point_fields\.PointField)|Numbers|RowContact|Scene|Threads",
     ),
     ("py:.*", r"declare_fields|hookimpl|Interrupted|KAPPA|mpmfw\.fields\.CONTACT_SERIES"),
 ]

@@ -52,11 +52,10 @@ def choose(
 ) -> xr.Dataset:
     """Say which method and cell size bring a scene's error below a target at the least cost, from a few coarse runs.
 
-    Methods run at two cells, twice the scene's own and its own, the cheapest first, as :func:`mpmfw.prediction.predict` has it; a
-    third is run where it decides. A method whose next run would cost more than one that meets the target already is not run, nor
-    one that is out of reach of it. Of each method e(h) = e0 + C h^p
-    is fitted (:class:`mpmfw.studies.fitting.ErrorFit`) and the cost, steps times (a + b points). A method meets the target where
-    a run of it did, or where it is predicted to with a probability of 95 %.
+    Methods run at twice the scene's own cell and at its own, in the order of what ``mpmfw explain`` predicts them to take; a third
+    is run where it decides. A method whose next run would cost more than one that meets the target already is not run, nor
+    one that is out of reach of it. Of each method e(h) = e0 + C h^p is fitted and the cost, steps times (a + b points). A method
+    meets the target where a run of it did, or where it is predicted to with a probability of 95 %.
 
     Parameters
     ----------
@@ -70,7 +69,8 @@ def choose(
         off by itself is estimated, and added to every error's bounds.
     contact, shape
         Methods to choose among, as :func:`mpmfw.compare` takes them; every combination is tried. By default those that the
-        shipped studies found best: :data:`CONTACTS` and :data:`SHAPES`.
+        shipped studies found best: ``penalty``, ``hybrid`` and ``bardenhagen(criterion=position, normal=master)`` with ``cpdi``
+        and ``gimp``.
     coarsest, finest
         Cell sizes of the first pilots and of the smallest answer [m]; twice and a quarter of the scene's own by default.
     set
