@@ -52,7 +52,7 @@ def choose(
 ) -> xr.Dataset:
     """Say which method and cell size bring a scene's error below a target at the least cost, from a few coarse runs.
 
-    Methods run at twice the scene's own cell and at its own, in the order of what ``mpmfw explain`` predicts them to take; a third
+    Methods run at twice the scene's own cell and at its own, the cheapest first by what ``mpmfw explain`` predicts; a third
     is run where it decides. A method whose next run would cost more than one that meets the target already is not run, nor
     one that is out of reach of it. Of each method e(h) = e0 + C h^p is fitted and the cost, steps times (a + b points). A method
     meets the target where a run of it did, or where it is predicted to with a probability of 95 %.
