@@ -97,7 +97,7 @@ open.value = "not yet"
     rows = {row.quantity: row for row in found.rows if row.method == "penalty, cpdi"}
     assert (rows["coarse: size"].value, rows["coarse: size"].verdict) == (0.8, Verdict.RED)
     open_ = rows["fine: size"]
-    assert (open_.value, open_.verdict, open_.reference) == (0.4, Verdict.SHOWN, 0.1)
+    assert (open_.value, open_.verdict, open_.tolerance) == (0.4, Verdict.OUTSIDE, "0 … 0.1")
 
 
 def test_rows_of_methods_scaled_and_none(check):

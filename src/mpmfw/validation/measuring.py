@@ -198,13 +198,11 @@ def _results(case: Case, runs: RunsTable, scene: Scene) -> Any:
 
 
 def _record(case: Case, row: RowTable, run: CaseRun) -> None:
-    """The row of a run; one that is open is shown beside the limit that it does not keep."""
+    """The row of a run."""
     value, limits = run.quantity(row), row.limits(run.place)
     if value is None:
         return
     reference = run.quantity(row.reference) if isinstance(row.reference, QuantityTable) else row.reference
-    if row.key in run.place.open and limits is not None:
-        reference, limits = limits[1], None
     assert reference is not None
     name, binds = row.quantity.replace("{at}", run.place.at), row.is_gate(run.method, run.place)
     case.gate(name, value, within=limits, reference=reference, unit=row.unit, method=run.method, binds=binds)
@@ -239,8 +237,6 @@ def _whole(
     value, limits, reference = _scaled(row, found), row.limits(place), row.reference
     if value is not None:
         assert not isinstance(reference, QuantityTable)
-        if place is not None and row.key in place.open and limits is not None:
-            reference, limits = limits[0] if math.isfinite(limits[0]) else limits[1], None
         name = row.quantity.replace("{at}", place.at if place else "{at}")
         binds = binds and limits is not None
         case.gate(name, value, within=limits, reference=reference, unit=row.unit, method=method, binds=binds)

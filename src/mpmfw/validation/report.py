@@ -6,7 +6,8 @@ import csv
 import math
 import platform
 import shutil
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 
@@ -127,7 +128,8 @@ def _head(outcomes: Sequence[CaseResult], known: Sequence[KnownRed]) -> str:
             "settling, without compilation; where several processes ran, they shared the machine.",
             "A *gate* decides whether the suite passes; it binds the recommended combination, penalty contact with "
             "CPDI or CPDI2 and the scene's defaults. Other methods are shown at the same limits: *within* or "
-            "*outside*. A method that failed keeps its row.",
+            "*outside*, and so is the recommended one where its case says that a limit is not kept yet, and why (`open`). A "
+            "method that failed keeps its row.",
             *_red(outcomes, known),
             *_matrix(outcomes),
         ]
@@ -144,16 +146,14 @@ def _title(outcomes: Sequence[CaseResult]) -> str:
 
 def _matrix(outcomes: Iterable[CaseResult]) -> list[str]:
     """Of every case and method, how many of the values that have limits are within them."""
-    recommended: list[str] = RECOMMENDED["shapes"]
-    shapes = [*recommended, *(one for one in SHAPES if one not in recommended)]
-    methods = [Method(contact, shapes[0]) for contact in CONTACTS]
-    methods += [Method(contact, one) for contact in RECOMMENDED["contacts"] for one in shapes[1:]]
-    lines = [["case", *(str(method).replace("(", " (") for method in methods)], ["---"] * (len(methods) + 1)]
-    for outcome in outcomes:
-        found = [[row for row in outcome.rows if row.method == str(method)] for method in methods]
-        passes = [_passes(rows) for rows in found]
-        if any(passes):
-            lines.append([f"`{outcome.folder.name}`", *passes])
+    passes = {outcome.folder.name: _passes(outcome.rows) for outcome in outcomes}
+    methods = [one for one in _columns(passes.values()) if any(one in found for found in passes.values())]
+    lines = [["case", *(one.replace("(", " (") for one in methods)], ["---"] * (len(methods) + 1)]
+    lines += [
+        [f"`{name}`", *(found.get(one, "") for one in methods)]
+        for name, found in passes.items()
+        if found.keys() & set(methods)
+    ]
     if len(lines) == 2:
         return []
     return [
@@ -162,12 +162,23 @@ def _matrix(outcomes: Iterable[CaseResult]) -> list[str]:
     ]
 
 
-def _passes(rows: Iterable[Row]) -> str:
-    """``3 / 4``, or nothing where no value has a limit."""
-    judged = [row.verdict for row in rows if row.verdict is not Verdict.SHOWN]
-    return (
-        f"{sum(one in (Verdict.HOLDS, Verdict.WITHIN) for one in judged)} / {len(judged)}" if judged else ""
-    )
+def _columns(passes: Collection[Mapping[str, str]]) -> list[str]:
+    """The recommended contact with every shape function, the others with CPDI, and what more than half of the cases have."""
+    recommended: list[str] = RECOMMENDED["shapes"]
+    shapes = [*recommended, *(one for one in SHAPES if one not in recommended)]
+    methods = [str(Method(contact, shapes[0])) for contact in CONTACTS]
+    methods += [str(Method(contact, one)) for contact in RECOMMENDED["contacts"] for one in shapes[1:]]
+    usual = Counter(method for found in passes for method in found if method)
+    return list(dict.fromkeys([*methods, *(one for one, count in usual.items() if 2 * count >= len(passes))]))
+
+
+def _passes(rows: Iterable[Row]) -> dict[str, str]:
+    """``3 / 4`` by method, of those that have values with limits."""
+    judged: dict[str, list[bool]] = {}
+    for row in rows:
+        if row.verdict is not Verdict.SHOWN:
+            judged.setdefault(row.method, []).append(row.verdict in (Verdict.HOLDS, Verdict.WITHIN))
+    return {method: f"{sum(each)} / {len(each)}" for method, each in judged.items()}
 
 
 def _written_by(outcomes: Sequence[CaseResult]) -> str:

@@ -65,7 +65,7 @@ class PlaceTable(Table):
     within
         Limits that hold here, by ``key`` of a row.
     open
-        Rows that do not keep their limits today, by ``key``, and why: shown beside the limit, they decide nothing. ``run`` is
+        Rows that do not keep their limits today, by ``key``, and why: they are no gates. ``run`` is
         the run itself.
     """
 
