@@ -169,7 +169,9 @@ def _columns(passes: Collection[Mapping[str, str]]) -> list[str]:
     methods = [str(Method(contact, shapes[0])) for contact in CONTACTS]
     methods += [str(Method(contact, one)) for contact in RECOMMENDED["contacts"] for one in shapes[1:]]
     usual = Counter(method for found in passes for method in found if method)
-    return list(dict.fromkeys([*methods, *(one for one, count in usual.items() if 2 * count >= len(passes))]))
+    return list(
+        dict.fromkeys([*methods, *(one for one, count in usual.items() if count > max(1, len(passes) // 2))])
+    )
 
 
 def _passes(rows: Iterable[Row]) -> dict[str, str]:
