@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 
 import mpmfw
 from mpmfw import plots
-from mpmfw.plots.style import new_figure
+from mpmfw.plots.style import dress, new_figure
 
 plt.style.use("mpmfw.plots.journal")
 
@@ -52,8 +52,10 @@ swinging = mpmfw.run("contact-stress", contact="penalty", set=changes)
 gap = mpmfw.gap(swinging)
 figure = new_figure(1, 1)
 axes = figure.subplots()
-gap.plot(ax=axes)
-axes.axhline(mpmfw.gap(trees["penalty"]).values[-1], color="black", linewidth=0.8, label="at rest")
+axes.plot(1e3 * gap["time"], 1e3 * gap, label="swinging")
+at_rest = float(mpmfw.gap(trees["penalty"])[-1])
+axes.axhline(1e3 * at_rest, color="black", linewidth=0.8, label="settled")
+dress(axes, "time [ms]", "gap between the blocks [mm]")
 axes.legend()
 print(f"least gap {1e3 * float(gap.min()):.2f} mm")
 figure
@@ -64,5 +66,6 @@ figure
 height = mpmfw.history(swinging, "centre_of_mass", body="upper", axis="y")
 figure = new_figure(1, 1)
 axes = figure.subplots()
-height.plot(ax=axes)
+axes.plot(1e3 * height["time"], 1e3 * (height - height[0]))
+dress(axes, "time [ms]", "displacement of the upper block [mm]")
 figure

@@ -25,6 +25,8 @@ from mpmfw.references import Reference, own_attributes, reference_of
 PANEL = 85.0 / 25.4
 #: Width of a figure of two columns or more [inch]: 175 mm, a journal's page.
 PAGE = 175.0 / 25.4
+#: Height that a figure has for a legend below its panels [inch].
+LEGEND = 0.45
 
 #: Of the installed contacts and shape functions in their order (:func:`installed`): a method looks the same in every figure.
 _COLOURS = (
@@ -70,7 +72,7 @@ class _Figure(Figure):
 def new_figure(columns: int, rows: int, height: float = 58.0) -> Figure:
     """Return an empty figure for ``columns`` × ``rows`` panels of ``height`` [mm], as wide as a journal's column if it is one
     panel wide, else as its page."""
-    figure = _Figure(figsize=(PANEL if columns == 1 else PAGE, rows * height / 25.4 + 0.45))
+    figure = _Figure(figsize=(PANEL if columns == 1 else PAGE, rows * height / 25.4 + LEGEND))
     FigureCanvasAgg(figure)
     return figure
 
@@ -186,6 +188,8 @@ def legend_below(
 ) -> None:
     """Put the legend outside the panels, where it covers no curve; each row begins a new line of it.
 
+    The figure grows by what a legend of many lines takes, so that the panels keep their size.
+
     Parameters
     ----------
     figure, rows
@@ -206,6 +210,8 @@ def legend_below(
             for line in lines
         ]
         legend = figure.legend(handles=entries, loc="outside lower center", ncols=count, **look)
-        if count == 1 or legend.get_window_extent().width <= figure.bbox.width:
+        extent = legend.get_window_extent()
+        if count == 1 or extent.width <= figure.bbox.width:
+            figure.set_figheight(figure.get_figheight() + max(extent.height / figure.dpi - LEGEND, 0.0))
             return
         legend.remove()
