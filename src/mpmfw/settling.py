@@ -3,10 +3,6 @@
 At every node a share of the unbalanced force's magnitude is taken against the direction of motion. No
 frequency has to be known, every mode is damped alike, and as the unbalanced force vanishes so does the
 damping: nothing of it stays in the stresses.
-
-Nodes of which a body fills next to nothing have a force and an acceleration like others, but points follow them by that little:
-the stress would take 10⁴ steps and more to balance their force, and the body would creep for as long after time zero. While a
-scene settles they are moved by as much more as they are followed less (decision 50).
 """
 
 from __future__ import annotations
@@ -22,8 +18,8 @@ from mpmfw.clock import STEP_STAGES, Clock
 from mpmfw.errors import ResultsWarning
 from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels import kernel
-from mpmfw.kernels.types import Floats, Indices
-from mpmfw.state import Body, Grid, Particles, State, Stencil
+from mpmfw.kernels.types import Floats
+from mpmfw.state import Body, Grid, State
 
 if TYPE_CHECKING:
     from mpmfw.scene.tables import Settle
@@ -35,10 +31,6 @@ DAMPING = 0.8
 #: Share of FLIP while settling: the rest filters the motion of points within a cell, which the grid cannot
 #: see and so not damp.
 FLIP_SHARE = 0.9
-
-#: Nodes that are followed by less than this, as a share of one cell's motion, are moved by more. Half and twice of it settle as
-#: well; with one the slivers' own frequency would come near the bound of the step.
-LEAST_FOLLOWED = 1.0 / 8.0
 
 #: Crossings of the longest body by its elastic wave after which settling gives up, unless the scene says
 #: otherwise.
@@ -52,41 +44,22 @@ STEPS_BELOW = 50
 @kernel
 def damp_locally(
     share: float,
-    followed: Floats,
     node_mass: Floats,
     node_start_velocity: Floats,
     node_momentum: Floats,
     spacing: tuple[float, ...],
 ) -> float:
-    """Δ(m v)_i ← s_i Δ(m v)_i, then (m v)_i −= share |Δ(m v)_i| sign(v_i), component by component.
-
-    s_i > 1, and no damping, where node i is ``followed`` (n_nodes,) by less than LEAST_FOLLOWED; 0 there is followed by none.
-    Returns Σ |Δ(m v)_i| as the forces made it.
-    """
+    """(m v)_i −= share |Δ(m v)_i| sign(v_i), component by component; return Σ |Δ(m v)_i| before damping."""
     total = 0.0
     for i in range(len(node_mass)):
-        more = LEAST_FOLLOWED / followed[i] if 0.0 < followed[i] < LEAST_FOLLOWED else 1.0
         for d in range(len(spacing)):
             change = node_momentum[i, d] - node_mass[i] * node_start_velocity[i, d]
             total += abs(change)
-            if more > 1.0:
-                node_momentum[i, d] += (more - 1.0) * change
-            elif node_momentum[i, d] > 0.0:
+            if node_momentum[i, d] > 0.0:
                 node_momentum[i, d] -= share * abs(change)
             elif node_momentum[i, d] < 0.0:
                 node_momentum[i, d] += share * abs(change)
     return total
-
-
-@kernel
-def note_followers(nodes: Indices, weight: Floats, gradient: Floats, length: float, followed: Floats) -> None:
-    """Raise ``followed`` (n_nodes,) [1] to the largest weight, or gradient times ``length`` [m], of the entries of a table."""
-    for e in range(len(nodes)):
-        i = nodes[e]
-        followed[i] = max(followed[i], abs(weight[e]))
-        if e < len(gradient):
-            for d in range(gradient.shape[1]):
-                followed[i] = max(followed[i], length * abs(gradient[e, d]))
 
 
 def called_for(asked: Settle | None) -> tuple[bool, str]:
@@ -111,31 +84,21 @@ class LocalDamping:
 
     name = "settling"
 
-    def __init__(self, state: State) -> None:
+    def __init__(self) -> None:
         self.impulse = 0.0  #: Σ |Δ(m v)_i| of the last step [N s/m]
-        self._state = state
         self._integrated = False
 
     @hookimpl
-    def after_momentum_update(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
+    def after_momentum_update(self) -> None:
         """The momentum is integrated: the next boundary condition is that of the forces."""
         self._integrated = True
-        self._followed, surface = np.zeros(len(grid.mass)), self._state.surface
-        last = int(phi.row[particles.count])
-        note_followers(phi.nodes[:last], phi.weight, phi.gradient, min(grid.spacing), self._followed)
-        if surface is not None and surface.stencil is not None:
-            table = surface.stencil
-            last = int(table.row[surface.count])
-            note_followers(table.nodes[:last], table.weight, phi.gradient[:0], 0.0, self._followed)
 
     @hookimpl(trylast=True)
     def constrain_momentum(self, grid: Grid) -> None:
         """After the boundary conditions, so that reactions balance; once a step."""
         if self._integrated:
             self._integrated = False
-            self.impulse = damp_locally(
-                DAMPING, self._followed, grid.mass, grid.start_velocity, grid.momentum, grid.spacing
-            )
+            self.impulse = damp_locally(DAMPING, grid.mass, grid.start_velocity, grid.momentum, grid.spacing)
 
 
 def stop_motion(state: State) -> None:
@@ -167,7 +130,7 @@ class Settling:
         self.transfer = simulation.transfer
         simulation.transfer = replace(self.transfer, flip=min(self.transfer.flip, FLIP_SHARE))
         simulation.clock.restart()
-        self.damping = LocalDamping(simulation.state)
+        self.damping = LocalDamping()
         self.applied = -1.0  #: force at the first step [N/m]; below zero before it
         self.residual, self.below, self.elapsed = 1.0, 0, 0.0
 
