@@ -8,6 +8,7 @@ import numba
 import numpy as np
 import pytest
 
+import mpmfw
 from mpmfw import settling
 from mpmfw.clock import STEP_STAGES
 from mpmfw.settling import stop_motion
@@ -163,3 +164,42 @@ def test_compilation_is_taken_out_of_settling_once(monkeypatch: pytest.MonkeyPat
     assert all(seconds >= 0.0 for name, seconds in costs.items() if name.startswith("settle_cpu_"))
     assert costs["settle_time"] > 0.0
     assert sim.compile_time > 0.1
+
+
+def held_block(shift: float) -> dict[str, Any]:
+    """A block at rest on a plane under gravity that leans by 20°, faces of both ``shift`` [m] beyond grid lines; 10⁴ steps."""
+    stiff = {"model": "neo_hookean", "density": DENSITY, "bulk_modulus": 12e6, "shear_modulus": 6e6}
+
+    def body(lower: list[float], upper: list[float], **keys: Any) -> dict[str, Any]:
+        geometry = {
+            "type": "rectangle",
+            "lower": [lower[0] + shift, lower[1]],
+            "upper": [upper[0] + shift, upper[1]],
+        }
+        particles = {"layout": "fitted", "size": "0.5 cells"}
+        return {"material": "stiff", "geometry": geometry, "particles": particles, **keys}
+
+    return {
+        "grid": {"cell_size": 0.25, "lower": [-1.0, -1.0], "upper": [3.0, 3.0]},
+        "time": {"end": 6.4, "output_interval": 0.8},
+        "shape": {"method": "cpdi"},
+        "contact": {"method": "penalty", "friction": 0.5},
+        "materials": {"stiff": stiff},
+        "bodies": {
+            "block": body([0.5, 0.537], [1.25, 0.912]),
+            "plane": body([0.0, 0.0], [2.0, 0.537], sides=[{"side": "bottom", "fixed": True}]),
+        },
+        "gravity": {"vector": [3.420201433, -9.396926208]},
+        "settle": {"tolerance": 1e-3},
+        "output": {"particles": False, "surface": False},
+    }
+
+
+@pytest.mark.parametrize("shift", [0.07, 0.125])
+def test_a_body_at_rest_stays_for_ten_thousand_steps(shift: float) -> None:
+    """It moves in the first 10³ steps, as far as settling has left it, and rests since; not on grid lines (decision 50)."""
+    series = mpmfw.run(held_block(shift))["series"].to_dataset()
+    place = series["centre_of_mass"].sel(body="block").values / 0.25
+    way = np.linalg.norm(place - place[0], axis=1)
+    assert way.max() < 1e-6
+    assert np.ptp(way[2:]) < 1e-7

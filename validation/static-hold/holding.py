@@ -35,6 +35,14 @@ def displacement(run: xr.DataTree) -> float:
     return float(np.hypot(*_moved(run["series"].to_dataset())[-1])) / HEIGHT
 
 
+def creep(run: xr.DataTree) -> dict[str, float]:
+    """Largest distance of the block's centre from where it began, ``way``, and how far that changes after the first fifth of the
+    time, ``later``, both in cells."""
+    centre = run["series"].to_dataset()["centre_of_mass"].sel(body="block").values
+    way = np.linalg.norm(centre - centre[0], axis=1) / float(run.attrs["cell_size"])
+    return {"way": float(way.max()), "later": float(np.ptp(way[len(way) // 5 :]))}
+
+
 def drift(run: xr.DataTree) -> float:
     """Slope of the line fitted to the way along the plane in the last second, over the height [1/s]."""
     series = run["series"].to_dataset()
