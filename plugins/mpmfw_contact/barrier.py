@@ -41,10 +41,6 @@ from mpmfw_contact.surfaces import Surfaces, SurfacesOptions
 from mpmfw_contact.surfaces.assembly import SurfaceTable
 from mpmfw_contact.surfaces.outline import outline_of
 
-#: Part of the time to touch that a step may take, before the safety factor.
-SHARE = 0.9
-
-
 #: b'' where −b' is a thousandth.
 FIRST = 0.11
 
@@ -101,7 +97,7 @@ class BarrierLaw(Springs):
         super().prepare(setup, owner)
 
     def expected(self, bulk_frequency: float) -> float:
-        """That of a place where barriers bear a hundredth of κ M."""
+        """That of a place where barriers bear a thousandth of κ M."""
         return FIRST / self.options.reach * super().expected(bulk_frequency)
 
     def list_pairs(self, state: State) -> None:

@@ -6,7 +6,6 @@ import ast
 import importlib
 import re
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -54,25 +53,7 @@ def test_the_constants_are_found() -> None:
     assert len(constants()) > 25
 
 
-#: Constants that still lack a test, to be given one: a strict expected failure, so that the list shrinks with them.
-LACKING = {
-    "mpmfw_contact._barriers": ("LEFT", "LEAST_SHARE", "USED"),
-    "mpmfw_contact._midlines": ("LEAST_COSINE", "LEAST_OVERLAP", "DEEPEST"),
-    "mpmfw_contact.barrier": ("SHARE", "FIRST"),
-    "mpmfw.kernels._waiting": ("APART",),
-}
-
-
-def cases() -> list[Any]:
-    """Every constant; those of :data:`LACKING` must fail."""
-    lacking = pytest.mark.xfail(strict=True, reason="has no test yet")
-    return [
-        pytest.param(module, name, marks=[lacking] if name in LACKING.get(module, ()) else [])
-        for module, name in constants()
-    ]
-
-
-@pytest.mark.parametrize(("module", "name"), cases())
+@pytest.mark.parametrize(("module", "name"), constants())
 def test_each_has_a_test(module: str, name: str) -> None:
     """In a file that names its module or folder too: others have constants of the same name."""
     own = module.removeprefix("mpmfw.").split(".")[1:]

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from contact_kernels import PLANE, join, pair_table
+from interpreted import interpreted
 from mpmfw.contact.rows import ContactRows
-from mpmfw_contact._midlines import SegmentPairs, write_midlines
+from mpmfw_contact._midlines import DEEPEST, LEAST_COSINE, LEAST_OVERLAP, SegmentPairs, write_midlines
 from mpmfw_contact.surfaces.assembly import SurfaceTable
 
 
@@ -19,18 +20,17 @@ def cut(x, y0, y1):
     )
 
 
-def rows_between(loops, *, friction=True, reach=0.5):
+def rows_between(loops, *, friction=True, reach=0.5, **constants):
     """Rows of all segments of the first body with all of the second; the surface's nodes are the grid's."""
+    write = interpreted(write_midlines, **constants) if constants else write_midlines
     n, first = len(loops.body), np.flatnonzero(loops.body == 0)
     second = np.flatnonzero(loops.body == 1)
     listed = SegmentPairs(first=np.repeat(first, len(second)), second=np.tile(second, len(first)))
     rows = ContactRows(2, couples=friction)
     rows.make_room(4 * len(listed.first), 64 * len(listed.first))
     table = SurfaceTable(row=np.arange(n + 1), nodes=np.arange(n, dtype=np.int32), weight=np.ones(n))
-    rows.count = write_midlines(
-        len(listed.first), listed, reach, loops.outline, *pair_table(2), table, rows, PLANE
-    )
-    assert rows.count > 0
+    rows.count = write(len(listed.first), listed, reach, loops.outline, *pair_table(2), table, rows, PLANE)
+    assert constants or rows.count > 0
     return rows
 
 
@@ -116,3 +116,70 @@ def test_only_what_overlaps_bears():
         0.5 * depth**2 / slope, rel=0.02
     )  # of the horizontal face, which leans by half
     assert (high - low) / (2.0 * step) == pytest.approx(force, rel=0.02)
+
+
+def turned(points, turn):
+    """Points turned about the origin [rad]."""
+    c, s = np.cos(turn), np.sin(turn)
+    return np.asarray(points, dtype=float) @ np.array([[c, s], [-s, c]])
+
+
+def sides(across, turn=0.0, **constants):
+    """Rows whose normal leans by more than 10° from the upright: of the sides of a block or wedge in a wide face."""
+    loops = join([turned(across, turn), turned(cut([-1.0, 1.0], -1.0, 0.0), turn)])
+    rows = rows_between(loops, **constants)
+    upright = turned([[0.0, 1.0]], turn)[0]
+    return int((np.abs(rows.normal[: rows.count] @ upright) < np.cos(np.radians(10.0))).sum())
+
+
+def test_without_a_least_cosine_rounding_decides_whether_sides_at_right_angles_face_each_other():
+    """The block's sides and the face; with a large one a wedge whose sides lean by 70° from it faces nothing."""
+    block = cut([-0.2, 0.2], -DEPTH, 0.4)
+    turns = np.linspace(0.0, 3.0, 20)
+    assert {sides(block, turn, LEAST_COSINE=LEAST_COSINE) for turn in turns} == {0}
+    assert len({sides(block, turn, LEAST_COSINE=0.0) for turn in turns}) > 1
+    height = 0.1 * np.tan(np.radians(70.0))
+    wedge = [[0.0, -DEPTH], [0.1, height - DEPTH], [-0.1, height - DEPTH]]
+    assert sides(wedge, LEAST_COSINE=LEAST_COSINE) > 0
+    assert sides(wedge, LEAST_COSINE=0.5) == 0
+
+
+def test_segments_end_to_end_share_nothing_and_the_rest_is_counted_whole():
+    """Without a least overlap what rounding leaves makes rows; with a large one short overlaps carry nothing."""
+
+    def areas(turn, **constants):
+        upper, lower = (
+            cut(BOTTOM, 0.0, 0.4),
+            cut(BOTTOM, -0.4, DEPTH),
+        )  # 0.61 − 0.5 and the like have no exact value
+        loops = join([turned(upper, turn), turned(lower, turn)])
+        rows = rows_between(loops, **constants)
+        return rows.area[: rows.count]
+
+    turns = np.linspace(0.1, 3.0, 12)
+    assert all(len(areas(turn, LEAST_OVERLAP=LEAST_OVERLAP)) == 2 * (len(BOTTOM) - 1) for turn in turns)
+    assert any(len(areas(turn, LEAST_OVERLAP=0.0)) > 2 * (len(BOTTOM) - 1) for turn in turns)
+    whole = rows_between(overlapping(), LEAST_OVERLAP=LEAST_OVERLAP)
+    assert whole.area[: whole.count].sum() == pytest.approx(1.0, abs=1e-12)
+    short = rows_between(overlapping(), LEAST_OVERLAP=0.5)
+    assert short.area[: short.count].sum() < 0.9
+
+
+def test_the_far_side_of_a_thin_body_bears_nothing_and_what_is_deep_still_does():
+    """A face a tenth of the search radius deep in a sheet of 0.6 of it: with a smaller depth it is let go, with a larger one far
+    sides that face each other through both bodies push as well."""
+    reach = 0.5
+    sheet, block = cut([-1.0, 1.0], -0.6 * reach, 0.0), cut([-0.5, 0.5], -0.1 * reach, 2.0 * reach)
+
+    def depths(deepest):
+        rows = rows_between(join([block, sheet]), reach=reach, DEEPEST=deepest)
+        return np.unique(np.round(-rows.gap[: rows.count] / reach, 6)).tolist()
+
+    assert depths(DEEPEST) == [0.1]
+    assert depths(0.05) == []
+    thin = cut([-0.5, 0.5], -0.1 * reach, 0.5 * reach)  # its top faces the sheet's bottom, through both
+    rows = {
+        deepest: rows_between(join([thin, sheet]), reach=reach, DEEPEST=deepest).count
+        for deepest in (DEEPEST, 2.0)
+    }
+    assert rows[2.0] > rows[DEEPEST] == 2
