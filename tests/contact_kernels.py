@@ -9,7 +9,6 @@ import numpy as np
 from mpmfw.geometry.facets import neighbours_of, stars_of, tributaries_of
 from mpmfw.kernels.contact import Records
 from mpmfw.kernels.facets import signed_distance
-from mpmfw.kernels.gaps import bounding_boxes
 from mpmfw.kernels.pair_table import pair_table as pair_of_bodies
 from mpmfw_contact import _springs
 from mpmfw_contact.surfaces import search
@@ -133,8 +132,7 @@ def search_grid(loops, radius, lower=(-3.0, -3.0), nodes=(25, 25)):
             f"{kind}_{end}": np.zeros((n_bodies, 2)) for kind in ("box", "near") for end in ("lower", "upper")
         },
     )
-    bounding_boxes(loops.body_first, loops.position, grid.box_lower, grid.box_upper)
-    search.near_boxes(*np.triu_indices(n_bodies, 1), radius, grid)
+    search.near_boxes(*np.triu_indices(n_bodies, 1), radius, loops.outline, grid)
     return grid
 
 
@@ -143,9 +141,10 @@ def find(loops, *, h=0.25, radius=None, literal=False, slots=3, lower=(-3.0, -3.
     found = empty_candidates(len(loops.body), slots)
     radius = h if radius is None else radius
     grid, outline = search_grid(loops, radius, lower, nodes), loops.outline
-    if not search.mark_shared_nodes(1, outline, grid, (h, h)):
+    entries = search.list_facets(1, outline, grid, (h, h))
+    assert entries <= len(grid.link)
+    if entries == 0:
         return found
-    assert search.list_facets(1, outline, grid, (h, h)) <= len(grid.link)
     alike = np.zeros(loops.n_bodies, dtype=np.int64)
     found.count = search.find_pairs(1, radius, literal, outline, alike, grid, found, (h, h))
     return found

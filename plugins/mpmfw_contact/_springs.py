@@ -185,6 +185,40 @@ def return_to_cone(c: int, limit: Float, k_t: Float, trial: Floats) -> tuple[Flo
     return held * (size - held) / k_t, 0.5 * held * held / k_t
 
 
+@device
+def add_losses(
+    rows: Rows, count: int, own: SpringArrays, old: Rows, old_count: int, old_own: SpringArrays, tangential_ratio: float,
+    linear_to: float, work: Floats,
+) -> None:  # fmt: skip
+    """Add to every pair's ``work`` [J/m] the energy of the last step's springs, where they are now, less that of today's.
+
+    A spring whose row moved by Δu has the gap g + n·Δu; what it is now beyond that is a change of the spring: of its area,
+    its rest, its facet, or its end. A tangential spring did the work f_t·Δu meanwhile. Energy of today's tangential springs and
+    what friction took are no losses (:func:`spring_forces`). A new normal spring changes nothing, since its gap was zero.
+    """
+    c = 0
+    for o in range(old_count):
+        if old.gap[o] >= 0.0:
+            continue
+        k, gap, slip, square = old_own.k[o], old.gap[o], 0.0, 0.0
+        for d in range(old.normal.shape[1]):
+            gap += old.normal[o, d] * old_own.moved[o, d]
+            if len(old_own.tangential) > 0:
+                slip += old_own.tangential[o, d] * old_own.moved[o, d]
+                square += old_own.tangential[o, d] * old_own.tangential[o, d]
+        lost = spring_energy(k, max(old_own.rest[o] - gap, 0.0), linear_to)
+        if k > 0.0 and square > 0.0:
+            lost += 0.5 * square / (tangential_ratio * k) - slip
+        while c < count and rows.identity[c] < old.identity[o]:
+            c += 1
+        i = c
+        while i < count and rows.identity[i] == old.identity[o] and first_of(o, old.identity) == o:
+            if rows.gap[i] < 0.0:
+                lost -= spring_energy(own.k[i], max(own.rest[i] - rows.gap[i], 0.0), linear_to)
+            i += 1
+        work[old.pair[o]] += lost
+
+
 @kernel
 def spring_forces(
     rows: Rows, count: int, own: SpringArrays, old: Rows, old_count: int, old_own: SpringArrays, tangential_ratio: float,
@@ -193,8 +227,8 @@ def spring_forces(
     """f = f_n n + f_t of every row that overlaps; tangential forces have no rows where there is no friction.
 
     f_t is the last step's, less k_t times the slip since; at first contact only the part of the step counts that was spent
-    in penetration. The pairs' works are added to, their energies written. What slip takes is no loss
-    of the springs by their ``change``.
+    in penetration. The pairs' works are added to, their energies written. To ``change`` is added what springs lose that change:
+    not what slip takes.
     """
     dim, has_friction = rows.normal.shape[1], len(own.tangential) > 0
     records.energy[:] = 0.0
@@ -236,37 +270,4 @@ def spring_forces(
             change[p] -= stored
             for d in range(dim):
                 rows.force[c, d] += own.tangential[c, d]
-
-
-@kernel
-def add_losses(
-    rows: Rows, count: int, own: SpringArrays, old: Rows, old_count: int, old_own: SpringArrays, tangential_ratio: float,
-    linear_to: float, work: Floats,
-) -> None:  # fmt: skip
-    """Add to every pair's ``work`` [J/m] the energy of the last step's springs, where they are now, less that of today's.
-
-    A spring whose row moved by Δu has the gap g + n·Δu; what it is now beyond that is a change of the spring: of its area,
-    its rest, its facet, or its end. A tangential spring did the work f_t·Δu meanwhile. Energy of today's tangential springs and
-    what friction took are no losses (:func:`spring_forces`). A new normal spring changes nothing, since its gap was zero.
-    """
-    c = 0
-    for o in range(old_count):
-        if old.gap[o] >= 0.0:
-            continue
-        k, gap, slip, square = old_own.k[o], old.gap[o], 0.0, 0.0
-        for d in range(old.normal.shape[1]):
-            gap += old.normal[o, d] * old_own.moved[o, d]
-            if len(old_own.tangential) > 0:
-                slip += old_own.tangential[o, d] * old_own.moved[o, d]
-                square += old_own.tangential[o, d] * old_own.tangential[o, d]
-        lost = spring_energy(k, max(old_own.rest[o] - gap, 0.0), linear_to)
-        if k > 0.0 and square > 0.0:
-            lost += 0.5 * square / (tangential_ratio * k) - slip
-        while c < count and rows.identity[c] < old.identity[o]:
-            c += 1
-        i = c
-        while i < count and rows.identity[i] == old.identity[o] and first_of(o, old.identity) == o:
-            if rows.gap[i] < 0.0:
-                lost -= spring_energy(own.k[i], max(own.rest[i] - rows.gap[i], 0.0), linear_to)
-            i += 1
-        work[old.pair[o]] += lost
+    add_losses(rows, count, own, old, old_count, old_own, tangential_ratio, linear_to, change)

@@ -28,7 +28,6 @@ from mpmfw.api import (
     State,
     Stencil,
 )
-from mpmfw.kernels.gaps import bounding_boxes
 from mpmfw.kernels.pair_table import pair_table
 from mpmfw_contact._midlines import SegmentPairs, list_segments, write_midlines
 from mpmfw_contact.hamad2017 import Hamad2017Law, Hamad2017LawOptions
@@ -119,16 +118,14 @@ class Midplane(Detection):
     def _search(self, grid: Grid) -> int:
         """Number of segments of two bodies that are near each other."""
         outline, lists, spacing = self.outline, self.lists, grid.spacing
-        bounding_boxes(outline.body_first, outline.position, lists.box_lower, lists.box_upper)
-        if not search.near_boxes(self.first, self.second, self.radius, lists):
+        if not search.near_boxes(self.first, self.second, self.radius, outline, lists):
             return 0
         self.stamp += 1
-        if not search.mark_shared_nodes(self.stamp, outline, lists, spacing):
-            return 0
         while (entries := search.list_facets(self.stamp, outline, lists, spacing)) > len(lists.link):
             lists.set(**{name: np.zeros(2 * entries, dtype=np.int32) for name in ("link", "link_facet")})
             self.stamp += 1
-            search.mark_shared_nodes(self.stamp, outline, lists, spacing)
+        if entries == 0:
+            return 0
         listed: int = list_segments(self.stamp, self.radius, outline, lists, self.found, spacing)
         if listed > len(self.found.first):
             self.make_room(2 * listed)

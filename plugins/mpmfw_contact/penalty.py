@@ -127,11 +127,11 @@ class PenaltyLaw(Springs):
         return rows.own.tangent_k  # type: ignore[no-any-return]
 
     def forces(self, rows: ContactRows, old: ContactRows, dashpot: float, records: PairRecords) -> None:
-        """Springs along the normal, a dashpot, and f_t returned to Coulomb's cone; then what the last step's springs lost."""
-        both = (rows, rows.count, rows.own, old, old.count, old.own)
-        ratio = self.options.tangential_ratio
-        springs.spring_forces(*both, ratio, dashpot, self.linear_to, records, self.spring_work)
-        springs.add_losses(*both, ratio, self.linear_to, self.spring_work)
+        """Springs along the normal, a dashpot, and f_t returned to Coulomb's cone; and what the last step's springs lost."""
+        springs.spring_forces(
+            rows, rows.count, rows.own, old, old.count, old.own, self.options.tangential_ratio, dashpot, self.linear_to,
+            records, self.spring_work,
+        )  # fmt: skip
 
     def series(self) -> dict[str, AnyArray]:
         """What springs have lost."""

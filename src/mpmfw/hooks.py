@@ -90,6 +90,8 @@ def _written_out(
                 results.append(result)
             return results
 
+    A plug-in that has something to do only while another runs names it, ``only_while``; else its calls cost a question.
+
     Between two kernels over many points the interpreter's own data has left the caches: a general function, which asks
     what there is to call with what, takes twice as long as this.
     """
@@ -102,16 +104,24 @@ def _written_out(
         names[f"call_{index}"] = function_of(impl)
         call = f"result = call_{index}({', '.join(impl.argnames)})"
         stage = getattr(impl.plugin, "stage", None)
-        if stage is None:
-            lines.append(f"    {call}")
-        else:
+        own = [call]
+        if stage is not None:
             names[f"stage_{index}"] = stage
-            lines += [f"    previous = clock(stage_{index})", "    try:", f"        {call}"]
-            lines += ["    finally:", "        clock(previous)"]
-        lines += [
-            "    if result is not None:",
-            f"        {'return result' if first_result else 'results.append(result)'}",
+            own = [
+                f"previous = clock(stage_{index})",
+                "try:",
+                f"    {call}",
+                "finally:",
+                "    clock(previous)",
+            ]
+        own += [
+            "if result is not None:",
+            f"    {'return result' if first_result else 'results.append(result)'}",
         ]
+        if (other := getattr(impl.plugin, "only_while", None)) is not None:
+            names[f"other_{index}"] = other
+            own = [f"if other_{index}.running:", *(f"    {line}" for line in own)]
+        lines += [f"    {line}" for line in own]
     lines += [] if first_result else ["    return results"]
     return _defined("\n".join(lines), caller.name, names)
 

@@ -14,11 +14,12 @@ from mpmfw.api import SceneError, SimulationError
 from mpmfw.effects import constraint, energy_guard, local_inertia, side_loads, side_rows
 from mpmfw.effects.constraint import AGREED, PASSES
 from mpmfw.effects.faces import FLAT
-from mpmfw.effects.side_rows import QUADRATURE, add_rows, quadrature, splines
+from mpmfw.effects.side_rows import QUADRATURE, list_rows, quadrature, splines
 from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, weigh_by_mass, weigh_plain
 from mpmfw.kernels.stencil import LEAST_SHARE, linear_weights
 from mpmfw.simulation import Simulation
 from scenes_for_tests import block, disc
+from sides_for_tests import upper_side
 
 
 # -- the map of the surface
@@ -67,13 +68,8 @@ def rows_at(place: float, mass: list[float], **constants: float) -> list[tuple[f
     whole = {name: np.zeros(20, dtype=np.int64) for name in ("row", "side")}
     real = {name: np.zeros(20) for name in ("target", "compliance", "c", "distance")}
     table = side_rows.SideTable(nodes=np.zeros(60, dtype=np.int64), weights=np.zeros(60), **whole, **real)
-    wide, normal = np.full(2, np.inf), np.array([0.0, 1.0])
-    side = side_rows.PlaneSide(
-        normal=normal, box_lower=-wide, box_upper=wide, shift=np.zeros(1), share=np.ones(1)
-    )
-    count = interpreted(add_rows, **constants)(
-        0, 0, 8, 1, 8, 1, place, 1, True, 1.0, side, position, np.array(mass), table, (1.0, 1.0)
-    )
+    side = upper_side(place, columns=1)
+    count = interpreted(list_rows, **constants)(1, side, position, np.array(mass), table, (1.0, 1.0))
     return [
         (
             float(table.target[r]),

@@ -9,11 +9,12 @@ import pytest
 
 from mpmfw.effects.local_inertia import correct_locally
 from mpmfw.effects.rotation import correct_rotation
-from mpmfw.effects.side_rows import PlaneSide, SideTable, add_rows, meet, quadrature, splines
+from mpmfw.effects.side_rows import SideTable, list_rows, meet, quadrature, splines
 from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, move_points, weigh_by_mass, weigh_plain
 from mpmfw.load import add_facet_forces, add_point_forces, measure_facets
 from mpmfw.settling import damp_locally
 from mpmfw_shape.cpdi2 import fill_cpdi2, move_corners
+from sides_for_tests import upper_side
 
 RNG = np.random.default_rng(7)
 NODES, POINTS, WIDTH = 40, 25, 4
@@ -100,11 +101,7 @@ def side_rows(place, mass):
     x, y = np.meshgrid(np.arange(3.0), np.arange(8.0), indexing="ij")
     position = np.column_stack([x.ravel(), y.ravel()])
     table = side_table(40, 200)
-    wide, normal = np.full(2, np.inf), np.array([0.0, 1.0])
-    side = PlaneSide(normal=normal, box_lower=-wide, box_upper=wide, shift=np.zeros(1), share=np.ones(1))
-    count = add_rows(
-        0, 0, 24, 1, 8, 1, place, 1, True, 1.0, side, position, np.tile(mass, 3), table, (1.0, 1.0)
-    )
+    count = list_rows(1, upper_side(place, columns=3), position, np.tile(mass, 3), table, (1.0, 1.0))
     row, nodes, weights, target = table.row, table.nodes, table.weights, table.target
     return [
         (target[r], dict(zip(nodes[row[r] : row[r + 1]].tolist(), weights[row[r] : row[r + 1]], strict=True)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import re
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -161,6 +162,23 @@ def test_time_goes_to_the_stage_of_the_plug_in_and_back() -> None:
     with pytest.raises(ValueError, match="in a plug-in"):
         hook.end_step(state=None)
     assert clock("gather") == "gather"
+
+
+def test_a_plug_in_that_serves_another_is_called_only_while_that_runs() -> None:
+    seen, other = [], SimpleNamespace(running=False)
+
+    @hookimpl
+    def stable_timestep() -> tuple[float, str]:
+        seen.append("called")
+        return 0.5, "mine"
+
+    server = plugin("a", stable_timestep=stable_timestep)
+    server.only_while = other
+    hook, _ = bound(server)
+    assert hook.stable_timestep(state=None) == []
+    other.running = True
+    assert hook.stable_timestep(state=None) == [(0.5, "mine")]
+    assert seen == ["called"]
 
 
 def test_a_wrapper_changes_the_result() -> None:

@@ -68,6 +68,16 @@ def test_arrays_that_take_others_places_are_seen():
     check(points)
 
 
+def test_a_change_in_place_costs_no_new_addresses():
+    points = struct(gap=np.zeros(3))
+    numbers = points._numbers
+    points.gap += 1.0
+    assert points._numbers is numbers
+    points.gap = points.gap + 1.0
+    assert points._numbers is not numbers
+    np.testing.assert_array_equal(points.gap, [2.0, 2.0, 2.0])
+
+
 def test_a_copy_has_arrays_of_its_own():
     points = points_of(4, Named)
     points.label = "a"

@@ -23,7 +23,6 @@ from mpmfw.api import (
     Stencil,
 )
 from mpmfw.api import Field as ArrayField
-from mpmfw.kernels.gaps import bounding_boxes
 from mpmfw.kernels.pair_table import pair_table
 from mpmfw_contact.surfaces import search
 from mpmfw_contact.surfaces.assembly import Places, SurfaceTable, assemble, point_forces
@@ -161,9 +160,10 @@ class Surfaces(Detection):
     def _search(self, grid: Grid) -> int:
         """Number of candidates after the search's three steps, and after nodes inside bodies were followed."""
         outline, lists = self.outline, self.lists
-        bounding_boxes(outline.body_first, outline.position, lists.box_lower, lists.box_upper)
         count = 0
-        if search.near_boxes(self.first, self.second, self.radius, lists) and self._list_facets(grid):
+        if search.near_boxes(self.first, self.second, self.radius, outline, lists) and self._list_facets(
+            grid
+        ):
             count = search.find_pairs(
                 self.stamp, self.radius, self.every_facet, outline, self.rank, lists, self.candidates, grid.spacing
             )  # fmt: skip
@@ -180,11 +180,9 @@ class Surfaces(Detection):
         lists = self.lists
         while True:
             self.stamp += 1
-            if not search.mark_shared_nodes(self.stamp, self.outline, lists, grid.spacing):
-                return False
             entries = search.list_facets(self.stamp, self.outline, lists, grid.spacing)
             if entries <= len(lists.link):
-                return True
+                return entries > 0
             room = {
                 name: np.zeros(2 * entries, dtype=np.int32) for name in ("link", "link_facet", "link_body")
             }

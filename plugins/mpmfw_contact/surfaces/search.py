@@ -6,6 +6,7 @@ import math
 
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.facets import project, read_corners, read_point
+from mpmfw.kernels.gaps import bounding_boxes
 from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw_contact.surfaces.candidates import Candidates, SearchGrid, put
 from mpmfw_contact.surfaces.facing import turn_to_facing
@@ -23,13 +24,14 @@ def boxes_apart(a: int, b: int, lower: Floats, upper: Floats, reach: Float) -> b
 
 
 @kernel
-def near_boxes(first: Ints, second: Ints, reach: float, grid: SearchGrid) -> bool:
-    """Box of what of each body may be within ``reach`` [m] of another, empty for most; whether there are any.
+def near_boxes(first: Ints, second: Ints, reach: float, outline: Outline, grid: SearchGrid) -> bool:
+    """Bounding boxes of all bodies, and of what of each may be within ``reach`` [m] of another, empty for most; whether any is.
 
     Of pairs with boxes closer than that it is the part within the other's box, widened by the reach; of more than one the
     box round them.
     """
     near, lower, upper = False, grid.box_lower, grid.box_upper
+    bounding_boxes(outline.body_first, outline.position, lower, upper)
     near_lower, near_upper = grid.near_lower, grid.near_upper
     near_lower[:] = math.inf
     near_upper[:] = -math.inf
@@ -114,7 +116,7 @@ def advance(index: Ints, first: Ints, last: Ints, spacing: tuple[float, ...]) ->
             index[d - 1] += 1
 
 
-@kernel
+@device
 def mark_shared_nodes(stamp: int, outline: Outline, grid: SearchGrid, spacing: tuple[float, ...]) -> bool:
     """Step 1: mark the grid nodes that the surfaces of two bodies reach; return whether there are any.
 
@@ -170,8 +172,13 @@ def tagged(cell: int, stamp: int, grid: SearchGrid, spacing: tuple[float, ...]) 
 
 @kernel
 def list_facets(stamp: int, outline: Outline, grid: SearchGrid, spacing: tuple[float, ...]) -> int:
-    """Step 2: linked lists of the near facets in every tagged cell; return the number of entries, stored or not."""
+    """Steps 1 and 2: linked lists of the near facets in every tagged cell; return the number of entries, stored or not.
+
+    There are none where no two bodies share a node.
+    """
     count = 0
+    if not mark_shared_nodes(stamp, outline, grid, spacing):
+        return 0
     first, last, index = scratch.integers(spacing), scratch.integers(spacing), scratch.integers(spacing)
     for k in range(grid.near_count[0]):
         m = grid.near[k]

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from mpmfw.api import FloatArray, Pair, Setup, State, Surface, hookimpl
-from mpmfw.kernels import kernel
+from mpmfw.api import Pair, Setup, State, Surface, hookimpl
+from mpmfw.kernels import Struct, kernel
 from mpmfw.kernels.gaps import bounding_boxes
 from mpmfw.kernels.types import Floats, Ints
 
@@ -15,15 +15,28 @@ from mpmfw.kernels.types import Floats, Ints
 SHARE = 0.5
 
 
+class Boxes(Struct):
+    """Where bodies are, and how they move: they may turn and deform."""
+
+    lower: Floats  #: (n_bodies, dim) [m]
+    upper: Floats
+    slowest: Floats  #: least components of the nodes' displacements, (n_bodies, dim) [m]
+    fastest: Floats  #: largest
+
+
 @kernel
 def fewest_steps(
-    first: Ints, second: Ints, lower: Floats, upper: Floats, slowest: Floats, fastest: Floats, band: float
-) -> float:
+    first: Ints, second: Ints, body_first: Ints, position: Floats, displacement: Floats, begins: bool, boxes: Boxes, band: float
+) -> float:  # fmt: skip
     """Least (distance of the boxes + ``band``) / relative motion over all pairs: steps like the last that are left to them.
 
-    ``slowest`` and ``fastest`` are the least and largest components of the nodes' displacements, (n_bodies, dim) [m]: bodies
-    may turn and deform.
+    ``position`` and ``displacement`` are those of the surface nodes, (n_s, dim) [m]. In the step that ``begins`` the run there
+    are no displacements yet, and the boxes have the motion already.
     """
+    lower, upper, slowest, fastest = boxes.lower, boxes.upper, boxes.slowest, boxes.fastest
+    bounding_boxes(body_first, position, lower, upper)
+    if not begins:
+        bounding_boxes(body_first, displacement, slowest, fastest)
     steps = math.inf
     for c in range(len(first)):
         a, b = first[c], second[c]
@@ -62,7 +75,8 @@ class TravelLimit:
         self.band = self.share * setup.cell_size
         self.owner = f"travel of {self.share:g} cells towards each other"
         self._list(setup.pairs)
-        self.boxes: tuple[FloatArray, ...] = tuple(np.zeros((len(setup.bodies), setup.dim)) for _ in range(4))
+        empty = {name: np.zeros((len(setup.bodies), setup.dim)) for name in Boxes.member_names}
+        self.boxes = Boxes(**empty)
 
     def _list(self, pairs: tuple[Pair, ...]) -> None:
         self.first = np.array([pair.first for pair in pairs], dtype=np.int64)
@@ -79,15 +93,13 @@ class TravelLimit:
 
         Before the first step the material points tell how bodies move; infinite if none does.
         """
-        surface, (lower, upper, slowest, fastest) = self.surface, self.boxes
-        bounding_boxes(surface.body_first, surface.position, lower, upper)
-        unit = state.dt
-        if state.steps == 0:
+        surface, boxes, unit, begins = self.surface, self.boxes, state.dt, state.steps == 0
+        if begins:
             unit = 1.0
             for body in state.bodies:
                 own = state.particles.velocity[body.particles]
-                slowest[body.index], fastest[body.index] = own.min(axis=0), own.max(axis=0)
-        else:
-            bounding_boxes(surface.body_first, surface.displacement, slowest, fastest)
-        steps = fewest_steps(self.first, self.second, lower, upper, slowest, fastest, self.band)
+                boxes.slowest[body.index], boxes.fastest[body.index] = own.min(axis=0), own.max(axis=0)
+        steps = fewest_steps(
+            self.first, self.second, surface.body_first, surface.position, surface.displacement, begins, boxes, self.band
+        )  # fmt: skip
         return steps * unit, self.owner

@@ -212,7 +212,7 @@ class ForceContact(RowContact):
             stiffness = self.law.stiffness(rows, old)
             self.omega_squared = rows.couplings(stiffness, grid, self.scratch(grid), stiffness)
             self.longest_step = self.law.longest_step(rows, grid)
-            if rows.gap[: rows.count].min() > 0.0:
+            if not rows.touch():
                 # The step in which they touch must not be longer than the next: springs begin with the depth that it leaves,
                 # and with its square the energy that nothing paid for
                 self.omega_squared = max(self.omega_squared, self.law.expected(self.bulk_frequency))

@@ -14,6 +14,7 @@ from mpmfw.kernels.contact import (
     Rows,
     add_records,
     add_row_forces,
+    any_touches,
     couplings,
     match_rows,
     relative_motion,
@@ -119,6 +120,10 @@ class ContactRows(Rows):
     def match(self, old: ContactRows) -> None:
         """Fill ``before`` with the rows of the last step, ``old``."""
         match_rows(self, self.count, old, old.count)
+
+    def touch(self) -> bool:
+        """Whether a row has no gap left."""
+        return any_touches(self, self.count)
 
     def velocity(
         self, node_velocity: FloatArray, scale: float, out: FloatArray, spacing: tuple[float, ...]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mpmfw.effects.faces import FLAT, face_of, sides_of
-from mpmfw.effects.side_rows import PlaneSide, SideTable, add_rows, meet, quadrature
+from mpmfw.effects.side_rows import PlaneSides, SideTable, list_rows, meet, quadrature
 from mpmfw.errors import SceneError
 from mpmfw.fields import FloatArray
 from mpmfw.hookspecs import hookimpl
@@ -87,14 +87,12 @@ class Constraint:
         """Where the sides are, and what of them does not change."""
         h = setup.cell_size
         self.frame = -1
-        self.places = np.array([side.place for side in self.sides])
         self.speeds = np.array([side.speed for side in self.sides])
         self.free = np.flatnonzero(np.isnan(self.speeds)).tolist()
         self.motions = np.zeros(len(self.sides))
-        self.planes = [_plane(side, h, self.degree) for side in self.sides]
+        self.planes = _planes(self.sides, h, self.degree)
         self.directions = np.array([side.directions for side in self.sides])
         self.velocity = np.array([side.velocity for side in self.sides])
-        self.cell_mass = [side.body.areal_density * h**setup.dim for side in self.sides]
         self.agreed = AGREED * max(side.body.wave_speed for side in self.sides)
 
     def take_over(self, other: Constraint, numbers: Numbers) -> None:
@@ -102,7 +100,7 @@ class Constraint:
         theirs = [k for k, side in enumerate(other.sides) if numbers.body[side.body.index] >= 0]
         known = {int(numbers.body[other.sides[k].body.index]) for k in theirs}
         ours = [k for k, side in enumerate(self.sides) if side.body.index in known]
-        self.places[ours] = other.places[theirs]
+        self.planes.place[ours] = other.planes.place[theirs]
 
     def held_momentum(self, grid: Grid) -> FloatArray:
         """Nodal momenta as :meth:`constrain_momentum` would leave them, (n_nodes, dim) [kg/s]; those of ``grid`` stay."""
@@ -114,11 +112,7 @@ class Constraint:
     def constrain_momentum(self, grid: Grid) -> None:
         """Bring the velocity at every side to the prescribed one."""
         self._fit(grid)
-        self.rows = 0
-        for index in range(len(self.sides)):
-            before = self.rows
-            self.rows = self._add_rows(index, grid)
-            self.table.side[before : self.rows] = index
+        self.rows = list_rows(self.degree, self.planes, grid.position, grid.mass, self.table, grid.spacing)
         velocity = 0.0 * self.velocity if self.at_rest else self.velocity
         self.passes = meet(
             self.rows, self.table, self.directions, velocity, PASSES, self.agreed, grid.mass, grid.momentum, grid.spacing
@@ -129,17 +123,17 @@ class Constraint:
         if self.frame == grid.frame:
             return
         self.frame = grid.frame
-        width = 2 + max(int(self.degree + 1 + 2.0 * np.abs(plane.shift).max()) for plane in self.planes)
-        self.columns = []  # of each side: first and last node, step along a column, its nodes and axis
+        width = 2 + int(self.degree + 1 + 2.0 * np.abs(self.planes.shift).max())
         rows, longest = 0, 0
-        for side in self.sides:
+        for index, side in enumerate(self.sides):
             nodes, shape, axis = (
                 grid.field_nodes(side.body.field),
                 grid.window_shape[side.body.field],
                 side.axis,
             )
             count = int(shape[axis])
-            self.columns.append((nodes.start, nodes.stop, int(np.prod(shape[axis + 1 :])), count, axis))
+            stride = int(np.prod(shape[axis + 1 :]))
+            self.planes.column[index] = (nodes.start, nodes.stop, stride, count, axis)
             rows += (width + 1) * (nodes.stop - nodes.start) // count
             longest = max(longest, count)
         self.table = SideTable(
@@ -152,14 +146,6 @@ class Constraint:
             c=np.zeros(longest),
             distance=np.zeros(longest),
         )
-
-    def _add_rows(self, index: int, grid: Grid) -> int:
-        """Add a side's rows to the table; return their number then."""
-        alone, place = self.sides[index].alone, float(self.places[index])
-        return add_rows(
-            self.rows, *self.columns[index], place, self.degree, alone, self.cell_mass[index], self.planes[index],
-            grid.position, grid.mass, self.table, grid.spacing,
-        )  # fmt: skip
 
     @hookimpl
     def advect(self, grid: Grid, dt: float) -> None:
@@ -182,13 +168,26 @@ class Constraint:
     @hookimpl
     def end_step(self) -> None:
         """Move the sides, now that nobody asks for their place at the beginning of the step."""
-        self.places += self.motions
+        self.planes.place += self.motions
 
 
-def _plane(side: PrescribedSide, cell_size: float, degree: int) -> PlaneSide:
-    lower, upper = side.box(cell_size)
-    shift, share = quadrature(side.normal, side.axis, degree)
-    return PlaneSide(normal=side.normal, box_lower=lower, box_upper=upper, shift=shift, share=share)
+def _planes(sides: tuple[PrescribedSide, ...], cell_size: float, degree: int) -> PlaneSides:
+    """The sides as arrays; their columns are those of the windows, which are not known yet."""
+    boxes = [side.box(cell_size) for side in sides]
+    points = [quadrature(side.normal, side.axis, degree) for side in sides]
+    dim = len(sides[0].normal)
+    return PlaneSides(
+        normal=np.array([side.normal for side in sides]),
+        place=np.array([side.place for side in sides]),
+        box_lower=np.array([lower for lower, _ in boxes]),
+        box_upper=np.array([upper for _, upper in boxes]),
+        alone=np.array([side.alone for side in sides], dtype=np.int64),
+        cell_mass=np.array([side.body.areal_density * cell_size**dim for side in sides]),
+        point=np.cumsum([0, *(len(shift) for shift, _ in points)]),
+        shift=np.concatenate([shift for shift, _ in points]),
+        share=np.concatenate([share for _, share in points]),
+        column=np.zeros((len(sides), 5), dtype=np.int64),
+    )
 
 
 def planned(made: Build) -> Constraint:

@@ -16,25 +16,22 @@ class BeforeImpulses:
     stage = "output"
 
     def __init__(self, ledger: EnergyLedger) -> None:
-        self.ledger = ledger
+        self.ledger = self.only_while = ledger
 
     @hookimpl(tryfirst=True)
     def after_momentum_projection(self, grid: Grid) -> None:
         """Points to grid."""
-        if self.ledger.running:
-            self.ledger.project(grid)
+        self.ledger.project(grid)
 
     @hookimpl(tryfirst=True)
     def add_nodal_force(self, grid: Grid) -> None:
         """The internal forces."""
-        if self.ledger.running:
-            self.ledger.force = grid.force.copy()
+        self.ledger.force = grid.force.copy()
 
     @hookimpl(tryfirst=True)
     def after_momentum_update(self, grid: Grid) -> None:
         """The momentum is integrated."""
-        if self.ledger.running:
-            self.ledger.momentum = grid.momentum.copy()
+        self.ledger.momentum = grid.momentum.copy()
 
 
 class BeforeForce:
@@ -51,14 +48,13 @@ class BeforeForce:
     stage = "output"
 
     def __init__(self, ledger: EnergyLedger, load: Any) -> None:
-        self.ledger = ledger
+        self.ledger = self.only_while = ledger
         self.name, self.term = f"{ledger.name} before {load_name(load)}", "contact"
 
     @hookimpl
     def add_nodal_force(self, grid: Grid, dt: float) -> None:
         """Measured where the forces act: a load with a state of its own is called once."""
-        if self.ledger.running:
-            self.ledger.exert(grid, self.term, dt)
+        self.ledger.exert(grid, self.term, dt)
 
 
 class AfterForce(BeforeForce):
@@ -81,32 +77,28 @@ class AfterImpulses:
     stage = "output"
 
     def __init__(self, ledger: EnergyLedger) -> None:
-        self.ledger = ledger
+        self.ledger = self.only_while = ledger
 
     @hookimpl(trylast=True)
     def after_momentum_projection(self, grid: Grid) -> None:
         """Contact that corrects the projected momentum."""
-        if self.ledger.running:
-            self.ledger.change(grid, "contact")
+        self.ledger.change(grid, "contact")
 
     @hookimpl(trylast=True)
     def add_nodal_force(self, grid: Grid, dt: float) -> None:
         """What is left beside gravity and loads, contact."""
-        if self.ledger.running:
-            self.ledger.exert(grid, "contact", dt)
-            self.ledger.forced = True
+        self.ledger.exert(grid, "contact", dt)
+        self.ledger.forced = True
 
     @hookimpl(trylast=True)
     def after_momentum_update(self, grid: Grid) -> None:
         """Contact that corrects the updated momentum."""
-        if self.ledger.running:
-            self.ledger.change(grid, "contact")
+        self.ledger.change(grid, "contact")
 
     @hookimpl(trylast=True)
     def correct_inertia(self, grid: Grid) -> None:
         """Inertia corrections."""
-        if self.ledger.running:
-            self.ledger.change(grid, "inertia")
+        self.ledger.change(grid, "inertia")
 
     @hookimpl(trylast=True)
     def constrain_momentum(self, grid: Grid) -> None:
@@ -115,7 +107,7 @@ class AfterImpulses:
         USF asks before there are forces as well, for the velocity of the strain: an impulse like the others. MUSL asks
         for it once more after the points have moved, which moves nothing.
         """
-        if not self.ledger.running or self.ledger.balanced:
+        if self.ledger.balanced:
             return
         self.ledger.change(grid, "external")
         if self.ledger.forced:

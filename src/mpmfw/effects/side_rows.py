@@ -26,14 +26,23 @@ THIN = 0.05
 QUADRATURE = 16
 
 
-class PlaneSide(Struct):
-    """What of a side n·x = place does not change."""
+class PlaneSides(Struct):
+    """The sides n·x = place, and the columns that cross them."""
 
-    normal: Floats  #: n, (dim,), outwards
-    box_lower: Floats  #: columns outside of the box are another body's, (dim,) [m]
+    normal: Floats  #: n, (n_sides, dim), outwards
+    place: Floats  #: (n_sides,) [m]
+    box_lower: Floats  #: columns outside of the box are another body's, (n_sides, dim) [m]
     box_upper: Floats
-    shift: Floats  #: of its :func:`quadrature`, (n_q,) [cells]
-    share: Floats  #: (n_q,)
+    alone: Ints  #: 1 where no other body shares the velocity field, else 0, (n_sides,)
+    cell_mass: Floats  #: ρ h^dim, (n_sides,) [kg/m]
+    point: Ints  #: points of side s are ``point[s]:point[s + 1]``, (n_sides + 1,)
+    shift: Floats  #: of their :func:`quadrature`, (n_points,) [cells]
+    share: Floats  #: (n_points,)
+    column: Ints  #: first node of the velocity field and the one after its last, step along a column, its nodes, its axis
+
+
+#: Where in ``column`` (n_sides, 5) each stands.
+START, STOP, STRIDE, COUNT, AXIS = range(5)
 
 
 class SideTable(Struct):
@@ -105,8 +114,8 @@ def quadrature(normal: FloatArray, axis: int, degree: int) -> tuple[FloatArray, 
 
 @device
 def weigh_column(
-    first: int, stride: int, count: int, axis: int, inward: int, crossing: Float, reach: Float, degree: int, side: PlaneSide,
-    node_position: Floats, node_mass: Floats, table: SideTable, h: Float,
+    first: int, stride: int, count: int, axis: int, inward: int, crossing: Float, reach: Float, degree: int, s: int,
+    sides: PlaneSides, node_position: Floats, node_mass: Floats, table: SideTable, h: Float,
 ) -> Float:  # fmt: skip
     """Weights c_k of a column and distances of its nodes, outwards [cells]; return the heaviest mass that has a weight."""
     heaviest = 0.0
@@ -115,8 +124,8 @@ def weigh_column(
         table.distance[k] = inward * (crossing - node_position[i, axis]) / h
         table.c[k] = 0.0
         if abs(table.distance[k]) < reach:
-            for q in range(len(side.shift)):
-                table.c[k] += side.share[q] * cardinal_spline(table.distance[k] - side.shift[q], degree)
+            for q in range(sides.point[s], sides.point[s + 1]):
+                table.c[k] += sides.share[q] * cardinal_spline(table.distance[k] - sides.shift[q], degree)
             heaviest = max(heaviest, node_mass[i])
     return heaviest
 
@@ -173,37 +182,25 @@ def add_column(
     return rows + 1
 
 
-@kernel
-def add_rows(
-    rows: int, start: int, stop: int, stride: int, count: int, axis: int, place: float, degree: int, alone: bool,
-    cell_mass: float, side: PlaneSide, node_position: Floats, node_mass: Floats, table: SideTable, spacing: tuple[float, ...],
+@device
+def add_side(
+    rows: int, s: int, degree: int, sides: PlaneSides, node_position: Floats, node_mass: Floats, table: SideTable,
+    spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """Add the rows of the side n·x = ``place`` [m] to the table; return the number of rows then.
-
-    Parameters
-    ----------
-    rows
-        Number of rows so far.
-    start, stop, stride, count, axis
-        Nodes of the velocity field; step and number of those along ``axis``, which the columns are along.
-    degree
-        Of the boundary basis.
-    alone
-        Whether no other body shares the velocity field.
-    cell_mass
-        ρ h^dim [kg/m].
-    """
-    dim, h, normal = len(spacing), spacing[0], side.normal
+    """Add the rows of side s to the table, which has ``rows`` so far; return the number of rows then."""
+    dim, h, normal, axis = len(spacing), spacing[0], sides.normal[s], sides.column[s, AXIS]
+    stride, count = sides.column[s, STRIDE], sides.column[s, COUNT]
     inward = -1 if normal[axis] > 0.0 else 1
-    reach = 0.5 * (degree + 1) + np.abs(side.shift).max()
-    for column in range((stop - start) // count):
-        first = start + column // stride * stride * count + column % stride
+    shift = sides.shift[sides.point[s] : sides.point[s + 1]]
+    reach = 0.5 * (degree + 1) + np.abs(shift).max()
+    for column in range((sides.column[s, STOP] - sides.column[s, START]) // count):
+        first = sides.column[s, START] + column // stride * stride * count + column % stride
         inside = True
-        crossing = place
+        crossing = sides.place[s]
         for d in range(dim):
             if d != axis:
                 crossing -= normal[d] * node_position[first, d]
-                inside = inside and side.box_lower[d] <= node_position[first, d] <= side.box_upper[d]
+                inside = inside and sides.box_lower[s, d] <= node_position[first, d] <= sides.box_upper[s, d]
         if not inside:
             continue
         crossing /= normal[axis]
@@ -213,13 +210,30 @@ def add_rows(
         high = min(count, int(np.ceil(middle + reach + (1.0 if inward < 0 else 3.0))) + 1)
         first += low * stride
         heaviest = weigh_column(
-            first, stride, high - low, axis, inward, crossing, reach, degree, side, node_position, node_mass, table, h
+            first, stride, high - low, axis, inward, crossing, reach, degree, s, sides, node_position, node_mass, table, h
         )  # fmt: skip
         if heaviest > 0.0:
-            light, oblique = LIGHT * min(cell_mass, 4.0 * heaviest), len(side.shift) > 1
+            light, oblique = LIGHT * min(sides.cell_mass[s], 4.0 * heaviest), len(shift) > 1
             rows = add_column(
-                rows, first, stride, high - low, inward, reach, oblique, alone, light, node_mass, table
-            )
+                rows, first, stride, high - low, inward, reach, oblique, sides.alone[s] == 1, light, node_mass, table
+            )  # fmt: skip
+    return rows
+
+
+@kernel
+def list_rows(
+    degree: int, sides: PlaneSides, node_position: Floats, node_mass: Floats, table: SideTable, spacing: tuple[float, ...]
+) -> int:  # fmt: skip
+    """Fill the table with the rows of all sides, one side after the other; return their number.
+
+    ``degree`` is that of the boundary basis.
+    """
+    rows = 0
+    for s in range(len(sides.place)):
+        before = rows
+        rows = add_side(rows, s, degree, sides, node_position, node_mass, table, spacing)
+        for r in range(before, rows):
+            table.side[r] = s
     return rows
 
 

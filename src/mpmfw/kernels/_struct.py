@@ -74,9 +74,10 @@ class Struct:
         return self
 
     def __setattr__(self, name: str, value: Any) -> None:
-        """As any attribute; compiled code sees a member's new array."""
+        """As any attribute; compiled code sees a member's new array. One that was changed in place, by ``+=``, is not new."""
+        new = name in self.member_names and value is not self.__dict__.get(name)
         super().__setattr__(name, value)
-        if name in self.member_names:
+        if new:
             self.set()
 
     def __getstate__(self) -> dict[str, Any]:

@@ -66,6 +66,15 @@ def match_rows(rows: Rows, count: int, old: Rows, old_count: int) -> None:
         rows.before[c] = o if o < old_count and old.identity[o] == rows.identity[c] else -1
 
 
+@kernel
+def any_touches(rows: Rows, count: int) -> bool:
+    """Whether a row has no gap left."""
+    touches = False
+    for c in range(count):
+        touches = touches or rows.gap[c] <= 0.0
+    return touches
+
+
 @device
 def row_velocity(c: int, rows: Rows, velocity: Floats, out: Floats, spacing: tuple[float, ...]) -> None:
     """(B v)_c = Σ w v + Σ c (n·v) of row c with the nodes' ``velocity`` (n_nodes, dim) [m/s], into ``out`` (dim,)."""
