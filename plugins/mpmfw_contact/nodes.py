@@ -158,6 +158,7 @@ class Nodes(AtNodes):
     """Rows where the normal of the volume gradients, or the given one, says that bodies touch."""
 
     name = "nodes"
+    checks_others = True
     Options = NodesOptions
     options: NodesOptions
 

@@ -91,6 +91,7 @@ class PenaltyLaw(Springs):
     """A spring bears by the part of its area that lies across the normal, and changes with it without gain of energy."""
 
     name = "penalty"
+    checks_others = True
     Options = PenaltyLawOptions
     options: PenaltyLawOptions
 

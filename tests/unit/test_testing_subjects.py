@@ -7,10 +7,12 @@ from typing import Annotated
 import pytest
 from pydantic import BaseModel, Field
 
-from mpmfw.api import ContactStrategy
+from mpmfw.api import ContactStrategy, ImpulseLaw
+from mpmfw.discovery import available, load
 from mpmfw.errors import SceneError
-from mpmfw.testing import contact_checks, examine, subject_of
+from mpmfw.testing import check_plugin, contact_checks, examine, subject_of
 from mpmfw.testing.option_values import candidates
+from mpmfw.testing.parametrised import checks_of
 from mpmfw_contact.penalty import Penalty
 
 
@@ -21,6 +23,32 @@ def test_subjects_of_all_sorts():
     made = subject_of(lambda: Penalty(kappa=5.0), "contact")
     assert made.make() is not made.make()
     assert made.make().options.kappa == 5.0
+
+
+@pytest.mark.parametrize("kind", ["detection", "law"])
+def test_every_bundled_detection_and_law_is_checked_with_a_part_that_it_goes_with(kind):
+    for name in available(kind):
+        subject = subject_of(name, kind)
+        assert subject.kind == "contact"
+        assert name in subject.label.split("+"), subject.label
+        assert subject_of(load(kind, name), "contact").label == subject.label
+        assert subject_of(load(kind, name)(), kind).label == subject.label
+        assert subject.make().name == subject.label
+    assert checks_of(kind) == contact_checks()
+
+
+def test_options_of_a_law_are_those_of_its_contact():
+    assert subject_of("lcp(sweeps=7)", "law").make().options.sweeps == 7
+    with pytest.raises(SceneError, match="no such option 'sweep'; did you mean 'sweeps'"):
+        subject_of("lcp", "law", {"sweep": 7})
+    with pytest.raises(SceneError, match="is no law plug-in"):
+        subject_of("mpmfw_shape.gimp:Gimp", "law")
+
+
+def test_a_law_that_attracts_fails_what_the_kit_asks_of_it():
+    """Given as the class, as ``check_plugin`` is."""
+    with pytest.raises(AssertionError, match=r"surfaces\+attracts\npushes-apart: failed"):
+        check_plugin(Attracts, only=["pushes-apart"], pictures=None)
 
 
 @pytest.mark.parametrize(
@@ -37,6 +65,15 @@ def test_subjects_of_all_sorts():
 def test_what_is_no_subject_is_refused(plugin, options, said):
     with pytest.raises(SceneError, match=said):
         subject_of(plugin, "contact", options)
+
+
+class Attracts(ImpulseLaw):
+    """Pulls where it should push."""
+
+    name = "attracts"
+
+    def impulses(self, rows, grid, scratch, work, *, projected):  # noqa: ARG002
+        rows.force[: rows.count] = -1e-3 * rows.normal[: rows.count]
 
 
 class Asks(ContactStrategy):

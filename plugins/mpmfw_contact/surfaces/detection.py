@@ -85,6 +85,7 @@ class Surfaces(Detection):
     """
 
     name = "surfaces"
+    checks_others = True
     Options: ClassVar[type[FacetOptions]] = SurfacesOptions
     options: FacetOptions
     facets = True

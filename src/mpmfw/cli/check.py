@@ -38,7 +38,7 @@ PluginArgument: TypeAlias = Annotated[
 KindOption: TypeAlias = Annotated[
     str | None,
     typer.Option(
-        metavar="contact|shape|material|load|friction|boundary|output|geometry|measure|reference",
+        metavar="contact|detection|law|shape|material|load|friction|boundary|output|geometry|measure|reference",
         help="Kind of the plug-in, where its name does not say.",
     ),
 ]
@@ -195,6 +195,8 @@ def _kind_of(text: str, kind: str | None) -> Kind:
     if ":" in plugin and "+" not in plugin:
         return kind_of(load("contact", plugin))
     found = [each for each in CHECKED if plugin in choices(each)]
+    if "contact" in found:  # which is made of them
+        found = [each for each in found if each not in ("detection", "law")]
     if not found and plugin in names_of_measures():  # bundled ones are announced by no entry point
         return "measure"
     if not found:

@@ -25,6 +25,8 @@ class Detection(PlugIn):
     facets: ClassVar[bool] = False
     #: Whether it works on tracked surfaces, ``state.surface``.
     needs_surface: ClassVar[bool] = False
+    #: Whether the conformance kit checks laws that it goes with by joining them with it.
+    checks_others: ClassVar[bool] = False
     #: Dimensions that it works in.
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
     #: How surface nodes are mapped to the grid: ``auto`` follows the shape function.

@@ -26,6 +26,8 @@ class ContactLaw(PlugIn):
     softness_option: ClassVar[str | None] = None
     #: Whether it is written for facets alone.
     needs_facets: ClassVar[bool] = False
+    #: Whether the conformance kit checks detections that it goes with by joining them with it.
+    checks_others: ClassVar[bool] = False
     #: Dimensions that it works in.
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
 

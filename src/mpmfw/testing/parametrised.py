@@ -11,11 +11,13 @@ from mpmfw.discovery import Kind, did_you_mean
 from mpmfw.errors import SceneError
 from mpmfw.testing.check import Check
 from mpmfw.testing.examination import examine, examine_one, justified, named
+from mpmfw.testing.parts import PARTS
 from mpmfw.testing.subject import Subject, bases_of_kinds, subject_of
 
 #: Kinds of plug-ins that there are checks for.
 CHECKED: tuple[Kind, ...] = (
-    "contact", "shape", "material", "load", "friction", "boundary", "output", "geometry", "measure", "reference",
+    "contact", "detection", "law", "shape", "material", "load", "friction", "boundary", "output", "geometry", "measure",
+    "reference",
 )  # fmt: skip
 
 #: Folder for pictures of counterexamples, in the working directory; made by the first failure.
@@ -105,6 +107,22 @@ geometry_conformance = _conformance_of(
     A geometry whose keys have no default is named with them: ``"disc(centre=[0, 0], radius=1)"``.
     """,
 )
+detection_conformance = _conformance_of(
+    "detection",
+    """
+
+    It is joined with the law ``penalty``, or ``impulse`` where that needs facets that it does not list; with another law the
+    two are a contact, ``contact_conformance("my_detection+lcp")``.
+    """,
+)
+law_conformance = _conformance_of(
+    "law",
+    """
+
+    It is joined with the detection ``surfaces``; with another one the two are a contact,
+    ``contact_conformance("nodes+my_law")``.
+    """,
+)
 measure_conformance = _conformance_of("measure")
 reference_conformance = _conformance_of("reference")
 
@@ -119,6 +137,8 @@ def checks_of(kind: Kind) -> Sequence[Check]:
     """
     if kind not in CHECKED:
         raise SceneError(f"there are no checks of a {kind} by itself; expected one of {', '.join(CHECKED)}")
+    if kind in PARTS:
+        return checks_of("contact")
     checks: Sequence[Check] = getattr(import_module(f"mpmfw.testing.{kind}"), f"{kind}_checks")()
     return checks
 
@@ -174,7 +194,7 @@ def kind_of(plugin: Any) -> Kind:
     SceneError
         It has none of the base classes that there are checks for.
     """
-    kind, bases = plugin if isinstance(plugin, type) else type(plugin), bases_of_kinds()
+    kind, bases = plugin if isinstance(plugin, type) else type(plugin), {**bases_of_kinds(), **PARTS}
     for name, base in bases.items():
         if issubclass(kind, base):
             return name

@@ -22,6 +22,7 @@ from mpmfw.errors import SceneError
 from mpmfw.geometry.discretise import refuse_incomplete
 from mpmfw.scene.specification import parse_specification, specification_of
 from mpmfw.testing.check import Inapplicable
+from mpmfw.testing.parts import PARTS, part_of, whole
 
 
 @dataclass(frozen=True)
@@ -66,8 +67,9 @@ def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None
     Parameters
     ----------
     plugin
-        A plug-in class; an object, of whose options fresh ones are made; a function that makes objects; the name of
-        an installed plug-in; or ``module:Class``; names may be followed by options, as in ``penalty(kappa=2)``.
+        A plug-in class, of a detection or a law as well; an object, of whose options fresh ones are made; a function that makes
+        objects; the name of an installed plug-in; or ``module:Class``; names may be followed by options, as in
+        ``penalty(kappa=2)``.
     kind
         One of those that there are checks for.
     options
@@ -89,6 +91,10 @@ def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None
             )
         given = {**text.options, **given}
         plugin = _named(kind, text.name)
+    if kind == "contact":
+        kind = part_of(plugin) or kind
+    if kind in PARTS:
+        plugin, kind, given = _whole(plugin, kind, given)
     if isinstance(plugin, type):
         _check_kind(plugin, kind)
         refuse_class(plugin)
@@ -106,6 +112,25 @@ def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None
     raise SceneError(
         f"cannot check {plugin!r}: expected a plug-in class, an object of one, a function that makes one, or a name"
     )
+
+
+def _whole(plugin: Any, kind: Kind, given: dict[str, Any]) -> tuple[type[Any], Kind, dict[str, Any]]:
+    """The contact strategy of a detection or a law, or of an object of one, with its options.
+
+    Raises
+    ------
+    SceneError
+        It is none, or goes with no other part.
+    """
+    if isinstance(plugin, type):
+        refuse_class(plugin)
+        return whole(plugin, kind, given), "contact", given
+    if part_of(plugin) is None:
+        raise SceneError(
+            f"cannot check {plugin!r}: expected a {kind} plug-in's class, an object of one, or a name"
+        )
+    given = {**_options_set(plugin), **given}
+    return whole(type(plugin), kind, given), "contact", given
 
 
 def _named(kind: Kind, name: str) -> type[Any]:
