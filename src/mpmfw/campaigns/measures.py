@@ -52,6 +52,7 @@ def measure(
         made = {
             "name": name, "unit": unit, "kind": kind, "keys": keys, "norm": norm, "particles": particles,
             "of": staticmethod(function), "exact": staticmethod(exact), "__doc__": function.__doc__,
+            "__reduce__": lambda self: (measure_of, (self.name,)),  # pickle looks for the function under the class's name
         }  # fmt: skip
         MEASURES[name] = type(function.__name__, (Measure,), made)()
         return function

@@ -16,6 +16,7 @@ from mpmfw.scene import Scene, load_scene
 from mpmfw.testing.check import Check, Inapplicable, Violation
 from mpmfw.testing.contact.similarity import in_units
 from mpmfw.testing.other_units import factor_of
+from mpmfw.testing.sent import SENT
 from mpmfw.testing.subject import Subject
 from mpmfw.units import powers_of
 
@@ -264,4 +265,5 @@ def measure_checks() -> list[Check]:
         Check("unit", "Its unit is that of its values.", unit_is_that_of_the_values),
         Check("outputs", "It is of the motion, not of how often outputs were asked for.", outputs),
         Check("exact", "What it must be is None, or values of its kind.", exact),
+        SENT,
     ]

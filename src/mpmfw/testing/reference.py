@@ -18,6 +18,7 @@ from mpmfw.runs import run
 from mpmfw.scene import Scene, load_scene
 from mpmfw.testing.check import Check, Violation
 from mpmfw.testing.measure import blocks, require_exact
+from mpmfw.testing.sent import SENT
 from mpmfw.testing.subject import Subject
 
 #: How far a run of the example may be from what is known of it, as a share of its largest.
@@ -126,4 +127,5 @@ def reference_checks() -> list[Check]:
         Check("agrees", "A run of the example is what it says.", agrees),
         Check("others", "It claims nothing of a scene that is not of its kind.", others),
         Check("repeatable", "The same scene gives the same answer.", repeatable),
+        SENT,
     ]

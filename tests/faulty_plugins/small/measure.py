@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from faulty_plugins.sealed import Sealed
 from mpmfw.api import About, Exact, FloatArray, Measure, Measured
 
 
@@ -166,8 +167,14 @@ class NoKind(Curve):
         return Exact("guess", "", lambda t: np.asarray(t)) if scene and about else None
 
 
+class Closed(Sealed, Curve):
+    """Holds a function."""
+
+    name = "closed"
+
+
 FAULTS: dict[Any, str] = {
     ThreeNumbers: "runs", NoTime: "runs", MisspeltUnit: "runs", Sorts: "changes-nothing", Remembers: "repeatable",
     FirstBody: "keys", MoreKeys: "keys", OtherUnit: "unit", Threshold: "unit", Summed: "outputs", WrongShape: "exact",
-    Cumulated: "exact", NoKind: "exact",
+    Cumulated: "exact", NoKind: "exact", Closed: "sent",
 }  # fmt: skip

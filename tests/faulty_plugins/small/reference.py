@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from faulty_plugins.sealed import Sealed
 from mpmfw.api import About, Exact, FloatArray, Reference
 
 SCENE = {
@@ -113,7 +114,13 @@ class Grows(Sound):
         return super().way(start, pull * (1.0 + 1e-4 * self.asked), time)
 
 
+class Closed(Sealed, Sound):
+    """Holds a function."""
+
+    name = "closed"
+
+
 FAULTS: dict[Any, str] = {
     NoExample: "runs", Nothing: "runs", OneValue: "runs", WithoutHalf: "agrees", OneAxis: "agrees", Everything: "others",
-    Grows: "repeatable",
+    Grows: "repeatable", Closed: "sent",
 }  # fmt: skip

@@ -15,6 +15,7 @@ from mpmfw.errors import PluginError, SimulationError
 from mpmfw.results import Frame
 from mpmfw.simulation import Simulation
 from mpmfw.testing.check import Inapplicable, Violation
+from mpmfw.testing.contact.finite import FiniteWatch
 from mpmfw.testing.saving import remember
 from mpmfw.testing.searching import raised
 from mpmfw.testing.subject import Subject
@@ -97,6 +98,7 @@ class Motion:
         default_factory=list
     )  #: material points (n, dim) [m], after every step
     failure: SimulationError | None = None  #: what ended the run before its time
+    watch: FiniteWatch | None = None  #: knows the first value that is no number
 
     def require_whole(self) -> None:
         """Raise a violation if the run broke down."""
@@ -105,7 +107,11 @@ class Motion:
 
             raise Violation(
                 f"the run breaks down: {self.failure.what}",
-                {"steps": len(self.dt), "time [s]": float(sum(self.dt))},
+                {
+                    "steps": len(self.dt),
+                    "time [s]": float(sum(self.dt)),
+                    **(self.watch.first if self.watch is not None else {}),
+                },
                 impulses_at(self, len(self.dt) - 1) if self.dt else None,
                 where=raised(self.failure).where if isinstance(self.failure, PluginError) else (),
             ) from self.failure
@@ -155,8 +161,8 @@ class Motion:
 def recorded(simulation: Simulation) -> Iterator[Motion]:
     """Observe a simulation's steps for a while."""
     recorder = ContactRecorder()
-    motion = Motion(simulation, recorder.steps)
-    with simulation.extra_plugin(recorder):
+    motion = Motion(simulation, recorder.steps, watch=FiniteWatch(simulation.contact))
+    with simulation.extra_plugin(recorder), simulation.extra_plugin(motion.watch):
         yield motion
 
 

@@ -1,0 +1,72 @@
+"""Of a run that breaks down by a value that is no number the kit says which array had it first, and in which hook."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mpmfw.api import ContactStrategy, ForceLaw, hookimpl
+from mpmfw.testing import contact_checks, examine, subject_of
+
+
+class Divides(ForceLaw):
+    """A force that is 0 / 0 in a row, once bodies overlap."""
+
+    name = "divides"
+
+    def expected(self, bulk_frequency):  # noqa: ARG002
+        return 0.0
+
+    def stiffness(self, rows, old):  # noqa: ARG002
+        return np.zeros(rows.count)
+
+    def forces(self, rows, old, dashpot, records):  # noqa: ARG002
+        rows.force[: rows.count] = 0.0
+        if (rows.gap[: rows.count] < 0.0).any():
+            rows.force[0] = np.nan
+
+
+class Forces(ContactStrategy):
+    """A force that is no number at a node of the fifth step, and at nodes without mass, which nothing reads, at once."""
+
+    name = "forces"
+
+    @hookimpl
+    def add_nodal_force(self, state, grid):
+        grid.force[grid.mass == 0.0] = np.nan
+        if state.steps == 4:
+            grid.force[np.argmax(grid.mass), 1] = np.inf
+
+
+class Moves(ContactStrategy):
+    """A momentum that is none."""
+
+    name = "moves"
+
+    @hookimpl
+    def after_momentum_update(self, grid):
+        grid.momentum[np.argmax(grid.mass)] = np.nan
+
+
+@pytest.mark.parametrize(
+    ("plugin", "array", "made"),
+    [
+        (Divides, "rows.force[0]", "in add_nodal_force, step "),
+        (Forces, "grid.force[", "in add_nodal_force, step 5"),
+        (Moves, "grid.momentum[", "in after_momentum_update, step 1"),
+    ],
+)
+def test_the_first_array_and_the_hook_that_made_it_are_named(plugin, array, made):
+    checks = [check for check in contact_checks() if check.name in ("runs", "energy")]
+    for outcome in examine(subject_of(plugin, "contact"), checks):
+        assert outcome.status == "failed"
+        assert str(outcome.counterexample["first that is no number"]).startswith(array), outcome.report
+        assert str(outcome.counterexample["made"]).startswith(made), outcome.report
+
+
+def test_a_run_without_such_a_value_names_none():
+    (outcome,) = examine(
+        subject_of("separate", "contact"), [c for c in contact_checks() if c.name == "pushes-apart"]
+    )
+    assert outcome.status == "failed"
+    assert "first that is no number" not in outcome.counterexample
