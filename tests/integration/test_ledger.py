@@ -187,6 +187,27 @@ def test_work_of_penalty_contact_is_in_springs_and_friction(safety, share):
     assert float(np.abs(done + kept).max()) < share * kinetic
 
 
+def test_residuals_are_the_half_step_by_which_velocities_are_behind():
+    """Of blocks that meet at 0.04 of their wave speed: what is left beside it is of the second order."""
+    mapping = impact(speed=0.4, slide=0.1)
+    mapping["contact"]["method"] = "penalty"
+    mapping["time"] = {"end": 0.08, "output_interval": 0.002}
+    series = ledger(mapping)
+    for residual, half in (
+        ("energy_residual", "half_step_work"),
+        ("contact_residual", "contact_half_step_work"),
+    ):
+        whole = float(np.abs(series[residual]).max())
+        assert whole > 0.002 * float(series["kinetic_energy"].sum("body").isel(time=0))
+        assert float(np.abs(series[residual] - series[half]).max()) < 0.45 * whole
+
+
+def test_schemes_with_another_order_have_no_half_step():
+    assert "half_step_work" not in ledger(
+        touching("musl", "flip"), time__end=0.01, time__output_interval=0.01
+    )
+
+
 def test_classical_contact_loses_what_its_record_says_it_rubbed_away():
     mapping = impact(speed=0.0, slide=0.5, gap=0.0)
     mapping["contact"] |= {"method": "bardenhagen", "bardenhagen": {"normal": "master"}}

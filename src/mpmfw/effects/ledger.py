@@ -18,6 +18,7 @@ import numpy as np
 from mpmfw.effect import Plan
 from mpmfw.effects.energy_guard import EnergyGuard
 from mpmfw.effects.ledger_energies import add_change, grid_energy, impulse_work, motion_energy
+from mpmfw.effects.ledger_half_step import HalfStep
 from mpmfw.fields import AnyArray, Field, FloatArray
 from mpmfw.hookspecs import hookimpl
 from mpmfw.series import StrainEnergies
@@ -58,6 +59,17 @@ CONTACT_RESIDUAL = _series(
     "work of contact since time zero that its springs, friction and dashpots do not account for",
 )
 
+HALF_STEP = _series(
+    "half_step_work",
+    "part of energy_residual that is no error in time: work of the internal forces on what the transfer takes from the "
+    "velocity half a step on, negative where it is lost",
+)
+
+CONTACT_HALF_STEP = _series(
+    "contact_half_step_work",
+    "part of contact_residual that is no error in time: work of contact on what the transfer takes from the velocity",
+)
+
 #: What a contact with springs tells of its work, as ``State.arrays`` of each pair [J/m].
 SPRING_RECORDS = ("energy", "frictional_work", "damping_work", "spring_work")
 
@@ -79,6 +91,8 @@ class EnergyLedger:
         Name of the contact, whose energy in springs is in ``State.arrays``, (pair,) [J/m]; one without springs has none.
     accounted
         Whether the contact tells all of :data:`SPRING_RECORDS`, so that its work has a residual.
+    half_steps
+        Whether velocities are half a step behind positions and strain, as with update stress last.
     guard
         What stops a run whose energy grows, or None.
     """
@@ -86,6 +100,7 @@ class EnergyLedger:
     name = "energy_ledger"
     stage = "output"
     force: FloatArray  #: (n_nodes, dim) [N/m], as it was at the last look
+    internal: FloatArray  #: (n_nodes, dim) [N/m], the internal forces
     momentum: FloatArray  #: (n_nodes, dim) [N s/m], as it was at the last look
 
     def __init__(
@@ -95,15 +110,17 @@ class EnergyLedger:
         terms: tuple[str, ...],
         contact: str,
         accounted: bool,
+        half_steps: bool,
         guard: EnergyGuard | None,
     ) -> None:
         self.strain, self.terms, self.contact, self.accounted = strain, terms, contact, accounted
-        self.guard = guard
+        self.half_steps, self.guard = half_steps, guard
         self.running = False
 
     def _restart(self, state: State) -> None:
         self.running = True
         self.work = dict.fromkeys(("gravity", "external", "contact", "inertia"), 0.0)
+        self.half_step = HalfStep() if self.half_steps else None
         self.gained = self.dissipated = self.contact_before = 0.0
         self.loaded: float | None = (
             None  #: energy of the contact springs at the start; None until a step has told
@@ -124,6 +141,8 @@ class EnergyLedger:
                 if not field.name.endswith("_work") or field.name.removesuffix("_work") in self.terms
             ),
             *([CONTACT_RESIDUAL] if self.accounted else []),
+            *([HALF_STEP] if self.half_steps else []),
+            *([CONTACT_HALF_STEP] if self.half_steps and self.accounted else []),
         ]
 
     def project(self, grid: Grid) -> None:
@@ -132,6 +151,11 @@ class EnergyLedger:
         self.impulse: dict[str, FloatArray] = {}
         self.momentum = grid.momentum.copy()
         self.forced = self.balanced = False
+
+    def begin_forces(self, grid: Grid, dt: float) -> None:
+        """The internal forces, for the step of ``dt`` [s]."""
+        self.force, self.dt = grid.force.copy(), dt
+        self.internal = self.force
 
     def change(self, grid: Grid, term: str) -> None:
         """Add the momentum's change since the last look, if there is one, to the impulses of a term."""
@@ -156,6 +180,10 @@ class EnergyLedger:
         self.balanced = True
         self.moved = grid_energy(grid.mass, grid.momentum)
         self.contact_before = self.work["contact"]
+        if self.half_step is not None:
+            # A contact that tells of its springs exerts forces alone
+            contact = self.impulse.get("contact") if self.accounted else None
+            self.half_step.add(grid, self.dt * self.internal, contact)
         for term, impulse in self.impulse.items():
             self.work[term] += impulse_work(impulse, grid.mass, grid.start_velocity, grid.momentum)
 
@@ -198,12 +226,18 @@ class EnergyLedger:
         last = {"transfer_dissipation": np.float64(self.dissipated), "energy_residual": np.float64(residual)}
         if self.accounted:
             last["contact_residual"] = np.float64(self._contact_residual(state))
+        if self.half_step is not None:
+            last["half_step_work"] = np.float64(self.half_step.strain)
+            if self.accounted:
+                last["contact_half_step_work"] = np.float64(self.half_step.contact)
         return {name: np.asarray(value) for name, value in {**series, **last}.items()}
 
     def _contact_residual(self, state: State) -> float:
         """Work of contact up to the positions that the springs have seen, which are a step old, and what became of it."""
+        if self.loaded is None:
+            return 0.0
         accounted = sum(float(state.arrays[f"{self.contact}/{name}"].sum()) for name in SPRING_RECORDS)
-        return self.contact_before + accounted - (self.loaded or 0.0)
+        return self.contact_before + accounted - self.loaded
 
     def _balance(self, state: State) -> float:
         """What no term accounts for [J/m]; the guard looks at the whole energy."""
@@ -232,6 +266,7 @@ def planned(made: Build, plan: Plan, strain: StrainEnergies) -> tuple[EnergyLedg
         terms=_terms(made, plan),
         contact="" if contact is None else contact.name,
         accounted="spring_work" in [field.name for field in declared],
+        half_steps=made.scheme == "usl",
         guard=None if made.scene.allow_unstable else EnergyGuard.of(made.state, softer_by),
     )
     measured: list[Any] = []

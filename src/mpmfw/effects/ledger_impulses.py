@@ -24,9 +24,9 @@ class BeforeImpulses:
         self.ledger.project(grid)
 
     @hookimpl(tryfirst=True)
-    def add_nodal_force(self, grid: Grid) -> None:
+    def add_nodal_force(self, grid: Grid, dt: float) -> None:
         """The internal forces."""
-        self.ledger.force = grid.force.copy()
+        self.ledger.begin_forces(grid, dt)
 
     @hookimpl(tryfirst=True)
     def after_momentum_update(self, grid: Grid) -> None:
