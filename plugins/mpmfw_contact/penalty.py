@@ -132,7 +132,11 @@ class PenaltyLaw(Springs):
     def longest_step(self, rows: ContactRows, grid: Grid) -> float:  # noqa: ARG002
         """Time in which a node grows deeper by no more than springs resolve, as all moved in the last step [s]."""
         last = float(self.state.dt)
-        return last * springs.steps_to_stride(rows, rows.count, springs.STRIDE * self.cell_size) if last else math.inf
+        return (
+            last * springs.steps_to_stride(rows, rows.count, springs.STRIDE * self.cell_size)
+            if last
+            else math.inf
+        )
 
     def forces(self, rows: ContactRows, old: ContactRows, dashpot: float, records: PairRecords) -> None:
         """Springs along the normal, a dashpot, and f_t returned to Coulomb's cone; and what the last step's springs lost."""

@@ -196,14 +196,14 @@ def test_with_a_larger_distance_bodies_cross_without_a_word(monkeypatch: pytest.
     assert "crossed" not in found.message
 
 
-def test_with_a_longer_way_in_a_step_discs_at_the_speed_of_waves_are_torn(
+def test_with_a_longer_way_in_a_step_discs_past_the_speed_of_waves_are_torn(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A shorter one would only take more steps."""
-    assert not fate(SCENES["head-on"](1.0)).message
+    assert not fate(SCENES["head-on"](1.5)).message
     monkeypatch.setattr(travel, "SHARE", 100.0)
     monkeypatch.setattr(_springs, "STRIDE", 100.0)
-    assert "inverted" in fate(SCENES["head-on"](1.0)).message
+    assert "inverted" in fate(SCENES["head-on"](1.5)).message
 
 
 def pressed(angle: float, cell: float = CELL) -> dict[str, Any]:

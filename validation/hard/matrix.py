@@ -18,9 +18,12 @@ if TYPE_CHECKING:
 #: Limits by the letter that stands for them; every other one is a closed form's.
 LETTERS = {"penetration": "P", "energy": "E", "momentum": "M", "friction": "T", "symmetry": "S"}
 CLOSED = "C"
-#: All holds; strain energy of soft points alone does not; others; no result; not run.
+#: All holds; energy alone does not; others; no result; not run.
 COLOURS = ("#9BD1B5", "#F6D08A", "#E8998D", "#B0A8B9", "#FFFFFF")
-SAID = "P penetration, E energy, M momentum, T friction, S symmetry, C closed form; grey: the run failed"
+SAID = (
+    "P penetration, E energy, M momentum, T friction, S symmetry, C closed form. Green: all that is asked holds,\n"
+    "yellow: energy alone does not, grey: the run failed. Right of the line: penalty at other places and with other cells"
+)
 
 
 def matrix(runs: Sequence[CaseRun]) -> Figure:
