@@ -129,7 +129,7 @@ class BarrierLaw(Springs):
             index=node - int(self.surface.body_first[body.index]),
             position=self.surface.position[node].tolist(),
             time=self.state.time,
-            advice=f"a smaller time.safety, or a larger contact.{self.owner}.kappa or .reach",
+            advice=f"a smaller time.safety, or a larger contact.{self.name}.kappa or .reach",
         )
 
     def longest_step(self, rows: Any, grid: Grid) -> float:

@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from pydantic import BaseModel
+
 from mpmfw.answers import check_limits
+from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.errors import PluginError, SceneError, SimulationError
 from mpmfw.state import State
 
@@ -72,9 +75,19 @@ class TimeStep:
             raise SimulationError(
                 f"the stable time step fell to {limit:.3g} s, set by {owner}; that of the bulk is {self.bulk_limit:.3g} s",
                 time=self.state.time,
-                advice="another surface map of the contact, another shape function, or a softer contact",
+                advice=self._advice(owner),
             )
         return step
+
+    def _advice(self, owner: str) -> str:
+        """What lengthens the steps that a plug-in limits: by options that it has, and by no other's."""
+        contact = next((one for one in self.limiting if _says(one, owner)), None)
+        if contact is None:
+            return "another shape function"
+        ways = [f"a softer contact ({contact.softer_by})" if contact.softer_by else "a softer contact"]
+        if contact.needs_surface and "map" in getattr(type(contact), "Options", BaseModel).model_fields:
+            ways.append(f"another contact.{contact.name.partition('+')[0]}.map")
+        return ", ".join([*ways, "or another shape function"])
 
     def check(self, hook: Any) -> None:
         """Refuse a step past the limit before the run begins.
@@ -106,3 +119,10 @@ class TimeStep:
         if step <= limit * (1.0 + 1e-12):
             return None
         return f"a step of {step:.4g} s is past the stability limit {limit:.4g} s of {owner}"
+
+
+def _says(plugin: Any, owner: str) -> bool:
+    """Whether it is a contact that calls itself so: by its name, or by that of its law."""
+    if not isinstance(plugin, ContactStrategy):
+        return False
+    return any(owner.startswith(name) for name in (plugin.name, plugin.name.rpartition("+")[2]))

@@ -47,7 +47,8 @@ class RowContact(ContactStrategy):
         self.surface_map = self.detection.surface_map
         self.adds_mass = self.detection.adds_mass
         option = self.Law.softness_option
-        self.softer_by = None if option is None else f"contact.{self.name}.{option}"
+        own = self.name.rpartition("+")[2]  # in a scene a joined law has a table of its own
+        self.softer_by = None if option is None else f"contact.{own}.{option}"
 
     def __init_subclass__(cls, **keywords: Any) -> None:
         super().__init_subclass__(**keywords)
