@@ -87,9 +87,8 @@ class ShapeFunction(PlugIn):
     rows_ascend: ClassVar[bool] = False
     #: Largest Courant number c Δt / h that is not refused.
     courant: ClassVar[float] = 0.8
-    #: What ``auto`` means for scheme and transfer.
-    auto_scheme: ClassVar[str] = "usl"
-    auto_transfer: ClassVar[str] = "aflip"
+    auto_scheme: ClassVar[str] = "usl"  #: what ``auto`` means for the scheme
+    auto_transfer: ClassVar[str] = "aflip"  #: what ``auto`` means for the transfer
     #: Treatment of a free body's rotational inertia where the scene says none: ``spin``, ``exact`` or ``lumped``.
     auto_rotation: ClassVar[str] = "spin"
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class Setup:
     """Facts of the scene, after discretisation, and the place where plug-ins get their arrays."""
 
-    state: State
+    state: State  #: of time zero
     layouts: tuple[Layout, ...]  #: of each body
     cell_size: float  #: h [m]
     shape: str  #: name of the shape function

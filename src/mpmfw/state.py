@@ -239,8 +239,8 @@ class Surface:
 class State:
     """All that changes while a simulation runs."""
 
-    particles: Particles
-    grid: Grid
+    particles: Particles  #: material points of all bodies
+    grid: Grid  #: nodes of all velocity fields
     bodies: tuple[Body, ...]  #: in the scene's order
     pairs: tuple[Pair, ...]  #: in the scene's order; of many bodies those that have come near so far
     surface: Surface | None = None  #: None unless an effect or the contact strategy needs outlines

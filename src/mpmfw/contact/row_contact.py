@@ -28,11 +28,12 @@ if TYPE_CHECKING:
 class RowContact(ContactStrategy):
     """Base of strategies that name a detection and a law; its options are those of both.
 
-    Subclasses are :class:`ForceContact` and :class:`ImpulseContact`, after what the law gives.
+    Subclasses are :class:`ForceContact` and :class:`ImpulseContact`, after what the law gives. They name the classes
+    ``Detection`` and ``Law``; the hook ``concerns`` is there where the law has something to say.
     """
 
-    Detection: ClassVar[type[Detection]]
-    Law: ClassVar[type[ContactLaw]]
+    Detection: ClassVar[type[Detection]]  #: what lists the rows
+    Law: ClassVar[type[ContactLaw]]  #: what acts on them
     velocity_fields = "per_body"
     stage = "contact"
     #: The hook, of laws that have something to say.
@@ -172,7 +173,7 @@ class ForceContact(RowContact):
     A subclass names the classes ``Detection`` and ``Law``; the hook ``concerns`` is there where the law has something to say.
     """
 
-    Law: ClassVar[type[ForceLaw]]
+    Law: ClassVar[type[ForceLaw]]  #: what acts on the rows
 
     def monitors(self) -> list[Any]:
         """Steps per contact and deepest penetration."""
@@ -276,7 +277,7 @@ class ImpulseContact(RowContact):
     A subclass names the classes ``Detection`` and ``Law``; the hook ``concerns`` is there where the law has something to say.
     """
 
-    Law: ClassVar[type[ImpulseLaw]]
+    Law: ClassVar[type[ImpulseLaw]]  #: what acts on the rows
 
     @hookimpl
     def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:

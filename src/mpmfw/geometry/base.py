@@ -24,7 +24,7 @@ class BodyGeometry(BaseModel):
     #: Number of space dimensions.
     dim: ClassVar[int]
 
-    type: str
+    type: str  #: what scenes call it; ``name`` is read off it
 
     @classmethod
     def __pydantic_init_subclass__(cls, **_: Any) -> None:

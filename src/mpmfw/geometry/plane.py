@@ -26,7 +26,7 @@ class PlaneGeometry(BodyGeometry):
     Where the true shape is curved they say its :attr:`exact_volume`, :attr:`centroid` and :attr:`bounds` as well.
     """
 
-    dim: ClassVar[int] = 2
+    dim: ClassVar[int] = 2  #: number of space dimensions
 
     @property
     @abstractmethod

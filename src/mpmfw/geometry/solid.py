@@ -31,8 +31,8 @@ class SolidGeometry(BodyGeometry):
     Where volume and centroid of the true shape have a formula they say :attr:`exact_volume` and :attr:`centroid` as well.
     """
 
-    dim: ClassVar[int] = 3
-    is_connected: ClassVar[bool] = True
+    dim: ClassVar[int] = 3  #: number of space dimensions
+    is_connected: ClassVar[bool] = True  #: whether the body is one piece
     #: Whether the surface of triangles is that of the body itself, however large they are.
     has_plane_faces: ClassVar[bool] = False
 

@@ -51,11 +51,13 @@ class Struct:
     member_names: ClassVar[tuple[str, ...]] = ()
     _numba_type_: StructType
     _arrays: tuple[Any, ...]
+    __signature__: ClassVar[inspect.Signature]
 
     def __init_subclass__(cls, **keywords: Any) -> None:
         super().__init_subclass__(**keywords)
         if not cls.member_names:  # classes farther down add what Python alone sees
             cls.member_names = tuple(inspect.get_annotations(cls))
+        cls.__signature__ = _signature_of(cls)
 
     def __init__(self, **members: Any) -> None:
         self.set(**members)
@@ -176,3 +178,21 @@ def _unbox(kind: StructType, value: Any, c: Any) -> Any:
         )
         setattr(members, name, array._getvalue())
     return _extending.NativeValue(members._getvalue())
+
+
+def _signature_of(kind: type[Struct]) -> inspect.Signature:
+    """Members as what the class is made of, where ``help()`` shows them: they are no attributes of the class."""
+    if kind.__init__ is not Struct.__init__:
+        _, *others = inspect.signature(kind.__init__).parameters.values()
+        return inspect.Signature(others)
+    said = {
+        name: text
+        for base in reversed(kind.__mro__)
+        for name, text in vars(base).get("__annotations__", {}).items()
+    }
+    return inspect.Signature(
+        [
+            inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=said[name])
+            for name in kind.member_names
+        ]
+    )
