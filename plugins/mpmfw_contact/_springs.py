@@ -162,7 +162,7 @@ def set_springs(
 
 @kernel
 def steps_to_stride(rows: Rows, count: int, stride: float) -> float:
-    """How many steps as the last one the nearest row takes to be as deep as ``stride`` [m], or deeper by it; infinite if none nears."""
+    """Steps as the last one until a row is as deep as ``stride`` [m], or deeper by it; infinite if none approaches."""
     least = float("inf")
     for c in range(count):
         along, _ = along_and_across(c, rows)
