@@ -1,6 +1,8 @@
-"""A plane across a run in space: which points it meets, and where it cuts the surfaces."""
+"""A run in space as a plane across it shows it, and rendered."""
 
 from __future__ import annotations
+
+import sys
 
 import numpy as np
 import pytest
@@ -8,7 +10,7 @@ import pytest
 import mpmfw
 from mpmfw.errors import SceneError
 from mpmfw.geometry.triangles import sphere_surface
-from mpmfw.plots import plane_cut
+from mpmfw.plots import plane_cut, rendered
 from mpmfw.plots.plane_cut import cut_lines
 from scenes_for_tests import ball_on_a_box, block
 
@@ -52,3 +54,32 @@ def test_what_cannot_be_cut_is_said(tree):
     flat = mpmfw.run(block(time__end=1e-3, time__output_interval=1e-3))
     with pytest.raises(SceneError, match="plane_cut draws runs in three dimensions"):
         plane_cut(flat)
+
+
+def bright(figure):
+    """Number of pixels of the picture that are not white."""
+    (picture,) = figure.axes[0].images
+    return int((np.asarray(picture.get_array()) < 250).any(axis=2).sum())
+
+
+def test_bodies_are_rendered_in_the_colours_of_a_field_with_its_scale(tree):
+    figure = rendered(tree, "von_mises")
+    panel, bar = figure.axes
+    points = [tree[f"particles/{body}"].to_dataset().isel(time=-1) for body in ("solid", "ball")]
+    assert panel.get_title().startswith("t = ")
+    assert "von Mises stress" in bar.get_ylabel()
+    assert bright(figure) > 1e5
+    assert bright(rendered(tree, "velocity_z", bodies=["ball"])) < bright(figure)
+    speed = np.concatenate([one["velocity"].values[:, 2] for one in points])
+    scale = np.array(rendered(tree, "velocity_z").axes[1].get_ylim())
+    np.testing.assert_allclose(
+        scale / scale[0], np.array([speed.min(), speed.max()]) / speed.min(), atol=1e-6
+    )
+
+
+def test_what_cannot_be_rendered_is_said(tree, monkeypatch):
+    with pytest.raises(SceneError, match="rendered draws runs in three dimensions"):
+        rendered(mpmfw.run(block(time__end=1e-3, time__output_interval=1e-3)))
+    monkeypatch.setitem(sys.modules, "pyvista", None)
+    with pytest.raises(SceneError, match=r"pip install 'mpmfw\[render\]'; plane_cut draws without it"):
+        rendered(tree)

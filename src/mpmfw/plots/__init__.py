@@ -7,6 +7,7 @@ from mpmfw.plots.files import figures_of, plot_file, plot_files, write_figure
 from mpmfw.plots.generic import gap_history, series_overview
 from mpmfw.plots.histories import history
 from mpmfw.plots.plane_cut import plane_cut
+from mpmfw.plots.rendering import rendered
 from mpmfw.plots.rings import contact_force
 from mpmfw.plots.rolling import deviation, motion, positions
 from mpmfw.plots.study import front, stages
@@ -26,6 +27,7 @@ __all__ = [
     "plot_file",
     "plot_files",
     "positions",
+    "rendered",
     "series_overview",
     "side_by_side",
     "stages",

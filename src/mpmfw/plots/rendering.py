@@ -1,0 +1,141 @@
+"""A picture of a run in space: surfaces in the colours of a field, rendered by pyvista (the extra ``mpmfw[render]``)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from scipy.spatial import cKDTree
+
+from mpmfw.domains import triangles_of
+from mpmfw.errors import SceneError
+from mpmfw.fields import AnyArray, FloatArray, IntArray
+from mpmfw.outputs import Results, bodies_of, frame_at, frame_of, opened_run, times_of
+from mpmfw.plots.style import PANEL, journal_style
+from mpmfw.plots.units import in_brackets, with_prefix
+from mpmfw.point_fields import point_field
+
+#: Width and height of the picture in pixels: a journal's column at 300 dpi, drawn twice as large as it is shown.
+PIXELS = (2000, 1500)
+
+
+@journal_style()
+def rendered(
+    results: Results,
+    name: str = "von_mises",
+    time: float | None = None,
+    *,
+    bodies: Sequence[str] | None = None,
+    towards: tuple[float, float, float] = (-1.0, 1.5, -0.8),
+) -> Figure:
+    """Render the bodies of a run in space, their surfaces in the colours of a field.
+
+    Parameters
+    ----------
+    results
+        A run's tree, or the name of its file.
+    name
+        Of the field, as of :func:`field`.
+    time
+        [s]; the nearest output is drawn, the last one by default.
+    bodies
+        Only these bodies.
+    towards
+        Direction in which one looks; the z axis points up.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Where surfaces are stored each node of them has the value of the nearest material point of its body; a body without
+        is drawn as spheres of its points' volume.
+
+    Raises
+    ------
+    SceneError
+        pyvista is not installed, the run is in the plane, has no such field, body or time, or keeps no material points.
+    """
+    vista = _pyvista()
+    with opened_run(results) as tree:
+        if len(tree.coords["axis"]) != 3:
+            raise SceneError("rendered draws runs in three dimensions; field draws those in two")
+        frame = frame_at(tree, time)
+        own = bodies_of(tree, bodies)
+        fields = {body: point_field(tree, name, body) for body in own}
+        points = {body: frame_of(tree, f"particles/{body}", frame) for body in own}
+        values = {body: np.asarray(fields[body].of(points[body]), dtype=float) for body in own}
+        surfaces = {body: _surface(tree, body, frame) for body in own}
+        moment = f"t = {times_of(tree)[frame]:.4g} s"
+    every = np.concatenate(list(values.values()))
+    divisor, unit = with_prefix(fields[own[0]].unit, float(np.abs(every).max()))
+    scale = Normalize(every.min() / divisor, every.max() / divisor)
+    plotter = vista.Plotter(off_screen=True, window_size=PIXELS)
+    plotter.set_background("white")
+    for body in own:
+        mesh, colours = _mesh(vista, points[body], values[body] / divisor, surfaces[body])
+        limits = (scale.vmin, scale.vmax)
+        plotter.add_mesh(
+            mesh, scalars=colours, clim=limits, cmap="viridis", show_scalar_bar=False, ambient=0.4
+        )
+    plotter.view_vector([-x for x in towards], viewup=(0.0, 0.0, 1.0))
+    picture = plotter.screenshot(None, return_img=True)
+    plotter.close()
+    return _framed(picture, scale, in_brackets(fields[own[0]].label, unit), moment)
+
+
+def _pyvista() -> Any:
+    try:
+        import pyvista
+    except ImportError as error:
+        raise SceneError(
+            "rendered needs pyvista: pip install 'mpmfw[render]'; plane_cut draws without it"
+        ) from error
+    return pyvista
+
+
+def _surface(tree: xr.DataTree, body: str, frame: int) -> tuple[FloatArray, IntArray] | None:
+    """Nodes (n, 3) [m] and triangles (k, 3) of a body's surface, if it is stored."""
+    stored = "surface" in tree.children and body in tree["surface"].children
+    facets = triangles_of(tree, body) if stored else None
+    if facets is None:
+        return None
+    return np.asarray(frame_of(tree, f"surface/{body}", frame)["position"].values, dtype=float), facets
+
+
+def _mesh(
+    vista: Any, points: xr.Dataset, values: FloatArray, surface: tuple[FloatArray, IntArray] | None
+) -> tuple[Any, AnyArray]:
+    """A body as pyvista draws it, and the value at each of its vertices."""
+    position = np.asarray(points["position"].values, dtype=float)
+    if surface is None:
+        radius = np.cbrt(0.75 / np.pi * np.asarray(points["volume"].values, dtype=float))
+        cloud = vista.PolyData(position)
+        cloud["radius"], cloud["value"] = radius, values
+        balls = cloud.glyph(
+            scale="radius", geom=vista.Sphere(radius=1.0, theta_resolution=12, phi_resolution=12)
+        )
+        return balls, np.asarray(balls["value"])
+    nodes, facets = surface
+    triangles = np.column_stack([np.full(len(facets), 3), facets]).ravel()
+    return vista.PolyData(nodes, triangles), values[cKDTree(position).query(nodes)[1]]
+
+
+def _framed(picture: Any, scale: Normalize, label: str, title: str) -> Figure:
+    """The picture without its white rim, with a scale beside it."""
+    drawn = (picture < 250).any(axis=2)
+    rows, columns = np.flatnonzero(drawn.any(axis=1)), np.flatnonzero(drawn.any(axis=0))
+    if len(rows):
+        picture = picture[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+    figure = Figure(
+        figsize=(PANEL, PANEL * picture.shape[0] / picture.shape[1] * 0.85 + 0.2), layout="constrained"
+    )
+    panel = figure.add_subplot()
+    panel.imshow(picture)
+    panel.set_axis_off()
+    panel.set_title(title)
+    figure.colorbar(ScalarMappable(scale, "viridis"), ax=panel, label=label, fraction=0.05)
+    return figure
