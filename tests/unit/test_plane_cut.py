@@ -66,7 +66,7 @@ def test_bodies_are_rendered_in_the_colours_of_a_field_with_its_scale(tree):
     figure = rendered(tree, "von_mises")
     panel, bar = figure.axes
     points = [tree[f"particles/{body}"].to_dataset().isel(time=-1) for body in ("solid", "ball")]
-    assert panel.get_title().startswith("t = ")
+    assert panel.get_title("left").startswith("t = ")
     assert "von Mises stress" in bar.get_ylabel()
     assert bright(figure) > 1e5
     assert bright(rendered(tree, "velocity_z", bodies=["ball"])) < bright(figure)
