@@ -6,15 +6,11 @@ from mpmfw.kernels import Struct, device, kernel
 from mpmfw.kernels.contact import Records, Rows, add_turned, slip_bound
 from mpmfw.kernels.types import Float, Floats, Ints
 
-#: Depth in cells from which a spring grows stiffer: tips bear on one node, and bodies at the speed of their waves would cross.
-LINEAR_TO = 0.05
+#: Depth in cells from which a spring grows stiffer: beyond it bodies at the speed of their waves would cross.
+LINEAR_TO = 0.25
 
 #: By how much: f = k (d + GROWTH (d − LINEAR_TO h)² / h).
-GROWTH = 128.0
-
-#: Depth in cells that a node may gain in a step, before the safety factor: what a spring makes of nothing in a step in which it
-#: grows stiffer goes with the cube of it.
-STRIDE = 0.1
+GROWTH = 16.0
 
 #: Share below which a spring hardly bears.
 WEAK = 0.1
@@ -154,21 +150,9 @@ def set_springs(
             own.rest[i] = free
             own.k[i] = modulus[rows.pair[i]] * own.bears[i]
             own.tangent_k[i] = stiffest * own.k[i]
-            deep = free - rows.gap[i] + max(-along, 0.0)
-            if deep > linear_to:
-                own.tangent_k[i] = stiffest * tangent_stiffness(own.k[i], deep, linear_to)
+            if rows.gap[i] < -linear_to:
+                own.tangent_k[i] = stiffest * tangent_stiffness(own.k[i], free - rows.gap[i], linear_to)
         c = e
-
-
-@kernel
-def steps_to_stride(rows: Rows, count: int, stride: float) -> float:
-    """Steps like the last that the nearest row takes to be ``stride`` [m] deeper, or as deep; infinite if none approaches."""
-    least = float("inf")
-    for c in range(count):
-        along, _ = along_and_across(c, rows)
-        if along < 0.0:
-            least = min(least, (stride + max(rows.gap[c], 0.0)) / -along)
-    return least
 
 
 @device

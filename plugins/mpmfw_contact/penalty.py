@@ -6,7 +6,6 @@ said in ``docs/guide/methods.md``. Its own form is :mod:`mpmfw_contact.hamad2017
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,6 @@ from mpmfw.api import (
     FloatArray,
     ForceContact,
     ForceLaw,
-    Grid,
     PairRecords,
     SceneError,
     Setup,
@@ -128,15 +126,6 @@ class PenaltyLaw(Springs):
             self.cell_size, self.linear_to, self.state.steps == 0,
         )  # fmt: skip
         return rows.own.tangent_k  # type: ignore[no-any-return]
-
-    def longest_step(self, rows: ContactRows, grid: Grid) -> float:  # noqa: ARG002
-        """Time in which a node grows deeper by no more than springs resolve, as all moved in the last step [s]."""
-        last = float(self.state.dt)
-        return (
-            last * springs.steps_to_stride(rows, rows.count, springs.STRIDE * self.cell_size)
-            if last
-            else math.inf
-        )
 
     def forces(self, rows: ContactRows, old: ContactRows, dashpot: float, records: PairRecords) -> None:
         """Springs along the normal, a dashpot, and f_t returned to Coulomb's cone; and what the last step's springs lost."""

