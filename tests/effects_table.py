@@ -204,7 +204,7 @@ EFFECTS = {
     "ledger": brings(
         "energy_ledger",
         hooks="declare_fields end_step diagnostics",
-        modules="mpmfw.effects.ledger mpmfw.effects.ledger_energies mpmfw.effects.energy_guard",
+        modules="mpmfw.effects.ledger mpmfw.effects.ledger_energies mpmfw.effects.ledger_half_step mpmfw.effects.energy_guard",
         series="transfer_dissipation energy_residual",
     ),
     "impulses before": brings(
