@@ -141,7 +141,7 @@ def _title(outcomes: Sequence[CaseResult]) -> str:
     suite = outcomes[0].folder.parent if outcomes else Path()
     if suite.parent.resolve() != shipped_suite().resolve():
         return "Validation"
-    return (suite / "README.md").read_text(encoding="utf-8").splitlines()[0].lstrip("# ")
+    return (suite / "README.md").read_text(encoding="utf-8").splitlines()[0].lstrip("# ") + ": what holds"
 
 
 def _matrix(outcomes: Iterable[CaseResult]) -> list[str]:
