@@ -193,13 +193,13 @@ def test_residuals_are_the_half_step_by_which_velocities_are_behind():
     mapping["contact"]["method"] = "penalty"
     mapping["time"] = {"end": 0.08, "output_interval": 0.002}
     series = ledger(mapping)
-    for residual, half in (
-        ("energy_residual", "half_step_work"),
-        ("contact_residual", "contact_half_step_work"),
+    for residual, half, left in (
+        ("energy_residual", "half_step_work", 0.25),  # 1.8 with the other sign
+        ("contact_residual", "contact_half_step_work", 0.4),  # 2.2
     ):
         whole = float(np.abs(series[residual]).max())
         assert whole > 0.002 * float(series["kinetic_energy"].sum("body").isel(time=0))
-        assert float(np.abs(series[residual] - series[half]).max()) < 0.45 * whole
+        assert float(np.abs(series[residual] - series[half]).max()) < left * whole
 
 
 def test_schemes_with_another_order_have_no_half_step():
