@@ -22,7 +22,7 @@ CLOSED = "C"
 COLOURS = ("#9BD1B5", "#F6D08A", "#E8998D", "#B0A8B9", "#FFFFFF")
 SAID = (
     "P penetration, E energy, M momentum, T friction, S symmetry, C closed form. Green: all that is asked holds,\n"
-    "yellow: energy alone does not, red: more does not, grey: the run failed. Right of the line: penalty at other places and cells"
+    "yellow: energy alone does not, red: more does not, grey: the run failed. Right of the line: penalty elsewhere"
 )
 
 
