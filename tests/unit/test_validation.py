@@ -214,7 +214,7 @@ def test_a_suite_among_ones_own_is_called_by_its_name(suite, tmp_path, monkeypat
     result = command(Path("suite"), tmp_path, "--document", str(page))
     assert result.exit_code == 0
     text = page.read_text()
-    assert text.startswith("# Hard ones\n\nWritten by `mpmfw validate --suite suite --jobs 1`")
+    assert text.startswith("# Hard ones: what holds\n\nWritten by `mpmfw validate --suite suite --jobs 1`")
     assert f"(../{tmp_path.name}/suite/a/README.md); `mpmfw validate --suite suite a`" in text
 
 
