@@ -12,6 +12,7 @@ from drop_for_tests import drop, drop_scene
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
 from mpmfw.outputs import frame_of
+from mpmfw.plots.generic import series_overview
 from mpmfw.plots.style import Look, installed
 from mpmfw.plots.units import readable, time_scale, with_prefix
 from mpmfw.point_fields import point_field, point_fields
@@ -327,3 +328,10 @@ def test_a_contact_has_its_colour_whatever_else_is_drawn():
     alone = {name: Look(xr.Dataset(coords={"contact": [name]})).colours[name] for name in names}
     assert together == alone
     assert len(set(together.values())) == len(names)
+
+
+def test_the_overview_draws_vectors_along_the_axis_of_the_motion(a):
+    figure = series_overview(a["series"].to_dataset())
+    labels = [axes.get_ylabel() for axes in figure.axes]
+    assert [label[: label.index(" [")] for label in labels[:2]] == ["centre of mass, y", "velocity, y"]
+    assert any(label.startswith("contact force, y [") for label in labels)

@@ -168,6 +168,7 @@ def test_shipped_scenes_are_valid(name):
         ("velocity = [1, 0]", 'rotation = "exakt"', "s.toml:33: bodies.block.rotation: 'exakt' is unknown; did you mean "
          "'exact'? (one of spin, exact, lumped, local)"),
         ("fixed = true", "fixed = false", "s.toml:43: bodies.floor.sides[0].fixed: false is a boolean; expected true, or an array of 1 to 3 of 'x', 'y', 'z'"),
+        ("fixed = true", 'fixed = "xy"', "s.toml:43: bodies.floor.sides[0].fixed: 'xy' is a string; expected true, or an array of 1 to 3 of 'x', 'y', 'z'"),
         ("fixed = true", 'fixed = ["w"]', "s.toml:43: bodies.floor.sides[0].fixed[0]: 'w' is unknown; expected one of x, "
          "y, z"),
         ("fixed = true", "pressure = 1\nfixed = true", "s.toml:41: bodies.floor.sides[0]: has fixed and pressure; "

@@ -15,11 +15,11 @@ from mpmfw.plots.units import scaled_label
 from mpmfw.references import cell_size
 
 _PANELS = (
-    ("centre_of_mass", "centre of mass, x", "body"),
-    ("mean_velocity", "velocity, x", "body"),
+    ("centre_of_mass", "centre of mass", "body"),
+    ("mean_velocity", "velocity", "body"),
     ("kinetic_energy", "kinetic energy", "body"),
     ("strain_energy", "strain energy", "body"),
-    ("contact_force", "contact force, x", "pair"),
+    ("contact_force", "contact force", "pair"),
     ("min_gap", "gap", "pair"),
 )
 #: Top of the gap's history, in cells.
@@ -61,6 +61,8 @@ def gap_history(dataset: xr.Dataset) -> Figure:
 def series_overview(dataset: xr.Dataset) -> Figure:
     """Series of a run or a comparison, one panel for each; a run's bodies and pairs by colour.
 
+    Of vectors the component along the axis where there is most of it: of the way, the velocity, the force.
+
     Parameters
     ----------
     dataset
@@ -72,11 +74,15 @@ def series_overview(dataset: xr.Dataset) -> Figure:
     panels = figure.subplots((len(present) + 1) // 2, 2, squeeze=False).ravel()
     compared = "contact" in dataset.dims
     for axes, (name, label, over) in zip(panels, present, strict=False):
+        series = dataset[name]
+        if "axis" in series.dims:
+            main = _main_axis(series)
+            series, label = series.sel(axis=main), f"{label}, {main}"
         if compared:
-            _draw_compared(axes, dataset, name, over)
+            _draw_compared(axes, dataset.assign({name: series}), name, over)
             label = f"{label}\n({dataset[over].values[0]})"
         else:
-            _draw_run(axes, dataset, name, over)
+            _draw_run(axes, dataset, series, over)
         dress(axes, "time [s]", scaled_label(axes.yaxis, label, dataset[name].attrs.get("units", "1")))
     for axes in panels[len(present) :]:
         axes.remove()
@@ -87,19 +93,22 @@ def series_overview(dataset: xr.Dataset) -> Figure:
 def _draw_compared(axes: Any, dataset: xr.Dataset, name: str, over: str) -> None:
     look, time = Look(dataset), dataset["time"].values
     for turn, (contact, shape, run) in enumerate(combinations(dataset)):
-        values = _along_x(run[name]).isel({over: 0}).values
+        values = run[name].isel({over: 0}).values
         axes.plot(time, values, **look.line(contact, shape, len(time), turn))
 
 
-def _draw_run(axes: Any, dataset: xr.Dataset, name: str, over: str) -> None:
+def _draw_run(axes: Any, dataset: xr.Dataset, series: xr.DataArray, over: str) -> None:
     colours = _colours(dataset)
     for label in dataset[over].values.tolist():
-        values = _along_x(dataset[name]).sel({over: label}).values
+        values = series.sel({over: label}).values
         axes.plot(dataset["time"].values, values, color=colours[label], linewidth=1.1)
 
 
-def _along_x(array: xr.DataArray) -> xr.DataArray:
-    return array.sel(axis="x") if "axis" in array.dims else array
+def _main_axis(series: xr.DataArray) -> str:
+    """The axis along which a vector is largest at any time, a position counted from where it starts."""
+    sizes = abs(series - series.isel(time=0) if series.name == "centre_of_mass" else series)
+    largest = sizes.max([dim for dim in sizes.dims if dim != "axis"]).fillna(0.0)
+    return str(series["axis"].values[int(largest.argmax("axis"))])
 
 
 def _colours(dataset: xr.Dataset) -> dict[str, str]:

@@ -93,8 +93,8 @@ def dress(axes: Any, xlabel: str, ylabel: str, title: str = "") -> None:
 
 
 def on_lines(text: str) -> str:
-    """``text`` with each method's options on a line of their own."""
-    return re.sub(r"(?<=\w)\((?=\w+=)", "\n(", text)
+    """``text`` with each method's options on lines of their own, which a panel of three in a row has room for."""
+    return re.sub(r"(?<=\w)\((?=\w+=)[^)]*\)", lambda options: "\n" + textwrap.fill(options[0], 30), text)
 
 
 class Look:

@@ -90,7 +90,8 @@ def _problem(
             return Problem((*where, key), choice_message(tag, tags))
         case "literal_error" | "enum" if isinstance(item["input"], str):
             choices = [c for s in schemas for c in s.get("enum", [s.get("const")]) if isinstance(c, str)]
-            return Problem(where, choice_message(item["input"], choices))
+            wrong = choice_message(item["input"], choices) if choices else _value_message(item, expectation)
+            return Problem(where, wrong)
         case _:
             return Problem(where, _value_message(item, expectation))
 
