@@ -17,15 +17,18 @@ from mpmfw.errors import MpmfwError
 #: Bytes that must be free beside a frame: the file's own tables, and the attributes that are written at the end.
 MARGIN = 1_000_000
 
-#: Seconds for which an answer holds for frames that fit into its margin: asking takes as long as writing a small frame.
-ASKED_EVERY = 0.1
+#: Bytes that are asked for at once where there are so many: asking takes as long as writing some frames.
+AHEAD = 16_000_000
+
+#: Seconds for which an answer holds for frames that fit into what was granted.
+ASKED_EVERY = 1.0
 
 #: What says that there is no room; a file system that cannot take room in advance says something else.
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 class Room:
-    """Asks for the room of frames that follow each other, of small ones a few times a second.
+    """Asks for the room of frames that follow each other, of many at once unless the disk is nearly full.
 
     Parameters
     ----------
@@ -48,8 +51,11 @@ class Room:
         end, now = os.path.getsize(self.path), time.monotonic()
         if now - self._asked < ASKED_EVERY and end + size + MARGIN // 2 < self._granted:
             return
+        if _refusal(self.path, end, size + AHEAD) is None:
+            self._granted, self._asked = end + size + AHEAD, now
+            return
         check_room(self.path, size, what)
-        self._granted, self._asked = end + size + MARGIN, now
+        self._granted = 0
 
 
 def check_room(path: str, size: int, what: str, *, anew: bool = False) -> None:
@@ -69,13 +75,19 @@ def check_room(path: str, size: int, what: str, *, anew: bool = False) -> None:
     MpmfwError
         They do not: the disk is full, or a quota or a limit of the file's size is reached.
     """
+    end = 0 if anew else os.path.getsize(path)
+    if refused := _refusal(path, end, size + MARGIN):
+        kept = "" if anew else "; what was written before is readable"
+        raise MpmfwError(f"cannot write {what} to '{path}': {refused.strerror}{kept}") from refused
+
+
+def _refusal(path: str, end: int, size: int) -> OSError | None:
+    """Why a file that ends at ``end`` cannot grow by ``size`` bytes; None if it can, or nobody knows."""
     if not hasattr(os, "posix_fallocate"):
-        return
+        return None
     try:
         with tempfile.TemporaryFile(dir=os.path.dirname(path) or ".") as probe:
-            end = 0 if anew else os.path.getsize(path)
-            os.posix_fallocate(probe.fileno(), end, size + MARGIN)
+            os.posix_fallocate(probe.fileno(), end, size)
     except OSError as error:
-        if error.errno in _NO_ROOM:
-            kept = "" if anew else "; what was written before is readable"
-            raise MpmfwError(f"cannot write {what} to '{path}': {error.strerror}{kept}") from error
+        return error if error.errno in _NO_ROOM else None
+    return None
