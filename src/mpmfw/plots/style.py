@@ -186,7 +186,8 @@ def combinations(dataset: xr.Dataset) -> Iterator[tuple[str, str, xr.Dataset]]:
 def legend_below(
     figure: Figure, rows: Sequence[Sequence[Artist]], most: int | None = None, **look: float
 ) -> None:
-    """Put the legend outside the panels, where it covers no curve; each row begins a new line of it.
+    """Put the legend outside the panels, where it covers no curve; each row begins a new line of it. In a figure of one column
+    a method's options have lines of their own.
 
     The figure grows by what a legend of many lines takes, so that the panels keep their size.
 
@@ -199,19 +200,34 @@ def legend_below(
     **look
         Of ``Figure.legend``.
     """
+    if figure.get_figwidth() <= PANEL:
+        for entry in itertools.chain(*rows):
+            entry.set_label(on_lines(str(entry.get_label())))
     longest = max(map(len, rows))
     columns = min(longest, most or 4 * round(figure.get_figwidth() / PANEL))
     for count in range(columns, 0, -1):
         lines = [row[k : k + count] for row in rows for k in range(0, len(row), count)]
-        # matplotlib fills columns
-        entries = [
-            line[k] if k < len(line) else Line2D([], [], linestyle="", label="")
-            for k in range(count)
-            for line in lines
-        ]
-        legend = figure.legend(handles=entries, loc="outside lower center", ncols=count, **look)
+        blank = Line2D([], [], linestyle="", label="")
+        filled = [[*line, *[blank] * (count - len(line))] for line in lines]
+        labels = [_equally_high([str(entry.get_label()) for entry in line]) for line in filled]
+        legend = figure.legend(
+            list(itertools.chain(*zip(*filled, strict=True))),  # matplotlib fills columns
+            list(itertools.chain(*zip(*labels, strict=True))),
+            loc="outside lower center",
+            ncols=count,
+            **look,
+        )
         extent = legend.get_window_extent()
         if count == 1 or extent.width <= figure.bbox.width:
             figure.set_figheight(figure.get_figheight() + max(extent.height / figure.dpi - LEGEND, 0.0))
             return
         legend.remove()
+
+
+def _equally_high(labels: list[str]) -> list[str]:
+    """Labels of one line of a legend with as many lines of text each, so that its columns stay level."""
+    most = max(label.count("\n") for label in labels)
+    lacking = [most - label.count("\n") for label in labels]
+    return [
+        "\n" * (k // 2) + label + "\n" * (k - k // 2) for label, k in zip(labels, lacking, strict=True)
+    ]
