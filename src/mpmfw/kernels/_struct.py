@@ -36,6 +36,10 @@ class StructType(_Type):  # type: ignore[misc]
         super().__init__(f"Struct({', '.join(f'{name}: {kind}' for name, kind in members)})")
 
 
+#: Types of structs by the names of their members and what numba's type of an array depends on.
+_struct_types: dict[tuple[Any, ...], StructType] = {}
+
+
 class Struct:
     """Base of classes whose annotated attributes are arrays that kernels take in one argument.
 
@@ -66,8 +70,7 @@ class Struct:
         """Put other arrays in the place of some; the object. ``members`` are the arrays by name."""
         self.__dict__.update(members)
         self._arrays = tuple(getattr(self, name) for name in self.member_names)
-        kinds = [_typeof(array) for array in self._arrays]
-        self._numba_type_ = StructType(tuple(zip(self.member_names, kinds, strict=True)))
+        self._numba_type_ = _struct_type(self.member_names, self._arrays)
         numbers = [
             number for array in self._arrays for number in (array.ctypes.data, *array.shape, *array.strides)
         ]
@@ -99,6 +102,18 @@ class Struct:
     def members(self) -> dict[str, Any]:
         """What kernels see, by name."""
         return dict(zip(self.member_names, self._arrays, strict=True))
+
+
+def _struct_type(names: tuple[str, ...], arrays: tuple[Any, ...]) -> StructType:
+    """The type of a struct; numba takes 40 µs a member to work it out, so that it is kept."""
+    looks = [
+        (type(a), a.dtype, a.ndim, a.flags.c_contiguous, a.flags.f_contiguous, a.flags.writeable)
+        for a in arrays
+    ]
+    key = (names, *looks)
+    if key not in _struct_types:
+        _struct_types[key] = StructType(tuple(zip(names, map(_typeof, arrays), strict=True)))
+    return _struct_types[key]
 
 
 def struct(**members: Any) -> Struct:

@@ -228,6 +228,4 @@ def _equally_high(labels: list[str]) -> list[str]:
     """Labels of one line of a legend with as many lines of text each, so that its columns stay level."""
     most = max(label.count("\n") for label in labels)
     lacking = [most - label.count("\n") for label in labels]
-    return [
-        "\n" * (k // 2) + label + "\n" * (k - k // 2) for label, k in zip(labels, lacking, strict=True)
-    ]
+    return ["\n" * (k // 2) + label + "\n" * (k - k // 2) for label, k in zip(labels, lacking, strict=True)]
