@@ -61,17 +61,23 @@ class NodesOptions(BaseModel):
 
 
 class AtNodes(Detection):
-    """Base of detections at grid nodes with mass of both bodies of a pair; a row is v_a − v_b there."""
+    """Base of detections at grid nodes with mass of both bodies of a pair; a row is v_a − v_b there.
+
+    By itself it lists all shared nodes at which there is a normal, that of the bodies' volume gradients.
+    """
 
     #: Whether forces act on the rows, which need nodes that have some mass.
     forces = False
     #: What is projected on the nodes: volume gradients, and mean positions.
     projects_gradient = True
     projects_mean = False
+    #: Separation of the mean positions below which bodies touch [m].
+    cut_off: float = np.inf
 
     def prepare(self, setup: Setup, owner: str) -> None:
         """The bodies of the pairs, and the least mass of a node."""
         self.state, self.owner = setup.state, owner
+        self.given = np.zeros(setup.dim)  #: direction that takes the normals' place, if it is one
         cell = min(body.areal_density for body in setup.bodies) * setup.cell_size**setup.dim
         self.least_mass = LEAST_MASS * cell if self.forces else 0.0
         self.make_room(64)
@@ -142,9 +148,12 @@ class AtNodes(Detection):
             rows.make_room(2 * listed, 4 * listed)
         rows.count = self.write(listed, grid, phi, particles, rows)
 
-    def write(self, listed: int, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> int:
-        """Write rows of the ``listed`` shared nodes; their number."""
-        raise NotImplementedError
+    def write(self, listed: int, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> int:  # noqa: ARG002
+        """Write rows of the ``listed`` shared nodes that have a normal and where the bodies are near; their number."""
+        return write_rows(
+            listed, self.shared, self.pairs, self.nodes_of(grid), self.given, self.cut_off, self.least_mass,
+            self.state.dt, rows, grid.spacing,
+        )  # fmt: skip
 
     def _list(self, nodes: GridNodes) -> int:
         listed = find_shared_nodes(self.pairs, nodes, self.shared)
@@ -213,11 +222,13 @@ class Nodes(AtNodes):
             raise SceneError(
                 f"contact.{owner}.direction: expected {setup.dim} components, found {len(direction)}"
             )
-        self.given = np.array(direction if direction is not None else [0.0] * setup.dim)
-        self.cut_off = self.options.cut_off * setup.cell_size if self.by_position else np.inf
+        super().prepare(setup, owner)
+        if direction is not None:
+            self.given = np.array(direction)
+        if self.by_position:
+            self.cut_off = self.options.cut_off * setup.cell_size
         self.projects_gradient = self.options.normal != "specified"
         self.projects_mean = self.by_position
-        super().prepare(setup, owner)
 
     def weights(self, state: State) -> tuple[FloatArray, FloatArray]:
         """Both gradients where normals are averaged, or the stiffer body's alone."""
@@ -230,10 +241,3 @@ class Nodes(AtNodes):
             np.where(averaged | ~stiffer_second, 1.0, 0.0),
             np.where(averaged | stiffer_second, 1.0, 0.0),
         )
-
-    def write(self, listed: int, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> int:  # noqa: ARG002
-        """Rows of the shared nodes that have a normal and where the bodies are near."""
-        return write_rows(
-            listed, self.shared, self.pairs, self.nodes_of(grid), self.given, self.cut_off, self.least_mass,
-            self.state.dt, rows, grid.spacing,
-        )  # fmt: skip

@@ -11,7 +11,7 @@ KindArgument: TypeAlias = Annotated[
     str,
     typer.Argument(
         metavar="KIND",
-        help="contact, shape, material, load, boundary, output, friction, geometry, measure or reference.",
+        help="contact, law, detection, shape, material, load, boundary, output, friction, geometry, measure or reference.",
     ),
 ]
 NameArgument: TypeAlias = Annotated[

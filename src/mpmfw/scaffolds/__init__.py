@@ -14,6 +14,7 @@ from mpmfw.scaffolds.texts import MODULE_OF, PYPROJECT, README, RUN, TESTS
 #: Kinds that are whole distributions among the documentation: the folder, and name and class of the plug-in in it.
 WHOLE: Mapping[str, tuple[str, str, str]] = {
     "contact": ("plugin-template", "film", "Film"),
+    "law": ("plugin-template", "film", "Film"),
     "shape": ("shape-template", "bounded_bspline", "BoundedBSpline"),
 }
 

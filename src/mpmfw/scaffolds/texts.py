@@ -51,6 +51,7 @@ RUN = {
     "load": '\n```toml\n[loads.push]\nmodel = "@NAME@"\n```\n',
     "boundary": '\n```toml\n[boundaries.floor]\nmodel = "@NAME@"\n```\n',
     "output": '\n```toml\n[outputs.fast]\nmodel = "@NAME@"\n```\n',
+    "detection": '\n```toml\n[contact]\ndetection = "@NAME@"\nlaw = "impulse"\n```\n',
     "friction": '\n```toml\n[contact]\nfriction_law = "@NAME@"\n```\n',
     "geometry": '\n```toml\n[bodies.mine]\ngeometry = { type = "@NAME@", centre = [0.0, 0.5] }\n```\n',
     "measure": '\n```sh\nmpmfw study STUDY      # with error.quantity = "@NAME@"\n```\n',
@@ -128,6 +129,20 @@ def test_a_factor_of_two_is_twice_the_friction():
 
     ours = end(0.1, {"friction_law": "@NAME@", "@NAME@": {"factor": 2.0}})
     np.testing.assert_allclose(ours, end(0.2, {}), rtol=1e-12)
+""",
+    "detection": _CHECKED_SCENE
+    + """
+def test_without_a_leading_body_it_is_what_nodes_are():
+    lower = {"type": "rectangle", "lower": [-1.0, -1.0], "upper": [1.0, -0.5]}
+    bodies = {**SCENE["bodies"], "plane": {**SCENE["bodies"]["block"], "geometry": lower}}
+    bodies["block"] = {**bodies["block"], "velocity": [1.0, -0.5]}
+
+    def end(contact):
+        series = mpmfw.run({**SCENE, "bodies": bodies, "contact": {"friction": 0.2, **contact}})["series"]
+        return series["mean_velocity"].values[-1]
+
+    ours = end({"method": "@NAME@+impulse", "@NAME@": {"exponent": 0.0}})
+    np.testing.assert_allclose(ours, end({"method": "nodes+impulse"}), rtol=1e-12)
 """,
     "geometry": _CHECKED_SCENE
     + """

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.fields import AnyArray
+from mpmfw.plugin import PlugIn
 from mpmfw.snapshot.archive import NotSaved, Snapshot
 from mpmfw.snapshot.kinds import (
     DICTS,
@@ -21,7 +22,7 @@ from mpmfw.snapshot.kinds import (
     name_of,
 )
 
-#: Packages, beside those of the objects themselves, whose classes and functions a file may name.
+#: Packages whose classes and functions a file may name, beside those of the objects themselves and of plug-ins that they hold.
 _TRUSTED = {"mpmfw", "numpy", "scipy", "collections"}
 
 
@@ -35,10 +36,16 @@ def put(snapshot: Snapshot, roots: Mapping[str, Any]) -> None:
     """
     if list(snapshot.roots) != list(roots):
         raise NotSaved(f"saved were {', '.join(snapshot.roots)}; here are {', '.join(roots)}")
-    own = {type(root).__module__.partition(".")[0] for root in roots.values()}
-    putting = _Putting(snapshot, own | _TRUSTED)
+    putting = _Putting(snapshot, _TRUSTED.union(*map(_packages, roots.values())))
     for name, root in roots.items():
         putting.value(snapshot.roots[name], root, name)
+
+
+def _packages(root: Any) -> set[str]:
+    """Packages of an object's class and of those that it derives from, and of the plug-ins that it holds: detection and law."""
+    held = [one for one in getattr(root, "__dict__", {}).values() if isinstance(one, PlugIn)]
+    kinds = {kind for one in (root, *held) for kind in type(one).__mro__}
+    return {kind.__module__.partition(".")[0] for kind in kinds} - {"builtins"}
 
 
 class _Putting:
