@@ -8,7 +8,7 @@ import inspect
 import os
 import re
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Literal, TypeAlias, get_args
 
@@ -29,11 +29,18 @@ def nearest(name: str, valid: Iterable[str]) -> str | None:
 
 
 def did_you_mean(name: str, valid: Iterable[str]) -> str:
-    """``did you mean 'x'?`` where a name is close, followed by all valid names."""
+    """``did you mean 'x'?`` where a name is close, followed by all valid names but joined ones."""
     names = sorted(valid)
     close = nearest(name, names)
-    listed = f"one of {', '.join(names)}" if names else "none is installed"
+    listed = one_of(names) if names else "none is installed"
     return f"did you mean '{close}'? ({listed})" if close else listed
+
+
+def one_of(names: Sequence[str]) -> str:
+    """``one of a, b``; of joined names it tells how they are made."""
+    whole = [name for name in names if "+" not in name]
+    joined = ", or DETECTION+LAW" if len(whole) < len(names) else ""
+    return f"one of {', '.join(whole)}{joined}"
 
 
 @functools.cache

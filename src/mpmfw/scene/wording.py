@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from mpmfw.discovery import available, nearest
+from mpmfw.discovery import available, nearest, one_of
 from mpmfw.scene.cells import may_be_in_cells
 from mpmfw.scene.expectation import Schema, as_written, expected, keys, subschemas
 from mpmfw.scene.geometries import strangers, with_geometries
@@ -107,7 +107,7 @@ def unknown_key(path: Path, valid: list[str]) -> Problem:
 def choice_message(given: str, valid: list[str]) -> str:
     """``'uls' is unknown; did you mean 'usl'? (one of …)``."""
     close = nearest(given, valid)
-    listed = f"one of {', '.join(valid)}"
+    listed = one_of(valid)
     return f"'{given}' is unknown; " + (
         f"did you mean '{close}'? ({listed})" if close else f"expected {listed}"
     )
