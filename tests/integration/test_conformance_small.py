@@ -29,6 +29,7 @@ def test_every_fault_is_caught_by_the_check_meant_for_it(kind: Any, fault: Any, 
     ("kind", "plugin"),
     [
         *((kind, module.Sound) for kind, module in MODULES.items()),
+        ("friction", friction.OneNumberNeedsAnother),
         ("friction", "coulomb"),
         ("friction", "stribeck(velocity=0.5)"),
         ("friction", "mohr_coulomb(cohesion=10)"),

@@ -21,7 +21,7 @@ Experiment: TypeAlias = Callable[[dict[str, Any]], str]
 def every_option_acts(subject: Subject, experiments: Sequence[Experiment]) -> None:
     """Ask of every option whether two of its values, the one that it has among them, differ in one of the experiments.
 
-    Values are tried alone, and together with each choice of the other options, since an option may need another one.
+    Values are tried alone, and together with each choice or another number of the other options, since an option may need one.
     A refused value says nothing for or against the option.
 
     Raises
@@ -96,11 +96,12 @@ def _remembered(experiment: Experiment) -> Callable[[dict[str, Any]], str | None
 
 
 def _others(model: type[BaseModel], name: str) -> Iterator[dict[str, Any]]:
-    """No other option, then each choice of each other option that has a few."""
+    """No other option, then each choice of each other option that has a few, and a value of each other number."""
     yield {}
-    for other, field in model.model_fields.items():
-        if other != name and choices(field.annotation):
-            default = field.get_default(call_default_factory=True)
-            for value in choices(field.annotation):
-                if value != default:
-                    yield {other: value}
+    fields = [(other, field) for other, field in model.model_fields.items() if other != name]
+    for other, field in sorted(fields, key=lambda one: not choices(one[1].annotation)):
+        default = field.get_default(call_default_factory=True)
+        values = choices(field.annotation) or candidates(field)
+        different = [value for value in values if value != default]
+        for value in different if choices(field.annotation) else different[:1]:
+            yield {other: value}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from pydantic import BaseModel
+from pydantic import BaseModel, Field
 
 from faulty_plugins.sealed import Sealed
 from mpmfw.api import ContactRows, FloatArray, FrictionLaw
@@ -27,6 +27,25 @@ class Sound(FrictionLaw):
         along = (rows.motion[:n] * rows.normal[:n]).sum(axis=1)[:, None] * rows.normal[:n]
         slip: FloatArray = np.linalg.norm(rows.motion[:n] - along, axis=1)
         return slip / dt if dt > 0.0 else 0.0 * slip
+
+
+class GrowthOptions(BaseModel, extra="forbid", frozen=True):
+    """How much friction grows, and over which speed [m/s], which acts with a growth alone."""
+
+    growth: float = Field(0.0, ge=0)
+    velocity: float = Field(0.01, gt=0)
+
+
+class OneNumberNeedsAnother(Sound):
+    """μ grows with the logarithm of the speed, by nothing unless it is told to; sound as well."""
+
+    name = "one-number-needs-another"
+    Options = GrowthOptions
+
+    def bound(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
+        FrictionLaw.bound(self, rows, friction, dt)
+        growth = self.options.growth * np.log1p(self.speed(rows, dt) / self.options.velocity)
+        rows.friction[: rows.count] *= 1.0 + growth
 
 
 class DividesByNothing(Sound):
