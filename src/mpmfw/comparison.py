@@ -22,7 +22,7 @@ from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene import Scene, load_scene
 from mpmfw.scene.requested import check_compared, check_requested
 from mpmfw.scene.sources import plain
-from mpmfw.scene.specification import called, checked_specification
+from mpmfw.scene.specification import called, written
 from mpmfw.scene.toml_text import value_text
 
 
@@ -164,19 +164,11 @@ def _methods(kind: Kind, chosen: Sequence[Any]) -> list[Any]:
     """Methods, names in the one way of writing that labels have; a name that is not installed is an error at once."""
     if isinstance(chosen, str) or len(chosen) == 0:
         raise SceneError(f"{kind}: expected a list of at least one method, got {chosen!r}")
-    methods = [_canonical(kind, one) if isinstance(one, str) else object_of(one) for one in chosen]
+    methods = [written(kind, one, kind) if isinstance(one, str) else object_of(one) for one in chosen]
     for k in given_twice(methods):
         method = methods[k]
         raise SceneError(f"{kind}: {method if isinstance(method, str) else label_of(method)} is given twice")
     return methods
-
-
-def _canonical(kind: Kind, text: str) -> str:
-    """A name or a name with options, in the one way of writing that labels have."""
-    try:
-        return str(checked_specification(kind, text))
-    except SceneError as error:
-        raise SceneError(f"{kind} {error}") from error
 
 
 def _check(
