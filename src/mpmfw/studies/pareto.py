@@ -27,5 +27,5 @@ def front(error: FloatArray, cost: FloatArray) -> NDArray[np.bool_]:
     different, place = np.unique(pairs[known], axis=0, return_inverse=True)  # by rising cost, then error
     cheaper = np.minimum.accumulate(np.append(np.inf, different[:-1, 1]))  # least error of those before
     on = np.zeros(known.shape, dtype=bool)
-    on[known] = (different[:, 1] < cheaper)[place]
+    on[known] = (different[:, 1] < cheaper)[np.ravel(place)]
     return on.reshape(np.shape(error))
