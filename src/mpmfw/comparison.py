@@ -19,10 +19,10 @@ from mpmfw.errors import SceneError
 from mpmfw.measure import About
 from mpmfw.references import reference_of
 from mpmfw.results.replacing import check_replaceable, replace_dataset
-from mpmfw.scene.loading import load_scene
+from mpmfw.scene import Scene, load_scene
 from mpmfw.scene.requested import check_compared, check_requested
 from mpmfw.scene.sources import plain
-from mpmfw.scene.specification import called, checked_specification
+from mpmfw.scene.specification import called, written
 from mpmfw.scene.toml_text import value_text
 
 
@@ -90,7 +90,8 @@ def compare(
     if output is not None:
         check_replaceable(output, "compare", "comparison")
     path = None if output is None else os.path.abspath(output)
-    known = _applicable_measures(scene, methods, set or {}) if measures is None else list(measures)
+    first = _first(scene, methods, set or {})
+    known = _applicable_measures(first) if measures is None else list(measures)
     particles = any(measure_of(name).particles for name in known)
 
     def grown(dataset: xr.Dataset) -> None:
@@ -111,7 +112,7 @@ def compare(
             report=report,
             force=force,
             grown=grown,
-            threads=_threads(scene, methods, set or {}),
+            threads=1 if first is None else first.threads,
         )
     except SceneError as error:
         names = {kind: f"{kind} {label_of(chosen[0])}" for kind, chosen in methods.items()}
@@ -124,29 +125,21 @@ def compare(
     return dataset
 
 
-def _applicable_measures(
-    scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str, Any]
-) -> list[str]:
+def _first(scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str, Any]) -> Scene | None:
+    """The scene with the first methods; None where it is refused, which the campaign says, if no combination can run."""
+    named = {f"{kind}.method": chosen[0] for kind, chosen in methods.items() if isinstance(chosen[0], str)}
+    try:
+        return load_scene(scene, set={**shared, **named})
+    except SceneError:
+        return None
+
+
+def _applicable_measures(scene: Scene | None) -> list[str]:
     """Measures that the scene can be judged by, but for those that a report reads off the series itself."""
-    named = {f"{kind}.method": chosen[0] for kind, chosen in methods.items() if isinstance(chosen[0], str)}
-    try:
-        loaded = load_scene(scene, set={**shared, **named})
-    except SceneError:
-        return []  # the campaign says so, if no combination can run
-    if reference_of({"scene": loaded.text}) is not None:
+    if scene is None or reference_of({"scene": scene.text}) is not None:
         return []
-    numbers = [measure_of(name) for name in names_of_measures()]
-    exact = {one.name: exact_of(one, loaded, About()) for one in numbers if one.kind != "curve"}
-    return [name for name, known in exact.items() if known is not None]
-
-
-def _threads(scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str, Any]) -> int:
-    """Threads of each run, as the scene has it."""
-    named = {f"{kind}.method": chosen[0] for kind, chosen in methods.items() if isinstance(chosen[0], str)}
-    try:
-        return load_scene(scene, set={**shared, **named}).threads
-    except SceneError:
-        return 1  # the campaign says so, if no combination can run
+    measures = [measure_of(name) for name in names_of_measures()]
+    return [one.name for one in measures if one.kind != "curve" and exact_of(one, scene, About()) is not None]
 
 
 def _write(dataset: xr.Dataset, path: str) -> None:
@@ -171,19 +164,11 @@ def _methods(kind: Kind, chosen: Sequence[Any]) -> list[Any]:
     """Methods, names in the one way of writing that labels have; a name that is not installed is an error at once."""
     if isinstance(chosen, str) or len(chosen) == 0:
         raise SceneError(f"{kind}: expected a list of at least one method, got {chosen!r}")
-    methods = [_canonical(kind, one) if isinstance(one, str) else object_of(one) for one in chosen]
+    methods = [written(kind, one, kind) if isinstance(one, str) else object_of(one) for one in chosen]
     for k in given_twice(methods):
         method = methods[k]
         raise SceneError(f"{kind}: {method if isinstance(method, str) else label_of(method)} is given twice")
     return methods
-
-
-def _canonical(kind: Kind, text: str) -> str:
-    """A name or a name with options, in the one way of writing that labels have."""
-    try:
-        return str(checked_specification(kind, text))
-    except SceneError as error:
-        raise SceneError(f"{kind} {error}") from error
 
 
 def _check(

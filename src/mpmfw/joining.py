@@ -23,54 +23,49 @@ STEPPING: tuple[tuple[str, str], ...] = (
 _OF_ONE_RUN = {"contact", "shape", "effects", "plugins", "status", "kind", "surface_nodes"}
 
 
-def join(
-    coords: Mapping[str, Sequence[Any]],
-    statuses: Mapping[tuple[int, ...], str],
-    trees: Mapping[tuple[int, ...], xr.DataTree],
-    notes: Mapping[tuple[int, ...], Sequence[str]],
-    varied: Mapping[str, str],
-) -> xr.Dataset:
-    """Join the runs of a grid.
+Index = tuple[int, ...]
+
+
+def join(coords: Mapping[str, Sequence[Any]], trees: Mapping[Index, xr.DataTree]) -> xr.Dataset:
+    """Join what the runs of a grid wrote.
 
     Parameters
     ----------
     coords
         Values of the new dimensions, in their order.
-    statuses
-        For each index into them how it went; combinations that are not there have the status "not run".
-    trees, notes
-        What runs wrote, and what their reader must know.
-    varied
-        Full keys of the dimensions that are varied keys of the scene, kept as the attribute ``varied``.
+    trees
+        What runs wrote, by index into them.
 
     Returns
     -------
     xarray.Dataset
-        Series, costs, costs by stage, status and first and last outlines over the new dimensions.
+        Scheme and transfer, as far as they are known and not varied; series, costs, costs by stage, and first and last outlines
+        over the new dimensions.
     """
-    lead, shape = tuple(coords), tuple(len(values) for values in coords.values())
-    status = np.full(shape, "not run", dtype=object)
-    for index, text in statuses.items():
-        status[index] = text
-    dataset = xr.Dataset(coords={name: list(values) for name, values in coords.items()})
-    dataset["status"] = (lead, status, {"long_name": "ok, or why there is no complete result"})
-    dataset = dataset.assign(_stepping(coords, trees))
-    dataset = dataset.assign(_series(lead, shape, trees))
-    dataset = dataset.assign(_costs(lead, shape, trees)).assign(_outlines(lead, shape, trees))
-    dataset.attrs = _attributes(coords, trees)
-    if varied:
-        dataset.attrs["varied"] = json.dumps(dict(varied))
-    by_label = {
-        "/".join(map(str, _choice(coords, index))): list(words) for index, words in notes.items() if words
-    }
-    if by_label:
-        dataset.attrs["notes"] = json.dumps(by_label)
-    return dataset
+    points = np.ndindex(*(len(values) for values in coords.values()))
+    costs = over_grid(coords, {index: _costs(trees.get(index, xr.DataTree())) for index in points})
+    parts = [_stepping(coords, trees), _series(coords, trees), costs, _outlines(coords, trees)]
+    named = {name: list(values) for name, values in coords.items()}
+    dataset = xr.Dataset({name: array for part in parts for name, array in part.items()}, named)
+    return dataset.assign_attrs(_attributes(coords, trees))
 
 
-def _stepping(
-    coords: Mapping[str, Sequence[Any]], trees: Mapping[tuple[int, ...], xr.DataTree]
-) -> dict[str, Any]:
+def over_grid(
+    coords: Mapping[str, Sequence[Any]], runs: Mapping[Index, xr.Dataset]
+) -> dict[str, xr.DataArray]:
+    """Numbers of runs, which have the same coordinates, with the dimensions of the grid before their own; NaN where none are."""
+    shape, joined = tuple(len(values) for values in coords.values()), {}
+    for index, data in runs.items():
+        for name, one in data.data_vars.items():
+            if name not in joined:
+                own = {dim: one.coords[dim] for dim in one.dims if dim in one.coords}
+                empty = np.full((*shape, *one.shape), np.nan)
+                joined[str(name)] = xr.DataArray(empty, own, (*coords, *one.dims), attrs=one.attrs)
+            joined[str(name)].values[index] = one.values
+    return joined
+
+
+def _stepping(coords: Mapping[str, Sequence[Any]], trees: Mapping[Index, xr.DataTree]) -> dict[str, Any]:
     """Scheme and transfer of every run, as far as they are known. Where one is varied its dimension says it."""
     found = {}
     for name, meaning in STEPPING:
@@ -78,13 +73,11 @@ def _stepping(
         for index, tree in trees.items():
             words[index] = str(tree.attrs.get(name, ""))
         if name not in coords and words.any():
-            found[name] = (tuple(coords), words, {"long_name": meaning})
+            found[name] = xr.DataArray(words, dims=tuple(coords), attrs={"long_name": meaning})
     return found
 
 
-def _attributes(
-    coords: Mapping[str, Sequence[Any]], trees: Mapping[tuple[int, ...], xr.DataTree]
-) -> dict[str, Any]:
+def _attributes(coords: Mapping[str, Sequence[Any]], trees: Mapping[Index, xr.DataTree]) -> dict[str, Any]:
     """Keep what all runs share and the first one's scene; ``methods`` holds what differs, run by run."""
     own = {name for name, _, _ in COSTS} | {
         f"{clock}_{stage}" for clock in ("cpu", "wall", "settle_cpu") for stage in STAGES
@@ -116,7 +109,7 @@ def _number(value: Any) -> Any:
     return value.item() if isinstance(value, np.generic) else str(value)
 
 
-def _choice(coords: Mapping[str, Sequence[Any]], index: tuple[int, ...]) -> list[Any]:
+def _choice(coords: Mapping[str, Sequence[Any]], index: Index) -> list[Any]:
     return [values[i] for values, i in zip(coords.values(), index, strict=True)]
 
 
@@ -132,24 +125,22 @@ def union_of_times(times: Sequence[FloatArray]) -> FloatArray:
 
 
 def _series(
-    lead: tuple[str, ...], shape: tuple[int, ...], trees: Mapping[tuple[int, ...], xr.DataTree]
+    coords: Mapping[str, Sequence[Any]], trees: Mapping[Index, xr.DataTree]
 ) -> dict[str, xr.DataArray]:
-    series = _of_all_pairs({index: series_at_outputs(tree) for index, tree in trees.items()})
-    times = union_of_times([data["time"].values for data in series.values() if "time" in data.coords])
-    joined: dict[str, xr.DataArray] = {}
-    for index, data in series.items():
-        if "time" not in data.coords:
-            continue
-        at = np.abs(times[:, None] - data["time"].values[None, :]).argmin(axis=0)
-        for name, array in data.data_vars.items():
-            rest = array.transpose("time", ...)
-            if str(name) not in joined:
-                joined[str(name)] = _empty(lead, shape, times, rest)
-            joined[str(name)].values[index][at] = rest.values
-    return joined
+    found = _of_all_pairs({index: series_at_outputs(tree) for index, tree in trees.items()})
+    found = {index: data for index, data in found.items() if "time" in data.coords}
+    times = union_of_times([data["time"].values for data in found.values()])
+    slack = 2e-9 * np.ptp(times) if times.size else 0.0
+    whole = {
+        index: data.reindex(time=times, method="nearest", tolerance=slack).map(
+            lambda one: one.transpose("time", ...), keep_attrs=True
+        )
+        for index, data in found.items()
+    }
+    return over_grid(coords, whole)
 
 
-def _of_all_pairs(series: dict[tuple[int, ...], xr.Dataset]) -> dict[tuple[int, ...], xr.Dataset]:
+def _of_all_pairs(series: dict[Index, xr.Dataset]) -> dict[Index, xr.Dataset]:
     """The runs' series with the pairs of all: of many bodies each run lists those that came near each other in it."""
     listed = [data["pair"].values.tolist() for data in series.values() if "pair" in data.coords]
     if all(labels == listed[0] for labels in listed):
@@ -160,75 +151,54 @@ def _of_all_pairs(series: dict[tuple[int, ...], xr.Dataset]) -> dict[tuple[int, 
     }
 
 
-def _empty(
-    lead: tuple[str, ...], shape: tuple[int, ...], times: FloatArray, model: xr.DataArray
-) -> xr.DataArray:
-    values = np.full((*shape, len(times), *model.shape[1:]), np.nan)
-    coords = {name: model.coords[name] for name in model.dims[1:] if name in model.coords}
-    time = xr.DataArray(times, dims="time", attrs=dict(model.coords["time"].attrs))
-    return xr.DataArray(values, dims=(*lead, *model.dims), coords={**coords, "time": time}, attrs=model.attrs)
+def _costs(tree: xr.DataTree) -> xr.Dataset:
+    """What a run took, as its attributes say it."""
 
+    def said(name: str) -> float:
+        return float(tree.attrs.get(name, np.nan))
 
-def _costs(
-    lead: tuple[str, ...], shape: tuple[int, ...], trees: Mapping[tuple[int, ...], xr.DataTree]
-) -> dict[str, xr.DataArray]:
-    def gathered(names: Sequence[str]) -> FloatArray:
-        values = np.full((*shape, len(names)), np.nan)
-        for index, tree in trees.items():
-            values[index] = [float(tree.attrs.get(name, np.nan)) for name in names]
-        return values
-
-    costs = {
-        name: xr.DataArray(gathered([name])[..., 0], dims=lead, attrs={"units": unit, "long_name": meaning})
-        for name, unit, meaning in COSTS
-    }
-    for clock, meaning in (("cpu", "CPU"), ("wall", "wall")):
-        costs[f"{clock}_stage"] = xr.DataArray(
-            gathered([f"{clock}_{stage}" for stage in STAGES]),
-            dims=(*lead, "stage"),
-            coords={"stage": list(STAGES)},
-            attrs={"units": "s", "long_name": f"{meaning} time by stage of the step"},
+    scalars = {name: ((), said(name), {"units": unit, "long_name": meaning}) for name, unit, meaning in COSTS}
+    stages = {
+        f"{clock}_stage": (
+            "stage",
+            [said(f"{clock}_{stage}") for stage in STAGES],
+            {"units": "s", "long_name": f"{meaning} time by stage of the step"},
         )
-    return costs
+        for clock, meaning in (("cpu", "CPU"), ("wall", "wall"))
+    }
+    return xr.Dataset({**scalars, **stages}, {"stage": list(STAGES)})
 
 
 def _outlines(
-    lead: tuple[str, ...], shape: tuple[int, ...], trees: Mapping[tuple[int, ...], xr.DataTree]
+    coords: Mapping[str, Sequence[Any]], trees: Mapping[Index, xr.DataTree]
 ) -> dict[str, xr.DataArray]:
     """First and last outlines as closed polylines, NaN between the loops of a body and after its last."""
-    found: dict[tuple[int, ...], dict[str, AnyArray]] = {}
+    found: dict[Index, dict[str, AnyArray]] = {}
     for index, tree in trees.items():
         surfaces = tree["surface"].children if "surface" in tree.children else {}
-        lines = {body: _outline(node.to_dataset()) for body, node in surfaces.items()}
-        found[index] = {str(body): line for body, line in lines.items() if line is not None}
+        lines = {str(body): _outline(node.to_dataset()) for body, node in surfaces.items()}
+        found[index] = {body: line for body, line in lines.items() if line is not None}
     bodies = list(dict.fromkeys(body for lines in found.values() for body in lines))
-    if not bodies:
-        return {}
-    longest = max(line.shape[1] for lines in found.values() for line in lines.values())
-    values = np.full((*shape, 2, len(bodies), longest, 2), np.nan)
-    times = np.full((*shape, 2), np.nan)
-    for index, drawn in found.items():
-        for body, line in drawn.items():
-            values[index][:, bodies.index(body), : line.shape[1]] = line
-            times[index] = trees[index]["series"].coords["time"].values[[0, -1]]
-    frame = {"frame": ["first", "last"]}
-    return {
-        "outline": xr.DataArray(
-            values,
-            dims=(*lead, "frame", "outlined_body", "outline_node", "axis"),
-            coords={**frame, "outlined_body": bodies, "axis": ["x", "y"]},
-            attrs={
-                "units": "m",
-                "long_name": "surface of the body at the first and last output; NaN parts its loops",
-            },
-        ),
-        "outline_time": xr.DataArray(
-            times,
-            dims=(*lead, "frame"),
-            coords=frame,
-            attrs={"units": "s", "long_name": "time of the outline"},
-        ),
+    longest = max((line.shape[1] for lines in found.values() for line in lines.values()), default=0)
+    said = {
+        "units": "m",
+        "long_name": "surface of the body at the first and last output; NaN parts its loops",
     }
+    named = {"frame": ["first", "last"], "outlined_body": bodies, "axis": ["x", "y"]}
+    outlines = {}
+    for index, drawn in found.items():
+        values, times = np.full((2, len(bodies), longest, 2), np.nan), np.full(2, np.nan)
+        for body, line in drawn.items():
+            values[:, bodies.index(body), : line.shape[1]] = line
+            times = trees[index]["series"].coords["time"].values[[0, -1]]
+        outlines[index] = xr.Dataset(
+            {
+                "outline": (("frame", "outlined_body", "outline_node", "axis"), values, said),
+                "outline_time": ("frame", times, {"units": "s", "long_name": "time of the outline"}),
+            },
+            named,
+        )
+    return over_grid(coords, outlines) if bodies else {}
 
 
 def _outline(surface: xr.Dataset) -> AnyArray | None:

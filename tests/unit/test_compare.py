@@ -12,7 +12,7 @@ from mpmfw.clock import STEP_STAGES
 from mpmfw.comparison import compare as compare_really
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.fields import CONTACT_SERIES, MIN_GAP, SERIES_FIELDS, SURFACE_FIELDS
-from mpmfw.joining import loops, union_of_times
+from mpmfw.joining import join, loops, union_of_times
 from mpmfw.plots import figures_of, plot_file, plot_files, positions
 from mpmfw.references import described, rings_table
 from mpmfw.report import table, write_report
@@ -421,3 +421,9 @@ def test_two_comparisons_make_one_figure_of_the_motion(tmp_path, rolling):
     rolling.drop_attrs().to_netcdf(tmp_path / "other.nc")
     with pytest.raises(MpmfwError, match="no comparison of a rolling cylinder"):
         plot_files([tmp_path / "slip.nc", tmp_path / "other.nc"], tmp_path / "figure1.png")
+
+
+def test_costs_are_unknown_before_any_run_has_ended():
+    nothing = join({"contact": ["penalty", "hybrid"]}, {})
+    assert nothing["steps"].isnull().all()
+    assert nothing["cpu_stage"].sizes["contact"] == 2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
@@ -115,11 +116,15 @@ def campaign(
 def dataset_of(runs: GridRuns) -> xr.Dataset:
     """Join what is known of a grid: series, status, costs and the conditions that they were measured under."""
     grid, costs = runs.grid, runs.costs()
-    found = {index: (outcome, runs.results(index)) for index, _, outcome in runs.known()}
-    trees = {index: tree for index, (_, tree) in found.items() if tree is not None}
-    notes = {index: outcome.notes for index, (outcome, _) in found.items()}
-    keys = {dim: key for dim, key in grid.keys.items() if key not in ("contact", "shape")}
-    dataset = join(grid.coords, runs.statuses(), trees, notes, keys)
+    results = {index: runs.results(index) for index, _, _ in runs.known()}
+    trees = {index: tree for index, tree in results.items() if tree is not None}
+    status = grid.array(runs.statuses(), "ok, or why there is no complete result")
+    files = join(grid.coords, trees)
+    dataset = xr.Dataset({"status": status, **files.data_vars}, files.coords, files.attrs)
+    if keys := {dim: key for dim, key in grid.keys.items() if key not in ("contact", "shape")}:
+        dataset.attrs["varied"] = json.dumps(keys)
+    if notes := runs.notes(lambda one: one.path):
+        dataset.attrs["notes"] = json.dumps(notes)
     each = costs_of(grid.coords, costs)
     cheapest = least(each)
     own = {name: cheapest[name].assign_attrs(dataset[name].attrs) for name, _, _ in COSTS if name in dataset}

@@ -65,13 +65,6 @@ def over_repeats(each: xr.Dataset) -> dict[str, xr.DataArray]:
     }
 
 
-def conditions(costs: Mapping[Index, Sequence[Cost]], cores: str) -> dict[str, str]:
-    """Under which conditions costs were measured: processor, cores, timing."""
-    every = [cost for many in costs.values() for cost in many]
-    processors = sorted({cost.machine for cost in every if cost.machine})
-    return {"processor": ", ".join(processors), "cores": cores, "timing": timing_of(every)}
-
-
 def timing_of(costs: Sequence[Cost]) -> str:
     """``exclusive`` if nothing else ran beside any of them; marked where the machine was loaded by others all the same."""
     if not costs:

@@ -209,7 +209,7 @@ def _of_contact(
     """The stiffness factor κ of whatever contact runs, a subclass of penalty's as well; of one that has none, nothing."""
     own = objects.get("contact")
     if own is not None:
-        if "kappa" in type(own).Options.model_fields:
+        if has_option("contact", own, "kappa"):
             objects["contact"] = with_option(own, "kappa", value)
         return {}
     named = methods.get("contact.method")
@@ -226,9 +226,10 @@ def with_option(plugin: Any, name: str, value: Any) -> Any:
     return type(plugin)(**{**given, name: value})
 
 
-def has_option(kind: Any, method: str, name: str) -> bool:
-    """Whether a plug-in has an option of this name."""
-    return name in getattr(getattr(load(kind, method), "Options", None), "model_fields", {})
+def has_option(kind: Any, method: Any, name: str) -> bool:
+    """Whether a plug-in, by name or as a strategy object, has an option of this name."""
+    plugin = load(kind, method) if isinstance(method, str) else type(method)
+    return name in getattr(getattr(plugin, "Options", None), "model_fields", {})
 
 
 def _without_twins(combinations: Mapping[Index, Combination]) -> dict[Index, Combination]:

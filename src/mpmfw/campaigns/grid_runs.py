@@ -10,7 +10,7 @@ from typing import Any
 
 import xarray as xr
 
-from mpmfw.campaigns.costs import conditions
+from mpmfw.campaigns.costs import timing_of
 from mpmfw.campaigns.executors import InProcess, Pool, executor_of
 from mpmfw.campaigns.grid import Combination, Index, RunGrid
 from mpmfw.campaigns.judging import measured
@@ -135,7 +135,9 @@ class GridRuns:
 
     def conditions(self) -> dict[str, str]:
         """Under which conditions costs were measured: processor, cores, timing."""
-        return conditions(self.costs(), self.executor.cores)
+        every = [cost for many in self.costs().values() for cost in many]
+        processors = sorted({cost.machine for cost in every if cost.machine})
+        return {"processor": ", ".join(processors), "cores": self.executor.cores, "timing": timing_of(every)}
 
     def notes(self, naming: Callable[[Combination], str]) -> dict[str, list[str]]:
         """What readers of results must know, by the name of a point."""

@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from mpmfw.analysis import fitted_acceleration, force_noise, impulse, value_at
-from mpmfw.campaigns.exact import column, incline, kind_of
+from mpmfw.campaigns.exact import Incline, column, incline, kind_of
 from mpmfw.discovery import REFERENCES, available, did_you_mean, full_name, load
 from mpmfw.errors import SceneError
 from mpmfw.measure import About, Exact, Measure, Measured, Reference
@@ -154,19 +154,29 @@ def _displacement(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     return Measured(x - x[0], series["time"].values)
 
 
+def _of_pair(name: str, run: xr.DataTree, scene: Scene, about: About) -> xr.DataArray | None:
+    """A series of the pair that is meant; None where the run has none of this name."""
+    series = run["series"].to_dataset()
+    return series[name].sel(pair=pair_of(scene, about)) if name in series else None
+
+
 def _number(value: float) -> Measured:
     return Measured(np.array([value]), np.empty(0))
 
 
-def _down_the_plane(value: Callable[[float, float, float], float]) -> Known:
-    """Closed form of a number from (acceleration, angular acceleration, time of judgement) of a motion."""
+def _from_rest(scene: Scene, about: About) -> Incline | None:
+    """The known motion down a plane, if it is of the body and the axis that are meant."""
+    known = incline(scene)
+    return known if known and about.axis == "x" and about.body in (None, known.body) else None
+
+
+def _down_the_plane(value: Callable[[Incline], float]) -> Known:
+    """Closed form of a number of a motion down a plane."""
 
     def exact(scene: Scene, about: About) -> Exact | None:
-        known = incline(scene)
-        if known is None or about.axis != "x" or about.body not in (None, known.body):
-            return None
-        number = value(known.acceleration, known.angular_acceleration, known.until)
-        return Exact("closed-form", known.says, lambda _: np.array([number])) if number else None
+        known = _from_rest(scene, about)
+        number = value(known) if known else 0.0
+        return Exact("closed-form", known.says, lambda _: np.array([number])) if known and number else None
 
     return exact
 
@@ -181,7 +191,11 @@ def _until(scene: Scene) -> float:
 
 
 @measure(
-    "end-displacement", "m", "number", ("body", "axis"), _down_the_plane(lambda a, _, t: 0.5 * a * t * t)
+    "end-displacement",
+    "m",
+    "number",
+    ("body", "axis"),
+    _down_the_plane(lambda one: 0.5 * one.acceleration * one.until * one.until),
 )
 def end_displacement(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     """Displacement of a body's centre at the end, or when the closed form of a rolling one has moved by 10 m."""
@@ -189,14 +203,16 @@ def end_displacement(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     return _number(value_at(moved.time, moved.values, _until(scene)))
 
 
-@measure("acceleration", "m s-2", "number", ("body", "axis"), _down_the_plane(lambda a, *_: a))
+@measure("acceleration", "m s-2", "number", ("body", "axis"), _down_the_plane(lambda one: one.acceleration))
 def acceleration(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     """Acceleration of a body's centre, least-squares fit of d0 + v0 t + a t²/2 over the last 80 % of the time."""
     moved, end = _displacement(run, scene, about), _until(scene)
     return _number(fitted_acceleration(moved.time, moved.values, 0.2 * end, end))
 
 
-@measure("spin", "rad s-1", "number", ("body",), _down_the_plane(lambda _, alpha, t: alpha * t))
+@measure(
+    "spin", "rad s-1", "number", ("body",), _down_the_plane(lambda one: one.angular_acceleration * one.until)
+)
 def spin(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     """Angular velocity of a body at the end, or when the closed form of a rolling one has moved by 10 m."""
     series = run["series"].to_dataset()
@@ -207,23 +223,19 @@ def spin(run: xr.DataTree, scene: Scene, about: About) -> Measured:
 @measure("force-noise", "1", "number", ("pair",))
 def noise_of_force(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     """Noise of the contact force of a pair: what its mean over 20 output intervals leaves out, of that mean, by rms."""
-    series = run["series"].to_dataset()
-    if "contact_force" not in series:
+    force = _of_pair("contact_force", run, scene, about)
+    if force is None:
         return _number(np.nan)
-    force = series["contact_force"].sel(pair=pair_of(scene, about)).transpose("time", "axis").values
-    return _number(force_noise(series["time"].values, force))
+    return _number(force_noise(force["time"].values, force.transpose("time", "axis").values))
 
 
 @measure("penetration", "1", "number", ("pair",))
 def deepest_penetration(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     """Deepest penetration of a pair at any output, in cells."""
-    series = run["series"].to_dataset()
-    if "min_gap" not in series:
+    gap = _of_pair("min_gap", run, scene, about)
+    if gap is None or not np.isfinite(gap).any():
         return _number(np.nan)
-    gap = series["min_gap"].sel(pair=pair_of(scene, about)).values
-    return _number(
-        max(0.0, -float(np.nanmin(gap))) / float(scene.grid.cell_size) if np.isfinite(gap).any() else np.nan
-    )
+    return _number(max(0.0, -float(gap.min())) / float(scene.grid.cell_size))
 
 
 # -- curves
@@ -231,8 +243,8 @@ def deepest_penetration(run: xr.DataTree, scene: Scene, about: About) -> Measure
 
 
 def _parabola(scene: Scene, about: About) -> Exact | None:
-    known = incline(scene)
-    if known is None or about.axis != "x" or about.body not in (None, known.body):
+    known = _from_rest(scene, about)
+    if known is None:
         return None
     a = known.acceleration
     return Exact("closed-form", known.says, lambda time: 0.5 * a * time**2)
@@ -262,11 +274,11 @@ def _rings_curve(table: str, column_name: str, pair: str | None, about: About, s
 )
 def impulse_curve(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     """Impulse of the contact force on the second body of a pair over time."""
-    series = run["series"].to_dataset()
-    if "contact_force" not in series:
-        return _nothing(series)
-    force = -series["contact_force"].sel(pair=pair_of(scene, about), axis=about.axis).values
-    return Measured(impulse(series["time"].values, force), series["time"].values)
+    time = run["series"].to_dataset()["time"].values
+    force = _of_pair("contact_force", run, scene, about)
+    if force is None:
+        return Measured(np.full(time.size, np.nan), time)
+    return Measured(impulse(time, -force.sel(axis=about.axis).values), time)
 
 
 @measure(
@@ -284,10 +296,6 @@ def kinetic_energy(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     energy = series["kinetic_energy"]
     chosen = energy.sel(body=body_of(scene, about)) if about.body else energy.sum("body", skipna=False)
     return Measured(chosen.values, series["time"].values)
-
-
-def _nothing(series: xr.Dataset) -> Measured:
-    return Measured(np.full(series.sizes["time"], np.nan), series["time"].values)
 
 
 # -- fields

@@ -10,8 +10,8 @@ from pydantic import ValidationError
 from mpmfw.errors import SceneError
 from mpmfw.scene import Source
 from mpmfw.scene.base import Table
-from mpmfw.scene.loading import origin_of
-from mpmfw.scene.problem import Problem, distinct
+from mpmfw.scene.loading import message_of
+from mpmfw.scene.problem import Problem
 from mpmfw.scene.wording import problems_of
 
 Model = TypeVar("Model", bound=Table)
@@ -32,7 +32,5 @@ def validated(model: type[Model], source: Source, checks: Callable[[Model], Iter
     except ValidationError as error:
         problems = problems_of(error, model, data)
     if problems:
-        origin = origin_of(source, {})
-        ordered = sorted(distinct(problems), key=origin.line_number)
-        raise SceneError("\n".join(origin.describe(problem) for problem in ordered))
+        raise SceneError(message_of(problems, source, {}))
     return tables

@@ -11,7 +11,7 @@ import threading
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -75,44 +75,38 @@ def run_once(task: Task, progress: Callable[[float, int], None] | None = None) -
     """Run a task and return all that it wrote; nothing but an interruption is raised."""
     with _ALONE, _warnings() as text, tempfile.TemporaryDirectory(prefix="mpmfw-") as folder:
         path = Path(folder) / "run.nc"
-        status, lasting, tree, cost = _try(task, path, progress)
-        outcome = Outcome(
-            task.key,
-            status,
-            task.name,
-            task.scene.text,
-            "" if tree is None else _digest(tree),
-            tuple(dict.fromkeys(str(warning.message) for warning in text)),
-            () if cost is None else (cost,),
-            code=task.code,
-            lasting=lasting,
-        )
-        return Finished(outcome, path.read_bytes() if tree is not None else None)
+        outcome, tree = _try(task, path, progress)
+        notes = tuple(dict.fromkeys(str(warning.message) for warning in text))
+        known = replace(outcome, name=task.name, scene=task.scene.text, notes=notes, code=task.code)
+        return Finished(known, path.read_bytes() if tree is not None else None)
 
 
 def time_once(task: Task) -> Finished:
     """Run a task for its cost; the series are kept as a digest alone."""
     with _ALONE, _warnings():
-        status, lasting, tree, cost = _try(task, None, None)
-        if tree is None or cost is None:
-            return Finished(Outcome(task.key, status, lasting=lasting))
-        return Finished(Outcome(task.key, status, digest=_digest(tree), costs=(cost,)))
+        return Finished(_try(task, None, None)[0])
 
 
 def _try(
     task: Task, path: Path | None, progress: Callable[[float, int], None] | None
-) -> tuple[str, bool, xr.DataTree | None, Cost | None]:
-    """The status, whether it would be the same again, and results and cost if there are any."""
+) -> tuple[Outcome, xr.DataTree | None]:
+    """How a run went, with the digest and the cost of its results, and these, if there are any."""
     global _begun
+    first, load = task.apart or _begun == 0, Load()
+
+    def ended(
+        status: str, tree: xr.DataTree | None = None, lasting: bool = True
+    ) -> tuple[Outcome, xr.DataTree | None]:
+        if tree is None:
+            return Outcome(task.key, status, lasting=lasting), None
+        costs = (_cost(tree, task, load.others(), first),)
+        return Outcome(task.key, status, digest=_digest(tree), costs=costs), tree
+
     try:
         if task.code and code_of(task.scene, task.contact, task.shape) != task.code:
-            return (
-                "failed: this worker has another version of mpmfw, a plug-in or a library",
-                False,
-                None,
-                None,
+            return ended(
+                "failed: this worker has another version of mpmfw, a plug-in or a library", lasting=False
             )
-        first, load = task.apart or _begun == 0, Load()
         _begun += 1
         tree = run(
             task.scene,
@@ -126,21 +120,17 @@ def _try(
             checkpoint=None if path is None else math.inf,
         )
     except SceneError as error:
-        return f"refused: {error}", True, None, None
+        return ended(f"refused: {error}")
     except SimulationError as error:
-        cost = None if error.results is None else _cost(error.results, task, load.others(), first)
-        return f"failed: {error}", True, error.results, cost
+        return ended(f"failed: {error}", error.results)
     except MpmfwError as error:  # a file that could not be written
-        return f"failed: {error}", False, None, None
+        return ended(f"failed: {error}", lasting=False)
     except KeyboardInterrupt:
         raise
-    except (
-        BaseException
-    ) as error:  # a stranger's method may raise anything; it may have been the machine as well
+    except BaseException as error:  # a stranger's method may raise anything; or it was the machine
         _log.exception("%s failed", task.name)
-        return f"failed: {cause(error)}", False, None, None
-    cost = _cost(tree, task, load.others(), first)
-    return str(tree.attrs.get("status", "ok")), True, tree, cost
+        return ended(f"failed: {cause(error)}", lasting=False)
+    return ended(str(tree.attrs.get("status", "ok")), tree)
 
 
 @contextmanager

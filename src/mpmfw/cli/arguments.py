@@ -123,7 +123,7 @@ def chosen_scene(scene: str, contact: str | None, shape: str | None, set_: list[
     """
     from mpmfw.scene import load_scene
     from mpmfw.scene.requested import check_methods_run, friction_laws
-    from mpmfw.scene.specification import called
+    from mpmfw.scene.specification import called, written
 
     overrides = assignments(set_)
     choices: tuple[tuple[Kind, str | None], ...] = (("contact", contact), ("shape", shape))
@@ -134,7 +134,7 @@ def chosen_scene(scene: str, contact: str | None, shape: str | None, set_: list[
             raise SceneError(
                 f"--{kind} {name}: --set {kind}.method chooses another one; leave one of them out"
             )
-        overrides[f"{kind}.method"] = installed(kind, name)
+        overrides[f"{kind}.method"] = written(kind, name, f"--{kind}")
     try:
         loaded = load_scene(scene, set=overrides)
     except SceneError as error:
@@ -149,22 +149,6 @@ def chosen_scene(scene: str, contact: str | None, shape: str | None, set_: list[
     return loaded
 
 
-def installed(kind: Kind, name: str) -> str:
-    """The plug-in's name with the options that are given beside it, in the order of the alphabet.
-
-    Raises
-    ------
-    SceneError
-        There is no such plug-in, or it has no such option or refuses a value.
-    """
-    from mpmfw.scene.specification import checked_specification
-
-    try:
-        return str(checked_specification(kind, name))
-    except SceneError as error:
-        raise SceneError(f"--{kind} {error}") from error
-
-
 def names(text: str | None, kind: Kind) -> list[str] | None:
     """Plug-ins between commas, each a name or a name with options, or None if the option is absent.
 
@@ -173,7 +157,7 @@ def names(text: str | None, kind: Kind) -> list[str] | None:
     SceneError
         A name is empty, unknown or given twice; an option is unknown or refused.
     """
-    from mpmfw.scene.specification import split_specifications
+    from mpmfw.scene.specification import split_specifications, written
 
     if text is None:
         return None
@@ -183,7 +167,7 @@ def names(text: str | None, kind: Kind) -> list[str] | None:
         raise SceneError(f"--{kind} {error}") from error
     if not found or not all(found):
         raise SceneError(f"--{kind} {text}: expected names with a comma between them")
-    known = [installed(kind, name) for name in found]
+    known = [written(kind, name, f"--{kind}") for name in found]
     if len(set(known)) < len(known):
         raise SceneError(f"--{kind} {text}: a name is given twice")
     return known

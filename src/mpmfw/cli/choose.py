@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -19,7 +18,7 @@ from mpmfw.cli.arguments import (
     jobs_of,
     names,
 )
-from mpmfw.cli.errors import check_apart, check_result
+from mpmfw.cli.errors import result_path
 from mpmfw.cli.formats import Format, FormatOption, write_rows
 from mpmfw.cli.progress import campaign_progress
 
@@ -103,13 +102,7 @@ def choose(
     shared = assignments(set_)
     check_requested(shared, {}, ("--set", "--vary"))
     loaded = load_scene(scene, set=shared)
-    path = check_result(
-        Path(f"{loaded.name}-choose.nc") if output is None else output,
-        "choice",
-        "result of mpmfw choose",
-        force,
-    )
-    check_apart(loaded, output=path)
+    path = result_path(output, loaded, "-choose", "choice", "result of mpmfw choose", force)
     from mpmfw.studies.advice import advice, method_rows
     from mpmfw.studies.choosing import CONTACTS, SHAPES
     from mpmfw.studies.choosing import choose as run_pilots

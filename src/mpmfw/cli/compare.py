@@ -20,7 +20,7 @@ from mpmfw.cli.arguments import (
     names,
     variations,
 )
-from mpmfw.cli.errors import check_apart, check_result, check_writable
+from mpmfw.cli.errors import check_writable, result_path
 from mpmfw.cli.formats import Format, FormatOption, write_rows
 from mpmfw.cli.progress import campaign_progress
 
@@ -70,10 +70,7 @@ def compare(
     shared = assignments(set_)
     check_requested(shared, varied, ("--set", "--vary"))
     loaded = load_scene(scene, set=shared)
-    path = check_result(
-        Path(f"{loaded.name}-compare.nc") if output is None else output, "compare", "comparison", force
-    )
-    check_apart(loaded, output=path, report=report)
+    path = result_path(output, loaded, "-compare", "compare", "comparison", force, report=report)
     if report is not None:
         check_writable(report)
     # A single body needs no contact; the dimension is there all the same

@@ -113,6 +113,30 @@ def check_result(path: Path, kind: str, what: str, force: bool = False) -> Path:
     return path
 
 
+def result_path(
+    output: Path | None, scene: Scene, ending: str, kind: str, what: str, force: bool, **others: Path | None
+) -> Path:
+    """Where the results of a scene go: the path that is given, or one named as the scene.
+
+    Parameters
+    ----------
+    output, scene, ending
+        The path, if one is given; else the scene, and what follows its name.
+    kind, what, force
+        As :func:`check_result` takes them.
+    others
+        What is written beside it, by the name of the option.
+
+    Raises
+    ------
+    SceneError
+        As :func:`check_apart` and :func:`check_result`.
+    """
+    path = Path(f"{scene.name}{ending}.nc") if output is None else output
+    check_apart(scene, output=path, **others)
+    return check_result(path, kind, what, force)
+
+
 def figure_path(path: Path) -> Path:
     """Name of a figure's file, PNG where it says no format.
 

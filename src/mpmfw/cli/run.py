@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import typer
 
 from mpmfw.cli.arguments import (
@@ -16,7 +14,7 @@ from mpmfw.cli.arguments import (
     ShapeOption,
     chosen_scene,
 )
-from mpmfw.cli.errors import check_apart, check_result
+from mpmfw.cli.errors import result_path
 from mpmfw.cli.progress import run_progress
 
 
@@ -31,9 +29,7 @@ def run(
 ) -> None:
     """Run SCENE and write its results, by default to a file named as the scene."""
     loaded = chosen_scene(scene, contact, shape, set_)
-    path = Path(f"{loaded.name}.nc") if output is None else output
-    check_apart(loaded, output=path)
-    check_result(path, "run", "run's results", force)
+    path = result_path(output, loaded, "", "run", "run's results", force)
 
     from mpmfw.runs import run_to_file
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -18,7 +17,7 @@ from mpmfw.cli.arguments import (
     chosen_scene,
     jobs_of,
 )
-from mpmfw.cli.errors import check_apart, check_result
+from mpmfw.cli.errors import result_path
 from mpmfw.cli.progress import campaign_progress
 from mpmfw.errors import SceneError
 
@@ -61,9 +60,7 @@ def stability(
     where it stopped.
     """
     loaded = chosen_scene(scene, contact, shape, set_)
-    path = Path(f"{loaded.name}-stability.nc") if output is None else output
-    check_apart(loaded, output=path)
-    check_result(path, "stability", "map of stability", force)
+    path = result_path(output, loaded, "-stability", "stability", "map of stability", force)
     numbers = {
         name: _numbers(name, text) for name, text in (("kappa", kappa), ("ratio", ratio), ("cfl", cfl))
     }

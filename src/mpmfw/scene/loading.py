@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -68,7 +68,7 @@ def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
     for key, value in overrides.items():
         unreadable += [replace(found, path=(), override=key) for found in check_content(value)]
     if unreadable:
-        raise SceneError(_message(unreadable, source, overrides))
+        raise SceneError(message_of(unreadable, source, overrides))
     expanded, said_twice = _expanded(overrides)
     mapping, problems = merge(source.mapping, expanded)
     problems += said_twice
@@ -79,7 +79,7 @@ def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
     scene: Scene | None = None
     core = _with_resolved_paths(chosen.core, source.directory)
     if outside := list(_outside(core, source, overrides)):  # before the models are made, which read the files
-        raise SceneError(_message(problems + outside, source, overrides))
+        raise SceneError(message_of(problems + outside, source, overrides))
     try:
         core = with_lengths(core)
         scene = Scene.model_validate(core)
@@ -87,7 +87,7 @@ def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
     except ValidationError as error:
         problems += problems_of(error, Scene, chosen.core)
     if problems or scene is None:
-        raise SceneError(_message(problems, source, overrides))
+        raise SceneError(message_of(problems, source, overrides))
     scene = _with_options(scene, chosen)
     scene._source = replace(source, overrides=overrides)
     scene._mapping = chosen.whole
@@ -189,8 +189,8 @@ def origin_of(source: Source, overrides: Mapping[str, Any]) -> Origin:
     return Origin(source.name, locator, targets)
 
 
-def _message(problems: list[Problem], source: Source, overrides: Mapping[str, Any]) -> str:
+def message_of(problems: Iterable[Problem], source: Source, overrides: Mapping[str, Any]) -> str:
+    """What is wrong with a file or what is set over it, a line each in their order."""
     origin = origin_of(source, overrides)
-    return "\n".join(
-        origin.describe(problem) for problem in sorted(distinct(problems), key=origin.line_number)
-    )
+    ordered = sorted(distinct(problems), key=origin.line_number)
+    return "\n".join(origin.describe(problem) for problem in ordered)

@@ -105,6 +105,20 @@ def checked_specification(kind: Kind, text: str) -> Specification:
     return message
 
 
+def written(kind: Kind, text: str, said: str) -> str:
+    """The specification of an installed plug-in in the one way of writing that labels have.
+
+    Raises
+    ------
+    SceneError
+        As :func:`checked_specification`, behind what the request calls the plug-in.
+    """
+    try:
+        return str(checked_specification(kind, text))
+    except SceneError as error:
+        raise SceneError(f"{said} {error}") from error
+
+
 def specification_of(name: str, options: Mapping[str, Any]) -> str:
     """The text that names a method and its options; those that are None are not said."""
     return str(Specification(name, {key: value for key, value in options.items() if value is not None}))

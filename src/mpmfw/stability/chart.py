@@ -239,7 +239,6 @@ def classed(found: Invariants) -> int:
 
 
 def _dataset(grid: RunGrid, found: Mapping[Index, Invariants], lines: Mapping[str, FloatArray]) -> xr.Dataset:
-    axis, shape = next(iter(grid.coords)), tuple(len(labels) for labels in grid.coords.values())
     picks: dict[str, tuple[Callable[[Invariants], float], type]] = {
         "class": (classed, int),
         "energy": (lambda one: one.energy, float),
@@ -247,10 +246,11 @@ def _dataset(grid: RunGrid, found: Mapping[Index, Invariants], lines: Mapping[st
         "steps": (lambda one: one.steps, int),
     }
     tables: dict[str, Any] = {
-        name: ((axis, "cfl"), np.array([pick(one) for one in found.values()], kind).reshape(shape))
+        name: grid.array({index: pick(one) for index, one in found.items()}, "").astype(kind)
         for name, (pick, kind) in picks.items()
     }
-    dataset = xr.Dataset({**tables, **{name: (axis, line) for name, line in lines.items()}}, grid.coords)
+    along = next(iter(grid.coords))
+    dataset = xr.Dataset({**tables, **{name: (along, line) for name, line in lines.items()}}, grid.coords)
     for name in dataset.variables:
         dataset[name].attrs = {"units": "1", "long_name": _MEANINGS[str(name)]}
     return dataset

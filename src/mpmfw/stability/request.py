@@ -36,12 +36,10 @@ def axis_of(scene: Scene, contact: Any, kappa: Sequence[float] | None, ratio: Se
     if ratio is not None:
         return "ratio"
     method = scene.contact.method if scene.contact is not None else "none"
-    if contact is not None:
-        method, has = contact.name, "kappa" in type(contact).Options.model_fields
-    else:
-        has = has_option("contact", method, "kappa")
-    if not has:
-        raise SceneError(f"contact '{method}' has no kappa; give stiffness ratios instead")
+    if not has_option("contact", method if contact is None else contact, "kappa"):
+        raise SceneError(
+            f"contact '{method if contact is None else contact.name}' has no kappa; give stiffness ratios instead"
+        )
     return "kappa"
 
 

@@ -20,7 +20,7 @@ from mpmfw.measure import About, Measure
 from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene import Scene, load_scene
 from mpmfw.studies.pilots import Pilots
-from mpmfw.studies.study import relative_error
+from mpmfw.studies.study import positive, relative_error
 
 #: Methods that are tried where nobody names any; the first of each makes the reference where a scene has none.
 _DEFAULTS = tomllib.loads((files("mpmfw") / "reference" / "choose.toml").read_text(encoding="utf-8"))
@@ -207,14 +207,5 @@ def _check_lengths(scene: Scene) -> None:
                 )
 
 
-def _length(name: str, given: Any) -> float:
-    from mpmfw.scene.override import parse_value
-    from mpmfw.units import to_si
-
-    try:
-        length = float(to_si(parse_value(given) if isinstance(given, str) else given, "m"))  # type: ignore[arg-type]
-    except (ValueError, TypeError) as error:
-        raise SceneError(f"{name} {given}: {error}; expected a cell size such as 0.4 or '4 mm'") from error
-    if not length > 0.0:
-        raise SceneError(f"{name} {given}: must be greater than 0")
-    return length
+def _length(name: str, given: float | str) -> float:
+    return positive(name, given, "m", "a cell size such as 0.4 or '4 mm'")

@@ -6,7 +6,6 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
 from mpmfw.campaigns.costs import costs_of, least, over_repeats, timing_of
@@ -132,16 +131,18 @@ def _costs(grid: RunGrid, costs: Mapping[Index, list[Cost]], settling: bool) -> 
 
 def _front(grid: RunGrid, dataset: xr.Dataset) -> xr.DataArray:
     """The front of each problem; what failed has no error and is on none."""
-    dims = tuple(grid.coords)
-    inner = tuple(dim for dim in dims if dim not in grid.problem_dims)
-    ordered = dataset[["error", "cpu_time"]].transpose(*grid.problem_dims, *inner)
-    error, cost = ordered["error"].values, ordered["cpu_time"].values
-    marked = np.zeros(error.shape, dtype=bool)
-    outer = error.shape[: len(grid.problem_dims)]
-    for problem in np.ndindex(*outer):
-        marked[problem] = front(error[problem], cost[problem])
-    attributes = {"long_name": "no other run of the problem has a smaller error at no larger CPU time"}
-    return xr.DataArray(marked, dims=(*grid.problem_dims, *inner), attrs=attributes).transpose(*dims)
+    inner = [dim for dim in grid.coords if dim not in grid.problem_dims]
+    marked: xr.DataArray = xr.apply_ufunc(
+        front,
+        dataset["error"],
+        dataset["cpu_time"],
+        input_core_dims=[inner, inner],
+        output_core_dims=[inner],
+        vectorize=True,
+        keep_attrs=False,
+    )
+    meaning = "no other run of the problem has a smaller error at no larger CPU time"
+    return marked.transpose(*grid.coords).assign_attrs(long_name=meaning)
 
 
 def _attributes(study: Study, judge: Judge, runs: GridRuns) -> dict[str, Any]:

@@ -22,13 +22,10 @@ def front(error: FloatArray, cost: FloatArray) -> NDArray[np.bool_]:
         Same shape. One is dominated where another has no larger error and no larger cost, and one of them smaller;
         of two that are the same both are on the front or none.
     """
-    flat_error, flat_cost = np.ravel(error), np.ravel(cost)
-    on = np.zeros(flat_error.shape, dtype=bool)
-    known = np.flatnonzero(np.isfinite(flat_error) & np.isfinite(flat_cost))
-    order = known[np.lexsort((flat_error[known], flat_cost[known]))]
-    last = (np.inf, np.inf)  # by rising cost, the front is where the error falls
-    for k in order:
-        here = (float(flat_error[k]), float(flat_cost[k]))
-        on[k] = here[0] < last[0] or here == last
-        last = here if on[k] else last
+    pairs = np.stack([np.ravel(cost), np.ravel(error)], axis=1)
+    known = np.isfinite(pairs).all(axis=1)
+    different, place = np.unique(pairs[known], axis=0, return_inverse=True)  # by rising cost, then error
+    cheaper = np.minimum.accumulate(np.append(np.inf, different[:-1, 1]))  # least error of those before
+    on = np.zeros(known.shape, dtype=bool)
+    on[known] = (different[:, 1] < cheaper)[np.ravel(place)]
     return on.reshape(np.shape(error))

@@ -126,17 +126,26 @@ def relative_error(given: float | str, name: str = "under") -> float:
     SceneError
         It is none, is not positive, or is a bare number that would be 100 % or more, and is meant in per cent.
     """
-    try:
-        number = to_si(parse_value(given) if isinstance(given, str) else given, "1")
-        limit = float(number)  # type: ignore[arg-type]
-    except (ValueError, TypeError) as error:
-        raise SceneError(
-            f"{name} {given}: {error}; expected a relative error such as 0.01 or '1 %'"
-        ) from error
-    if not limit > 0.0:
-        raise SceneError(f"{name}: must be greater than 0, not {given}")
+    limit = positive(name, given, "1", "a relative error such as 0.01 or '1 %'")
     if limit >= 1.0 and "%" not in str(given):
         raise SceneError(
             f"{name} {given}: is an error of {100.0 * limit:g} %; expected '{given} %' or {limit / 100.0:g}"
         )
     return limit
+
+
+def positive(name: str, given: float | str, unit: str, expected: str) -> float:
+    """A number greater than 0 as a request writes it, bare or with a unit.
+
+    Raises
+    ------
+    SceneError
+        It is none; ``expected`` says what would be one.
+    """
+    try:
+        number = float(to_si(parse_value(given) if isinstance(given, str) else given, unit))  # type: ignore[arg-type]
+    except (ValueError, TypeError) as error:
+        raise SceneError(f"{name} {given}: {error}; expected {expected}") from error
+    if not number > 0.0:
+        raise SceneError(f"{name}: must be greater than 0, not {given}")
+    return number

@@ -187,17 +187,10 @@ class Case:
         self.gate(quantity, value, method=method, binds=method.recommended, **limits)
 
     def show(
-        self,
-        quantity: str,
-        value: float,
-        *,
-        reference: float | str = "",
-        within: tuple[float, float] | None = None,
-        unit: str = "",
-        method: Method | str = "",
+        self, quantity: str, value: float, *, within: tuple[float, float] | None = None, **said: Any
     ) -> None:
         """Record a value that decides nothing."""
-        self.gate(quantity, value, within=within, reference=reference, unit=unit, method=method, binds=False)
+        self.gate(quantity, value, within=within, binds=False, **said)
 
     def figure(self, name: str, figure: Figure) -> None:
         """Keep a figure, to be saved as ``<case>-<name>.png``, or ``<case>.png`` without a name."""

@@ -168,7 +168,8 @@ def _run(case: Case, runs: RunsTable, now: When) -> list[CaseRun]:
         run.broken = tuple(row.key or row.quantity for row in own if not run.keeps(row))
         done.append(run)
         for row in own if version.change is None else ():
-            _record(case, row, run)
+            reference = run.quantity(row.reference) if isinstance(row.reference, QuantityTable) else None
+            _record(case, row, method, run.quantity(row), row.is_gate(method, place), place, reference)
     return done
 
 
@@ -197,15 +198,30 @@ def _results(case: Case, runs: RunsTable, scene: Scene) -> Any:
         return function_of(runs.by)(scene)
 
 
-def _record(case: Case, row: RowTable, run: CaseRun) -> None:
-    """The row of a run."""
-    value, limits = run.quantity(row), row.limits(run.place)
-    if value is None:
-        return
-    reference = run.quantity(row.reference) if isinstance(row.reference, QuantityTable) else row.reference
-    assert reference is not None
-    name, binds = row.quantity.replace("{at}", run.place.at), row.is_gate(run.method, run.place)
-    case.gate(name, value, within=limits, reference=reference, unit=row.unit, method=run.method, binds=binds)
+def _record(
+    case: Case,
+    row: RowTable,
+    method: Method | str,
+    value: float | None,
+    binds: bool,
+    place: PlaceTable | None = None,
+    reference: float | str | None = None,
+) -> None:
+    """A row with its limits, of a place if there is one; none where there is no value."""
+    if value is not None:
+        given = row.reference if reference is None else reference
+        assert not isinstance(given, QuantityTable)
+        name = row.quantity.replace("{at}", place.at) if place else row.quantity
+        limits = row.limits(place)
+        case.gate(
+            name,
+            value,
+            within=limits,
+            reference=given,
+            unit=row.unit,
+            method=method,
+            binds=binds and limits is not None,
+        )
 
 
 def _together(case: Case, row: TogetherTable, runs: Sequence[CaseRun]) -> None:
@@ -214,32 +230,18 @@ def _together(case: Case, row: TogetherTable, runs: Sequence[CaseRun]) -> None:
     if not row.of:
         with case.timed():
             found = function(**row.args)
-        _whole(case, row, row.method, found, row.binds != "none")
+        _record(case, row, row.method, _scaled(row, found), row.binds != "none")
     elif not row.each:
-        _whole(case, row, row.method, function(runs, **row.args), row.binds != "none")
+        found = function(runs, **row.args)
+        _record(case, row, row.method, _scaled(row, found), row.binds != "none")
     else:
         apart = {(run.method, run.place.at if row.each == "place" else ""): run.place for run in runs}
         for (method, at), place in apart.items():
             if row.is_of(method):
                 same = [run for run in runs if run.method == method and at in ("", run.place.at)]
                 here = place if at else None
-                _whole(case, row, method, function(same, **row.args), row.is_gate(method, here), here)
-
-
-def _whole(
-    case: Case,
-    row: TogetherTable,
-    method: Method | str,
-    found: Any,
-    binds: bool,
-    place: PlaceTable | None = None,
-) -> None:
-    value, limits, reference = _scaled(row, found), row.limits(place), row.reference
-    if value is not None:
-        assert not isinstance(reference, QuantityTable)
-        name = row.quantity.replace("{at}", place.at if place else "{at}")
-        binds = binds and limits is not None
-        case.gate(name, value, within=limits, reference=reference, unit=row.unit, method=method, binds=binds)
+                found = function(same, **row.args)
+                _record(case, row, method, _scaled(row, found), row.is_gate(method, here), here)
 
 
 def _scaled(table: QuantityTable, found: Any) -> float | None:

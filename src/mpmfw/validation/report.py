@@ -158,7 +158,7 @@ def _matrix(outcomes: Iterable[CaseResult]) -> list[str]:
         return []
     return [
         "Values within their limits, of those that have any and of runs that failed; methods as the scenes have them:",
-        "\n".join(f"| {' | '.join(line)} |" for line in lines),
+        _pipes(lines),
     ]
 
 
@@ -228,9 +228,13 @@ def _section(outcome: CaseResult, pictures: Path, repository: str) -> str:
 
 
 def _markdown(rows: Sequence[Row]) -> str:
-    lines = [" | ".join(HEADINGS[1:]), " | ".join("---" for _ in HEADINGS[1:])]
+    lines: list[Sequence[str]] = [HEADINGS[1:], ["---"] * len(HEADINGS[1:])]
     for row in rows:
         verdict = f"**{row.verdict.value}**" if row.verdict is Verdict.RED else row.verdict.value
         texts = (*cells(row)[1:6], verdict, cells(row)[7])
-        lines.append(" | ".join(text.replace("|", "\\|").replace("\n", " ") for text in texts))
-    return "\n".join(f"| {line} |" for line in lines)
+        lines.append([text.replace("|", "\\|").replace("\n", " ") for text in texts])
+    return _pipes(lines)
+
+
+def _pipes(lines: Iterable[Sequence[str]]) -> str:
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
