@@ -113,9 +113,8 @@ class EnergyLedger:
         half_steps: bool,
         guard: EnergyGuard | None,
     ) -> None:
-        self.strain, self.state, self.terms, self.strategy = strain, state, terms, contact
-        self.accounted = accounted
-        self.contact = "" if contact is None else contact.name
+        self.strain, self.state, self.terms, self.accounted = strain, state, terms, accounted
+        self.strategy, self.contact = contact, "" if contact is None else contact.name
         self.tells_motion = half_steps and accounted and hasattr(contact, "work_over_last_step")
         self.half_steps, self.guard, self.running = half_steps, guard, False
 
@@ -124,9 +123,8 @@ class EnergyLedger:
         self.work = dict.fromkeys(("gravity", "external", "contact", "inertia"), 0.0)
         self.half_step = HalfStep() if self.half_steps else None
         self.gained = self.dissipated = self.contact_before = 0.0
-        self.loaded: float | None = (
-            None  #: energy of the contact springs at the start; None until a step has told
-        )
+        #: energy of the contact springs at the start; None until a step has told
+        self.loaded: float | None = None
         self.motion = motion_energy(state.particles)
         self.start = self.motion + float(self.strain.of(state).sum())
         self.lost = float(self.strain.dissipated(state).sum()) if self.strain.dissipates else 0.0
