@@ -188,13 +188,16 @@ def test_work_of_penalty_contact_is_in_springs_and_friction(safety, share):
 
 
 def test_residuals_are_the_half_step_by_which_velocities_are_behind():
-    """Of blocks that meet at 0.04 of their wave speed: what is left beside it is of the second order."""
+    """Of blocks that meet at 0.04 of their wave speed: what is left beside it is of the second order.
+
+    Of strain a fifth is left if the last step's velocity is taken at the nodes of this one, where the material no longer is.
+    """
     mapping = impact(speed=0.4, slide=0.1)
     mapping["contact"]["method"] = "penalty"
     mapping["time"] = {"end": 0.08, "output_interval": 0.002}
     series = ledger(mapping)
     for residual, half, left in (
-        ("energy_residual", "half_step_work", 0.25),  # 1.8 with the other sign
+        ("energy_residual", "half_step_work", 0.01),  # 1.8 with the other sign
         ("contact_residual", "contact_half_step_work", 0.4),  # 2.2
     ):
         whole = float(np.abs(series[residual]).max())

@@ -109,6 +109,17 @@ def test_bodies_with_candidates_have_boxes_that_touch(name):
     assert not (grid.near_lower <= grid.near_upper).any()  # empty boxes
 
 
+@pytest.mark.parametrize("fold", [-0.05, 0.05])
+def test_a_folded_tip_does_not_take_the_outside_for_its_inside(fold):
+    """The wedge's tip has a segment the wrong way round, which sees what is below the wedge behind it."""
+    wedge = np.array([[-fold, 0.0], [fold, 0.0], [1.0, 2.0], [-1.0, 2.0]])
+    loops = join([wedge, star(np.random.default_rng(1), (0.0, -1.5), 0.5, 12, 0.0)])
+    gaps = [minimum_gap(*ends, loops.outline, PLANE) for ends in ((4, 16, 0, 4), (0, 4, 4, 16))]
+    assert min(gaps) == pytest.approx(1.0, rel=0.01)
+    inside = join([wedge, star(np.random.default_rng(1), (0.0, 1.5), 0.1, 12, 0.0)])
+    assert minimum_gap(4, 16, 0, 4, inside.outline, PLANE) < -0.4
+
+
 def test_literal_detection_takes_every_segment_that_eq_10_names():
     loops = join(SCENES["stars 0.93"])
     found = find(loops, h=H, literal=True, slots=8)

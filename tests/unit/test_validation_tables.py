@@ -100,6 +100,24 @@ open.value = "not yet"
     assert (open_.value, open_.verdict, open_.tolerance) == (0.4, Verdict.OUTSIDE, "0 … 0.1")
 
 
+def test_open_of_one_method_leaves_the_gates_of_another_that_is_bound(check):
+    bound = """
+[[runs.methods]]
+contact = ["bardenhagen"]
+shape = ["cpdi"]
+settings = { "short steps" = { "time.safety" = 0.3 } }
+binds = true
+[[runs.places]]
+set = { "grid.cell_size" = 0.4 }
+within.value = [0.0, 0.1]
+open.value."penalty, *" = "not yet"
+"""
+    found = check(RUNS + bound + ROW)
+    verdicts = {row.method: row.verdict for row in found.rows}
+    assert verdicts["bardenhagen, cpdi, short steps"] is Verdict.RED
+    assert {verdict for method, verdict in verdicts.items() if "short" not in method} == {Verdict.OUTSIDE}
+
+
 def test_rows_of_methods_scaled_and_none(check):
     found = check(
         RUNS
@@ -193,6 +211,7 @@ def test_a_measure_of_a_campaign_beside_its_closed_form(check, monkeypatch):
         (RUNS + ROW + 'places = ["fine"]\n', "there is no place 'fine'"),
         (RUNS + ROW + "relative = true\n", "only a campaign's measure knows a closed form"),
         (RUNS + '[[runs.places]]\nopen.valu = "x"\n' + ROW, "'valu' is the key of no row"),
+        (RUNS + '[[runs.places]]\nopen.value."penlty*" = "x"\n' + ROW, "open: 'penlty*' is of none"),
         (
             RUNS + '[[rows]]\nquantity = "a"\nmeasure = "measures:of_all"\nof = ["man"]\n',
             "no runs are named 'man'",

@@ -100,6 +100,17 @@ def placed_well(runs: Sequence[CaseRun]) -> float:
     return float(sum(not run.broken for run in runs))
 
 
+def hold(runs: Sequence[CaseRun]) -> float:
+    """In how many scenes as they stand a method keeps every limit; a run that failed is none of them."""
+    return float(sum(not run.broken for run in runs if run.version.change is None))
+
+
+def cost(runs: Sequence[CaseRun]) -> float:
+    """CPU time of the scenes as they stand, settling with them [s]."""
+    found = [run.results.attrs for run in runs if run.version.change is None]
+    return float(sum(one["cpu_time"] + one.get("settle_time", 0.0) for one in found))
+
+
 def draw(runs: Sequence[CaseRun]) -> Figure:
     """The matrix of scenes by methods and places."""
     return matrix(runs)

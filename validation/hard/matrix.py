@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -67,4 +68,4 @@ def _order(column: tuple[str, str]) -> tuple[bool, bool, int]:
 
 def _said(column: tuple[str, str]) -> str:
     contact, version = column
-    return version or contact.replace("(criterion=position, normal=master)", "*")
+    return version or re.sub(r"\(.*\)", "*", contact)

@@ -232,6 +232,10 @@ class ForceContact(RowContact):
         rows.add_to(grid.force, grid.spacing)
         self.record(dt, grid.spacing)
 
+    def work_over_last_step(self) -> float:
+        """Work [J/m] of this step's forces on how far their rows came in the last one; asked before :meth:`advect`."""
+        return self.rows.work_over_last_step()
+
     @hookimpl
     def advect(self, grid: Grid, dt: float) -> None:
         """How far every row's sides move in the step of ``dt`` [s]; its rows are the history of the next."""

@@ -138,6 +138,10 @@ class ContactRows(Rows):
         """B v of the grid's present momentum, into ``out`` (n, dim) [m/s]."""
         relative_velocity(0, self.count, self, grid.mass, grid.momentum, out, grid.spacing)
 
+    def work_over_last_step(self) -> float:
+        """Σ f·Δu of ``force`` on ``motion``, the work [J/m] of these forces on how far the rows came in the last step."""
+        return float(np.vdot(self.force[: self.count], self.motion[: self.count]))
+
     def add_to(self, nodal: FloatArray, spacing: tuple[float, ...]) -> None:
         """Bᵀ f of ``force``, added to ``nodal``: the grid's forces, or its momenta where it is an impulse (n_nodes, dim).
 

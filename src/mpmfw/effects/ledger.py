@@ -82,13 +82,12 @@ class EnergyLedger:
 
     Parameters
     ----------
-    strain
-        Energies of the strain.
+    strain, state
+        Energies of the strain; what they are of.
     terms
-        Works that something in the scene does: of ``gravity``, ``external``, ``contact``, ``inertia``. The others
-        have no series.
+        Works that something in the scene does: of ``gravity``, ``external``, ``contact``, ``inertia``. Others have no series.
     contact
-        Name of the contact, whose energy in springs is in ``State.arrays``, (pair,) [J/m]; one without springs has none.
+        The strategy, whose energy in springs is in ``State.arrays``, (pair,) [J/m]; one without springs has none.
     accounted
         Whether the contact tells all of :data:`SPRING_RECORDS`, so that its work has a residual.
     half_steps
@@ -106,25 +105,26 @@ class EnergyLedger:
     def __init__(
         self,
         strain: StrainEnergies,
-        *,
+        state: State,
         terms: tuple[str, ...],
-        contact: str,
+        contact: Any,
+        *,
         accounted: bool,
         half_steps: bool,
         guard: EnergyGuard | None,
     ) -> None:
-        self.strain, self.terms, self.contact, self.accounted = strain, terms, contact, accounted
-        self.half_steps, self.guard = half_steps, guard
-        self.running = False
+        self.strain, self.state, self.terms, self.accounted = strain, state, terms, accounted
+        self.strategy, self.contact = contact, "" if contact is None else contact.name
+        self.tells_motion = half_steps and accounted and hasattr(contact, "work_over_last_step")
+        self.half_steps, self.guard, self.running = half_steps, guard, False
 
     def _restart(self, state: State) -> None:
         self.running = True
         self.work = dict.fromkeys(("gravity", "external", "contact", "inertia"), 0.0)
         self.half_step = HalfStep() if self.half_steps else None
         self.gained = self.dissipated = self.contact_before = 0.0
-        self.loaded: float | None = (
-            None  #: energy of the contact springs at the start; None until a step has told
-        )
+        #: energy of the contact springs at the start; None until a step has told
+        self.loaded: float | None = None
         self.motion = motion_energy(state.particles)
         self.start = self.motion + float(self.strain.of(state).sum())
         self.lost = float(self.strain.dissipated(state).sum()) if self.strain.dissipates else 0.0
@@ -142,7 +142,7 @@ class EnergyLedger:
             ),
             *([CONTACT_RESIDUAL] if self.accounted else []),
             *([HALF_STEP] if self.half_steps else []),
-            *([CONTACT_HALF_STEP] if self.half_steps and self.accounted else []),
+            *([CONTACT_HALF_STEP] if self.tells_motion else []),
         ]
 
     def project(self, grid: Grid) -> None:
@@ -181,9 +181,9 @@ class EnergyLedger:
         self.moved = grid_energy(grid.mass, grid.momentum)
         self.contact_before = self.work["contact"]
         if self.half_step is not None:
-            # A contact that tells of its springs exerts forces alone
-            contact = self.impulse.get("contact") if self.accounted else None
-            self.half_step.add(grid, self.dt * self.internal, contact)
+            if self.tells_motion and (impulse := self.impulse.get("contact")) is not None:
+                self.half_step.add_contact(grid, self.dt, impulse, self.strategy.work_over_last_step())
+            self.half_step.add(grid, self.state.particles, self.dt, self.internal)
         for term, impulse in self.impulse.items():
             self.work[term] += impulse_work(impulse, grid.mass, grid.start_velocity, grid.momentum)
 
@@ -203,12 +203,11 @@ class EnergyLedger:
         if self.loaded is None:  # the first forces are those of the first positions
             held = state.arrays.get(f"{self.contact}/energy")
             self.loaded = 0.0 if held is None else float(held.sum())
-        if self.guard is None:
-            return
-        self.guard.loaded = self.loaded
-        self.guard.give(self.work["gravity"] + self.work["external"])
-        if self.guard.grown(self.moved) or state.steps % CHECK_EVERY == 0:
-            self._balance(state)
+        if self.guard is not None:
+            self.guard.loaded = self.loaded
+            self.guard.give(self.work["gravity"] + self.work["external"])
+            if self.guard.grown(self.moved) or state.steps % CHECK_EVERY == 0:
+                self._balance(state)
 
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
@@ -227,8 +226,9 @@ class EnergyLedger:
         if self.accounted:
             last["contact_residual"] = np.float64(self._contact_residual(state))
         if self.half_step is not None:
+            self.half_step.look(state.grid, state.particles)
             last["half_step_work"] = np.float64(self.half_step.strain)
-            if self.accounted:
+            if self.tells_motion:
                 last["contact_half_step_work"] = np.float64(self.half_step.contact)
         return {name: np.asarray(value) for name, value in {**series, **last}.items()}
 
@@ -263,8 +263,9 @@ def planned(made: Build, plan: Plan, strain: StrainEnergies) -> tuple[EnergyLedg
     softer_by = getattr(contact, "softer_by", None)
     ledger = EnergyLedger(
         strain,
-        terms=_terms(made, plan),
-        contact="" if contact is None else contact.name,
+        made.state,
+        _terms(made, plan),
+        contact,
         accounted="spring_work" in [field.name for field in declared],
         half_steps=made.scheme == "usl",
         guard=None if made.scene.allow_unstable else EnergyGuard.of(made.state, softer_by),

@@ -5,43 +5,52 @@ half a step after, and the positions move with the latter. Over the displacement
 of its ends does the work that springs and strain take up (Belytschko, Liu & Moran, Nonlinear finite elements, box 6.1), and the
 ledger's impulse times mean velocity, which is that of the grid's kinetic energy, does not. Summed over the steps they differ by
 
-    Σ I^n·(v0^n − v^(n−1)) / 2 − I^N·v^N / 2,      I = Δt f.
+    Σ Δt f^n·(v0^n − v^(n−1)) / 2 − Δt f^N·v^(N−1) / 2.
 
 The last term is of the half step that positions are ahead. The sum is of what the transfer took from the velocity between two
 steps: as the transfer loses kinetic energy, so it loses this work, and both are dissipation and no error in time. What is
 left of a residual is of the step's second order, and of steps that change their length.
+
+v^(n−1) is the field with which the material moved, where that is now. The nodes of the grid stay behind, and
+their velocities of the last step, taken at the nodes of this one, would be off by Δt v·∇v, which the transfer did not take. Of
+strain it is the points' gradient, whose field moved with them has L (1 + Δt L)⁻¹; of contact, how far the rows came.
 """
 
 from __future__ import annotations
 
-import numpy as np
-
-from mpmfw.fields import FloatArray
 from mpmfw.kernels import kernel
+from mpmfw.kernels.gather import transport_affine
 from mpmfw.kernels.types import Floats
-from mpmfw.state import Grid
+from mpmfw.state import Grid, Particles
 
 
 @kernel
-def lost_between(impulse: Floats, mass: Floats, start_velocity: Floats, last: Floats) -> float:
-    """Σ I_i·(v_i⁰ − v_i) / 2 over nodes with mass, v_i ``last`` step's new velocity, NaN where there was no mass."""
+def power_at_start(force: Floats, mass: Floats, start_velocity: Floats) -> float:
+    """Σ f_i·v_i⁰ over nodes with mass."""
     total = 0.0
     for i in range(len(mass)):
-        if mass[i] > 0.0 and last[i, 0] == last[i, 0]:
-            for d in range(impulse.shape[1]):
-                total += 0.5 * impulse[i, d] * (start_velocity[i, d] - last[i, d])
+        if mass[i] > 0.0:
+            for d in range(force.shape[1]):
+                total += force[i, d] * start_velocity[i, d]
     return total
 
 
 @kernel
-def half_of(impulse: Floats, velocity: Floats) -> float:
-    """Σ I_i·v_i / 2 over nodes whose velocity is a number."""
+def stress_power(volume: Floats, stress: Floats, gradient: Floats) -> float:
+    """−Σ V σ:L over material points, the power of the internal forces on a field of the ``gradient`` L."""
     total = 0.0
-    for i in range(len(impulse)):
-        if velocity[i, 0] == velocity[i, 0]:
-            for d in range(impulse.shape[1]):
-                total += 0.5 * impulse[i, d] * velocity[i, d]
+    for p in range(len(volume)):
+        for d in range(gradient.shape[1]):
+            for e in range(gradient.shape[1]):
+                total -= volume[p] * stress[p, d, e] * gradient[p, d, e]
     return total
+
+
+def power_of_motion(particles: Particles, grid: Grid, dt: float) -> float:
+    """Power [W/m] of the stress of now on the field with which the points moved in their last step, of ``dt`` [s]."""
+    gradient = particles.velocity_gradient.copy()
+    transport_affine(gradient, dt, grid.spacing)
+    return float(stress_power(particles.volume, particles.stress, gradient))
 
 
 class HalfStep:
@@ -50,24 +59,34 @@ class HalfStep:
     Attributes
     ----------
     strain
-        Of the internal forces, up to the positions of now; the force of now is taken for that of the step's beginning.
+        Of the internal forces, up to the positions of the last :meth:`look`.
     contact
         Of contact's forces, up to the positions that they were found at, which are a step old.
     """
 
     def __init__(self) -> None:
         self.strain = self.contact = self._strain = self._contact = 0.0
-        self.last: FloatArray | None = None
-        self.frame = -1
+        self.dt = 0.0
 
-    def add(self, grid: Grid, internal: FloatArray, contact: FloatArray | None) -> None:
-        """A step, whose momentum is integrated; impulses are (n_nodes, dim) [N s/m]."""
-        held = (grid.mass > 0.0)[:, None]
-        velocity = np.where(held, grid.momentum / np.where(held, grid.mass[:, None], 1.0), np.nan)
-        if self.last is not None and self.frame == grid.frame:
-            self._strain += lost_between(internal, grid.mass, grid.start_velocity, self.last)
-            if contact is not None:
-                self.contact = self._contact - half_of(contact, self.last)
-                self._contact += lost_between(contact, grid.mass, grid.start_velocity, self.last)
-        self.strain = self._strain - half_of(internal, velocity)
-        self.last, self.frame = velocity, grid.frame
+    def add(self, grid: Grid, particles: Particles, dt: float, internal: Floats) -> None:
+        """A step of ``dt`` [s], whose momentum is integrated, and its internal forces, (n_nodes, dim) [N/m]."""
+        if self.dt > 0.0:
+            taken = power_at_start(internal, grid.mass, grid.start_velocity)
+            self._strain += 0.5 * dt * (taken - power_of_motion(particles, grid, self.dt))
+        self.dt = dt
+
+    def add_contact(self, grid: Grid, dt: float, impulse: Floats, moved: float) -> None:
+        """Contact's impulse in a step that :meth:`add` has not seen yet, (n_nodes, dim) [N s/m].
+
+        ``moved`` is the work [J/m] of its forces on how far their rows came in the last one.
+        """
+        self.contact = self._contact - 0.5 * moved
+        if self.dt > 0.0:
+            taken = power_at_start(impulse, grid.mass, grid.start_velocity)
+            self._contact += 0.5 * (taken - moved * dt / self.dt)
+
+    def look(self, grid: Grid, particles: Particles) -> None:
+        """Where positions are now, after a step."""
+        self.strain = self._strain
+        if self.dt > 0.0:
+            self.strain -= 0.5 * self.dt * power_of_motion(particles, grid, self.dt)

@@ -74,6 +74,27 @@ def closest_facet(
 
 
 @device
+def turns_round(x: Floats, first: int, last: int, surface: Faceted) -> int:
+    """How often the closed polyline of segments ``first:last`` goes round a point of the plane, counter-clockwise.
+
+    That is 1 inside a body and 0 outside, whatever its corners do.
+    """
+    turns = 0
+    for m in range(first, last):
+        p, q = surface.facets[m, 0], surface.facets[m, 1]
+        below, then = surface.position[p, 1] <= x[1], surface.position[q, 1] <= x[1]
+        if below != then:
+            left = (surface.position[q, 0] - surface.position[p, 0]) * (x[1] - surface.position[p, 1])
+            left -= (x[0] - surface.position[p, 0]) * (surface.position[q, 1] - surface.position[p, 1])
+            # A line upwards has the point on its left, or one downwards on its right
+            if below and left > 0.0:
+                turns += 1
+            elif then and left < 0.0:
+                turns -= 1
+    return turns
+
+
+@device
 def least_gap(
     first_a: int, last_a: int, first_b: int, last_b: int, start: int, least: Float, surface: Faceted, boxes: Floats,
     spacing: tuple[float, ...],
@@ -112,7 +133,11 @@ def least_gap(
         m = closest_facet(x, within, closest, first_b, last_b, start, surface, boxes, spacing)
         if m >= 0:
             closest = m
-            least = min(least, signed_distance(x, m, surface, share, normal, spacing))
+            gap = signed_distance(x, m, surface, share, normal, spacing)
+            # Where a corner is folded over normals do not tell inside from outside
+            if gap < min(least, 0.0) and dim == 2 and turns_round(x, first_b, last_b, surface) <= 0:
+                gap = -gap
+            least = min(least, gap)
     return least
 
 

@@ -41,18 +41,23 @@ class Method:
         Values by dotted key, set over the scene's own.
     label
         What ``set`` is about, in words; empty if it need not be said.
+    bound
+        Whether its case says that gates are for it as well.
     """
 
     contact: str
     shape: str
     set: Mapping[str, Any] = field(default_factory=dict, hash=False)
     label: str = ""
+    bound: bool = field(default=False, compare=False)
 
     @property
     def recommended(self) -> bool:
-        """Whether it is a combination that the gates are for (``methods.toml``), all else as given by the scene."""
+        """Whether it is a combination that the gates are for (``methods.toml``), all else as given by the scene; or bound."""
         contacts = ("", *RECOMMENDED["contacts"])
-        return self.contact in contacts and self.shape in RECOMMENDED["shapes"] and not self.label
+        return self.bound or (
+            self.contact in contacts and self.shape in RECOMMENDED["shapes"] and not self.label
+        )
 
     def __str__(self) -> str:
         return ", ".join(filter(None, (self.contact, self.shape, self.label)))

@@ -161,7 +161,7 @@ def _run(case: Case, runs: RunsTable, now: When) -> list[CaseRun]:
             results = _results(case, runs, scene)
         except (SimulationError, SceneError) as error:
             gates = method.recommended or any(row.is_gate(method, place) for row in own)
-            binds = gates and version.change is None and "run" not in place.open
+            binds = gates and version.change is None and not place.is_open("run", method)
             case.failed(method, str(error), binds=binds, at=", ".join(filter(None, (place.at, version.at))))
             continue
         run = CaseRun(runs.name, place, method, scene, results, version)

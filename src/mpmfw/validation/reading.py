@@ -66,6 +66,7 @@ def _checks(tables: CaseTables) -> Iterator[Problem]:
             if isinstance(row.reference, QuantityTable):
                 yield from _measure(row.reference, (*at, "reference"))
         yield from _own_words(runs, ("runs", k), _keys(tables, runs))
+        yield from _open(runs.places, methods, ("runs", k, "places"))
     names = [runs.name for runs in tables.runs if runs.name]
     for k, together in enumerate(tables.rows):
         yield from _of(together.of, names, ("rows", k))
@@ -94,6 +95,15 @@ def _own_words(runs: RunsTable, at: KeyPath, keys: set[str]) -> Iterator[Problem
             yield Problem((*at, "versions"), f"{version.at}: args have no effect without change")
     if all(version.change is not None for version in runs.versions) and runs.rows:
         yield Problem((*at, "versions"), "rows are of a version without change, and there is none")
+
+
+def _open(places: Sequence[PlaceTable], methods: Sequence[Method], at: KeyPath) -> Iterator[Problem]:
+    """Reasons of no method."""
+    for place in places:
+        patterns = [pattern for why in place.open.values() if not isinstance(why, str) for pattern in why]
+        for pattern in patterns:
+            if not any(matches(method, [pattern]) for method in methods):
+                yield Problem(at, f"{place.at}: open: '{pattern}' is of none of the methods")
 
 
 def _measure(table: QuantityTable, at: KeyPath) -> Iterator[Problem]:

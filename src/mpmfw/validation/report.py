@@ -126,10 +126,10 @@ def _head(outcomes: Sequence[CaseResult], known: Sequence[KnownRed]) -> str:
             f"same. {summary(outcomes)}.",
             f"Conditions: Python {platform.python_version()}, {packages}; {processor()}. CPU times are of the steps and of "
             "settling, without compilation; where several processes ran, they shared the machine.",
-            "A *gate* decides whether the suite passes; it binds the recommended combination, penalty contact with "
-            "CPDI or CPDI2 and the scene's defaults. Other methods are shown at the same limits: *within* or "
-            "*outside*, and so is the recommended one where its case says that a limit is not kept yet, and why (`open`). A "
-            "method that failed keeps its row.",
+            "A *gate* decides whether the suite passes; it binds the recommended combination, penalty contact with CPDI "
+            "or CPDI2 and the scene's defaults, and what a case names beside it (`binds`). Other methods are shown at the "
+            "same limits: *within* or *outside*, and so are these where their case says that a limit is not kept yet, and "
+            "why (`open`). A method that failed keeps its row.",
             *_red(outcomes, known),
             *_matrix(outcomes),
         ]

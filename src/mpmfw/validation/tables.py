@@ -34,11 +34,14 @@ class MethodsTable(Table):
         Names, or of a group: ``all``, ``recommended``, ``classical``; an empty contact is a scene without.
     settings
         Values by dotted key, under the label that says what they are.
+    binds
+        Whether gates are for them as for the recommended method.
     """
 
     contact: list[str] | Literal["all", "classical", "recommended"] = "recommended"
     shape: list[str] | Literal["all", "recommended"] = Field(default=["cpdi"])
     settings: dict[str, dict[str, Any]] = Field(default={"": {}})
+    binds: bool = False
     when: When = None
 
     def methods(self) -> Iterator[Method]:
@@ -46,7 +49,7 @@ class MethodsTable(Table):
         contacts = _CONTACTS[self.contact] if isinstance(self.contact, str) else self.contact
         shapes = _SHAPES[self.shape] if isinstance(self.shape, str) else self.shape
         for contact, shape, (label, values) in itertools.product(contacts, shapes, self.settings.items()):
-            yield Method(contact, shape, values, label)
+            yield Method(contact, shape, values, label, self.binds)
 
 
 class PlaceTable(Table):
@@ -66,7 +69,7 @@ class PlaceTable(Table):
         Limits that hold here, by ``key`` of a row.
     open
         Rows that do not keep their limits today, by ``key``, and why: they are no gates. ``run`` is
-        the run itself.
+        the run itself. The reason is every method's, or those are by patterns of the methods.
     """
 
     at: str = ""
@@ -75,8 +78,13 @@ class PlaceTable(Table):
     make: dict[str, Any] = Field(default={})
     vary: dict[str, list[Number]] = Field(default={})
     within: dict[str, Limits] = Field(default={})
-    open: dict[str, str] = Field(default={})
+    open: dict[str, str | dict[str, str]] = Field(default={})
     when: When = None
+
+    def is_open(self, key: str, method: Method) -> bool:
+        """Whether it is known that a method does not keep its limit of this key here."""
+        why = self.open.get(key, {})
+        return isinstance(why, str) or matches(method, [*why])
 
     def places(self) -> Iterator[PlaceTable]:
         """One for every combination of what varies."""
@@ -172,7 +180,9 @@ class RowTable(QuantityTable):
 
     def is_gate(self, method: Method, place: PlaceTable | None = None) -> bool:
         """Whether the suite fails if the value of a method is outside the limits."""
-        if self.limits(place) is None or (place is not None and self.key in place.open):
+        if self.limits(place) is None or (
+            place is not None and self.key is not None and place.is_open(self.key, method)
+        ):
             return False
         named = {"recommended": method.recommended, "all": True, "none": False}
         return named[self.binds] if isinstance(self.binds, str) else matches(method, self.binds)
