@@ -18,8 +18,8 @@ strain it is the points' gradient, whose field moved with them has L (1 + Δt L)
 
 from __future__ import annotations
 
-from mpmfw.kernels import kernel
-from mpmfw.kernels.gather import transport_affine
+from mpmfw.kernels import kernel, scratch
+from mpmfw.kernels.gather import transported
 from mpmfw.kernels.types import Floats
 from mpmfw.state import Grid, Particles
 
@@ -36,21 +36,27 @@ def power_at_start(force: Floats, mass: Floats, start_velocity: Floats) -> float
 
 
 @kernel
-def stress_power(volume: Floats, stress: Floats, gradient: Floats) -> float:
-    """−Σ V σ:L over material points, the power of the internal forces on a field of the ``gradient`` L."""
+def stress_power(
+    volume: Floats, stress: Floats, gradient: Floats, dt: float, spacing: tuple[float, ...]
+) -> float:
+    """−Σ V σ:L (1 + Δt L)⁻¹ over material points, the power of the internal forces on the field of the ``gradient`` L with which
+    they moved in their last step, of ``dt`` [s]."""
+    dim = len(spacing)
+    moved = scratch.matrix(spacing, spacing)
     total = 0.0
     for p in range(len(volume)):
-        for d in range(gradient.shape[1]):
-            for e in range(gradient.shape[1]):
-                total -= volume[p] * stress[p, d, e] * gradient[p, d, e]
+        transported(gradient, p, dt, moved, spacing)
+        for d in range(dim):
+            for e in range(dim):
+                total -= volume[p] * stress[p, d, e] * moved[d, e]
     return total
 
 
 def power_of_motion(particles: Particles, grid: Grid, dt: float) -> float:
     """Power [W/m] of the stress of now on the field with which the points moved in their last step, of ``dt`` [s]."""
-    gradient = particles.velocity_gradient.copy()
-    transport_affine(gradient, dt, grid.spacing)
-    return float(stress_power(particles.volume, particles.stress, gradient))
+    return float(
+        stress_power(particles.volume, particles.stress, particles.velocity_gradient, dt, grid.spacing)
+    )
 
 
 class HalfStep:
