@@ -140,9 +140,6 @@ LACKS_LCP = {
 LACKS_NAIRN = {
     "relabelling": "sums in another order decide whether a normal has turned by less than what ends its regression",
 }
-LACKS_ADHESION = {
-    "options": "a separation has no effect without a traction, which is 0 unless it is given, and is refused"
-}
 PULLS = "surfaces attract each other"
 LACKS_PULLING = {
     "pushes-apart": f"{PULLS}, and pull where they part",
@@ -219,8 +216,8 @@ def test_midplane_conforms(check):
     check()
 
 
-@contact_conformance("adhesion", expected_failures=LACKS_ADHESION, pictures=None)
-def test_adhesion_without_traction_refuses_a_separation(check):
+@contact_conformance("adhesion", pictures=None)
+def test_adhesion_without_traction_conforms(check):
     check()
 
 
