@@ -231,6 +231,15 @@ class Forgetting(Forgetful, Sound):
     name = "forgetting"
 
 
+class GrowsWithPoints(Sound):
+    """A thousandth more for every point of the body."""
+
+    name = "grows_with_points"
+
+    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
+        return (1.0 + 1e-3 * (own.stop - own.start)) * super().forces(particles, own, time)
+
+
 FAULTS: dict[type[Any], str] = {
     Infinite: "runs",
     WrongShape: "runs",
@@ -247,6 +256,7 @@ FAULTS: dict[type[Any], str] = {
     Shaking: "power",
     EachPoint: "refinement",
     FirstPoint: "refinement",
+    GrowsWithPoints: "refinement",
     Closed: "sent",
     Forgetting: "sent",
 }

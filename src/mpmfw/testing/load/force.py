@@ -50,16 +50,18 @@ def power(subject: Subject) -> None:
 
 
 def refinement(subject: Subject) -> None:
-    """Force and moment of a body of points of half the size are the same within 30 %, of what the larger of the two is."""
+    """Force and moment of a body change by at most 30 % of the largest when its points have half the size, and by half of that
+    when they are halved again."""
     for dim in dims_of(subject):
         for time in TIMES:
-            coarse, fine = (Bench(subject, dim, size).resultant(time) for size in (0.25, 0.125))
-            scale = max(np.abs(coarse).max(), np.abs(fine).max())
-            within(
-                float(np.abs(fine - coarse).max()), REFINED * scale,
-                "the force depends on how finely the body is divided into points",
-                {"dim": dim, "time [s]": time},
-            )  # fmt: skip
+            found = [Bench(subject, dim, size).resultant(time) for size in (0.25, 0.125, 0.0625)]
+            scale = max(np.abs(each).max() for each in found)
+            for k in (0, 1):
+                within(
+                    float(np.abs(found[k + 1] - found[k]).max()), REFINED * scale / 2**k,
+                    "the force depends on how finely the body is divided into points",
+                    {"dim": dim, "time [s]": time, "size of the points [m]": 0.125 / 2**k},
+                )  # fmt: skip
 
 
 def force_checks() -> list[Check]:
