@@ -24,7 +24,7 @@ def cost_bars(dataset: xr.Dataset) -> Figure:
         Of ``mpmfw.compare``.
     """
     runs = list(combinations(dataset))
-    labels = [on_lines(f"{contact}, {shape}") for contact, shape, _ in runs]
+    labels = [on_lines(f"{contact}, {shape}", 60) for contact, shape, _ in runs]
     longest = max(len(line) for label in labels for line in label.splitlines())
     figure = new_figure(1 if longest <= _FOR_A_COLUMN else 2, 1, 20.0 + 7.0 * len(runs))
     head(figure, dataset)

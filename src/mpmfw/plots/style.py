@@ -92,9 +92,10 @@ def dress(axes: Any, xlabel: str, ylabel: str, title: str = "") -> None:
         axes.set_title(letter + on_lines(title))
 
 
-def on_lines(text: str) -> str:
-    """``text`` with each method's options on lines of their own, which a panel of three in a row has room for."""
-    return re.sub(r"(?<=\w)\((?=\w+=)[^)]*\)", lambda options: "\n" + textwrap.fill(options[0], 30), text)
+def on_lines(text: str, width: int = 30) -> str:
+    """``text`` with each method's options on lines of their own, of at most ``width`` letters: a panel of three in a row has room
+    for 30."""
+    return re.sub(r"(?<=\w)\((?=\w+=)[^)]*\)", lambda options: "\n" + textwrap.fill(options[0], width), text)
 
 
 class Look:
