@@ -82,6 +82,9 @@ class Checkpoints:
             self.write()
             self.signals.check()
         now = time.monotonic()
+        if self.writer.is_due(now):  # the next output may be far away
+            self.simulation.clock("output")
+            self.signals.whole(self.writer.flush)()
         if now < self._due:
             return
         if now >= self._next:
@@ -98,6 +101,7 @@ class Checkpoints:
             self._ask_for_code()
         self.simulation.clock("output")
         try:
+            self.writer.flush()
             # A kill within a sync can leave the results' file unreadable: HDF5 changes its tables in place
             write_snapshot(self.path, self.simulation.snapshot(), self._facts(), beside=self.writer.path)
         except MpmfwError as error:

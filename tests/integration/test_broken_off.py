@@ -31,7 +31,8 @@ def frame(k):
 
 LIMITED = """
 import resource, sys
-from mpmfw.results import RunWriter
+from mpmfw.results import RunWriter, writing
+writing.WRITTEN_EVERY = 0.0
 sys.path[:0] = sys.argv[3:]
 from test_broken_off import HEADER, frame
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]), resource.RLIM_INFINITY))
@@ -74,7 +75,7 @@ def test_a_full_disk_stops_the_run_and_keeps_its_outputs(tmp_path, monkeypatch):
             raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(os, "posix_fallocate", full, raising=False)
-    monkeypatch.setattr("mpmfw.results.room.ASKED_EVERY", 0.0)
+    monkeypatch.setattr("mpmfw.results.writing.WRITTEN_EVERY", 0.0)
     scene = two_blocks("none", time={"end": 0.01, "output_interval": 0.001}, output={"gap": False})
     with pytest.raises(
         MpmfwError, match=r"cannot write frame 2 to .*run.nc': No space left on device; what was written"

@@ -1,4 +1,4 @@
-"""After a kill at any moment every synced frame is readable."""
+"""After a kill at any moment every frame that was written is readable, and none is older than a while that was not."""
 
 import signal
 import subprocess
@@ -9,13 +9,15 @@ import numpy as np
 import pytest
 
 from mpmfw.results.reading import read as open_results
+from mpmfw.results.writing import WRITTEN_EVERY
 
 WRITE_FOR_EVER = """
 import sys
 import numpy as np
 from mpmfw.fields import PARTICLE_FIELDS, SERIES_FIELDS
-from mpmfw.results import Frame, RunHeader, RunWriter
+from mpmfw.results import Frame, RunHeader, RunWriter, writing
 
+writing.WRITTEN_EVERY = float(sys.argv[2])
 position, energy = PARTICLE_FIELDS[0], SERIES_FIELDS[5]
 header = RunHeader(2, ("a",), (), {"a": 2000}, (position, energy))
 with RunWriter(sys.argv[1], header) as writer:
@@ -38,7 +40,7 @@ SERIES_FOR_EVER = WRITE_FOR_EVER.replace(
 def test_synced_frames_survive(tmp_path, milliseconds, script):
     path = tmp_path / "run.nc"
     with subprocess.Popen(
-        [sys.executable, "-c", script, str(path)], stdout=subprocess.PIPE, text=True
+        [sys.executable, "-c", script, str(path), "0"], stdout=subprocess.PIPE, text=True
     ) as process:
         assert process.stdout is not None
         synced = next(int(line) for line in process.stdout if int(line) == 5 + milliseconds)
@@ -55,3 +57,20 @@ def test_synced_frames_survive(tmp_path, milliseconds, script):
     kept = expected if script == WRITE_FOR_EVER else expected[::100]
     np.testing.assert_array_equal(tree["particles/a/position"].values.min(axis=(1, 2)), kept)
     np.testing.assert_array_equal(tree["particles/a/position"].values.max(axis=(1, 2)), kept)
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this platform")
+def test_a_kill_loses_the_frames_of_a_moment(tmp_path):
+    path = tmp_path / "run.nc"
+    command = [sys.executable, "-c", SERIES_FOR_EVER, str(path), str(WRITTEN_EVERY)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        started, written = time.monotonic(), []
+        for line in process.stdout:
+            written.append((time.monotonic() - started, int(line)))
+            if written[-1][0] > 6 * WRITTEN_EVERY:
+                break
+        process.send_signal(signal.SIGKILL)
+    frames = open_results(path)["series"].sizes["time"]
+    safe = max(count for seconds, count in written if seconds < 4 * WRITTEN_EVERY)
+    assert frames >= safe

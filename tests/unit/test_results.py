@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import os
+import time
 
 import netCDF4
 import numpy as np
@@ -11,7 +12,6 @@ import pytest
 from mpmfw.errors import MpmfwError
 from mpmfw.fields import CONTACT_SERIES, PARTICLE_FIELDS, SERIES_FIELDS, SURFACE_FIELDS, Field
 from mpmfw.results import Frame, RunHeader, RunWriter
-from mpmfw.results.journal import ROWS
 from mpmfw.results.layout import unit
 from mpmfw.results.memory import peak_memory, restart_peak_memory
 from mpmfw.results.reading import read as open_results
@@ -226,28 +226,42 @@ def test_material_points_have_times_of_their_own(tmp_path, in_memory):
     assert tree["series/time"].attrs == points["time"].attrs
 
 
-def test_outputs_in_the_journal_are_read(tmp_path):
-    """Of a run that goes on, or was killed: more outputs than the journal has rows, and some that are not yet elsewhere."""
-    path, count = tmp_path / "run.nc", ROWS + 9
+def test_outputs_that_follow_each_other_fast_are_written_together(tmp_path, monkeypatch):
+    """The first at once, others when the oldest has waited long enough, or somebody asks; complete ones alone are read."""
+    path, count = tmp_path / "run.nc", 70
+    monkeypatch.setattr("mpmfw.results.writing.WRITTEN_EVERY", 1000.0)
     with RunWriter(path, header()) as writer:
         writer.write(frame(0.0))
         for k in range(1, count):
             writer.write(series_alone(k))
+        assert writer.frames == count
         with netCDF4.Dataset(path) as dataset:
-            assert dataset["time"].size < count  # the others are in the journal alone
+            assert dataset["time"].size == 1
+        assert not writer.is_due(time.monotonic())
+        assert writer.is_due(time.monotonic() + 1000.0)
+        writer.flush()
+        assert not writer.is_due(time.monotonic() + 1000.0)
         for lazy in (False, True):
             tree = open_results(path, lazy=lazy)
-            assert set(tree.data_vars) == set()
             np.testing.assert_allclose(tree["series/time"], 0.1 * np.arange(count))
             np.testing.assert_array_equal(tree["series/kinetic_energy"][1:, 0], np.arange(1, count))
             np.testing.assert_array_equal(tree["series/mean_velocity"][1:, 1, 0], -np.arange(1, count))
             assert tree["particles/ball"].sizes["time"] == 1
             assert tree["series/kinetic_energy"].attrs["units"] == "J m-1"
             tree.close()
+        monkeypatch.setattr("mpmfw.results.writing.WRITTEN_EVERY", 0.0)
+        writer.write(series_alone(count))
+        assert open_results(path)["series/time"].size == count + 1
         writer.finish({})
-    assert open_results(path)["series/kinetic_energy"].shape == (count, 2)
-    with netCDF4.Dataset(path) as dataset:
-        assert dataset["time"].size == count
+
+
+def test_what_waits_is_written_when_the_run_fails(tmp_path):
+    path = tmp_path / "run.nc"
+    with pytest.raises(ZeroDivisionError), RunWriter(path, header()) as writer:
+        for k in range(5):
+            writer.write(series_alone(k))
+        raise ZeroDivisionError
+    assert open_results(path)["series/time"].size == 5
 
 
 def test_an_output_of_other_arrays_is_in_its_own_variables(tmp_path):
@@ -257,6 +271,7 @@ def test_an_output_of_other_arrays_is_in_its_own_variables(tmp_path):
         writer.write(series_alone(1))
         writer.write(Frame(0.2, series={"total_energy": np.ones(2)}))
         writer.write(series_alone(3))
+        writer.flush()
         tree = open_results(path)
         np.testing.assert_array_equal(tree["series/kinetic_energy"][:, 0], [0.0, 1.0, np.nan, 3.0])
         np.testing.assert_array_equal(tree["series/total_energy"][:, 0], [np.nan, np.nan, 1.0, np.nan])

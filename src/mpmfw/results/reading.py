@@ -5,15 +5,13 @@ from __future__ import annotations
 import builtins
 import os
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import netCDF4
 import numpy as np
 
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
-from mpmfw.fields import AnyArray
-from mpmfw.results.journal import NAME, pending
 from mpmfw.results.writers import is_written
 
 if TYPE_CHECKING:
@@ -157,7 +155,7 @@ def tree_of(dataset: netCDF4.Dataset, *, load: bool = True) -> xr.DataTree:
     import xarray as xr
 
     groups = {name: xr.open_dataset(_store(group), decode_times=False) for name, group in _groups(dataset)}
-    groups = _with_times(_with_journal(_complete(groups), dataset))
+    groups = _with_times(_complete(groups))
     if load:
         groups = {name: group.load() for name, group in groups.items()}
     for name in [name for name, group in groups.items() if _count_of(group) is not None]:
@@ -180,40 +178,6 @@ def _complete(groups: dict[str, xr.Dataset]) -> dict[str, xr.Dataset]:
         else group
         for name, group in groups.items()
     }
-
-
-def _with_journal(groups: dict[str, xr.Dataset], dataset: netCDF4.Dataset) -> dict[str, xr.Dataset]:
-    """The groups with the outputs that are in the journal alone, which is left out."""
-    root = groups["/"]
-    if NAME not in root:
-        return groups
-    groups = groups | {"/": root.drop_vars(NAME)}
-    outputs = list(pending(dataset, root.sizes["time"]))
-    if not outputs:
-        return groups
-    for place, group in groups.items():
-        if "time" in group.sizes and "time" not in group.coords:
-            groups[place] = group.assign(
-                {
-                    name: (
-                        array.dims,
-                        _longer(array, [each.get((place[1:], str(name))) for _, each in outputs]),
-                        array.attrs,
-                    )
-                    for name, array in group.data_vars.items()
-                    if "time" in array.dims
-                }
-            )
-    times = np.concatenate([root["time"].values, [time for time, _ in outputs]])
-    groups["/"] = groups["/"].drop_vars("time").assign_coords(time=("time", times, root["time"].attrs))
-    return groups
-
-
-def _longer(array: xr.DataArray, more: Sequence[AnyArray | None]) -> AnyArray:
-    """The array with values of more outputs; those that an output does not have are missing."""
-    missing = np.full(array.shape[1:], np.nan)
-    rows = np.array([missing if values is None else values for values in more])
-    return np.concatenate([array.values, rows.astype(array.dtype)])
 
 
 def _with_times(groups: dict[str, xr.Dataset]) -> dict[str, xr.Dataset]:

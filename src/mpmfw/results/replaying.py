@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, TypeAlias
 
 import netCDF4
 import numpy as np
@@ -12,8 +12,10 @@ import numpy as np
 from mpmfw.errors import MpmfwError
 from mpmfw.fields import AnyArray, Field
 from mpmfw.results.frame import Frame, RunHeader
-from mpmfw.results.journal import Output, pending
 from mpmfw.results.layout import is_static
+
+#: Arrays of one output by group and name.
+Output: TypeAlias = Mapping[tuple[str, str], AnyArray]
 
 
 def frames_of(path: str | os.PathLike[str], count: int, header: RunHeader) -> Iterator[Frame]:
@@ -38,19 +40,13 @@ def frames_of(path: str | os.PathLike[str], count: int, header: RunHeader) -> It
         dataset.set_auto_maskandscale(False)
         times = dataset["time"][:]
         complete = int(np.isfinite(times).sum())
-        rows = list(pending(dataset, complete))
-        if complete + len(rows) < count:
-            raise MpmfwError(
-                f"'{os.fspath(path)}' holds {complete + len(rows)} outputs; expected {count} or more"
-            )
+        if complete < count:
+            raise MpmfwError(f"'{os.fspath(path)}' holds {complete} outputs; expected {count} or more")
         fields = {(field.group, field.name): field for field in header.fields}
         points = dataset["particles/time"][:]
         places = [place for place in _places(dataset) if place != "particles"]
         for k in range(count):
-            if k < complete:
-                time, output = float(times[k]), _output(dataset, places, k, fields)
-            else:
-                time, output = rows[k - complete]
+            time, output = float(times[k]), _output(dataset, places, k, fields)
             if k == 0:
                 output = {**output, **_static(dataset, "surface", fields)}
             yield _frame(time, output, _points(dataset, points, time, fields), header, fields)

@@ -10,52 +10,14 @@ from __future__ import annotations
 import errno
 import os
 import tempfile
-import time
 
 from mpmfw.errors import MpmfwError
 
 #: Bytes that must be free beside a frame: the file's own tables, and the attributes that are written at the end.
 MARGIN = 1_000_000
 
-#: Bytes that are asked for at once where there are so many: asking takes as long as writing some frames.
-AHEAD = 16_000_000
-
-#: Seconds for which an answer holds for frames that fit into what was granted.
-ASKED_EVERY = 1.0
-
 #: What says that there is no room; a file system that cannot take room in advance says something else.
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-
-
-class Room:
-    """Asks for the room of frames that follow each other, of many at once unless the disk is nearly full.
-
-    Parameters
-    ----------
-    path
-        Of the file.
-    """
-
-    def __init__(self, path: str) -> None:
-        self.path = path
-        self._granted, self._asked = 0, -ASKED_EVERY
-
-    def check(self, size: int, what: str) -> None:
-        """Ask that ``size`` bytes fit, unless they were asked for just now; see :func:`check_room`.
-
-        Raises
-        ------
-        MpmfwError
-            They do not.
-        """
-        end, now = os.path.getsize(self.path), time.monotonic()
-        if now - self._asked < ASKED_EVERY and end + size + MARGIN // 2 < self._granted:
-            return
-        if _refusal(self.path, end, size + AHEAD) is None:
-            self._granted, self._asked = end + size + AHEAD, now
-            return
-        check_room(self.path, size, what)
-        self._granted = 0
 
 
 def check_room(path: str, size: int, what: str, *, anew: bool = False) -> None:

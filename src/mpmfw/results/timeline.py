@@ -77,6 +77,14 @@ class Timeline:
         self._times.clear()
         self.waiting_bytes = 0
 
+    def forget(self) -> None:
+        """Drop what waits."""
+        self.frames -= self.waits
+        self._times.clear()
+        for waiting in self._waiting.values():
+            waiting.clear()
+        self.waiting_bytes = 0
+
     def _put(self, place: str, field: Field, values: AnyArray) -> None:
         static = layout.is_static(field)
         if static and self.frames > 0:

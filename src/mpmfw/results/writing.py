@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
+import math
 import os
-from collections.abc import Mapping
+import time
+from collections.abc import Iterator, Mapping
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
@@ -15,9 +18,8 @@ from mpmfw.errors import MpmfwError
 from mpmfw.fields import AnyArray, Field
 from mpmfw.results import layout
 from mpmfw.results.frame import Frame, RunHeader
-from mpmfw.results.journal import ROWS, Journal
 from mpmfw.results.reading import read, tree_of
-from mpmfw.results.room import Room, check_room
+from mpmfw.results.room import check_room
 from mpmfw.results.timeline import Timeline
 from mpmfw.results.writers import claim, release, replace_claimed
 
@@ -27,14 +29,18 @@ if TYPE_CHECKING:
 #: Arrays of one output with their declarations, by group and name.
 Arrays: TypeAlias = Mapping[str, Mapping[str, tuple[Field, AnyArray]]]
 
-#: Bytes of frames that are written at once where nobody else can read them in between.
+#: Bytes of frames that are written at once.
 WRITTEN_AT_ONCE = 4_000_000
+
+#: Seconds of wall time for which frames of a file wait for others that are written with them: what a kill loses.
+WRITTEN_EVERY = 0.25
 
 
 class RunWriter:
     """A run's NetCDF-4 file, open for appending frames.
 
-    Every frame of a file is synced, small ones to a journal (:mod:`mpmfw.results.journal`): after the process dies, the frames
+    Frames of a file are written and synced within a quarter of a second, those that follow each other faster together: handing
+    each of a dozen series to the file every other step would take as long as the steps. After the process dies, the frames
     written so far are readable, unless it is killed within a sync, which only a checkpoint outlives. The file has its final
     name from the start and may be opened by others while the run goes on.
 
@@ -60,7 +66,7 @@ class RunWriter:
         # A plug-in may change the working folder while the run goes on
         self.path = None if path is None else os.path.abspath(path)
         self._fields = {(field.group, field.name): field for field in header.fields}
-        self._room = None if self.path is None else Room(self.path)
+        self._written = -math.inf  #: wall time at which nothing waited any more
         self._pairs = len(header.pairs)
         self._tree: xr.DataTree | None = None
         self._lock: int | None = None
@@ -73,14 +79,14 @@ class RunWriter:
         return self._outputs.frames
 
     def write(self, frame: Frame) -> None:
-        """Append one frame and sync it.
+        """Append one frame, and write those that wait if it is time.
 
         Raises
         ------
         MpmfwError
             An array was not declared or does not have the declared shape, or the disk is full.
         """
-        try:
+        with self._telling(self.frames):
             self._add_pairs(frame.pairs)
             points = {
                 name: self._declared("particles", name, given) for name, given in frame.particles.items()
@@ -92,31 +98,60 @@ class RunWriter:
             self._outputs.add(frame.time, others)
             if points:
                 self._points.add(frame.time, {"": points})
-            if not self._may_wait(frame.time, others, points):
-                self._flush()
-        except (OSError, RuntimeError) as error:
-            raise MpmfwError(f"cannot write frame {self.frames - 1} to '{self.path}': {error}") from error
+        if (
+            self.is_due(time.monotonic())
+            or sum(each.waiting_bytes for each in self._timelines) > WRITTEN_AT_ONCE
+        ):
+            self.flush()
 
-    def _may_wait(self, time: float, others: Arrays, points: Mapping[str, Any]) -> bool:
-        """Whether the output that was added need not be in its own variables yet: it is in the journal, or nobody reads it."""
-        if self._room is None:
-            return self._outputs.waiting_bytes + self._points.waiting_bytes < WRITTEN_AT_ONCE
-        if points or self._outputs.waits >= ROWS:
-            return False
-        arrays = {(place, name): values for place, own in others.items() for name, (_, values) in own.items()}
-        self._room.check(sum(values.nbytes for values in arrays.values()), f"frame {self.frames - 1}")
-        written = self._journal.write(self.frames - 1, time, arrays)
-        if written:
-            self._dataset.sync()
-        return written
+    def is_due(self, now: float) -> bool:
+        """Whether frames have waited long enough at a wall time [s]; those in memory, which nobody else reads, never have."""
+        return self.path is not None and self._outputs.waits > 0 and now - self._written >= WRITTEN_EVERY
+
+    def flush(self) -> None:
+        """Write the frames that wait, and sync: their times after their arrays.
+
+        Raises
+        ------
+        MpmfwError
+            The disk is full; they are lost.
+        """
+        timelines = [timeline for timeline in self._timelines if timeline.waits]
+        if not timelines:
+            return
+        first = self.frames - self._outputs.waits
+        try:
+            with self._telling(first):
+                if self.path is not None:
+                    size = sum(timeline.waiting_bytes for timeline in timelines)
+                    check_room(self.path, 2 * size, f"frame {first}")  # a chunk that is begun takes more
+                for timeline in timelines:
+                    timeline.write_arrays()
+                self._points.write_times()
+                self._dataset.sync()
+                # HDF5 flushes in an order of its own: only a second sync makes an output whose time is there a
+                # complete one, and the material points of that time with it.
+                self._outputs.write_times()
+                self._dataset.sync()
+        finally:
+            for timeline in timelines:
+                timeline.forget()
+            self._written = time.monotonic()
+
+    @contextlib.contextmanager
+    def _telling(self, frame: int) -> Iterator[None]:
+        """Context in which a failure of the file is one to write a frame."""
+        try:
+            yield
+        except (OSError, RuntimeError) as error:
+            raise MpmfwError(f"cannot write frame {frame} to '{self.path}': {error}") from error
 
     def take_place_of(self, path: str, descriptor: int | None) -> None:
         """Give the file the name of another, which was claimed with ``descriptor``; readers see the old or the new one, whole."""
         assert self.path is not None
-        self._flush()
-        self._dataset.sync()
+        self.flush()
         replace_claimed(self.path, path, descriptor)
-        self.path, self._room = path, Room(path)
+        self.path = path
 
     def finish(self, attributes: Mapping[str, Any]) -> None:
         """Add what is known at the end as root attributes; ``status`` is ``ok`` unless they say otherwise.
@@ -127,7 +162,7 @@ class RunWriter:
             steps, material_points, cpu_time, wall_time, peak_memory, settle_time, output_time, gap_time,
             ``cpu_<stage>``, ``wall_<stage>`` [s, bytes] …
         """
-        self._flush()
+        self.flush()
         self._set_attributes({"status": "ok", **attributes})
         self._dataset.sync()
 
@@ -147,8 +182,8 @@ class RunWriter:
         if not self._dataset.isopen():
             return
         try:
+            self.flush()
             if self.path is None:
-                self._flush()
                 self._tree = tree_of(self._dataset)
         finally:
             self._dataset.close()
@@ -183,10 +218,10 @@ class RunWriter:
         self._outputs = Timeline(
             dataset, header.dim, more_pairs=header.more_pairs, per_metre=header.per_metre
         )
-        self._journal = Journal(dataset)
         dataset.createGroup("series")
         points = self._ragged("particles", "particle", header.particle_count)
         self._points = Timeline(points, header.dim, more_pairs=header.more_pairs, per_metre=header.per_metre)
+        self._timelines = self._outputs, self._points
         if any(header.surface_count.values()):
             surface = self._ragged("surface", "surface_node", header.surface_count)
             if header.connectivity:
@@ -213,7 +248,7 @@ class RunWriter:
             return
         if not self.header.more_pairs:
             raise MpmfwError("frame names pairs that the header does not, which says that there are no more")
-        self._flush()
+        self.flush()
         self._dataset["pair"][self._pairs : len(labels)] = np.array(labels[self._pairs :], dtype=object)
         self._pairs = len(labels)
         self._outputs.forget_shapes()
@@ -228,24 +263,6 @@ class RunWriter:
             return self._fields[group, name], np.asarray(values)  # type: ignore[index]
         except KeyError:
             raise MpmfwError(f"frame holds the undeclared field '{name}' in group '{group}'") from None
-
-    def _flush(self) -> None:
-        """Write the frames that wait, and sync: their times after their arrays."""
-        timelines = [timeline for timeline in (self._outputs, self._points) if timeline.waits]
-        if not timelines:
-            return
-        if self._room is not None:
-            size = sum(timeline.waiting_bytes for timeline in timelines)
-            # A chunk that is begun anew takes more than its numbers
-            self._room.check(2 * size, f"frame {self.frames - self._outputs.waits}")
-        for timeline in timelines:
-            timeline.write_arrays()
-        self._points.write_times()
-        self._dataset.sync()
-        # HDF5 flushes in an order of its own: only a second sync makes an output whose time is there a
-        # complete one, and the material points of that time with it.
-        self._outputs.write_times()
-        self._dataset.sync()
 
 
 def _places(frame: Frame) -> list[tuple[str, str, Mapping[str, AnyArray]]]:
