@@ -18,8 +18,7 @@ strain it is the points' gradient, whose field moved with them has L (1 + Δt L)
 
 from __future__ import annotations
 
-from mpmfw.kernels import kernel, scratch
-from mpmfw.kernels.gather import transported
+from mpmfw.kernels import kernel
 from mpmfw.kernels.types import Floats
 from mpmfw.state import Grid, Particles
 
@@ -39,24 +38,20 @@ def power_at_start(force: Floats, mass: Floats, start_velocity: Floats) -> float
 def stress_power(
     volume: Floats, stress: Floats, gradient: Floats, dt: float, spacing: tuple[float, ...]
 ) -> float:
-    """−Σ V σ:L (1 + Δt L)⁻¹ over material points, the power of the internal forces on the field of the ``gradient`` L with which
-    they moved in their last step, of ``dt`` [s]."""
+    """−Σ V σ:(L − Δt L²) over material points, the power of the internal forces on the field of the ``gradient`` L with which
+    they moved in their last step, of ``dt`` [s]; what it leaves out of L (1 + Δt L)⁻¹ is of the step's second order."""
     dim = len(spacing)
-    moved = scratch.matrix(spacing, spacing)
     total = 0.0
     for p in range(len(volume)):
-        transported(gradient, p, dt, moved, spacing)
+        power = 0.0
         for d in range(dim):
             for e in range(dim):
-                total -= volume[p] * stress[p, d, e] * moved[d, e]
+                moved = gradient[p, d, e]
+                for a in range(dim):
+                    moved -= dt * gradient[p, d, a] * gradient[p, a, e]
+                power += stress[p, d, e] * moved
+        total -= volume[p] * power
     return total
-
-
-def power_of_motion(particles: Particles, grid: Grid, dt: float) -> float:
-    """Power [W/m] of the stress of now on the field with which the points moved in their last step, of ``dt`` [s]."""
-    return float(
-        stress_power(particles.volume, particles.stress, particles.velocity_gradient, dt, grid.spacing)
-    )
 
 
 class HalfStep:
@@ -73,13 +68,16 @@ class HalfStep:
     def __init__(self) -> None:
         self.strain = self.contact = self._strain = self._contact = 0.0
         self.dt = 0.0
+        self._power: float | None = (
+            None  #: [W/m] of the stress of now on the motion of the last step, if it is known
+        )
 
     def add(self, grid: Grid, particles: Particles, dt: float, internal: Floats) -> None:
         """A step of ``dt`` [s], whose momentum is integrated, and its internal forces, (n_nodes, dim) [N/m]."""
         if self.dt > 0.0:
             taken = power_at_start(internal, grid.mass, grid.start_velocity)
-            self._strain += 0.5 * dt * (taken - power_of_motion(particles, grid, self.dt))
-        self.dt = dt
+            self._strain += 0.5 * dt * (taken - self._power_of_motion(grid, particles))
+        self.dt, self._power = dt, None
 
     def add_contact(self, grid: Grid, dt: float, impulse: Floats, moved: float) -> None:
         """Contact's impulse in a step that :meth:`add` has not seen yet, (n_nodes, dim) [N s/m].
@@ -95,4 +93,14 @@ class HalfStep:
         """Where positions are now, after a step."""
         self.strain = self._strain
         if self.dt > 0.0:
-            self.strain -= 0.5 * self.dt * power_of_motion(particles, grid, self.dt)
+            self.strain -= 0.5 * self.dt * self._power_of_motion(grid, particles)
+
+    def _power_of_motion(self, grid: Grid, particles: Particles) -> float:
+        """Power [W/m] of the stress of now on the field with which the points moved in their last step."""
+        if self._power is None:
+            self._power = float(
+                stress_power(
+                    particles.volume, particles.stress, particles.velocity_gradient, self.dt, grid.spacing
+                )
+            )
+        return self._power

@@ -138,42 +138,29 @@ def _add_identity_scaled(a: Floats, factor: float, out: Floats, spacing: tuple[f
             out[d, e] = factor * a[d, e] + (1.0 if d == e else 0.0)
 
 
-@device
-def transported(affine: Floats, p: int, dt: float, out: Floats, spacing: tuple[float, ...]) -> None:
-    """C (1 + Δt C)⁻¹ of C = ``affine[p]`` to ``out``: the gradient of the same material velocity field after the points moved.
+@kernel
+def transport_affine(affine: Floats, dt: float, spacing: tuple[float, ...]) -> None:
+    """C ← C (1 + Δt C)⁻¹ of every point: the gradient of the same material velocity field after the points moved.
 
-    A field v(x) = C x carried along x ← (1 + Δt C) x has, at the new positions, the gradient C (1 + Δt C)⁻¹.
+    A field v(x) = C x carried along x ← (1 + Δt C) x has, at the new positions, the gradient C (1 + Δt C)⁻¹. Without it a
+    spinning disc loses angular momentum at second order in Δt every step.
     """
     dim = len(spacing)
     c = scratch.matrix(spacing, spacing)
     motion = scratch.matrix(spacing, spacing)
     inverse = scratch.matrix(spacing, spacing)
-    for d in range(dim):
-        for e in range(dim):
-            c[d, e] = affine[p, d, e]
-    _add_identity_scaled(c, dt, motion, spacing)
-    invert(motion, inverse, spacing)
-    for d in range(dim):
-        for e in range(dim):
-            value = 0.0
-            for a in range(dim):
-                value += c[d, a] * inverse[a, e]
-            out[d, e] = value
-
-
-@kernel
-def transport_affine(affine: Floats, dt: float, spacing: tuple[float, ...]) -> None:
-    """C ← C (1 + Δt C)⁻¹ of every point.
-
-    Without it a spinning disc loses angular momentum at second order in Δt every step.
-    """
-    dim = len(spacing)
-    moved = scratch.matrix(spacing, spacing)
     for p in range(len(affine)):
-        transported(affine, p, dt, moved, spacing)
         for d in range(dim):
             for e in range(dim):
-                affine[p, d, e] = moved[d, e]
+                c[d, e] = affine[p, d, e]
+        _add_identity_scaled(c, dt, motion, spacing)
+        invert(motion, inverse, spacing)
+        for d in range(dim):
+            for e in range(dim):
+                value = 0.0
+                for a in range(dim):
+                    value += c[d, a] * inverse[a, e]
+                affine[p, d, e] = value
 
 
 @kernel

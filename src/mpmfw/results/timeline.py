@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -12,6 +13,16 @@ import numpy as np
 from mpmfw.errors import MpmfwError
 from mpmfw.fields import AnyArray, Field
 from mpmfw.results import layout
+
+
+@dataclasses.dataclass(slots=True)
+class _Column:
+    """A variable of the file, and its arrays of frames that are not in it yet."""
+
+    variable: netCDF4.Variable[Any]
+    dtype: Any
+    shape: tuple[int, ...] | None = None  #: of one frame
+    waiting: list[AnyArray] = dataclasses.field(default_factory=list)
 
 
 class Timeline:
@@ -32,9 +43,7 @@ class Timeline:
         self.frames = 0
         self.waiting_bytes = 0
         self._times: list[float] = []
-        self._waiting: dict[tuple[str, str], list[AnyArray]] = {}
-        self._variables: dict[tuple[str, str], netCDF4.Variable[Any]] = {}
-        self._shapes: dict[tuple[str, str], tuple[int, ...]] = {}
+        self._columns: dict[tuple[str, str], _Column] = {}
         group.createDimension("time", None)
         self._time = _variable(group, "time", "f8", ("time",), chunksizes=(1024,))
         self._time.setncatts({"units": "s", "long_name": "time since the motion starts", "axis": "T"})
@@ -60,15 +69,16 @@ class Timeline:
 
     def forget_shapes(self) -> None:
         """Ask for the sizes of dimensions again: one has grown."""
-        self._shapes.clear()
+        for column in self._columns.values():
+            column.shape = None
 
     def write_arrays(self) -> None:
         """Write what waits, but not yet its times."""
         start = self.frames - self.waits
-        for key, waiting in self._waiting.items():
-            if waiting:
-                _write(self._variables[key], start, np.stack(waiting))
-                waiting.clear()
+        for column in self._columns.values():
+            if column.waiting:
+                _write(column.variable, start, np.stack(column.waiting))
+                column.waiting.clear()
 
     def write_times(self) -> None:
         """Write the times of what :meth:`write_arrays` has written: from now on the frames count as complete."""
@@ -81,31 +91,33 @@ class Timeline:
         """Drop what waits."""
         self.frames -= self.waits
         self._times.clear()
-        for waiting in self._waiting.values():
-            waiting.clear()
+        for column in self._columns.values():
+            column.waiting.clear()
         self.waiting_bytes = 0
 
     def _put(self, place: str, field: Field, values: AnyArray) -> None:
         static = layout.is_static(field)
         if static and self.frames > 0:
             return
-        variable = self._variables.get((place, field.name))
-        if variable is None:
-            variable = self._variables[place, field.name] = self._define(place, field, values)
-        expected = self._shapes.get((place, field.name))
-        if expected is None:  # asked of the file once: it looks for the length of the time in every group
-            expected = variable.shape if static else variable.shape[1:]
-            self._shapes[place, field.name] = expected
-        if values.shape != expected:
-            raise MpmfwError(f"field '{place}/{field.name}' has shape {values.shape}, expected {expected}")
+        column = self._columns.get((place, field.name))
+        if column is None:
+            column = _Column(self._define(place, field, values), np.dtype(field.dtype))
+            self._columns[place, field.name] = column
+        if column.shape is None:  # asked of the file once: it looks for the length of the time in every group
+            column.shape = column.variable.shape if static else column.variable.shape[1:]
+        if values.shape != column.shape:
+            raise MpmfwError(
+                f"field '{place}/{field.name}' has shape {values.shape}, expected {column.shape}"
+            )
         if static:
-            variable[...] = values
+            column.variable[...] = values
             return
-        waiting = self._waiting.setdefault((place, field.name), [])
-        # A field that earlier frames did not hold is missing there
-        waiting += [np.full(expected, variable.get_fill_value()) for _ in range(self.waits - len(waiting))]
-        waiting.append(values.astype(variable.dtype))
-        self.waiting_bytes += waiting[-1].nbytes
+        while len(column.waiting) < len(
+            self._times
+        ):  # a field that earlier frames did not hold is missing there
+            column.waiting.append(np.full(column.shape, column.variable.get_fill_value()))
+        column.waiting.append(values.astype(column.dtype))
+        self.waiting_bytes += column.waiting[-1].nbytes
 
     def _define(self, place: str, field: Field, values: AnyArray) -> netCDF4.Variable[Any]:
         """Create the variable of a field; the array gives dimensions that the header does not know."""
