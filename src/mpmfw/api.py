@@ -39,7 +39,7 @@ from mpmfw.contact.records import PairRecords
 from mpmfw.contact.row_contact import ForceContact, ImpulseContact
 from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.strategy import ContactStrategy
-from mpmfw.errors import PluginError, SceneError, SimulationError
+from mpmfw.errors import MpmfwError, PluginError, SceneError, SimulationError
 from mpmfw.fields import CONTACT_SERIES, AnyArray, Field, FloatArray, IndexArray, IntArray
 from mpmfw.geometry.base import BodyGeometry
 from mpmfw.geometry.layout import Layout
@@ -229,6 +229,7 @@ __all__ = [
     "Material",
     "Measure",
     "Measured",
+    "MpmfwError",
     "NamedPlugIn",
     "NoOptions",
     "Number",

@@ -257,10 +257,15 @@ def test_outputs_that_follow_each_other_fast_are_written_together(tmp_path, monk
 
 def test_what_waits_is_written_when_the_run_fails(tmp_path):
     path = tmp_path / "run.nc"
-    with pytest.raises(ZeroDivisionError), RunWriter(path, header()) as writer:
-        for k in range(5):
-            writer.write(series_alone(k))
-        raise ZeroDivisionError
+
+    def fail():
+        with RunWriter(path, header()) as writer:
+            for k in range(5):
+                writer.write(series_alone(k))
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        fail()
     assert open_results(path)["series/time"].size == 5
 
 
