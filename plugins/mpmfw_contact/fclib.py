@@ -13,17 +13,13 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 from scipy import sparse
 
-from mpmfw.api import FloatArray, IntArray, MpmfwError
+from mpmfw.api import ContactRows, FloatArray, IntArray, MpmfwError
 from mpmfw_contact.lcp import Lcp
-
-if TYPE_CHECKING:
-    from mpmfw.contact.rows import ContactRows
-    from mpmfw.simulation import Simulation
 
 #: What the file calls a matrix in compressed columns and in compressed rows; a number of entries is one of triplets.
 COLUMNS, ROWS = -1, -2
@@ -139,13 +135,13 @@ class LocalProblem:
             raise MpmfwError(f"cannot read '{name}' as a problem of FCLIB: {error}") from error
 
 
-def last_problem(simulation: Simulation, title: str = "") -> LocalProblem:
+def last_problem(simulation: Any, title: str = "") -> LocalProblem:
     """The problem that ``lcp`` solved in the last step, with its solution.
 
     Parameters
     ----------
     simulation
-        Of a scene with ``lcp``, after a step; nothing in it changes.
+        :class:`mpmfw.Simulation` of a scene with ``lcp``, after a step; nothing in it changes.
     title
         What the file will call it; scene and time if left out.
 

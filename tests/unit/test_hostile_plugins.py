@@ -17,6 +17,7 @@ from mpmfw.contact.joined import joined
 from mpmfw.errors import MpmfwError, PluginError, ResultsWarning, SceneError
 from mpmfw.report import write_report
 from mpmfw.results.reading import read
+from mpmfw.results.writing import WRITTEN_EVERY
 from mpmfw_contact.impulse import Impulse
 from mpmfw_contact.nodes import Nodes
 from scenes_for_tests import two_blocks
@@ -304,7 +305,11 @@ def test_a_folder_that_is_changed_loses_no_file(install, tmp_path):
 def test_no_plugin_brings_down_the_others_of_a_comparison(does, message, install, monkeypatch):
     if "sleep" in does:
         monkeypatch.setattr("mpmfw.own_process.PATIENCE", 15.0)
-    install(f"@hookimpl\ndef end_step(self, state):\n    if state.time > 0.06: {does}")
+    # What waits to be written is in the file a moment later
+    install(
+        "@hookimpl\ndef end_step(self, state):\n    import time\n"
+        f"    if state.time > 0.05: time.sleep({2 * WRITTEN_EVERY})\n    if state.time > 0.06: {does}"
+    )
     scene = two_blocks("separate", time={"end": 0.1, "output_interval": 0.05}, output={"gap": False})
     dataset = mpmfw.compare(scene, ["oddity", "separate"], ["cpdi"])
     status = dataset.status.values.ravel()
