@@ -99,6 +99,7 @@ EFFECTS = {
     "cubic_bspline": brings(
         "cubic_bspline", hooks=_SHAPE, modules="mpmfw_shape.cubic_bspline mpmfw_shape._at_points"
     ),
+    "ck": brings("ck", hooks=_SHAPE, modules="mpmfw_shape.ck mpmfw_shape._at_points"),
     "neo_hookean": brings(
         "neo_hookean soft",
         hooks="setup update_stress",
@@ -323,6 +324,7 @@ CASES = {
     "cubic_bspline": Case(
         with_changes(ONE, shape__method="cubic_bspline"), ("affine field",), "cubic_bspline"
     ),
+    "ck": Case(with_changes(ONE, shape__method="ck"), ("affine field",), "ck"),
     "linear elastic": Case(with_changes(ONE, materials__soft=ELASTIC), (), material="linear_elastic"),
     "plastic": Case(with_changes(ONE, materials__soft={**ELASTIC, **YIELDS}), (), material="j2"),
     "three dimensions": Case(box(shape__method="linear", bodies__solid__rotation="lumped"), ()),

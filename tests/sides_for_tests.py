@@ -21,4 +21,6 @@ def upper_side(place: float, columns: int) -> PlaneSides:
         shift=np.zeros(1),
         share=np.ones(1),
         column=np.array([[0, 8 * columns, 1, 8, 1]]),
+        lower=np.zeros(2),
+        grids=np.array([1]),
     )

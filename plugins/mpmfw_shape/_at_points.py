@@ -57,13 +57,16 @@ class LinearSurface(ShapeFunction):
     functions: ClassVar[Functions] = (fill_linear, 2)
     _surface: Stencil | None = None
 
+    def entries(self, dim: int) -> int:
+        """Number of nodes that the functions of a point on the surface touch."""
+        return int(self.functions[1] ** dim)
+
     @hookimpl
     def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
         """N_i(x_s) of the basis."""
-        fill, width = self.functions
         if self._surface is None:
-            self._surface = empty_stencil(len(position), width**grid.dim, grid.dim, gradient=False)
-        return fill_at(fill, position, first, grid, self._surface)
+            self._surface = empty_stencil(len(position), self.entries(grid.dim), grid.dim, gradient=False)
+        return fill_at(self.functions[0], position, first, grid, self._surface)
 
 
 class AtPoints(LinearSurface):
@@ -72,7 +75,7 @@ class AtPoints(LinearSurface):
     @hookimpl
     def setup(self, setup: Setup) -> None:
         """Allocate the table."""
-        self.table = empty_stencil(setup.state.particles.count, self.functions[1] ** setup.dim, setup.dim)
+        self.table = empty_stencil(setup.state.particles.count, self.entries(setup.dim), setup.dim)
 
     @hookimpl
     def particle_reach(self, particles: Particles) -> FloatArray:

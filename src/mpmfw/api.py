@@ -81,6 +81,9 @@ class ShapeFunction(PlugIn):
     massless_boundary: ClassVar[bool] = False
     #: Degree of the B-splines that are the boundary basis: 1 bilinear.
     boundary_degree: ClassVar[int] = 1
+    #: Whether nodes with mass are those of two grids, whose indices are all even or all odd; the boundary basis is then the
+    #: compact kernel of each, over two cells to either side.
+    staggered: ClassVar[bool] = False
     #: Whether Σ φ q qᵀ may be singular, so that the affine field must be taken from Σ v ∇φᵀ.
     singular_spread: ClassVar[bool] = False
     #: Whether the nodes of every row of its tables ascend: then several threads share the nodes out when they project.

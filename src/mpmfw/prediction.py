@@ -115,7 +115,7 @@ def _tables(simulation: Simulation) -> int:
     """Bytes of the tables of interpolation, which are filled with the first step, and of the rows of contact."""
     state, shape = simulation.state, simulation.shape.name
     dim, surface = state.grid.dim, state.surface
-    entries = {"linear": 4, "gimp": 9, "bspline": 9, "cubic_bspline": 16}.get(shape, 7) ** (dim / 2)
+    entries = {"linear": 4, "gimp": 9, "bspline": 9, "cubic_bspline": 16, "ck": 8}.get(shape, 7) ** (dim / 2)
     total = int(state.particles.count * entries * (4 + 8 + 8 * dim))
     if surface is not None:
         total += surface.count * {"bspline": 3, "cubic_bspline": 4}.get(shape, 2) ** dim * (4 + 8)

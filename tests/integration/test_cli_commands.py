@@ -272,6 +272,7 @@ def test_explain_schema_and_plugins(scene):
         "cpdi2",
         "bspline",
         "cubic_bspline",
+        "ck",
     )
     assert all(re.search(rf"^\s*(name\s+)?{name}\b", listed.stdout, re.MULTILINE) for name in names)
 

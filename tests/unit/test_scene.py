@@ -146,7 +146,7 @@ def test_shipped_scenes_are_valid(name):
          "a quantity; expected a length in m, a number or a string such as '2 mm'"),
         ("end = 1\n", "", "s.toml:8: time.end: missing; expected a time in s, a number or a string such as '5 us'"),
         ('method = "linear"', 'method = "liner"', "s.toml:13: shape.method: no such shape plug-in: 'liner' is unknown; "
-         "did you mean 'linear'? (one of bspline, cpdi, cpdi2, cubic_bspline, gimp, linear)"),
+         "did you mean 'linear'? (one of bspline, ck, cpdi, cpdi2, cubic_bspline, gimp, linear)"),
         ('method = "linear"', 'metod = "linear"', "s.toml:13: shape.metod: unknown key; did you mean 'method'?"),
         ('"block", "floor"', '"block", "flor"', "s.toml:20: contact.pairs[0].bodies[1]: no body 'flor'; did you mean "
          "'floor'?"),

@@ -66,15 +66,15 @@ class Constraint:
     ----------
     sides
         In the scene's order.
-    degree
-        Of the shape function's boundary basis.
+    degree, staggered
+        Of the shape function's boundary basis (:class:`mpmfw.api.ShapeFunction`).
     """
 
     name = "constraint"
     ledger_term = ("external", "prescribed sides")
 
-    def __init__(self, sides: tuple[PrescribedSide, ...], degree: int) -> None:
-        self.sides, self.degree = sides, degree
+    def __init__(self, sides: tuple[PrescribedSide, ...], degree: int, *, staggered: bool) -> None:
+        self.sides, self.degree, self.grids = sides, degree, 2 if staggered else 1
         #: While a scene settles, moving sides are held where they are.
         self.at_rest = False
 
@@ -85,12 +85,11 @@ class Constraint:
     @hookimpl
     def setup(self, setup: Setup) -> None:
         """Where the sides are, and what of them does not change."""
-        h = setup.cell_size
         self.frame = -1
         self.speeds = np.array([side.speed for side in self.sides])
         self.free = np.flatnonzero(np.isnan(self.speeds)).tolist()
         self.motions = np.zeros(len(self.sides))
-        self.planes = _planes(self.sides, h, self.degree)
+        self.planes = _planes(self.sides, setup.state.grid, self.degree, self.grids)
         self.directions = np.array([side.directions for side in self.sides])
         self.velocity = np.array([side.velocity for side in self.sides])
         self.agreed = AGREED * max(side.body.wave_speed for side in self.sides)
@@ -171,29 +170,31 @@ class Constraint:
         self.planes.place += self.motions
 
 
-def _planes(sides: tuple[PrescribedSide, ...], cell_size: float, degree: int) -> PlaneSides:
+def _planes(sides: tuple[PrescribedSide, ...], grid: Grid, degree: int, grids: int) -> PlaneSides:
     """The sides as arrays; their columns are those of the windows, which are not known yet."""
-    boxes = [side.box(cell_size) for side in sides]
+    boxes = [side.box(grid.cell_size) for side in sides]
     points = [quadrature(side.normal, side.axis, degree) for side in sides]
-    dim = len(sides[0].normal)
+    node_volume = (grids * grid.cell_size) ** grid.dim / grids
     return PlaneSides(
         normal=np.array([side.normal for side in sides]),
         place=np.array([side.place for side in sides]),
         box_lower=np.array([lower for lower, _ in boxes]),
         box_upper=np.array([upper for _, upper in boxes]),
         alone=np.array([side.alone for side in sides], dtype=np.int64),
-        cell_mass=np.array([side.body.areal_density * cell_size**dim for side in sides]),
+        cell_mass=np.array([side.body.areal_density * node_volume for side in sides]),
         point=np.cumsum([0, *(len(shift) for shift, _ in points)]),
         shift=np.concatenate([shift for shift, _ in points]),
         share=np.concatenate([share for _, share in points]),
         column=np.zeros((len(sides), 5), dtype=np.int64),
+        lower=np.array(grid.lower, dtype=float),
+        grids=np.array([grids]),
     )
 
 
 def planned(made: Build) -> Constraint:
     """The fixed and moving sides of all bodies."""
     sides = tuple(_prescribed(made, body, side) for body, side in sides_of(made, loaded=False))
-    return Constraint(sides, made.shape.boundary_degree)
+    return Constraint(sides, made.shape.boundary_degree, staggered=made.shape.staggered)
 
 
 def _prescribed(made: Build, body: Body, side: Side) -> PrescribedSide:

@@ -34,11 +34,13 @@ class PlaneSides(Struct):
     box_lower: Floats  #: columns outside of the box are another body's, (n_sides, dim) [m]
     box_upper: Floats
     alone: Ints  #: 1 where no other body shares the velocity field, else 0, (n_sides,)
-    cell_mass: Floats  #: ρ h^dim, (n_sides,) [kg/m]
+    cell_mass: Floats  #: of a node within the body, (n_sides,) [kg/m]
     point: Ints  #: points of side s are ``point[s]:point[s + 1]``, (n_sides + 1,)
     shift: Floats  #: of their :func:`quadrature`, (n_points,) [cells]
     share: Floats  #: (n_points,)
     column: Ints  #: first node of the velocity field and the one after its last, step along a column, its nodes, its axis
+    lower: Floats  #: the grid's first node (dim,) [m]
+    grids: Ints  #: 1, or 2 where nodes of all even and of all odd indices are two grids, (1,)
 
 
 #: Where in ``column`` (n_sides, 5) each stands.
@@ -71,6 +73,30 @@ def cardinal_spline(x: Float, degree: int) -> Float:
             total += factor * (near - j) ** degree
         factor *= -(degree + 1.0 - j) / (j + 1.0)
     return total
+
+
+@device
+def compact_kernel(x: Float) -> Float:
+    """1 − |x| + sin(2π|x|) / (2π) at x cells from its node, 0 beyond one cell."""
+    r = min(abs(x), 1.0)
+    return 1.0 - r + np.sin(2.0 * np.pi * r) / (2.0 * np.pi)
+
+
+@device
+def first_of_grid(
+    first: int, axis: int, lower: Floats, node_position: Floats, spacing: tuple[float, ...]
+) -> int:
+    """0 or 1, the first node of a column whose indices are all even or all odd; −1 where there is none."""
+    begin, parity = 0, -1
+    for d in range(len(spacing)):
+        odd = round((node_position[first, d] - lower[d]) / spacing[d]) % 2
+        if d == axis:
+            begin = odd
+        elif parity < 0:
+            parity = odd
+        elif parity != odd:
+            return -1
+    return (begin + parity) % 2
 
 
 @kernel
@@ -125,7 +151,9 @@ def weigh_column(
         table.c[k] = 0.0
         if abs(table.distance[k]) < reach:
             for q in range(sides.point[s], sides.point[s + 1]):
-                table.c[k] += sides.share[q] * cardinal_spline(table.distance[k] - sides.shift[q], degree)
+                x = table.distance[k] - sides.shift[q]
+                value = cardinal_spline(x, degree) if sides.grids[0] == 1 else compact_kernel(x)
+                table.c[k] += sides.share[q] * value
             heaviest = max(heaviest, node_mass[i])
     return heaviest
 
@@ -188,14 +216,19 @@ def add_side(
     spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """Add the rows of side s to the table, which has ``rows`` so far; return the number of rows then."""
-    dim, h, normal, axis = len(spacing), spacing[0], sides.normal[s], sides.column[s, AXIS]
-    stride, count = sides.column[s, STRIDE], sides.column[s, COUNT]
+    dim, h, normal, axis = len(spacing), sides.grids[0] * spacing[0], sides.normal[s], sides.column[s, AXIS]
+    along, total = sides.column[s, STRIDE], sides.column[s, COUNT]
     inward = -1 if normal[axis] > 0.0 else 1
     shift = sides.shift[sides.point[s] : sides.point[s + 1]]
     reach = 0.5 * (degree + 1) + np.abs(shift).max()
-    for column in range((sides.column[s, STOP] - sides.column[s, START]) // count):
-        first = sides.column[s, START] + column // stride * stride * count + column % stride
-        inside = True
+    for column in range((sides.column[s, STOP] - sides.column[s, START]) // total):
+        first = sides.column[s, START] + column // along * along * total + column % along
+        stride, count, inside = along, total, True
+        if sides.grids[0] == 2:
+            begin = first_of_grid(first, axis, sides.lower, node_position, spacing)
+            if begin < 0:
+                continue
+            first, stride, count = first + begin * along, 2 * along, (total - begin + 1) // 2
         crossing = sides.place[s]
         for d in range(dim):
             if d != axis:
