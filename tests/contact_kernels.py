@@ -198,6 +198,7 @@ def rows_of(loops, found, *, across=False, ties=True, friction=True, tilts=False
         loops.outline,
         *pair_table(loops.n_bodies),
         table,
+        np.zeros(table.nodes.max() + 1, dtype=np.int64),
         rows,
         rows.places,
         PLANE,

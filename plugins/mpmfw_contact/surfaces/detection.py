@@ -136,6 +136,7 @@ class Surfaces(Detection):
         self.through = np.zeros(3)
         self.count, self.was_inside = 0, False
         self.table: SurfaceTable | None = None
+        self.place = np.zeros(0, dtype=np.int64)
         self.list_pairs(setup.state)
 
     def list_pairs(self, state: State) -> None:
@@ -208,11 +209,13 @@ class Surfaces(Detection):
             raise RuntimeError("the surface's table was not filled")
         if self.table is None or self.table.weight is not phi.weight:
             self.table = SurfaceTable(row=phi.row, nodes=phi.nodes, weight=phi.weight)
+        if len(self.place) < len(self.state.grid.mass):
+            self.place = np.zeros(len(self.state.grid.mass), dtype=np.int64)
         passes, closest = 0.5 if self.two_passes else 1.0, not self.every_facet
         while True:
             rows.count = assemble(
                 passes, closest, closest, self.candidates, self.outline, self.pair_of, self.first, self.table,
-                rows, rows.places, self.state.grid.spacing,
+                self.place, rows, rows.places, self.state.grid.spacing,
             )  # fmt: skip
             if rows.count >= 0:
                 return
