@@ -141,7 +141,7 @@ def find(loops, *, h=0.25, radius=None, literal=False, slots=3, lower=(-3.0, -3.
     found = empty_candidates(len(loops.body), slots)
     radius = h if radius is None else radius
     grid, outline = search_grid(loops, radius, lower, nodes), loops.outline
-    entries = search.list_facets(1, outline, grid, (h, h))
+    entries = search.list_facets(1, 0.0, outline, grid, (h, h))
     assert entries <= len(grid.link)
     if entries == 0:
         return found

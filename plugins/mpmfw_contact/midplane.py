@@ -121,7 +121,7 @@ class Midplane(Detection):
         if not search.near_boxes(self.first, self.second, self.radius, outline, lists):
             return 0
         self.stamp += 1
-        while (entries := search.list_facets(self.stamp, outline, lists, spacing)) > len(lists.link):
+        while (entries := search.list_facets(self.stamp, 0.0, outline, lists, spacing)) > len(lists.link):
             lists.set(**{name: np.zeros(2 * entries, dtype=np.int32) for name in ("link", "link_facet")})
             self.stamp += 1
         if entries == 0:
