@@ -132,7 +132,7 @@ def search_grid(loops, radius, lower=(-3.0, -3.0), nodes=(25, 25)):
             f"{kind}_{end}": np.zeros((n_bodies, 2)) for kind in ("box", "near") for end in ("lower", "upper")
         },
     )
-    search.near_boxes(*np.triu_indices(n_bodies, 1), radius, loops.outline, grid)
+    search.near_boxes(*np.triu_indices(n_bodies, 1), radius, 0.0, loops.outline, grid)
     return grid
 
 

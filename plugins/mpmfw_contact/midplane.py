@@ -118,7 +118,7 @@ class Midplane(Detection):
     def _search(self, grid: Grid) -> int:
         """Number of segments of two bodies that are near each other."""
         outline, lists, spacing = self.outline, self.lists, grid.spacing
-        if not search.near_boxes(self.first, self.second, self.radius, outline, lists):
+        if not search.near_boxes(self.first, self.second, self.radius, 0.0, outline, lists):
             return 0
         self.stamp += 1
         while (entries := search.list_facets(self.stamp, 0.0, outline, lists, spacing)) > len(lists.link):

@@ -128,8 +128,7 @@ class Surfaces(Detection):
     def _search(self, grid: Grid) -> int:
         """Number of candidates after the search's three steps, and after nodes inside bodies were followed."""
         count = 0
-        reach = self.radius + self.near.skin
-        if search.near_boxes(self.first, self.second, reach, self.outline, self.lists):
+        if search.near_boxes(self.first, self.second, self.radius, self.near.skin, self.outline, self.lists):
             count = STALE if self.every_facet else self.near.find(self.candidates)
             if count == STALE:
                 count = self._find_pairs(grid)

@@ -24,11 +24,14 @@ def boxes_apart(a: int, b: int, lower: Floats, upper: Floats, reach: Float) -> b
 
 
 @kernel
-def near_boxes(first: Ints, second: Ints, reach: float, outline: Outline, grid: SearchGrid) -> bool:
-    """Bounding boxes of all bodies, and of what of each may be within ``reach`` [m] of another, empty for most; whether any is.
+def near_boxes(
+    first: Ints, second: Ints, reach: float, wide: float, outline: Outline, grid: SearchGrid
+) -> bool:
+    """Bounding boxes of all bodies, and of what of each may be within ``reach`` + ``wide`` [m] of another, empty for most;
+    whether any two boxes are within ``reach``.
 
-    Of pairs with boxes closer than that it is the part within the other's box, widened by the reach; of more than one the
-    box round them.
+    Of pairs with boxes closer than both it is the part within the other's box, widened by both; of more than one the box
+    round them.
     """
     near, lower, upper = False, grid.box_lower, grid.box_upper
     bounding_boxes(outline.body_first, outline.position, lower, upper)
@@ -36,14 +39,14 @@ def near_boxes(first: Ints, second: Ints, reach: float, outline: Outline, grid: 
     near_lower[:] = math.inf
     near_upper[:] = -math.inf
     for c in range(len(first)):
-        if boxes_apart(first[c], second[c], lower, upper, reach):
+        if boxes_apart(first[c], second[c], lower, upper, reach + wide):
             continue
-        near = True
+        near = near or not boxes_apart(first[c], second[c], lower, upper, reach)
         for way in range(2):
             a, b = (first[c], second[c]) if way == 0 else (second[c], first[c])
             for d in range(lower.shape[1]):
-                near_lower[a, d] = min(near_lower[a, d], max(lower[a, d], lower[b, d] - reach))
-                near_upper[a, d] = max(near_upper[a, d], min(upper[a, d], upper[b, d] + reach))
+                near_lower[a, d] = min(near_lower[a, d], max(lower[a, d], lower[b, d] - reach - wide))
+                near_upper[a, d] = max(near_upper[a, d], min(upper[a, d], upper[b, d] + reach + wide))
     return near
 
 
