@@ -1,7 +1,7 @@
 """What contact costs: a step of bodies as they touch, over one in which they share a velocity field.
 
     python tests/benchmarks/contacts.py [--shapes linear,gimp,bspline,cpdi,cpdi2] [--repeats 15]
-    python tests/benchmarks/contacts.py --sphere 0.2 --shapes cpdi [--repeats 15]
+    python tests/benchmarks/contacts.py --sphere 0.2 --shapes cpdi [--repeats 15] [--radius 1.0]
 
 The bodies are the colliding rings, or a sphere that slips down a plane, with cells of the size given [m]. ``separate`` has a
 field for each body, with its rotation corrected, and no contact: what is beyond it is contact's. Samples of all methods
@@ -20,17 +20,22 @@ from mpmfw.clock import STEP_STAGES
 from mpmfw.simulation import Simulation
 
 METHODS = ("none", "separate", "bardenhagen", "penalty")
-#: Steps after which the rings touch, those after which the sphere is in motion, and steps of a sample.
-RINGS_BEFORE, SPHERE_BEFORE, SAMPLE = 270, 60, 10
+#: Steps after which the rings touch, those after which the sphere presses on the plane, and steps of a sample: of the sphere
+#: with all that is not done in every step.
+RINGS_BEFORE, SPHERE_BEFORE, RINGS_SAMPLE, SPHERE_SAMPLE = 270, 60, 10, 40
+#: Of the sphere, about that in the middle of its way [m/s].
+SPEED = 3.0
 
 
-def sphere(cell_size: float) -> dict[str, Any]:
-    """The sphere with slip, from rest and without the ledger of its energies, which has a cost of its own."""
+def sphere(cell_size: float, radius: float) -> dict[str, Any]:
+    """The sphere with slip, on its way, and without the ledger of its energies, which has a cost of its own."""
     text = files("mpmfw").joinpath("scenes/rolling-sphere-slip.toml").read_text(encoding="utf-8")
     scene = tomllib.loads(text)
     del scene["settle"]
     scene["output"]["ledger"] = False
     scene["grid"]["cell_size"] = cell_size
+    scene["contact"]["penalty"] = {"search_radius": radius}
+    scene["bodies"]["sphere"]["velocity"] = [SPEED, 0.0, 0.0]
     return scene
 
 
@@ -40,7 +45,7 @@ def spent(sim: Simulation) -> float:
     return sum(sim.clock.cpu[stage] for stage in STEP_STAGES)
 
 
-def measure(scene: Any, before: int, shape: str, repeats: int) -> tuple[int, dict[str, float]]:
+def measure(scene: Any, before: int, sample: int, shape: str, repeats: int) -> tuple[int, dict[str, float]]:
     """Number of points, and least CPU time of a step by method, over the points [ns]."""
     sims = {method: Simulation(scene, contact=method, shape=shape) for method in METHODS}
     for sim in sims.values():
@@ -50,8 +55,8 @@ def measure(scene: Any, before: int, shape: str, repeats: int) -> tuple[int, dic
     for _ in range(repeats):
         for method, sim in sims.items():
             begin = spent(sim)
-            sim.advance(SAMPLE)
-            least[method] = min(least[method], (spent(sim) - begin) / SAMPLE / points * 1e9)
+            sim.advance(sample)
+            least[method] = min(least[method], (spent(sim) - begin) / sample / points * 1e9)
     return points, least
 
 
@@ -62,12 +67,13 @@ if __name__ == "__main__":
     parser.add_argument(
         "--sphere", type=float, metavar="CELL_SIZE", help="the sphere with such cells [m], and not the rings"
     )
+    parser.add_argument("--radius", type=float, default=1.0, help="of the search about the sphere [cells]")
     asked = parser.parse_args()
-    scene, before = (
-        ("colliding-rings", RINGS_BEFORE) if asked.sphere is None else (sphere(asked.sphere), SPHERE_BEFORE)
-    )
+    scene, before, sample = "colliding-rings", RINGS_BEFORE, RINGS_SAMPLE
+    if asked.sphere is not None:
+        scene, before, sample = sphere(asked.sphere, asked.radius), SPHERE_BEFORE, SPHERE_SAMPLE
     print(f"shape     points  none [ns]  {'  '.join(f'{method:>11}' for method in METHODS[1:])}")
     for shape in asked.shapes.split(","):
-        points, times = measure(scene, before, shape, asked.repeats)
+        points, times = measure(scene, before, sample, shape, asked.repeats)
         ratios = "  ".join(f"{times[method] / times['none']:11.3f}" for method in METHODS[1:])
         print(f"{shape:8} {points:7}  {times['none']:9.1f}  {ratios}", flush=True)
