@@ -132,7 +132,7 @@ def search_grid(loops, radius, lower=(-3.0, -3.0), nodes=(25, 25)):
             f"{kind}_{end}": np.zeros((n_bodies, 2)) for kind in ("box", "near") for end in ("lower", "upper")
         },
     )
-    search.near_boxes(*np.triu_indices(n_bodies, 1), radius, loops.outline, grid)
+    search.near_boxes(*np.triu_indices(n_bodies, 1), radius, 0.0, loops.outline, grid)
     return grid
 
 
@@ -141,7 +141,7 @@ def find(loops, *, h=0.25, radius=None, literal=False, slots=3, lower=(-3.0, -3.
     found = empty_candidates(len(loops.body), slots)
     radius = h if radius is None else radius
     grid, outline = search_grid(loops, radius, lower, nodes), loops.outline
-    entries = search.list_facets(1, outline, grid, (h, h))
+    entries = search.list_facets(1, 0.0, outline, grid, (h, h))
     assert entries <= len(grid.link)
     if entries == 0:
         return found
@@ -198,6 +198,7 @@ def rows_of(loops, found, *, across=False, ties=True, friction=True, tilts=False
         loops.outline,
         *pair_table(loops.n_bodies),
         table,
+        np.zeros(table.nodes.max() + 1, dtype=np.int64),
         rows,
         rows.places,
         PLANE,

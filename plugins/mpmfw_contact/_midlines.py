@@ -75,7 +75,7 @@ def list_segments(
         for d in range(len(spacing)):
             lower[d] -= reach
             upper[d] += reach
-        cells_of(lower, upper, first, last, grid, spacing)
+        cells_of(lower, upper, 0.0, first, last, grid, spacing)
         for d in range(len(spacing)):
             index[d] = first[d]
         for _ in range(number_of(first, last, spacing)):

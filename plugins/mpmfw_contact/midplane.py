@@ -118,10 +118,10 @@ class Midplane(Detection):
     def _search(self, grid: Grid) -> int:
         """Number of segments of two bodies that are near each other."""
         outline, lists, spacing = self.outline, self.lists, grid.spacing
-        if not search.near_boxes(self.first, self.second, self.radius, outline, lists):
+        if not search.near_boxes(self.first, self.second, self.radius, 0.0, outline, lists):
             return 0
         self.stamp += 1
-        while (entries := search.list_facets(self.stamp, outline, lists, spacing)) > len(lists.link):
+        while (entries := search.list_facets(self.stamp, 0.0, outline, lists, spacing)) > len(lists.link):
             lists.set(**{name: np.zeros(2 * entries, dtype=np.int32) for name in ("link", "link_facet")})
             self.stamp += 1
         if entries == 0:

@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 
 from mpmfw.api import AnyArray, FloatArray, IntArray, Particles, Stencil, Surface
 from mpmfw.kernels import kernel
+from mpmfw.kernels.table import entries
 from mpmfw.kernels.types import Floats, Indices, Ints
 
 #: Distance over a rectangle's size within which a node is its centre, or its corners are those of a point's face.
@@ -61,31 +62,32 @@ def are_faces(rectangles: FloatArray, position: FloatArray, half_edges: FloatArr
 
 @kernel
 def mean_rows(
-    index: Ints, corners: Ints, row: Ints, nodes: Indices, weight: Floats, out_row: Ints, out_nodes: Indices,
+    index: Ints, corners: Ints, row: Ints, nodes: Indices, weight: Floats, place: Indices, out_row: Ints, out_nodes: Indices,
     out_weight: Floats,
 ) -> None:  # fmt: skip
     """Copy a table of surface nodes; where ``index`` (n_s,) is that of a rectangle, and not −1, the row is the mean of its
-    corners' (k, 4)."""
+    corners' (k, 4).
+
+    ``place`` (n_nodes,) is scratch, of any content within 0 … the table's length: the entry that a grid node was given last.
+    """
     top = 0
     out_row[0] = 0
     for s in range(len(index)):
-        parts = 1 if index[s] < 0 else 4
-        for a in range(parts):
-            p = s if index[s] < 0 else corners[index[s], a]
-            following = out_row[s]  # corners within one cell have their nodes in the same order
-            for j in range(row[p], row[p + 1]):
-                entry = top
-                if following < top and out_nodes[following] == nodes[j]:
-                    entry = following
-                else:
-                    for e in range(out_row[s], top):
-                        if out_nodes[e] == nodes[j]:
-                            entry = e
-                if entry == top:
+        centre, start = index[s] >= 0, top
+        p, parts = (corners[index[s], 0], 4) if centre else (s, 1)
+        for j in entries(row, p):
+            out_nodes[top], out_weight[top] = nodes[j], weight[j] / parts
+            if centre:
+                place[nodes[j]] = top
+            top += 1
+        for a in range(1, parts):
+            for j in entries(row, corners[index[s], a]):
+                entry = place[nodes[j]]
+                if entry < start or entry >= top or out_nodes[entry] != nodes[j]:
+                    entry = place[nodes[j]] = top
                     out_nodes[top], out_weight[top] = nodes[j], 0.0
                     top += 1
                 out_weight[entry] += weight[j] / parts
-                following = entry + 1
         out_row[s + 1] = top
 
 
@@ -112,14 +114,22 @@ class Rectangles:
         count = len(surface.position)
         self.index = np.full(count, -1)
         self.index[centre] = np.arange(len(centre))
-        entries = 2**3 * (count + 3 * len(centre))
+        room = 2**3 * (count + 3 * len(centre))
+        self.place = np.zeros(0, dtype=np.int32)
         self.table = Stencil(
-            np.zeros(count + 1, dtype=np.int64), np.zeros(entries, dtype=np.int32), np.zeros(entries), np.zeros((0, 3))
+            np.zeros(count + 1, dtype=np.int64), np.zeros(room, dtype=np.int32), np.zeros(room), np.zeros((0, 3))
         )  # fmt: skip
 
-    def table_of(self, plain: Stencil) -> Stencil:
-        """The table with the functions at the nodes themselves, ``plain``, with centres as means of their corners."""
+    def table_of(self, plain: Stencil, grid_nodes: int) -> Stencil:
+        """The table with the functions at the nodes themselves, ``plain``, with centres as means of their corners.
+
+        ``grid_nodes`` is the number of nodes of the grid, those of all fields counted.
+        """
         row, nodes, weight, _ = self.table
-        mean_rows(self.index, self.corners, plain.row, plain.nodes, plain.weight, row, nodes, weight)
+        if len(self.place) < grid_nodes:
+            self.place = np.zeros(grid_nodes, dtype=np.int32)
+        mean_rows(
+            self.index, self.corners, plain.row, plain.nodes, plain.weight, self.place, row, nodes, weight
+        )
         used = row[-1]
         return self.table._replace(nodes=nodes[:used], weight=weight[:used])

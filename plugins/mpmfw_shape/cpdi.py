@@ -134,4 +134,4 @@ class Cpdi(LinearSurface):
         plain = super().interpolate_surface(position=position, first=first, grid=grid)
         if self.rectangles is None or len(position) != len(self.rectangles.index):
             return plain
-        return self.rectangles.table_of(plain)
+        return self.rectangles.table_of(plain, len(grid.mass))

@@ -134,4 +134,4 @@ class TwoApart(OneBody):
         """Outlines move with the grid, and contacts become history."""
         s, t = self.s, self.n_s
         self.contact.advect(self.g, dt)
-        move_points(t.row, t.nodes, t.weight, self.g.velocity, s.position, s.displacement, dt)
+        move_points(t.row, t.nodes, t.weight, self.g.velocity, s.position, s.displacement, dt, self.g.spacing)

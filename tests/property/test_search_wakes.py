@@ -51,10 +51,12 @@ def faces(sim: Simulation, node: int, other: np.ndarray) -> bool:
 def check_step(sim: Simulation) -> tuple[float, bool]:
     """Search, and compare with brute force; return the deepest node's gap [m] and whether the search was awake."""
     surface, contact = sim.state.surface, sim.contact.detection
-    stamp = contact.stamp
+    asked, find = [], contact.near.find
+    contact.near.find = lambda candidates: asked.append(find(candidates)) or asked[-1]
     contact.count = contact._search(sim.state.grid)
     contact.keep()
-    awake = contact.stamp > stamp
+    contact.near.find = find
+    awake = len(asked) > 0
     outlines = [surface.position[surface.of(body)] for body in (0, 1)]
     deepest = np.inf
     for body, other in ((0, 1), (1, 0)):

@@ -236,7 +236,7 @@ def test_points_move_with_the_table():
     t = table()
     velocity, position = RNG.normal(size=(NODES, 2)), RNG.normal(size=(POINTS, 2))
     moved, displacement = position.copy(), np.empty((POINTS, 2))
-    move_points(*t, velocity, moved, displacement, 0.1)
+    move_points(*t, velocity, moved, displacement, 0.1, (1.0, 1.0))
     np.testing.assert_allclose(displacement, 0.1 * dense(*t) @ velocity, rtol=1e-12, atol=1e-15)
     np.testing.assert_allclose(moved, position + displacement, rtol=1e-14)
 

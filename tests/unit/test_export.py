@@ -27,7 +27,7 @@ from mpmfw.kernels import Facets, minimum_gap
 from mpmfw.paraview.gaps import signed_distances
 from mpmfw.paraview.triangles import distances_in_space
 from mpmfw.scene import load_scene
-from scenes_for_tests import ball_on_a_box, box
+from scenes_for_tests import ball_on_a_box, box, with_changes
 
 BODIES = ("upper", "floor")
 
@@ -274,6 +274,20 @@ def test_surfaces_of_three_dimensions(tmp_path):
     assert 0.05 < np.median(share) <= 0.3 * (1.0 + 1e-6)  # the springs of friction are still closing
 
 
+def test_a_ball_that_slides_has_its_coefficient_of_friction_as_share(tmp_path):
+    """By the node's own normal alone four fifths are within 23 % on the box, 24 % on the ball."""
+    changes = {f"bodies__{body}__segment": 0.05 for body in ("solid", "ball")}
+    scene = with_changes(ball_on_a_box(), time__end=3e-3, time__output_interval=3e-3, **changes)
+    _, surfaces, _ = mpmfw.export(mpmfw.run(scene), tmp_path)
+    found = arrays(read(listed(surfaces)[-1][1])[0].GetPointData())
+    pressed = found["pressure"] > 0.1 * found["pressure"].max()
+    for body in (0, 1):
+        share = found["friction_share"][pressed & (found["body"] == body)]
+        assert len(share) > 10
+        assert np.median(share) == pytest.approx(0.3, rel=0.03)
+        assert np.quantile(np.abs(share / 0.3 - 1.0), 0.8) < 0.15
+
+
 def test_signed_distances_in_space_are_those_of_the_kernel():
     random = np.random.default_rng(3)
     nodes, facets = sphere_surface(np.zeros(3), 1.0, 0.6)
@@ -291,8 +305,11 @@ def test_signed_distances_in_space_are_those_of_the_kernel():
     least = [
         minimum_gap(k, k + 1, 0, len(facets), surface, (1.0,) * 3) for k in range(start, start + len(points))
     ]
-    found = distances_in_space(points, nodes, facets)
+    found, outward = distances_in_space(points, nodes, facets)
     np.testing.assert_allclose(found, least, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(outward, axis=1), 1.0, rtol=1e-12)
+    back = distances_in_space(points - found[:, None] * outward, nodes, facets)[0]
+    np.testing.assert_allclose(back, 0.0, atol=1e-9)
     assert (found < 0.0).any()
     assert (found > 0.0).any()
 

@@ -101,11 +101,11 @@ def test_bodies_with_candidates_have_boxes_that_touch(name):
         np.testing.assert_array_equal(upper[b], loops.position[loops.body == b].max(axis=0))
     pairs = np.array([(a, b) for a in range(loops.n_bodies) for b in range(a + 1, loops.n_bodies)])
     grid = search_grid(loops, H)
-    touch = near_boxes(pairs[:, 0], pairs[:, 1], H, loops.outline, grid)
+    touch = near_boxes(pairs[:, 0], pairs[:, 1], H, 0.0, loops.outline, grid)
     assert touch or find(loops, h=H).count == 0
     apart = loops.outline
     apart.position = loops.position + 10.0 * loops.body[:, None]
-    assert not near_boxes(pairs[:, 0], pairs[:, 1], H, apart, grid)
+    assert not near_boxes(pairs[:, 0], pairs[:, 1], H, 0.0, apart, grid)
     assert not (grid.near_lower <= grid.near_upper).any()  # empty boxes
 
 

@@ -14,6 +14,7 @@ from mpmfw.kernels.facets import (
     write_own_gradients,
 )
 from mpmfw.kernels.pair_table import pair_index
+from mpmfw.kernels.table import entries
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 from mpmfw_contact.surfaces.candidates import Candidates
 from mpmfw_contact.surfaces.facing import faces
@@ -151,40 +152,35 @@ def write_motion(c: int, outline: Outline, rows: Rows, places: Places) -> None:
 
 @device
 def add_point(
-    p: int, share: Float, c: int, corner: int, top: int, table: SurfaceTable, rows: Rows, places: Places
-) -> int:
+    p: int, share: Float, c: int, corner: int, top: int, table: SurfaceTable, place: Ints, rows: Rows, places: Places
+) -> int:  # fmt: skip
     """Add ``share`` times N_i of surface node p to the entries of row c, which end before ``top``; the new top.
 
-    ``corner`` is the facet's corner that p is, −1 of the slave node: its couple and tilt go with it.
+    ``corner`` is the facet's corner that p is, −1 of the slave node: its couple and tilt go with it. ``place`` (n_nodes,) is
+    scratch, of any content that is not negative: the entry that a grid node was given last.
     """
     dim, couple, tilt = rows.normal.shape[1], rows.couple, rows.tilt
-    following = rows.start[c]  # points of a cell have their nodes in the same order
-    for k in range(table.row[p], table.row[p + 1]):
-        if table.weight[k] == 0.0:
+    for k in entries(table.row, p):
+        i, weight = table.nodes[k], table.weight[k]
+        if weight == 0.0:
             continue
-        entry = top
-        if following < top and rows.dof[following] == table.nodes[k]:
-            entry = following
-        else:
-            for j in range(rows.start[c], top):
-                if rows.dof[j] == table.nodes[k]:
-                    entry = j
-        following = entry + 1
-        if entry == top:
+        entry = place[i]
+        if entry < rows.start[c] or entry >= top or rows.dof[entry] != i:
+            entry = place[i] = top
             top += 1
-            rows.dof[entry], rows.weight[entry] = table.nodes[k], 0.0
+            rows.dof[entry], rows.weight[entry] = i, 0.0
             for d in range(dim):
                 if len(couple) > 0:
                     couple[entry, d] = 0.0
                 if len(tilt) > 0:
                     tilt[entry, d] = 0.0
-        rows.weight[entry] += share * table.weight[k]
+        rows.weight[entry] += share * weight
         if corner >= 0:
             for d in range(dim):
                 if len(couple) > 0:
-                    couple[entry, d] += table.weight[k] * places.turn[c, corner, d]
+                    couple[entry, d] += weight * places.turn[c, corner, d]
                 if len(tilt) > 0:
-                    tilt[entry, d] += table.weight[k] * places.lean[c, corner, d]
+                    tilt[entry, d] += weight * places.lean[c, corner, d]
     return top
 
 
@@ -222,12 +218,13 @@ def next_candidate(s: int, last: int, candidates: Candidates) -> int:
 @kernel
 def assemble(
     passes: float, across: bool, ties: bool, candidates: Candidates, outline: Outline, pair_of: Ints, pair_first: Ints,
-    table: SurfaceTable, rows: Rows, places: Places, spacing: tuple[float, ...],
+    table: SurfaceTable, place: Ints, rows: Rows, places: Places, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """A row for each candidate, two where it meets two facets alike; their number, or −1 where there is no room for all.
 
     ``passes`` is the part of a node's tributary area that counts in one pass. ``across`` says whether only what
-    lies across the normal is a row's area, ``ties`` whether of two equally close facets both count.
+    lies across the normal is a row's area, ``ties`` whether of two equally close facets both count. ``place`` is scratch
+    (:func:`add_point`).
     """
     c, top, body, dim = 0, 0, outline.body, len(spacing)
     share, normal = scratch.vector(spacing), scratch.vector(spacing)
@@ -265,10 +262,12 @@ def assemble(
                 write_geometry(c, share, normal, outline, rows, places, spacing)
                 write_motion(c, outline, rows, places)
                 rows.start[c] = top
-                top = add_point(s, 1.0, c, -1, top, table, rows, places)
+                top = add_point(s, 1.0, c, -1, top, table, place, rows, places)
                 for corner in range(dim):
                     node = outline.facets[m, corner]
-                    top = add_point(node, -places.share[c, corner], c, corner, top, table, rows, places)
+                    top = add_point(
+                        node, -places.share[c, corner], c, corner, top, table, place, rows, places
+                    )
                 c += 1
                 rows.start[c] = top
             j = next_candidate(s, j, candidates)

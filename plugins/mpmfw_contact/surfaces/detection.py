@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from mpmfw.api import (
     AnyArray,
@@ -15,7 +14,6 @@ from mpmfw.api import (
     FloatArray,
     Grid,
     IntArray,
-    Length,
     Particles,
     SceneError,
     Setup,
@@ -28,6 +26,8 @@ from mpmfw_contact.surfaces import search
 from mpmfw_contact.surfaces.assembly import Places, SurfaceTable, assemble, point_forces
 from mpmfw_contact.surfaces.candidates import no_candidates, no_lists
 from mpmfw_contact.surfaces.facing import too_fine
+from mpmfw_contact.surfaces.near_facets import STALE, NearFacets
+from mpmfw_contact.surfaces.options import FacetOptions, SurfacesOptions
 from mpmfw_contact.surfaces.outline import outline_of
 from mpmfw_contact.surfaces.tracking import CROSSED, crossed, find_crossings, keep_inside, remember_inside
 from mpmfw_contact.surfaces.travel import TravelLimit
@@ -38,42 +38,6 @@ THIN = 0.05
 FORCE = ArrayField(
     "force", ("surface_node", "axis"), "N m-1", "contact force on the surface node", "surface", output=True
 )
-
-
-class FacetOptions(BaseModel):
-    """Master, search and mapping."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    master: str | None = Field(
-        None,
-        description="name of the master body (one pass); default: the stiffer, else a pair's first body",
-    )
-    search_radius: float = Field(1.0, gt=0, le=1.0, description="reach of the search in cells")
-    interface_thickness: Length = Field(
-        0.0, ge=0, description="thickness of the surface layer that carries mass"
-    )
-    map: Literal["auto", "plain", "mass_weighted"] = Field(
-        "auto", description="surface-to-grid map; auto: mass_weighted for linear and GIMP, else plain"
-    )
-
-
-class SurfacesOptions(FacetOptions):
-    """Master, search and mapping, number of passes, and the form of C_n."""
-
-    passes: Literal["one", "two"] = Field(
-        "two",
-        description="two: each body is slave once, with half of its area; one: classical master-slave",
-    )
-    normal_variation: Literal["exact", "hamad2017"] = Field(
-        "exact", description="C_n = N, the exact variation, or N - (g_n / l) Q (eq. 7)"
-    )
-
-    @model_validator(mode="after")
-    def _master_has_an_effect(self) -> SurfacesOptions:
-        if self.master is not None and self.passes != "one":
-            raise ValueError('\'master\' has no effect with passes = "two"; expected passes = "one"')
-        return self
 
 
 class Surfaces(Detection):
@@ -136,6 +100,8 @@ class Surfaces(Detection):
         self.through = np.zeros(3)
         self.count, self.was_inside = 0, False
         self.table: SurfaceTable | None = None
+        self.place = np.zeros(0, dtype=np.int64)
+        self.near = NearFacets(self.outline, self.rank, self.radius, setup.state.grid.spacing)
         self.list_pairs(setup.state)
 
     def list_pairs(self, state: State) -> None:
@@ -143,6 +109,7 @@ class Surfaces(Detection):
         self.first = np.array([pair.first for pair in state.pairs], dtype=np.int64)
         self.second = np.array([pair.second for pair in state.pairs], dtype=np.int64)
         self.pair_of = pair_table(self.first, self.second)
+        self.near.forget()
 
     def new_rows(self, own: dict[str, int | None]) -> SurfaceRows:
         """Rows that know their slave node and facet."""
@@ -160,14 +127,11 @@ class Surfaces(Detection):
 
     def _search(self, grid: Grid) -> int:
         """Number of candidates after the search's three steps, and after nodes inside bodies were followed."""
-        outline, lists = self.outline, self.lists
         count = 0
-        if search.near_boxes(self.first, self.second, self.radius, outline, lists) and self._list_facets(
-            grid
-        ):
-            count = search.find_pairs(
-                self.stamp, self.radius, self.every_facet, outline, self.rank, lists, self.candidates, grid.spacing
-            )  # fmt: skip
+        if search.near_boxes(self.first, self.second, self.radius, self.near.skin, self.outline, self.lists):
+            count = STALE if self.every_facet else self.near.find(self.candidates)
+            if count == STALE:
+                count = self._find_pairs(grid)
             if count < 0:
                 raise too_fine(self.state, -1 - count)
         elif not self.was_inside:
@@ -176,12 +140,25 @@ class Surfaces(Detection):
             self.candidates.facet.fill(-1)
         return count + (0 if self.every_facet else self._track())
 
-    def _list_facets(self, grid: Grid) -> bool:
+    def _find_pairs(self, grid: Grid) -> int:
+        """Number of candidates after the search's three steps; lists for the next ones."""
+        wide = 0.0 if self.every_facet else self.near.margin()
+        if not self._list_facets(grid, wide):
+            self.candidates.facet.fill(-1)
+            return 0
+        count = search.find_pairs(
+            self.stamp, self.radius, self.every_facet, self.outline, self.rank, self.lists, self.candidates, grid.spacing
+        )  # fmt: skip
+        if count >= 0 and wide > 0.0:
+            self.near.make(self.stamp, self.lists, self.candidates)
+        return int(count)
+
+    def _list_facets(self, grid: Grid, wide: float) -> bool:
         """Lists of the facets in cells that two bodies reach; whether there are such cells."""
         lists = self.lists
         while True:
             self.stamp += 1
-            entries = search.list_facets(self.stamp, self.outline, lists, grid.spacing)
+            entries = search.list_facets(self.stamp, wide, self.outline, lists, grid.spacing)
             if entries <= len(lists.link):
                 return entries > 0
             room = {
@@ -208,11 +185,13 @@ class Surfaces(Detection):
             raise RuntimeError("the surface's table was not filled")
         if self.table is None or self.table.weight is not phi.weight:
             self.table = SurfaceTable(row=phi.row, nodes=phi.nodes, weight=phi.weight)
+        if len(self.place) < len(self.state.grid.mass):
+            self.place = np.zeros(len(self.state.grid.mass), dtype=np.int64)
         passes, closest = 0.5 if self.two_passes else 1.0, not self.every_facet
         while True:
             rows.count = assemble(
                 passes, closest, closest, self.candidates, self.outline, self.pair_of, self.first, self.table,
-                rows, rows.places, self.state.grid.spacing,
+                self.place, rows, rows.places, self.state.grid.spacing,
             )  # fmt: skip
             if rows.count >= 0:
                 return
@@ -241,6 +220,7 @@ class Surfaces(Detection):
         facet = np.where(inside >= 0, numbers.facet[facet], -1)
         ours.inside_facet[nodes[known], :slots] = np.take_along_axis(facet, first, axis=1)
         self.was_inside = bool((ours.inside >= 0).any())
+        self.near.forget()
 
     def outputs(self, rows: ContactRows) -> dict[str, AnyArray]:
         """Contact forces of the surface nodes, those of facets shared by their corners."""

@@ -43,11 +43,17 @@ SURELY = 1.5 * LEAST_COSINE
 def surely_faces(s: int, m: int, outline: Outline, spacing: tuple[float, ...]) -> bool:
     """Whether every facet of node s faces facet m: then so does the node's normal, a sum of theirs with weights that need the
     angles, which cost more."""
-    looks, sure = scratch.vector(spacing), True
+    area, own, sure, size = scratch.vector(spacing), scratch.vector(spacing), True, 0.0
+    area_of(m, outline, area, spacing)
+    for d in range(len(spacing)):
+        size += area[d] * area[d]
     for k in range(outline.star_first[s], outline.star_first[s + 1]):
-        area_of(outline.star[k], outline, looks, spacing)
-        along, size = against(looks, m, outline, spacing)
-        sure = sure and along > SURELY * size
+        area_of(outline.star[k], outline, own, spacing)
+        along, own_size = 0.0, 0.0
+        for d in range(len(spacing)):
+            along -= own[d] * area[d]
+            own_size += own[d] * own[d]
+        sure = sure and along > 0.0 and along * along > SURELY * SURELY * own_size * size
     return sure
 
 

@@ -24,11 +24,14 @@ def boxes_apart(a: int, b: int, lower: Floats, upper: Floats, reach: Float) -> b
 
 
 @kernel
-def near_boxes(first: Ints, second: Ints, reach: float, outline: Outline, grid: SearchGrid) -> bool:
-    """Bounding boxes of all bodies, and of what of each may be within ``reach`` [m] of another, empty for most; whether any is.
+def near_boxes(
+    first: Ints, second: Ints, reach: float, wide: float, outline: Outline, grid: SearchGrid
+) -> bool:
+    """Bounding boxes of all bodies, and of what of each may be within ``reach`` + ``wide`` [m] of another, empty for most;
+    whether any two boxes are within ``reach``.
 
-    Of pairs with boxes closer than that it is the part within the other's box, widened by the reach; of more than one the
-    box round them.
+    Of pairs with boxes closer than both it is the part within the other's box, widened by both; of more than one the box
+    round them.
     """
     near, lower, upper = False, grid.box_lower, grid.box_upper
     bounding_boxes(outline.body_first, outline.position, lower, upper)
@@ -36,14 +39,14 @@ def near_boxes(first: Ints, second: Ints, reach: float, outline: Outline, grid: 
     near_lower[:] = math.inf
     near_upper[:] = -math.inf
     for c in range(len(first)):
-        if boxes_apart(first[c], second[c], lower, upper, reach):
+        if boxes_apart(first[c], second[c], lower, upper, reach + wide):
             continue
-        near = True
+        near = near or not boxes_apart(first[c], second[c], lower, upper, reach)
         for way in range(2):
             a, b = (first[c], second[c]) if way == 0 else (second[c], first[c])
             for d in range(lower.shape[1]):
-                near_lower[a, d] = min(near_lower[a, d], max(lower[a, d], lower[b, d] - reach))
-                near_upper[a, d] = max(near_upper[a, d], min(upper[a, d], upper[b, d] + reach))
+                near_lower[a, d] = min(near_lower[a, d], max(lower[a, d], lower[b, d] - reach - wide))
+                near_upper[a, d] = max(near_upper[a, d], min(upper[a, d], upper[b, d] + reach + wide))
     return near
 
 
@@ -87,12 +90,12 @@ def flat_index(index: Ints, grid: SearchGrid, spacing: tuple[float, ...]) -> int
 
 @device
 def cells_of(
-    lower: Floats, upper: Floats, first: Ints, last: Ints, grid: SearchGrid, spacing: tuple[float, ...]
-) -> None:
-    """First and last cell along every axis that the box from ``lower`` to ``upper`` touches."""
+    lower: Floats, upper: Floats, wide: Float, first: Ints, last: Ints, grid: SearchGrid, spacing: tuple[float, ...]
+) -> None:  # fmt: skip
+    """First and last cell along every axis that the box from ``lower`` to ``upper`` touches, widened by ``wide`` [m]."""
     for d in range(len(spacing)):
-        first[d] = cell_of(lower[d], d, grid, spacing)
-        last[d] = cell_of(upper[d], d, grid, spacing)
+        first[d] = cell_of(lower[d] - wide, d, grid, spacing)
+        last[d] = cell_of(upper[d] + wide, d, grid, spacing)
 
 
 @device
@@ -117,12 +120,14 @@ def advance(index: Ints, first: Ints, last: Ints, spacing: tuple[float, ...]) ->
 
 
 @device
-def mark_shared_nodes(stamp: int, outline: Outline, grid: SearchGrid, spacing: tuple[float, ...]) -> bool:
+def mark_shared_nodes(
+    stamp: int, wide: Float, outline: Outline, grid: SearchGrid, spacing: tuple[float, ...]
+) -> bool:
     """Step 1: mark the grid nodes that the surfaces of two bodies reach; return whether there are any.
 
     Only what lies in its body's near box counts (:func:`near_boxes`); such facets, and their bounding boxes, are listed. A
-    facet reaches the nodes of all cells that its bounding box touches. ``owner`` holds stamp * n_bodies + body of the first
-    to arrive.
+    facet reaches the nodes of all cells that its bounding box, widened by ``wide``, touches. ``owner`` holds stamp * n_bodies +
+    body of the first to arrive.
     """
     any_shared, count = False, 0
     lower, upper = scratch.vector(spacing), scratch.vector(spacing)
@@ -138,7 +143,7 @@ def mark_shared_nodes(stamp: int, outline: Outline, grid: SearchGrid, spacing: t
         for d in range(len(spacing)):
             grid.facet_lower[m, d], grid.facet_upper[m, d] = lower[d], upper[d]
         mine = base + body
-        cells_of(lower, upper, first, last, grid, spacing)
+        cells_of(lower, upper, wide, first, last, grid, spacing)
         for d in range(len(spacing)):
             last[d] += 1  # nodes, of which there is one more
             index[d] = first[d]
@@ -171,19 +176,21 @@ def tagged(cell: int, stamp: int, grid: SearchGrid, spacing: tuple[float, ...]) 
 
 
 @kernel
-def list_facets(stamp: int, outline: Outline, grid: SearchGrid, spacing: tuple[float, ...]) -> int:
+def list_facets(
+    stamp: int, wide: float, outline: Outline, grid: SearchGrid, spacing: tuple[float, ...]
+) -> int:
     """Steps 1 and 2: linked lists of the near facets in every tagged cell; return the number of entries, stored or not.
 
-    There are none where no two bodies share a node.
+    There are none where no two bodies share a node. Facets count as larger by ``wide`` [m] all round.
     """
     count = 0
-    if not mark_shared_nodes(stamp, outline, grid, spacing):
+    if not mark_shared_nodes(stamp, wide, outline, grid, spacing):
         return 0
     first, last, index = scratch.integers(spacing), scratch.integers(spacing), scratch.integers(spacing)
     for k in range(grid.near_count[0]):
         m = grid.near[k]
         body = outline.body[outline.facets[m, 0]]
-        cells_of(grid.facet_lower[m], grid.facet_upper[m], first, last, grid, spacing)
+        cells_of(grid.facet_lower[m], grid.facet_upper[m], wide, first, last, grid, spacing)
         for d in range(len(spacing)):
             index[d] = first[d]
         for _ in range(number_of(first, last, spacing)):
@@ -357,6 +364,24 @@ def nearest_first(order: Ints, spacing: tuple[float, ...]) -> None:
                 count += 1
 
 
+@device
+def cell_beside(own: Ints, code: int, index: Ints, grid: SearchGrid, spacing: tuple[float, ...]) -> int:
+    """Flat index of a cell beside the cell ``own``, −1 if it is outside of the grid; its indices into ``index``.
+
+    ``code`` has a digit 0 … 2 for each axis, the last axis lowest.
+    """
+    inside = True
+    for back in range(len(spacing)):
+        d = len(spacing) - 1 - back
+        index[d] = own[d] - 1 + code % 3
+        code //= 3
+        inside = inside and index[d] >= 0 and index[d] <= grid.nodes[d] - 2
+    if not inside:
+        return -1
+    flat: int = flat_index(index, grid, spacing)
+    return flat
+
+
 @kernel
 def find_pairs(
     stamp: int, radius: float, every: bool, outline: Outline, rank: Ints, grid: SearchGrid, candidates: Candidates,
@@ -394,16 +419,8 @@ def find_pairs(
         if not near:
             continue
         for visit in range(around):
-            code, within = order[visit], True
-            for back in range(dim):
-                d = dim - 1 - back
-                index[d] = own[d] - 1 + code % 3
-                code //= 3
-                within = within and index[d] >= 0 and index[d] <= grid.nodes[d] - 2
-            if not within:
-                continue
-            cell = flat_index(index, grid, spacing)
-            if grid.head_stamp[cell] != stamp or grid.head_body[cell] == outline.body[s]:
+            cell = cell_beside(own, order[visit], index, grid, spacing)
+            if cell < 0 or grid.head_stamp[cell] != stamp or grid.head_body[cell] == outline.body[s]:
                 continue
             for d in range(dim):
                 lower[d] = grid.lower[d] + index[d] * spacing[0]

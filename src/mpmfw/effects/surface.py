@@ -11,8 +11,10 @@ import numpy as np
 from mpmfw.fields import MIN_GAP, AnyArray, Field, FloatArray, IntArray
 from mpmfw.geometry.facets import neighbours_of, stars_of, tributaries_of
 from mpmfw.hookspecs import hookimpl
-from mpmfw.kernels import Facets, kernel
+from mpmfw.kernels import Facets, kernel, scratch
 from mpmfw.kernels.gaps import minimum_gaps
+from mpmfw.kernels.rows import add_scaled_row
+from mpmfw.kernels.table import entries
 from mpmfw.kernels.types import Floats, Indices, Ints
 from mpmfw.setup import Setup
 from mpmfw.state import Body, Grid, State, Surface
@@ -79,11 +81,17 @@ def weigh_plain(row: Ints, nodes: Indices, weight: Floats, cell_mass: Floats, no
     """
     for s in range(len(row) - 1):
         lost, kept, heaviest, lightest = 0.0, 0.0, 0.0, math.inf
-        for k in range(row[s], row[s + 1]):
+        for k in entries(row, s):
+            if not node_mass[nodes[k]] >= lightest:
+                lightest = node_mass[nodes[k]]
+        if (
+            lightest > LIGHT * cell_mass[s]
+        ):  # no weight is more than 1: most nodes are inside of all that is light
+            continue
+        for k in entries(row, s):
             heaviest = max(heaviest, node_mass[nodes[k]])
-            lightest = min(lightest, node_mass[nodes[k]])
         light = LIGHT * min(cell_mass[s], 4.0 * heaviest)
-        if lightest > light:  # no weight is more than 1
+        if lightest > light:
             continue
         for k in range(row[s], row[s + 1]):
             if node_mass[nodes[k]] > light * weight[k] * weight[k]:
@@ -119,15 +127,18 @@ def move_points(
     position: Floats,
     displacement: Floats,
     dt: float,
+    spacing: tuple[float, ...],
 ) -> None:
     """x_s += Δt Σ N_i v_i."""
+    motion = scratch.matrix((0.0,), spacing)
     for s in range(len(position)):
-        for d in range(position.shape[1]):
-            motion = 0.0
-            for k in range(row[s], row[s + 1]):
-                motion += weight[k] * node_velocity[nodes[k], d]
-            displacement[s, d] = dt * motion
-            position[s, d] += dt * motion
+        for d in range(len(spacing)):
+            motion[0, d] = 0.0
+        for k in entries(row, s):
+            add_scaled_row(motion, 0, weight[k], node_velocity, nodes[k], spacing)
+        for d in range(len(spacing)):
+            displacement[s, d] = dt * motion[0, d]
+            position[s, d] += dt * motion[0, d]
 
 
 CELL_MASS = Field(
@@ -180,7 +191,14 @@ class SurfaceTracker:
         phi = surface.stencil
         if phi is not None:
             move_points(
-                phi.row, phi.nodes, phi.weight, grid.velocity, surface.position, surface.displacement, dt
+                phi.row,
+                phi.nodes,
+                phi.weight,
+                grid.velocity,
+                surface.position,
+                surface.displacement,
+                dt,
+                grid.spacing,
             )
 
 

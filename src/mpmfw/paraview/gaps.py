@@ -13,7 +13,9 @@ from mpmfw.paraview.triangles import distances_in_space
 _AT_ONCE = 1_000_000
 
 
-def surface_gaps(surfaces: Mapping[str, tuple[FloatArray, IntArray]]) -> dict[str, FloatArray]:
+def surface_gaps(
+    surfaces: Mapping[str, tuple[FloatArray, IntArray]],
+) -> dict[str, tuple[FloatArray, FloatArray | None]]:
     """Distance of every surface node from the nearest surface of another body; negative inside of it.
 
     Parameters
@@ -26,18 +28,22 @@ def surface_gaps(surfaces: Mapping[str, tuple[FloatArray, IntArray]]) -> dict[st
     -------
     dict
         (s,) [m] for each body; NaN if it is the only one. Measured as ``min_gap`` is, whose value is the least
-        of both bodies'.
+        of both bodies'. And of triangles the outward direction of that other surface there, (s, 3), None of segments or
+        if there is no other.
     """
-    found = {}
-    for body, (position, _) in surfaces.items():
+    found: dict[str, tuple[FloatArray, FloatArray | None]] = {}
+    for body, (position, own) in surfaces.items():
         others = [surface for name, surface in surfaces.items() if name != body]
-        gaps = [
-            signed_distances(position, nodes, facets[:, 1])
-            if facets.shape[1] == 2
-            else distances_in_space(position, nodes, facets)
-            for nodes, facets in others
-        ]
-        found[body] = np.min(gaps, axis=0) if gaps else np.full(len(position), np.nan)
+        if not others:
+            found[body] = np.full(len(position), np.nan), None
+        elif own.shape[1] == 2:
+            gaps = [signed_distances(position, nodes, facets[:, 1]) for nodes, facets in others]
+            found[body] = np.min(gaps, axis=0), None
+        else:
+            each = [distances_in_space(position, nodes, facets) for nodes, facets in others]
+            gaps = [gap for gap, _ in each]
+            nearest, rows = np.argmin(gaps, axis=0), np.arange(len(position))
+            found[body] = np.min(gaps, axis=0), np.array([way for _, way in each])[nearest, rows]
     return found
 
 

@@ -60,12 +60,12 @@ def surface_mesh(tree: xr.DataTree, bodies: Mapping[str, int], frame: int) -> Me
     }
     gaps = surface_gaps(shapes)
     own = [body for body in everywhere if body in bodies]
-    counts = [len(gaps[body]) for body in own]
+    counts = [len(gaps[body][0]) for body in own]
     parts = [
         {
             **_without_geometry(everywhere[body]),
-            "gap": gaps[body],
-            **contact_fields(everywhere[body], *shapes[body]),
+            "gap": gaps[body][0],
+            **contact_fields(everywhere[body], *shapes[body], *gaps[body]),
         }
         for body in own
     ]
@@ -79,17 +79,24 @@ def surface_mesh(tree: xr.DataTree, bodies: Mapping[str, int], frame: int) -> Me
     )
 
 
-def contact_fields(frame: xr.Dataset, position: FloatArray, facets: IntArray) -> dict[str, AnyArray]:
+def contact_fields(
+    frame: xr.Dataset, position: FloatArray, facets: IntArray, gap: FloatArray, other: FloatArray | None
+) -> dict[str, AnyArray]:
     """What the contact forces of the nodes of a surface in space are by area and direction.
+
+    A node that is inside of another body, its ``gap`` (s,) [m] negative, presses along the normal of that body's surface, whose
+    outward directions ``other`` (s, 3) are given; and nodes of the other press on its own triangles along theirs. Friction is
+    told from pressing by the mean of both there, and by its own normal elsewhere: a node beside the lowest one of a sphere would
+    else seem to slip, or to stick.
 
     Returns
     -------
     dict
         ``pressure`` −f·n/A (s,) [Pa], with n and A the sum of the area vectors of a node's triangles, a third each; and
-        ``friction_share`` |f − (f·n) n|/(−f·n), NaN where nothing presses: a node sticks below the coefficient of friction and
-        slips where it is reached. Nothing in the plane, or without forces.
+        ``friction_share`` |f − (f·m) m|/(−f·m), m the mean normal, NaN where nothing presses: a node sticks below the
+        coefficient of friction and slips where it is reached. Nothing in the plane, without forces or another surface.
     """
-    if facets.shape[1] != 3 or "force" not in frame:
+    if facets.shape[1] != 3 or "force" not in frame or other is None:
         return {}
     force = np.asarray(frame["force"].values, dtype=float)
     corners = position[facets]
@@ -100,9 +107,12 @@ def contact_fields(frame: xr.Dataset, position: FloatArray, facets: IntArray) ->
     size = np.linalg.norm(area, axis=1)
     normal = area / size[:, np.newaxis]
     pressing = -(force * normal).sum(axis=1)
-    tangential = np.linalg.norm(force + pressing[:, np.newaxis] * normal, axis=1)
+    mean = normal - np.where(gap < 0.0, 1.0, 0.0)[:, np.newaxis] * other
+    mean /= np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-12)
+    against = -(force * mean).sum(axis=1)
+    tangential = np.linalg.norm(force + against[:, np.newaxis] * mean, axis=1)
     share = np.full(len(size), np.nan)
-    np.divide(tangential, pressing, out=share, where=pressing > 0.0)
+    np.divide(tangential, against, out=share, where=(pressing > 0.0) & (against > 0.0))
     return {"pressure": pressing / size, "friction_share": share}
 
 

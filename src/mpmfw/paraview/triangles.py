@@ -11,8 +11,11 @@ from mpmfw.geometry.facets import neighbours_of
 _AT_ONCE = 500_000
 
 
-def distances_in_space(points: FloatArray, nodes: FloatArray, facets: IntArray) -> FloatArray:
-    """Signed distance of points from a closed surface, each from its nearest triangle; negative inside the material.
+def distances_in_space(
+    points: FloatArray, nodes: FloatArray, facets: IntArray
+) -> tuple[FloatArray, FloatArray]:
+    """Signed distance of points from a closed surface, each from its nearest triangle; negative inside the material. And the
+    surface's outward direction there.
 
     Where the nearest point lies on an edge the sum of both normals decides, on a node the normals weighted by their angles (J. A.
     Bærentzen, H. Aanæs, 2005), as for ``min_gap``.
@@ -26,8 +29,8 @@ def distances_in_space(points: FloatArray, nodes: FloatArray, facets: IntArray) 
 
     Returns
     -------
-    ndarray
-        (n,) [m].
+    tuple
+        (n,) [m], and unit vectors (n, 3): along the distance, or the surface's pseudo-normal where there is none.
     """
     from scipy.spatial import cKDTree
 
@@ -37,7 +40,7 @@ def distances_in_space(points: FloatArray, nodes: FloatArray, facets: IntArray) 
     tree = cKDTree(centre)
     # of the triangle with the nearest centre no point is farther than that and the reach
     near, _ = tree.query(points)
-    found = np.empty(len(points))
+    found, outward = np.empty(len(points)), np.empty_like(points)
     pseudo = _Normals(nodes, facets)
     candidates = tree.query_ball_point(points, (near + 2.0 * reach) * (1.0 + 1e-9))
     count = np.array([len(each) for each in candidates])
@@ -53,10 +56,14 @@ def distances_in_space(points: FloatArray, nodes: FloatArray, facets: IntArray) 
         square = (away * away).sum(axis=1)
         order = np.lexsort((facet, square, rows))
         best = order[np.searchsorted(rows[order], np.arange(first, last))]
-        side = (away[best] * pseudo.at(facet[best], share[best])).sum(axis=1)
-        found[first:last] = np.where(side < 0.0, -1.0, 1.0) * np.sqrt(square[best])
+        normal = pseudo.at(facet[best], share[best])
+        sign = np.where((away[best] * normal).sum(axis=1) < 0.0, -1.0, 1.0)
+        found[first:last] = sign * np.sqrt(square[best])
+        on_it = square[best] <= (1e-12 * reach) ** 2
+        along = np.where(on_it[:, np.newaxis], normal, sign[:, np.newaxis] * away[best])
+        outward[first:last] = along / np.linalg.norm(along, axis=1, keepdims=True)
         first = last
-    return found
+    return found, outward
 
 
 def closest_shares(points: FloatArray, corners: FloatArray) -> FloatArray:
