@@ -17,8 +17,8 @@ STEPS = 20000
 def slid(radius: float, omega: float, friction: float, end: float) -> float:
     """Distance from the axis [m] at ``end`` [s] of a rigid block that begins to turn with the table.
 
-    It sticks while ω² r ≤ μ g; beyond, a = −μ g w/|w| with w its velocity over the table, outwards at first. Integrated by steps at
-    mid-point.
+    It sticks while ω² r ≤ μ g; beyond, a = −μ g w/|w| with w its velocity over the table, outwards at first. Integrated by the
+    mid-point rule.
     """
     if omega**2 * radius <= friction * GRAVITY:
         return radius
