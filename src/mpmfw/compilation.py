@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+import sys
 import time
 from types import TracebackType
 from typing import Any, Self
@@ -15,6 +17,26 @@ _event: Any = numba_event
 
 #: numba holds its compiler lock while it compiles a kernel or loads it from the disk cache.
 _LOCK = "numba:compiler_lock"
+
+
+def import_numba_without_scipy() -> None:
+    """Import numba's functions of arrays before numba does so with the first kernel, and without ``scipy.linalg``.
+
+    numba asks whether there is a BLAS as it imports them, which loads scipy and a dozen of its and NumPy's packages. No kernel
+    of ours calls BLAS, and numba asks once more as it compiles one that does.
+    """
+    if "numba.np.arraymath" in sys.modules:
+        return
+    linalg: Any = importlib.import_module("numba.np.linalg")
+    ensure_blas = getattr(linalg, "ensure_blas", None)
+    if ensure_blas is None:  # a numba that asks in another way
+        return
+    linalg.ensure_blas = lambda: None
+    try:
+        arraymath: Any = importlib.import_module("numba.np.arraymath")
+    finally:
+        linalg.ensure_blas = ensure_blas
+    arraymath.ensure_blas = ensure_blas
 
 
 class CompileTimer(_event.Listener):  # type: ignore[misc]

@@ -13,7 +13,7 @@ from mpmfw.answers import declared_fields
 from mpmfw.blame import blaming, bundled, described
 from mpmfw.build import Build, build, strategy
 from mpmfw.clock import STAGES, STEP_STAGES, Clock
-from mpmfw.compilation import CompileTimer
+from mpmfw.compilation import CompileTimer, import_numba_without_scipy
 from mpmfw.dead_hooks import refuse_dead_hooks
 from mpmfw.effect import Effect
 from mpmfw.errors import PluginError, SceneError, SimulationError
@@ -76,6 +76,7 @@ class Simulation:
         loads: Mapping[str, Any] | None = None,
         threads: int | None = None,
     ) -> None:
+        import_numba_without_scipy()
         contact, shape = strategy("contact", contact), strategy("shape", shape)
         made = build(
             _with_methods(scene, contact, shape),
