@@ -48,6 +48,8 @@ COARSE: dict[str, dict[str, Any]] = {
     "rolling-sphere-slip": {"grid.cell_size": 0.8, "settle.max_time": 0.02, "time.end": 0.02},
     "sliding-block": {
         "grid.cell_size": 0.2,
+        "grid.lower": [-1.0, -0.8],
+        "grid.upper": [3.8, 1.4],
         "settle.max_time": 0.008,
         "time.end": 0.01,
         "output.stability": True,
