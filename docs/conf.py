@@ -100,6 +100,7 @@ nitpick_ignore_regex = [
         "py:class",
         r"mpmfw\.(hookspecs\.HookSpecs|studies\.loading\.Study|point_fields\.PointField)|Numbers|RowContact|Scene|Threads",
     ),
+    ("py:class", r"(scipy\.)?sparse\.(_csr\.)?csr_matrix"),
     ("py:.*", r"declare_fields|hookimpl|Interrupted|KAPPA|mpmfw\.fields\.CONTACT_SERIES"),
 ]
 math_eqref_format = "({number})"

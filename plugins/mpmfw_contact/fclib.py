@@ -56,7 +56,8 @@ class LocalProblem:
     def residual(self, impulse: FloatArray | None = None) -> float:
         """How far impulses (n dim,) are from a solution: ‖r − P(r − û)‖ / (1 + √‖q‖), FCLIB's first merit function.
 
-        P projects on Coulomb's cone, û = u + (μ |u_T|, 0, 0) (De Saxcé & Feng 1998). Of its own solution if ``impulse`` is None.
+        P projects on Coulomb's cone, û is u with u_N + μ abs(u_T) for u_N (De Saxcé & Feng 1998). Of its own
+        solution if ``impulse`` is None.
 
         Raises
         ------
@@ -141,7 +142,7 @@ def last_problem(simulation: Any, title: str = "") -> LocalProblem:
     Parameters
     ----------
     simulation
-        :class:`mpmfw.Simulation` of a scene with ``lcp``, after a step; nothing in it changes.
+        ``mpmfw.Simulation`` of a scene with ``lcp``, after a step; nothing in it changes.
     title
         What the file will call it; scene and time if left out.
 
