@@ -56,7 +56,7 @@ def motion_between(c: int, s: int, share: Float, outline: Outline, rows: Rows, p
 @kernel
 def rows_of_points(
     points: Floats, parts: Floats, radius: float, length: Floats, outline: Outline, rank: Ints, lists: SearchGrid,
-    pair_of: Ints, pair_first: Ints, table: SurfaceTable, rows: Rows, places: Places, spacing: tuple[float, ...],
+    pair_of: Ints, pair_first: Ints, table: SurfaceTable, place: Ints, rows: Rows, places: Places, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """A row for every point within ``radius`` of another body, against its closest segment; −1 where there is no room.
 
@@ -90,11 +90,13 @@ def rows_of_points(
                 write_geometry(c, share, normal, outline, rows, places, spacing)
                 motion_between(c, s, points[q], outline, rows, places)
                 rows.start[c] = top
-                top = add_point(s, 1.0 - points[q], c, -1, top, table, rows, places)
-                top = add_point(e, points[q], c, -1, top, table, rows, places)
+                top = add_point(s, 1.0 - points[q], c, -1, top, table, place, rows, places)
+                top = add_point(e, points[q], c, -1, top, table, place, rows, places)
                 for corner in range(2):
                     node = outline.facets[m, corner]
-                    top = add_point(node, -places.share[c, corner], c, corner, top, table, rows, places)
+                    top = add_point(
+                        node, -places.share[c, corner], c, corner, top, table, place, rows, places
+                    )
                 c += 1
                 rows.start[c] = top
     return c
@@ -123,16 +125,14 @@ class Quadrature(Surfaces):
     def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:  # noqa: ARG002
         """Every point against every body whose box is near."""
         assert isinstance(rows, SurfaceRows)
-        stencil = self.surface.stencil
-        assert stencil is not None
-        table = SurfaceTable(row=stencil.row, nodes=stencil.nodes, weight=stencil.weight)
+        table, place = self.tables()
         bounding_boxes(
             self.outline.body_first, self.outline.position, self.lists.box_lower, self.lists.box_upper
         )
         while True:
             rows.count = rows_of_points(
                 self.points, self.parts, self.radius, self.length, self.outline, self.rank, self.lists,
-                self.pair_of, self.first, table, rows, rows.places, grid.spacing,
+                self.pair_of, self.first, table, place, rows, rows.places, grid.spacing,
             )  # fmt: skip
             if rows.count >= 0:
                 return

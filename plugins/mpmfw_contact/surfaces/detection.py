@@ -179,7 +179,8 @@ class Surfaces(Detection):
             self.state.grid.spacing,
         )  # fmt: skip
 
-    def _assemble(self, rows: SurfaceRows) -> None:
+    def tables(self) -> tuple[SurfaceTable, IntArray]:
+        """The functions of the surface's nodes, and the scratch (n_nodes,) of ``add_point``."""
         phi = self.surface.stencil
         if phi is None:
             raise RuntimeError("the surface's table was not filled")
@@ -187,11 +188,15 @@ class Surfaces(Detection):
             self.table = SurfaceTable(row=phi.row, nodes=phi.nodes, weight=phi.weight)
         if len(self.place) < len(self.state.grid.mass):
             self.place = np.zeros(len(self.state.grid.mass), dtype=np.int64)
+        return self.table, self.place
+
+    def _assemble(self, rows: SurfaceRows) -> None:
+        table, place = self.tables()
         passes, closest = 0.5 if self.two_passes else 1.0, not self.every_facet
         while True:
             rows.count = assemble(
-                passes, closest, closest, self.candidates, self.outline, self.pair_of, self.first, self.table,
-                self.place, rows, rows.places, self.state.grid.spacing,
+                passes, closest, closest, self.candidates, self.outline, self.pair_of, self.first, table,
+                place, rows, rows.places, self.state.grid.spacing,
             )  # fmt: skip
             if rows.count >= 0:
                 return
