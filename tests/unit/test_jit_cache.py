@@ -84,6 +84,27 @@ def test_edit_of_an_imported_file_is_noticed(package, tmp_path):
     assert after["hits"] == 1  # the core's own kernel is not compiled again
 
 
+def test_edit_of_another_package_is_noticed(package, tmp_path):
+    """What a kernel calls may be of another plug-in, and reach it through a third."""
+    package.rename(tmp_path / "other_shape")
+    for file in ("weights.py", "fill.py"):
+        text = (tmp_path / "other_shape" / file).read_text()
+        (tmp_path / "other_shape" / file).write_text(text.replace("own_shape", "other_shape"))
+    (tmp_path / "between.py").write_text(
+        "from mpmfw.kernels import kernel\nfrom other_shape import fill as theirs\n"
+        "@kernel\ndef middle(x):\n    return theirs.fill(x)\n"
+    )
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "fill.py").write_text(
+        "from mpmfw.kernels import kernel\nfrom between import middle\n"
+        "@kernel\ndef fill(x):\n    return middle(x)\n"
+    )
+    assert run(package, tmp_path / "cache")["result"] == 2.0
+    (tmp_path / "other_shape" / "weights.py").write_text(DEVICE.format(factor=3.0))
+    assert run(package, tmp_path / "cache")["result"] == 3.0
+
+
 def test_cache_that_cannot_be_written(package, tmp_path):
     (tmp_path / "file").touch()
     blocked = run(package, tmp_path / "file" / "cache")

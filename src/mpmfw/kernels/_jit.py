@@ -2,8 +2,9 @@
 
 numba's cache is keyed by the file that holds the kernel and misses an edit in a file that it imports (stale
 callers), and its key leaves out options such as ``nogil``. The cache folder is therefore named by a hash of
-the options and of all sources that a kernel can be made of: those of ``mpmfw.kernels`` and of the kernel's
-own package.
+the options and of all sources that a kernel can be made of: those of ``mpmfw.kernels``, of the kernel's own
+package, and of the kernels of other packages that its module has imported. (A number that is imported by value
+from another package is not seen.)
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import tempfile
 import uuid
 from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
 from typing import Any, ParamSpec, TypeVar
 
 import numba
@@ -37,28 +39,41 @@ _config: Any = config
 _intrinsic: Any = numba_intrinsic
 
 
+#: Of every module with kernels, the sources beside ``mpmfw.kernels`` that they are made of: folders, and lone files.
+_sources: dict[str, set[Path]] = {}
+
+
 @functools.cache
-def _hash_of(folder: Path) -> str:
-    """Hash of every Python file below ``folder``, names and contents."""
+def _hash_of(source: Path) -> str:
+    """Hash of a file, or of every Python file below a folder, names and contents."""
     digest = hashlib.sha256()
-    for source in sorted(folder.rglob("*.py")):
-        digest.update(source.relative_to(folder).as_posix().encode())
-        digest.update(source.read_bytes())
+    for file in sorted(source.rglob("*.py")) if source.is_dir() else [source]:
+        digest.update(file.relative_to(source.parent).as_posix().encode())
+        digest.update(file.read_bytes())
     return digest.hexdigest()
 
 
 def _own_sources(module: str) -> Path | None:
-    """Folder of the sources, next to the kernels', that ``module`` may build its kernels of; None for a lone
-    file.
+    """Folder of the sources that ``module`` may build its kernels of, or its lone file; None where it has no file.
 
     That is the plug-in's whole package, and within ``mpmfw`` the module's own folder: an edit elsewhere in
     the core cannot reach a kernel.
     """
     top = module.partition(".")[0]
     file = getattr(sys.modules.get(module if top == "mpmfw" else top), "__file__", None)
-    if file is None or (top != "mpmfw" and Path(file).name != "__init__.py"):
+    if file is None or not Path(file).is_file():
         return None
-    return Path(file).parent
+    return Path(file).parent if top == "mpmfw" or Path(file).name == "__init__.py" else Path(file)
+
+
+def _note_sources(function: Callable[..., Any]) -> None:
+    """Add to the sources of the module of ``function`` those of all kernels that it has imported by now."""
+    own = _own_sources(function.__module__)
+    known = _sources.setdefault(function.__module__, set() if own is None else {own})
+    for value in function.__globals__.values():
+        kernel_or_module = getattr(value, "py_func", value)
+        name = "__name__" if isinstance(value, ModuleType) else "__module__"
+        known |= _sources.get(getattr(kernel_or_module, name, ""), set())
 
 
 @functools.cache
@@ -90,8 +105,7 @@ def cache_folder(module: str) -> Path:
     root = Path(given) if given else platformdirs.user_cache_path("mpmfw") / "kernels"
     if not _writable(root):
         root = _temporary_root()
-    folders = (Path(__file__).parent, _own_sources(module))
-    hashes = [_hash_of(folder) for folder in folders if folder is not None]
+    hashes = [_hash_of(source) for source in (Path(__file__).parent, *sorted(_sources.get(module, ())))]
     key = hashlib.sha256(repr((hashes, OPTIONS, numba.__version__)).encode()).hexdigest()
     return root / key[:16]
 
@@ -117,6 +131,7 @@ def _name_data_by_process(compiled: Any) -> None:
 
 def kernel(function: Callable[Params, Result]) -> Callable[Params, Result]:
     """Compile ``function`` with numba at its first call, kept on disk between processes."""
+    _note_sources(function)
     previous = _config.CACHE_DIR
     _config.CACHE_DIR = str(cache_folder(function.__module__))
     try:
@@ -130,6 +145,7 @@ def kernel(function: Callable[Params, Result]) -> Callable[Params, Result]:
 def device(function: Callable[Params, Result]) -> Callable[Params, Result]:
     """Compile ``function`` to be called from kernels alone: compiled into its callers, without a cache
     entry."""
+    _note_sources(function)
     compiled: Callable[Params, Result] = _njit(forceinline=True, **OPTIONS)(function)
     return compiled
 
