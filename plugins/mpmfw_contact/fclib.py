@@ -95,12 +95,9 @@ class LocalProblem:
                 _put(local, "spacedim", np.array([self.dim], dtype="i4"))
                 _put(local, "vectors/q", self.velocity)
                 _put(local, "vectors/mu", self.friction)
-                for name, text in {
-                    "title": self.title,
-                    "description": self.description,
-                    "math_info": "",
-                }.items():
-                    _put(local, f"info/{name}", np.bytes_(text))
+                words = {"title": self.title, "description": self.description, "math_info": ""}
+                for name, text in words.items():
+                    _put(local, f"info/{name}", np.bytes_(text.encode()))
                 if self.impulse is not None:
                     _put(file, "solution/r", self.impulse)
                     _put(file, "solution/u", self.delassus @ self.impulse + self.velocity)
@@ -132,7 +129,7 @@ class LocalProblem:
                 solution = file["solution/r"][...] if "solution/r" in file else None
                 q, mu, dim = local["vectors/q"][...], local["vectors/mu"][...], int(local["spacedim"][0])
                 return cls(_matrix(local["W"]), q, mu, dim, solution, **info)
-        except (OSError, KeyError) as error:
+        except (OSError, KeyError, ValueError, TypeError) as error:
             raise MpmfwError(f"cannot read '{name}' as a problem of FCLIB: {error}") from error
 
 
@@ -192,7 +189,7 @@ def problem_of(rows: ContactRows, mass: FloatArray) -> LocalProblem:
         rows.friction[places] if len(rows.friction) else np.zeros(len(places)),
         dim,
         np.einsum("cad,cd->ca", frame, rows.force[places]).ravel(),
-        description="step of the material point method: velocities of grid nodes, impulses on rows between surfaces",
+        description="step of the material point method: velocities of grid nodes, impulses on rows of contact",
     )
 
 

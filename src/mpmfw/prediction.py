@@ -115,10 +115,11 @@ def _tables(simulation: Simulation) -> int:
     """Bytes of the tables of interpolation, which are filled with the first step, and of the rows of contact."""
     state, shape = simulation.state, simulation.shape.name
     dim, surface = state.grid.dim, state.surface
-    entries = {"linear": 4, "gimp": 9, "bspline": 9, "cubic_bspline": 16, "ck": 8}.get(shape, 7) ** (dim / 2)
-    total = int(state.particles.count * entries * (4 + 8 + 8 * dim))
+    at_points = {"linear": 2**dim, "bspline": 3**dim, "cubic_bspline": 4**dim, "ck": 2 ** (dim + 1)}
+    over_domains = {"gimp": 3.0**dim}.get(shape, 7.0 ** (dim / 2))
+    total = int(state.particles.count * at_points.get(shape, over_domains) * (4 + 8 + 8 * dim))
     if surface is not None:
-        total += surface.count * {"bspline": 3, "cubic_bspline": 4}.get(shape, 2) ** dim * (4 + 8)
+        total += surface.count * at_points.get(shape, 2**dim) * (4 + 8)
     rows = {id(each): each for each in (getattr(simulation.contact, name, None) for name in ("rows", "old"))}
     for each in rows.values():
         total += 0 if each is None else sum(int(array.nbytes) for array in each.arrays().values())

@@ -92,6 +92,16 @@ def test_they_are_stale_when_bodies_have_moved_by_the_skin(ready):
     assert not detection.near.made
 
 
+def test_nodes_with_nothing_listed_are_free_of_contact_for_the_skin_alone(ready):
+    """They were farther than the search's reach and the skin from every facet."""
+    detection, _, position, _ = ready
+    detection.near.near.first[:] = 0
+    position[:, 2] += 0.45 * SKIN_LENGTH  # each body as far: for all that is known, against each other
+    assert detection.near.find(detection.candidates) == 0
+    position[:, 2] += 0.1 * SKIN_LENGTH
+    assert detection.near.find(detection.candidates) == STALE
+
+
 def test_without_the_motion_they_would_not_give_it(ready):
     """A motion of cells, of which nothing is said to the lists."""
     detection, grid, position, way = ready
