@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matrix import matrix
 
+from mpmfw.conservation import energy_error, momentum_change
+from mpmfw.scene import load_scene
+
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
@@ -22,43 +25,14 @@ def penetration(run: xr.DataTree) -> float:
 
 
 def energy(run: xr.DataTree) -> float:
-    """Largest error in time of strain and contact over the energy put in [%]: what the ledger's residuals have beside the
-    work of the half step by which velocities are behind positions, which the transfer loses as it loses kinetic energy.
-
-    A contact that does not tell what became of its work has a residual of the strain alone.
-    """
-    series = run["series"].to_dataset()
-    residual = sum(
-        sign * series[name].values
-        for sign, name in (
-            (1.0, "energy_residual"),
-            (-1.0, "half_step_work"),
-            (1.0, "contact_residual"),
-            (-1.0, "contact_half_step_work"),
-        )
-        if name in series
-    )
-    return 100.0 * float(np.abs(residual).max()) / given(run)
-
-
-def given(run: xr.DataTree) -> float:
-    """Energy put in [J/m]: that of the start, and the largest works of gravity, loads and sides that move."""
-    series = run["series"].to_dataset()
-    sides = [side for body in scene_of(run)["bodies"].values() for side in body.get("sides", ())]
-    loaded = "loads" in scene_of(run) or any("fixed" not in side for side in sides)
-    works = ["gravity_work"] + ["external_work"] * loaded
-    start = float(series["total_energy"].isel(time=0).sum())
-    return start + sum(max(0.0, float(series[name].max())) for name in works if name in series)
+    """Largest error in time of strain and contact over the energy put in [%]."""
+    return 100.0 * energy_error(run, load_scene(scene_of(run)))
 
 
 def momentum(run: xr.DataTree) -> float | None:
     """Largest change of the whole momentum, over the sum of what the bodies bring; None where something acts on them."""
-    scene = scene_of(run)
-    if "gravity" in scene or "loads" in scene or any(body.get("sides") for body in scene["bodies"].values()):
-        return None
-    series = run["series"]["linear_momentum"]
-    whole = series.sum("body")
-    return float(np.abs(whole - whole.isel(time=0)).max()) / float(np.abs(series.isel(time=0)).sum())
+    change = momentum_change(run, load_scene(scene_of(run)))
+    return None if np.isnan(change) else change
 
 
 def friction(run: xr.DataTree) -> float | None:

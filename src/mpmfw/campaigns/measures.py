@@ -15,6 +15,7 @@ import xarray as xr
 
 from mpmfw.analysis import fitted_acceleration, force_noise, impulse, value_at
 from mpmfw.campaigns.exact import Incline, column, incline, kind_of
+from mpmfw.conservation import energy_error, momentum_change
 from mpmfw.discovery import REFERENCES, available, did_you_mean, full_name, load
 from mpmfw.errors import SceneError
 from mpmfw.measure import About, Exact, Measure, Measured, Reference
@@ -236,6 +237,18 @@ def deepest_penetration(run: xr.DataTree, scene: Scene, about: About) -> Measure
     if gap is None or not np.isfinite(gap).any():
         return _number(np.nan)
     return _number(max(0.0, -float(gap.min())) / float(scene.grid.cell_size))
+
+
+@measure("energy-error", "1", "number")
+def error_of_energy(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
+    """Largest error in time of the energies of strain and contact, over the energy put in (``output.ledger``)."""
+    return _number(energy_error(run, scene))
+
+
+@measure("momentum-change", "1", "number")
+def change_of_momentum(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
+    """Largest change of the whole linear momentum, over what the bodies bring; of scenes on which nothing acts."""
+    return _number(momentum_change(run, scene))
 
 
 # -- curves

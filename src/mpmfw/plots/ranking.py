@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
@@ -29,8 +31,13 @@ def profiles(ranking: xr.Dataset) -> Figure:
     by = ranking.attrs["by"]
     methods = [str(name) for name in ranking[by].values]
     look = Look(ranking if by == "contact" else ranking.rename({by: "contact"}))
-    figure = new_figure(len(quantities), 1)
-    panels = figure.subplots(1, len(quantities), squeeze=False, sharey=True)[0]
+    rows = math.ceil(len(quantities) / 3)
+    columns = math.ceil(len(quantities) / rows)
+    figure = new_figure(columns, rows)
+    grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
+    panels, left_over = grid.flat[: len(quantities)], grid.flat[len(quantities) :]
+    for axes in left_over:
+        axes.set_visible(False)
     farthest = float(ranking["over_best"].max())
     end = 1.3 * max(farthest, 2.0)
     for axes, quantity in zip(panels, quantities, strict=True):
@@ -43,7 +50,7 @@ def profiles(ranking: xr.Dataset) -> Figure:
         axes.set_ylim(0.0, 102.0)
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axes.xaxis.set_minor_formatter(NullFormatter())
-        ylabel = "problems and levels solved [%]" if axes is panels[0] else ""
+        ylabel = "problems and levels solved [%]" if axes in grid[:, 0] else ""
         dress(axes, "CPU time over the cheapest method's", ylabel, quantity)
     order = sorted(methods, key=lambda name: -len(profile(ranking, quantities[0], name)[0]))
     key = [Line2D([], [], color=look.colours[name], linewidth=2.5, label=name) for name in order]

@@ -22,7 +22,12 @@ from mpmfw.studies.loading import Study
 from mpmfw.studies.pareto import front
 
 #: What a study says of every run beside its error, whatever that is of, and the measure of each.
-BESIDE = {"noise": "force-noise", "penetration": "penetration"}
+BESIDE = {
+    "noise": "force-noise",
+    "penetration": "penetration",
+    "energy": "energy-error",
+    "momentum": "momentum-change",
+}
 
 
 def assemble(study: Study, judge: Judge, runs: GridRuns) -> xr.Dataset:

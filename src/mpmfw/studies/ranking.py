@@ -18,11 +18,13 @@ from mpmfw.studies.conclusion import rows
 
 #: Relative errors that a method may reach; those of other quantities than the error are the same numbers.
 LEVELS = (0.10, 0.05, 0.02, 0.01, 0.005)
-#: Quantities of a study, with what they mean; both are relative.
+#: Quantities of a study, with what they mean; all are relative.
 QUANTITIES = {
     "error": "error of what the study judges",
     "noise": "high-frequency share of the contact force",
     "penetration": "deepest penetration, in cells",
+    "energy": "error in time of strain and contact, of the energy put in",
+    "momentum": "change of the whole momentum, of what the bodies bring",
 }
 
 
