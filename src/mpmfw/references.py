@@ -62,7 +62,7 @@ class RingsReference:
             "explicit total-Lagrangian plane-strain finite elements, nine-node quadrilaterals of 0.5 mm, one "
             "ring against a frictionless wall on the plane of symmetry; honest solutions differ by 2.4 % in "
             "impulse and by 0.19 in the L2 norm of the force averaged over 100 µs (four-node quadrilaterals "
-            "of 2 mm)"
+            "of 2 mm); an impact's force changes as fast as noise, and theirs has 79 % of it with outputs every 10 µs"
         )
 
 

@@ -119,6 +119,13 @@ def test_the_reference_tables_say_what_their_readme_says():
     assert energy["fine_kinetic_J_per_m"].min() == pytest.approx(184.7, abs=1.0)  # every 10 µs
 
 
+def test_what_the_finite_elements_have_of_noise_is_what_is_said():
+    force, time = rings_table("force"), np.linspace(0.0, 3.2e-3, 321)
+    means = np.diff(np.interp(time, force["time"], force["fine_impulse_Ns_per_m"]), prepend=0.0) / 1e-5
+    share = f"{100.0 * analysis.force_noise(time, means):.0f} % of it with outputs every 10 µs"
+    assert share in RingsReference("left", "right").describe()
+
+
 def test_shipped_scenes_are_recognised():
     texts = {name: {"scene": text} for name, text in shipped_scenes().items()}
     for name, case in (("rolling-cylinder-slip", SLIP), ("rolling-cylinder-no-slip", NO_SLIP)):

@@ -70,7 +70,8 @@ COLUMNS: dict[str, Column] = {
     "force_error_200us": Column("Force, 200 µs", "L2 200", "1", "the same, averaged over 200 µs"),
     "force_noise": Column(
         "Force noise", "noise", "%",
-        "rms of the contact force of the pair that pushes most, less its mean over 20 output intervals, of the rms of that mean"
+        "rms of the contact force of the pair that pushes most, less its mean over 20 output intervals, of the rms of that mean; "
+        "a force that changes within that time has it without an error"
     ),
     "first_contact": Column(
         "First contact", "first", "ms", "start of the first output interval with a contact force"
