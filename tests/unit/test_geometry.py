@@ -415,13 +415,13 @@ def test_geometry_round_trips_through_json():
 @pytest.mark.parametrize("layout", ["lattice", "fitted"])
 def test_bodies_that_are_alike_share_a_layout_and_others_keep_theirs(layout, monkeypatch):
     """Four discs, of which three are alike, and a square twice at one place: each lies where it would lie by itself."""
-    from mpmfw import build
+    from mpmfw import bodies
 
     calls = []
-    monkeypatch.setattr(build, "discretise", lambda *asked: calls.append(asked) or discretise(*asked))
+    monkeypatch.setattr(bodies, "discretise", lambda *asked: calls.append(asked) or discretise(*asked))
     centres = {"a": (0.03, 0.07), "b": (5.0, 0.0), "c": (10.0, 2.0), "d": (15.0, 0.0)}
     particles = {"layout": layout, "size": 0.5}
-    bodies = {
+    discs = {
         name: {"material": "m", "particles": particles,
                "geometry": {"type": "disc", "centre": centre, "radius": 2.0 - 0.5 * (name == "d")}}
         for name, centre in centres.items()
@@ -440,10 +440,10 @@ def test_bodies_that_are_alike_share_a_layout_and_others_keep_theirs(layout, mon
             "materials": {
                 "m": {"model": "neo_hookean", "density": 1e3, "bulk_modulus": 1e6, "shear_modulus": 4e5}
             },
-            "bodies": {**bodies, "e": square, "f": square},
+            "bodies": {**discs, "e": square, "f": square},
         }
     )
-    layouts = build._layouts(scene)
+    layouts = bodies.lay_out(scene)
     assert len(calls) == 4  # of the three discs one, the other disc, and the square twice
     for body, found in zip(scene.bodies.values(), layouts, strict=True):
         own = discretise(body.geometry, body.particles, body.segment_length(1.0))
