@@ -21,7 +21,16 @@ ROOT = Path(mpmfw.__file__).parent
 ROOMS = {
     str(ROOT / name): name
     for name in (
-        *("runs.py", "checkpoints.py", "simulation.py", "build.py", "plan.py", "recording.py", "setup.py"),
+        *(
+            "runs.py",
+            "checkpoints.py",
+            "simulation.py",
+            "build.py",
+            "bodies.py",
+            "plan.py",
+            "recording.py",
+            "setup.py",
+        ),
         *("hooks.py", "windows.py", "timestep.py", "frames.py", "settling.py", "initial_motion.py"),
         "contact/planning.py",
         *(path.relative_to(ROOT).as_posix() for path in sorted((ROOT / "effects").glob("*.py"))),
