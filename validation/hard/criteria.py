@@ -74,6 +74,11 @@ def placed_well(runs: Sequence[CaseRun]) -> float:
     return float(sum(not run.broken for run in runs))
 
 
+def share_held(runs: Sequence[CaseRun]) -> float:
+    """Of a method's runs of all scenes at all places and with all cells, how many keep every limit [%]."""
+    return 100.0 * placed_well(runs) / len(runs)
+
+
 def hold(runs: Sequence[CaseRun]) -> float:
     """In how many scenes as they stand a method keeps every limit; a run that failed is none of them."""
     return float(sum(not run.broken for run in runs if run.version.change is None))

@@ -23,16 +23,16 @@ CLOSED = "C"
 COLOURS = ("#9BD1B5", "#F6D08A", "#E8998D", "#B0A8B9", "#FFFFFF")
 SAID = (
     "P penetration, E energy, M momentum, T friction, S symmetry, C closed form. Green: all that is asked holds,\n"
-    "yellow: energy alone does not, red: more does not, grey: the run failed. Right of the line: penalty elsewhere"
+    "yellow: energy alone does not, red: more does not, grey: the run failed. Right of the lines: elsewhere"
 )
 
 
 def matrix(runs: Sequence[CaseRun]) -> Figure:
-    """Scenes (rows) by methods as the scene stands, and by the other places of the method that runs there (columns)."""
+    """Scenes (rows) by methods as the scene stands, and by the other places of those that run there (columns)."""
     found = {_key(run): run for run in runs}
     scenes = list(dict.fromkeys(scene for scene, _ in found))
     columns = sorted(dict.fromkeys(column for _, column in found), key=_order)
-    here = {column for _, column in found}
+    groups = [contact if version else "" for contact, version in columns]
     kind = np.full((len(scenes), len(columns)), 3)
     figure = new_figure(2, 1, 20.0 + 5.0 * len(scenes))
     axes = figure.subplots()
@@ -48,7 +48,9 @@ def matrix(runs: Sequence[CaseRun]) -> Figure:
     axes.set_xticks(np.arange(0.5, len(columns) - 1), minor=True)
     axes.set_yticks(np.arange(0.5, len(scenes) - 1), minor=True)
     axes.grid(which="minor", color="white", linewidth=1.5)
-    axes.axvline(sum(not column[1] for column in here) - 0.5, color="black", linewidth=1)
+    for k in range(1, len(columns)):
+        if groups[k] != groups[k - 1]:
+            axes.axvline(k - 0.5, color="black", linewidth=1)
     axes.xaxis.tick_top()
     axes.tick_params(which="both", length=0)
     figure.supxlabel(SAID)
@@ -59,11 +61,12 @@ def _key(run: CaseRun) -> tuple[str, tuple[str, str]]:
     return run.place.at, (run.method.contact, run.version.at)
 
 
-def _order(column: tuple[str, str]) -> tuple[bool, bool, int]:
-    """As the scene stands first, then by cells, then by places; methods as they come."""
-    version = column[1]
+def _order(column: tuple[str, str]) -> tuple[bool, str, bool, int]:
+    """As the scene stands first, with methods as they come; then by methods, by cells and by places."""
+    contact, version = column
     place = version.removeprefix("coarser").removeprefix(", ")
-    return bool(version), version.startswith("coarser"), ("", "shifted", "turned", "both").index(place)
+    apart = contact if version else ""
+    return bool(version), apart, version.startswith("coarser"), ("", "shifted", "turned", "both").index(place)
 
 
 def _said(column: tuple[str, str]) -> str:
