@@ -11,7 +11,7 @@ from mpmfw.kernels.contact import Records
 from mpmfw.kernels.facets import signed_distance
 from mpmfw.kernels.pair_table import pair_table as pair_of_bodies
 from mpmfw_contact import _springs
-from mpmfw_contact.surfaces import search
+from mpmfw_contact.surfaces import cells, search
 from mpmfw_contact.surfaces.assembly import SurfaceTable, assemble
 from mpmfw_contact.surfaces.candidates import Candidates, SearchGrid
 from mpmfw_contact.surfaces.detection import SurfaceRows
@@ -132,7 +132,7 @@ def search_grid(loops, radius, lower=(-3.0, -3.0), nodes=(25, 25)):
             f"{kind}_{end}": np.zeros((n_bodies, 2)) for kind in ("box", "near") for end in ("lower", "upper")
         },
     )
-    search.near_boxes(*np.triu_indices(n_bodies, 1), radius, 0.0, loops.outline, grid)
+    cells.near_boxes(*np.triu_indices(n_bodies, 1), radius, 0.0, loops.outline, grid)
     return grid
 
 
@@ -141,7 +141,7 @@ def find(loops, *, h=0.25, radius=None, literal=False, slots=3, lower=(-3.0, -3.
     found = empty_candidates(len(loops.body), slots)
     radius = h if radius is None else radius
     grid, outline = search_grid(loops, radius, lower, nodes), loops.outline
-    entries = search.list_facets(1, 0.0, outline, grid, (h, h))
+    entries = cells.list_facets(1, 0.0, outline, grid, (h, h))
     assert entries <= len(grid.link)
     if entries == 0:
         return found

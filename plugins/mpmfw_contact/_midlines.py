@@ -9,8 +9,7 @@ from mpmfw.kernels.pair_table import pair_index
 from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw_contact.surfaces.assembly import SurfaceTable
 from mpmfw_contact.surfaces.candidates import SearchGrid
-from mpmfw_contact.surfaces.outline import Outline, area_of
-from mpmfw_contact.surfaces.search import (
+from mpmfw_contact.surfaces.cells import (
     advance,
     cells_of,
     flat_index,
@@ -18,6 +17,7 @@ from mpmfw_contact.surfaces.search import (
     outside_near,
     reach_of_facet,
 )
+from mpmfw_contact.surfaces.outline import Outline, area_of
 
 #: Least cosine between one segment's normal and the other's reversed one: sides at right angles do not face each other.
 LEAST_COSINE = 0.1

@@ -31,7 +31,7 @@ from mpmfw.api import (
 from mpmfw.kernels.pair_table import pair_table
 from mpmfw_contact._midlines import SegmentPairs, list_segments, write_midlines
 from mpmfw_contact.hamad2017 import Hamad2017Law, Hamad2017LawOptions
-from mpmfw_contact.surfaces import search
+from mpmfw_contact.surfaces import cells
 from mpmfw_contact.surfaces.assembly import SurfaceTable
 from mpmfw_contact.surfaces.candidates import no_lists
 from mpmfw_contact.surfaces.outline import outline_of
@@ -118,10 +118,10 @@ class Midplane(Detection):
     def _search(self, grid: Grid) -> int:
         """Number of segments of two bodies that are near each other."""
         outline, lists, spacing = self.outline, self.lists, grid.spacing
-        if not search.near_boxes(self.first, self.second, self.radius, 0.0, outline, lists):
+        if not cells.near_boxes(self.first, self.second, self.radius, 0.0, outline, lists):
             return 0
         self.stamp += 1
-        while (entries := search.list_facets(self.stamp, 0.0, outline, lists, spacing)) > len(lists.link):
+        while (entries := cells.list_facets(self.stamp, 0.0, outline, lists, spacing)) > len(lists.link):
             lists.set(**{name: np.zeros(2 * entries, dtype=np.int32) for name in ("link", "link_facet")})
             self.stamp += 1
         if entries == 0:

@@ -11,8 +11,8 @@ import shapely
 from contact_kernels import PLANE, Law, find, flat, forces, join, rows_of, search_grid, star
 from mpmfw.kernels.contact import couplings
 from mpmfw.kernels.gaps import bounding_boxes, minimum_gap
+from mpmfw_contact.surfaces.cells import near_boxes
 from mpmfw_contact.surfaces.layer import gather_layer, project_layer
-from mpmfw_contact.surfaces.search import near_boxes
 
 H = 0.25
 

@@ -22,7 +22,7 @@ from mpmfw.api import (
 )
 from mpmfw.api import Field as ArrayField
 from mpmfw.kernels.pair_table import pair_table
-from mpmfw_contact.surfaces import search
+from mpmfw_contact.surfaces import cells, search
 from mpmfw_contact.surfaces.assembly import Places, SurfaceTable, assemble, point_forces
 from mpmfw_contact.surfaces.candidates import no_candidates, no_lists
 from mpmfw_contact.surfaces.facing import too_fine
@@ -128,7 +128,7 @@ class Surfaces(Detection):
     def _search(self, grid: Grid) -> int:
         """Number of candidates after the search's three steps, and after nodes inside bodies were followed."""
         count = 0
-        if search.near_boxes(self.first, self.second, self.radius, self.near.skin, self.outline, self.lists):
+        if cells.near_boxes(self.first, self.second, self.radius, self.near.skin, self.outline, self.lists):
             count = STALE if self.every_facet else self.near.find(self.candidates)
             if count == STALE:
                 count = self._find_pairs(grid)
@@ -158,7 +158,7 @@ class Surfaces(Detection):
         lists = self.lists
         while True:
             self.stamp += 1
-            entries = search.list_facets(self.stamp, wide, self.outline, lists, grid.spacing)
+            entries = cells.list_facets(self.stamp, wide, self.outline, lists, grid.spacing)
             if entries <= len(lists.link):
                 return entries > 0
             room = {

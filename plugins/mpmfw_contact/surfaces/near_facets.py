@@ -11,19 +11,15 @@ from mpmfw.kernels import Struct, device, kernel, scratch
 from mpmfw.kernels.facets import read_point
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 from mpmfw_contact.surfaces.candidates import Candidates, SearchGrid
+from mpmfw_contact.surfaces.cells import cell_beside, cell_of, flat_index, outside_near, tagged
 from mpmfw_contact.surfaces.facing import turn_to_facing
 from mpmfw_contact.surfaces.outline import Outline, square_of
 from mpmfw_contact.surfaces.search import (
     begin_with_last,
-    cell_beside,
-    cell_of,
-    flat_index,
     outside_box,
-    outside_near,
     reach_of,
     reach_towards,
     search_facet,
-    tagged,
 )
 
 #: How far beyond what a node's search needs facets are listed, in cells: the motion that a list outlasts.

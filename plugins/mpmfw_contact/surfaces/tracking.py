@@ -15,9 +15,9 @@ from mpmfw.kernels.facets import (
 )
 from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw_contact.surfaces.candidates import Candidates, SearchGrid, put
+from mpmfw_contact.surfaces.cells import boxes_apart
 from mpmfw_contact.surfaces.facing import LEAST_COSINE, against
 from mpmfw_contact.surfaces.outline import Outline, distance_to, square_of
-from mpmfw_contact.surfaces.search import boxes_apart
 
 #: Least cosine between a slave node's normal and the direction out of a body by which the node has gone through it: one
 #: that leaves the way it entered, or round a corner, has an angle of 90° or more, or little less.

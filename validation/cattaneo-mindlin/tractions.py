@@ -1,0 +1,178 @@
+"""Pressure and shear along the contact, by the forces of surface nodes and by the stress of points, beside the closed form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from pressed import E_STAR, FRICTION, RADIUS, SIDE, TOUCH
+from scipy.optimize import minimize_scalar
+
+Array = npt.NDArray[np.float64]
+
+#: Windows lie this far to both sides of the contact's middle [m]
+REACH = 1.6
+#: Share of the largest pressure below which a node's own friction is not looked at.
+BEARS = 0.02
+
+
+@dataclass(frozen=True)
+class Tractions:
+    """Means over windows of one cell, and the forces that they come from."""
+
+    x: Array  #: middles of the windows, from that of the pressure [m]
+    pressure: Array  #: [Pa]
+    shear: Array  #: against the motion of the cylinder [Pa]
+    normal_force: float  #: P [N/m]
+    tangential_force: float  #: Q [N/m]
+    cell_size: float  #: [m]
+
+    @property
+    def half_width(self) -> float:
+        """a = √(4 P R / (π E*)) [m]."""
+        return float(np.sqrt(4.0 * self.normal_force * RADIUS / (np.pi * E_STAR)))
+
+    @property
+    def share(self) -> float:
+        """Q / (μ P)."""
+        return self.tangential_force / (FRICTION * self.normal_force)
+
+    @property
+    def stick(self) -> float:
+        """c / a = √(1 − Q / (μ P)) of the closed form."""
+        return float(np.sqrt(max(1.0 - self.share, 0.0)))
+
+    @property
+    def stick_of_fit(self) -> float:
+        """c / a of the closed form's shear that is nearest, by least squares."""
+
+        def missed(stick: float) -> float:
+            return float(np.sum((self.shear - self.exact_shear(stick)) ** 2))
+
+        return float(minimize_scalar(missed, bounds=(0.0, 1.0), method="bounded").x)
+
+    def exact_pressure(self) -> Array:
+        """p = p0 √(1 − x²/a²), p0 = 2 P / (π a)."""
+        a = self.half_width
+        return 2.0 * self.normal_force / (np.pi * a) * self._arch(a)
+
+    def exact_shear(self, stick: float) -> Array:
+        """q = μ p0 (√(1 − x²/a²) − (c/a) √(1 − x²/c²)), with c/a = ``stick``."""
+        a = self.half_width
+        peak = FRICTION * 2.0 * self.normal_force / (np.pi * a)
+        return peak * (self._arch(a) - (stick * self._arch(stick * a) if stick > 0.0 else 0.0))
+
+    def _arch(self, width: float) -> Array:
+        """Means of √(1 − x²/width²) over the windows."""
+        across = self.cell_size * np.linspace(-0.5, 0.5, 41)
+        return np.asarray(
+            np.sqrt(np.maximum(1.0 - ((self.x[:, None] + across) / width) ** 2, 0.0)).mean(axis=1)
+        )
+
+
+def of_forces(tree: xr.DataTree, k: int) -> Tractions:
+    """At output ``k``, from the forces of the cylinder's nodes over the length that belongs to each."""
+    position, force, length = _nodes(tree, k)
+    middle = float(np.sum(position[:, 0] * force[:, 1]) / force[:, 1].sum())
+    h = float(tree.attrs["cell_size"])
+    x, pressure = _windows(position[:, 0] - middle, force[:, 1], length, h)
+    _, shear = _windows(position[:, 0] - middle, -force[:, 0], length, h)
+    return Tractions(x, pressure, shear, float(force[:, 1].sum()), -float(force[:, 0].sum()), h)
+
+
+def of_stress(tree: xr.DataTree, k: int) -> Tractions:
+    """At output ``k``, from the stress of the block's points within half a cell of its top, which every method has."""
+    points, h = tree["particles/block"].to_dataset(), float(tree.attrs["cell_size"])
+    rim = points["position"].isel(time=0).values[:, 1] > TOUCH[1] - 0.5 * h
+    here = points.isel(time=k)
+    x, volume, stress = (here[name].values[rim] for name in ("position", "volume", "stress"))
+    middle = float(np.sum(x[:, 0] * stress[:, 1, 1] * volume) / np.sum(stress[:, 1, 1] * volume))
+    windows, pressure = _windows(x[:, 0] - middle, -stress[:, 1, 1] * volume, volume, h)
+    _, shear = _windows(x[:, 0] - middle, stress[:, 0, 1] * volume, volume, h)
+    whole = tree["series"]["contact_force"].isel(time=k, pair=0).values
+    return Tractions(windows, pressure, shear, float(whole[1]), -float(whole[0]), h)
+
+
+def half_way(tree: xr.DataTree) -> int:
+    """The output at which Q is nearest to half of μ P."""
+    whole = tree["series"]["contact_force"].isel(pair=0).values
+    share = -whole[1:, 0] / (FRICTION * whole[1:, 1])
+    return 1 + int(np.argmin(np.abs(share - 0.5)))
+
+
+def partial_slip(tree: xr.DataTree) -> dict[str, float]:
+    """At half of the load that slides: ``share`` and ``cone`` [1], error of ``stick`` [1], of ``pressure`` and ``shear`` [%]."""
+    found = of_forces(tree, half_way(tree))
+    return {**_errors(found), "cone": _over_the_cone(tree, half_way(tree))}
+
+
+def partial_slip_by_stress(tree: xr.DataTree) -> dict[str, float]:
+    """The same but for the cone, by the stress of points."""
+    return _errors(of_stress(tree, half_way(tree)))
+
+
+def sliding(tree: xr.DataTree) -> float:
+    """Q over μ P in the last eighth of the time, less one [%]."""
+    last = tree["series"]["contact_force"].isel(pair=0).values[-(tree.sizes["time"] // 8) :]
+    return float(100.0 * (-last[:, 0].sum() / (FRICTION * last[:, 1].sum()) - 1.0))
+
+
+def stick_when_sliding(tree: xr.DataTree) -> float:
+    """c / a of the fit at the last output, where nothing sticks."""
+    return of_forces(tree, -1).stick_of_fit
+
+
+def shear_before(tree: xr.DataTree) -> float:
+    """Shear that pressing alone leaves, by rms over that of μ times the pressure [%]."""
+    found = of_forces(tree, 0)
+    return 100.0 * _rms(found.shear) / (FRICTION * _rms(found.exact_pressure()))
+
+
+def _errors(found: Tractions) -> dict[str, float]:
+    bound = FRICTION * found.exact_pressure()
+    return {
+        "share": found.share,
+        "stick": found.stick_of_fit - found.stick,
+        "pressure": 100.0 * _rms(found.pressure - found.exact_pressure()) / _rms(found.exact_pressure()),
+        "shear": 100.0 * _rms(found.shear - found.exact_shear(found.stick)) / _rms(bound),
+    }
+
+
+def _over_the_cone(tree: xr.DataTree, k: int) -> float:
+    """Largest |T| over μ N of the nodes that bear, along a contact whose slope is half of the cylinder's: both bodies yield."""
+    position, force, length = _nodes(tree, k)
+    middle = np.sum(position[:, 0] * force[:, 1]) / force[:, 1].sum()
+    moved = tree["surface/cylinder"]["position"].isel(time=[0, k]).values[:, :, 0]
+    corner = int(np.argmin(moved[0]))
+    lowest = TOUCH[0] + float(moved[1, corner] - moved[0, corner])
+    slope = 0.5 * (position[:, 0] - lowest) / RADIUS
+    normal = (force[:, 1] - slope * force[:, 0]) / np.sqrt(1.0 + slope**2)
+    along = np.abs(force[:, 0] + slope * force[:, 1]) / np.sqrt(1.0 + slope**2)
+    peak = 2.0 * force[:, 1].sum() / (np.pi * np.ptp(position[force[:, 1] > 0.0, 0]) / 2.0)
+    bears = (normal > BEARS * peak * length) & (np.abs(position[:, 0] - middle) < REACH)
+    return float(np.max(along[bears] / (FRICTION * normal[bears])))
+
+
+def _nodes(tree: xr.DataTree, k: int) -> tuple[Array, Array, Array]:
+    """Position (n, 2) [m], contact force (n, 2) [N/m] and length (n,) [m] of the nodes of the cylinder's underside."""
+    surface = tree["surface/cylinder"].to_dataset().isel(time=k)
+    position, after = surface["position"].values, surface["next"].values
+    length = 0.5 * np.linalg.norm(position[after] - position, axis=1)
+    length += np.bincount(after, length, len(length))
+    low = (position[:, 1] < TOUCH[1] + 0.3) & (np.abs(position[:, 0] - TOUCH[0]) < 0.9 * SIDE)
+    return position[low], surface["force"].values[low], length[low]
+
+
+def _windows(x: Array, load: Array, size: Array, width: float) -> tuple[Array, Array]:
+    """Middles of windows of ``width`` within the reach, and load over size in each."""
+    count = 2 * int(REACH / width) + 1
+    index = np.floor(x / width + 0.5 * count).astype(int)
+    within = (index >= 0) & (index < count)
+    loads, sizes = (np.bincount(index[within], of[within], count) for of in (load, size))
+    return width * (np.arange(count) - count // 2), loads / np.maximum(sizes, 1e-30)
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
