@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
-from pressed import E_STAR, FRICTION, RADIUS, SIDE, TOUCH
+from pressed import E_STAR, FRICTION, HEIGHT, RADIUS, SIDE, TOUCH
 from scipy.optimize import minimize_scalar
 
 Array = npt.NDArray[np.float64]
@@ -84,11 +84,15 @@ def of_forces(tree: xr.DataTree, k: int) -> Tractions:
 
 def of_stress(tree: xr.DataTree, k: int) -> Tractions:
     """At output ``k``, from the stress of the block's points within half a cell of its top, which every method has."""
-    points, h = tree["particles/block"].to_dataset(), float(tree.attrs["cell_size"])
-    rim = points["position"].isel(time=0).values[:, 1] > TOUCH[1] - 0.5 * h
-    here = points.isel(time=k)
-    x, volume, stress = (here[name].values[rim] for name in ("position", "volume", "stress"))
-    middle = float(np.sum(x[:, 0] * stress[:, 1, 1] * volume) / np.sum(stress[:, 1, 1] * volume))
+    h = float(tree.attrs["cell_size"])
+    surface, points = (tree[f"{group}/block"].to_dataset().isel(time=k) for group in ("surface", "particles"))
+    top = surface["position"].values[surface["position"].values[:, 1] > TOUCH[1] - 0.5 * HEIGHT]
+    top = top[np.argsort(top[:, 0])]
+    position = points["position"].values
+    rim = position[:, 1] > np.interp(position[:, 0], top[:, 0], top[:, 1]) - 0.5 * h
+    x, volume, stress = (points[name].values[rim] for name in ("position", "volume", "stress"))
+    weight = stress[:, 1, 1] ** 2 * volume  # squared: the rest of the top is wide, and bears a little
+    middle = float(np.sum(x[:, 0] * weight) / np.sum(weight))
     windows, pressure = _windows(x[:, 0] - middle, -stress[:, 1, 1] * volume, volume, h)
     _, shear = _windows(x[:, 0] - middle, stress[:, 0, 1] * volume, volume, h)
     whole = tree["series"]["contact_force"].isel(time=k, pair=0).values
