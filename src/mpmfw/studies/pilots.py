@@ -101,9 +101,7 @@ class Pilots:
         verdicts, found = self.verdicts(), self.found()
         left = [method for method in self.methods if (*method, k) not in self.asked]
         known = {
-            method: self._found[*method, 0].error if (*method, 0) in self._found else 1.0
-            for method in self.methods
-            if (*method, 0) in self.asked
+            (i[0], i[1]): self._found[i].error if i in self._found else 1.0 for i in self.asked if i[2] == 0
         }
         beforehand = chances(self.methods, known, self.task.target)
         runs = {

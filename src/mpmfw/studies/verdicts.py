@@ -54,7 +54,7 @@ class Verdict:
     ----------
     kind
         ``measured`` or ``predicted``: the target is met, by a pilot or by prediction; ``unsure``: it may be met;
-        ``out of reach``; ``failed``: no pilot has an error; ``not run``: dearer than the answer at any cell.
+        ``out of reach``; ``failed``: no pilot has an error; ``not run``: dearer than the answer at any cell, or not worth a run.
     cell_size
         The cheapest cell that meets the target; else the finest of the ladder [m].
     error
