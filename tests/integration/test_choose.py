@@ -63,6 +63,20 @@ def test_what_costs_more_than_a_run_that_meets_the_target_is_not_run(store: Path
     assert int((found["status"] == "ok").sum()) == 1
 
 
+def test_what_is_likely_to_meet_the_target_runs_before_what_is_cheap(
+    store: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        "mpmfw.studies.pilots.chances", lambda methods, _, __: dict(zip(methods, (1.0, 1e-6), strict=True))
+    )
+    likely, cheap = "lcp", "separate"
+    found = mpmfw.choose(scene(), "99 %", contact=[likely, cheap], shape=["cpdi"], store=store)
+    first, last = method_rows(found)
+    assert (first["contact"], first["verdict"]) == (likely, "measured")
+    assert (last["contact"], last["verdict"]) == (cheap, "not run")
+    assert "and to meet the target with a probability of 0.0001 %" in last["why"]
+
+
 def test_what_nobody_meets_has_no_answer_and_says_what_is_nearest(store: Path) -> None:
     found = mpmfw.choose(scene(), 1e-6, store=store, **METHODS)
     assert not found["answer"].any()

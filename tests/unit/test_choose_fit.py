@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mpmfw.studies.fitting import CostFit, ErrorFit, Pilot
-from mpmfw.studies.verdicts import Task, best_of, verdict, with_reasons
+from mpmfw.studies.verdicts import Chance, Task, best_of, verdict, with_reasons
 
 
 def runs(*errors: float, coarsest: float = 0.8, cost: float = 1.0) -> list[Pilot]:
@@ -32,6 +32,13 @@ def test_an_error_that_falls_as_a_power_is_within_the_bounds(order: float) -> No
         found = fit.at(0.8 / k)
         assert found.low < 0.04 / k**order < found.high
     assert fit.at(0.1).median < fit.at(0.2).median < fit.at(0.4).median
+
+
+def test_the_chance_of_an_error_is_a_half_at_its_median() -> None:
+    fit = ErrorFit(runs(0.04), signed=False)
+    found = fit.at(0.4)
+    chances = [fit.chance(0.4, size) for size in (found.low, found.median, found.high)]
+    assert chances == pytest.approx([0.05, 0.5, 0.95], abs=1e-4)
 
 
 def test_an_error_that_has_levelled_off_is_not_thought_to_fall() -> None:
@@ -129,7 +136,7 @@ def test_every_method_has_a_reason() -> None:
     }
     assert best_of(verdicts) == (0, 0)
     found = with_reasons(
-        verdicts, {(1, 1): "failed: it fell over"}, {(2, 0): 3.0 * verdicts[0, 0].cost}, asked
+        verdicts, {(1, 1): "failed: it fell over"}, {(2, 0): Chance(3.0 * verdicts[0, 0].cost, 0.4)}, asked
     )
     assert found[0, 0].why == "the answer: a pilot run has it"
     assert found[0, 1].why == "meets it at 0.4 m, at 2 times the cost of the answer"
@@ -137,3 +144,7 @@ def test_every_method_has_a_reason() -> None:
     assert "; levels off at " in found[1, 0].why
     assert found[1, 1].why == "failed: it fell over"
     assert found[2, 0].why == "its finer cells take at least 3 times the cost of the answer"
+    cheaper = with_reasons(verdicts, {}, {(2, 0): Chance(0.7 * verdicts[0, 0].cost, 0.2)}, asked)
+    assert cheaper[2, 0].why.endswith(
+        "0.7 times the cost of the answer, and to meet the target with a probability of 20 %"
+    )

@@ -52,10 +52,11 @@ def choose(
 ) -> xr.Dataset:
     """Say which method and cell size bring a scene's error below a target at the least cost, from a few coarse runs.
 
-    Methods run at twice the scene's own cell and at its own, the cheapest first by what ``mpmfw explain`` predicts; a third
-    is run where it decides. A method whose next run would cost more than one that meets the target already is not run, nor
-    one that is out of reach of it. Of each method e(h) = e0 + C h^p is fitted and the cost, steps times (a + b points). A method
-    meets the target where a run of it did, or where it is predicted to with a probability of 95 %.
+    Methods run at twice the scene's own cell and at its own, those first that are cheap by what ``mpmfw explain`` predicts and
+    likely to meet the target by what has run; a third is run where it decides. Where a run meets the target another is made
+    only if it is expected to save more at the next use than it takes; a method that is out of reach of the target is not run.
+    Of each method e(h) = e0 + C h^p is fitted and the cost, steps times (a + b points). A method meets the target where a run of
+    it did, or where it is predicted to with a probability of 95 %.
 
     Parameters
     ----------

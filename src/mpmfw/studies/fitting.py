@@ -6,7 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 from scipy.special import ndtr
+
+Vector = npt.NDArray[np.float64]
 
 #: Orders of convergence p that are thought possible, and what is believed of ln p beforehand: mean and standard deviation.
 ORDERS = np.geomspace(0.5, 3.0, 13)
@@ -95,17 +98,29 @@ class ErrorFit:
 
     def at(self, cell_size: float) -> Interval:
         """The size of the error that a run at a cell size [m] would have."""
-        x = cell_size / self._unit
-        mean = self.limit + self._slope * x**self.order
-        spread = np.sqrt(self._variance * x ** (2.0 * self.order) + (SCATTER * mean) ** 2 + FLOOR**2)
-
-        def below(size: float) -> float:
-            inside = ndtr((size - mean) / spread) - ndtr((-size - mean) / spread)
-            return float(self._weight @ inside)
-
+        mean, spread = self._mixture(cell_size)
         largest = float(np.max(np.abs(mean) + 4.0 * spread))
         tail = 0.5 * (1.0 - WITHIN)
-        return Interval(*(_quantile(below, share, largest) for share in (0.5, tail, 1.0 - tail)))
+        return Interval(
+            *(
+                _quantile(lambda size: self._below(size, mean, spread), share, largest)
+                for share in (0.5, tail, 1.0 - tail)
+            )
+        )
+
+    def chance(self, cell_size: float, size: float) -> float:
+        """Probability that a run at a cell size [m] has an error below a size."""
+        return self._below(size, *self._mixture(cell_size))
+
+    def _mixture(self, cell_size: float) -> tuple[Vector, Vector]:
+        """Mean and standard deviation of the error at a cell size, of every p and e0."""
+        x = cell_size / self._unit
+        mean = self.limit + self._slope * x**self.order
+        return mean, np.sqrt(self._variance * x ** (2.0 * self.order) + (SCATTER * mean) ** 2 + FLOOR**2)
+
+    def _below(self, size: float, mean: Vector, spread: Vector) -> float:
+        """Probability of an error below a size."""
+        return float(self._weight @ (ndtr((size - mean) / spread) - ndtr((-size - mean) / spread)))
 
     def level(self) -> Interval:
         """The size of e0, which finer cells do not go below."""

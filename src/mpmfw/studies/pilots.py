@@ -13,13 +13,12 @@ from mpmfw.campaigns.costs import costs_of, least
 from mpmfw.campaigns.grid import Index, RunGrid
 from mpmfw.campaigns.grid_runs import GridRuns
 from mpmfw.campaigns.judging import ErrorTable, Judge
-from mpmfw.errors import MpmfwError, SimulationError
+from mpmfw.errors import SimulationError
 from mpmfw.measure import Measure
-from mpmfw.prediction import predict
 from mpmfw.results.provenance import provenance
-from mpmfw.scene import Scene
-from mpmfw.studies.fitting import CostFit, Pilot
-from mpmfw.studies.verdicts import Method, Task, Verdict, best_of, verdict, with_reasons
+from mpmfw.studies.chances import chances, price
+from mpmfw.studies.fitting import CostFit, ErrorFit, Pilot
+from mpmfw.studies.verdicts import Chance, Method, Task, Verdict, best_of, verdict, with_reasons
 
 #: A third run of a method is made where it takes at most this share of the answer's cost, or where nothing is certain without.
 THIRD = 0.2
@@ -69,13 +68,13 @@ class Pilots:
         scene = next(one.scene for one in self.grid.combinations.values() if one.scene is not None)
         self.task = Task(target, self.ladder, measure.kind == "number", scene.dim)
         self.prices = {method: price(self.grid.combinations[*method, 0].scene) for method in self.methods}
-        self.pruned: dict[Method, float] = {}
+        self.pruned: dict[Method, Chance] = {}
         self.asked: set[Index] = set()
         self._found: dict[Index, Pilot] = {}
 
     def run(self) -> None:
-        """Make the runs at the coarsest cells, then at the next, the cheapest first, until one meets the target or none is left
-        that may; a few at the third.
+        """Make the runs at the coarsest cells, then at the next, until one meets the target or none is left that may; a few at
+        the third. The next run is the one that is cheapest for its chance of meeting the target.
 
         Raises
         ------
@@ -92,17 +91,32 @@ class Pilots:
                 )
             self._ask({(*self.reference[:2], k) for k in (0, 1)})  # what it is off by itself
         for k in (0, 1):
-            waiting = sorted((m for m in self.methods if (*m, k) not in self.asked), key=self._expected)
-            while waiting := [method for method in waiting if self._worth(method)]:
+            while waiting := self._waiting(k):
                 self._ask({(*method, k) for method in waiting[: self._at_once]})
-                del waiting[: self._at_once]
         if len(self.ladder) > 2:
             self._ask({(*method, 2) for method in self._thirds()})
 
-    def _expected(self, method: Method) -> float:
-        """CPU time of the next run of a method [s]: predicted, or from its last one."""
-        found = self.found()[method]
-        return found[-1].cost if found else self.prices[method]
+    def _waiting(self, k: int) -> list[Method]:
+        """Methods that are worth a run at a cell size, the next one first."""
+        verdicts, found = self.verdicts(), self.found()
+        left = [method for method in self.methods if (*method, k) not in self.asked]
+        known = {
+            (i[0], i[1]): self._found[i].error if i in self._found else 1.0 for i in self.asked if i[2] == 0
+        }
+        beforehand = chances(self.methods, known, self.task.target)
+        runs = {
+            method: self._chance(found[method], k)
+            if found[method]
+            else Chance(self.prices[method], beforehand[method])
+            for method in left
+        }
+        return sorted((m for m in left if self._worth(m, runs[m], verdicts)), key=lambda m: runs[m].price)
+
+    def _chance(self, pilots: list[Pilot], k: int) -> Chance:
+        """Of the next run of a method that has one: it costs at least as many steps more."""
+        fit = ErrorFit(pilots, self.task.signed)
+        least = pilots[-1].cost * pilots[-1].cell_size / self.ladder[k]
+        return Chance(least, fit.chance(self.ladder[k], self.task.target))
 
     def _ask(self, points: set[Index]) -> None:
         """Make runs, and read them; others that the store may hold are not looked at, so that no answer depends on them."""
@@ -120,23 +134,20 @@ class Pilots:
                 values = (float(cost[name]) for name in ("cpu_time", "steps", "material_points"))
                 self._found[index] = Pilot(self.ladder[index[2]], float(error), *values)
 
-    def _worth(self, method: Method) -> bool:
-        """Whether the next run of a method may cost less than what meets the target already: it costs as many steps more.
+    def _worth(self, method: Method, run: Chance, verdicts: Mapping[Method, Verdict]) -> bool:
+        """Whether the next run of a method is expected to save more than it takes, where a run meets the target already.
 
         What is out of reach with the best order of convergence is not run either.
         """
-        verdicts = self.verdicts()
         best = best_of({name: one for name, one in verdicts.items() if one.kind == "measured"})
-        found = self.found()[method]
         if best is None:
             return verdicts[method].kind != "out of reach"
-        if found:
-            least = found[0].cost * self.ladder[0] / self.ladder[1]
-        else:  # prices are of use as ratios alone
-            least = verdicts[best].cost * self.prices[method] / max(self.prices[best], 1e-9)
-        if least < verdicts[best].cost:
+        cost = verdicts[best].cost
+        if not self.found()[method]:  # prices are of use as ratios alone
+            run = Chance(cost * run.cost / max(self.prices[best], 1e-9), run.of_target)
+        if run.saves(cost):
             return True
-        self.pruned[method] = least
+        self.pruned[method] = run
         return False
 
     def _thirds(self) -> list[Method]:
@@ -240,19 +251,6 @@ class Pilots:
             "target": task.target,
             "versions": json.dumps(provenance()["versions"]),
         }
-
-
-def price(scene: Scene | None) -> float:
-    """Predicted CPU time of a run [s], settling included; 0 of one that is refused."""
-    from mpmfw.simulation import Simulation
-
-    if scene is None:
-        return 0.0
-    try:
-        found = predict(Simulation(scene), ())
-    except MpmfwError:  # it fails as fast where it is run, and its status says why
-        return 0.0
-    return found.cpu_time + found.settle_time
 
 
 def _is_likely(one: Verdict, task: Task) -> bool:

@@ -54,7 +54,7 @@ class Verdict:
     ----------
     kind
         ``measured`` or ``predicted``: the target is met, by a pilot or by prediction; ``unsure``: it may be met;
-        ``out of reach``; ``failed``: no pilot has an error; ``not run``: dearer than the answer at any cell.
+        ``out of reach``; ``failed``: no pilot has an error; ``not run``: dearer than the answer at any cell, or not worth a run.
     cell_size
         The cheapest cell that meets the target; else the finest of the ladder [m].
     error
@@ -79,6 +79,31 @@ class Verdict:
     def meets(self) -> bool:
         """Whether the target is met, with the confidence of the interval."""
         return self.kind in ("measured", "predicted")
+
+
+@dataclass(frozen=True)
+class Chance:
+    """A run that may be made.
+
+    Attributes
+    ----------
+    cost
+        Predicted CPU time [s].
+    of_target
+        Probability that its error is below the target.
+    """
+
+    cost: float
+    of_target: float
+
+    @property
+    def price(self) -> float:
+        """Expected CPU time until the target is met, if all runs were like this one [s]: cheap and likely ones come first."""
+        return self.cost / max(self.of_target, 1e-9)
+
+    def saves(self, cost: float) -> bool:
+        """Whether it is expected to save more at the next use, against what meets the target at a cost [s], than it takes."""
+        return self.of_target * (cost - self.cost) > self.cost
 
 
 def verdict(pilots: Sequence[Pilot], task: Task) -> Verdict:
@@ -119,7 +144,7 @@ def best_of(verdicts: Mapping[Method, Verdict]) -> Method | None:
 def with_reasons(
     verdicts: Mapping[Method, Verdict],
     failures: Mapping[Method, str],
-    pruned: Mapping[Method, float],
+    pruned: Mapping[Method, Chance],
     task: Task,
 ) -> dict[Method, Verdict]:
     """The verdicts with why each is, or is not, the answer.
@@ -131,7 +156,7 @@ def with_reasons(
     failures
         Status of the last run of those that have no error.
     pruned
-        Methods that were not run at all cells, with the least that the next one would have cost [s].
+        Methods that were not run at all cells, with what the next run would have cost at least, and its chance.
     task
         What was asked.
     """
@@ -142,7 +167,7 @@ def with_reasons(
         if method == best:
             words[method] = "the answer: " + ("a pilot run has it" if one.kind == "measured" else "predicted")
         elif one.kind == "not run":
-            words[method] = f"predicted to take {pruned[method] / cost:.2g} times the cost of the answer"
+            words[method] = f"predicted to take {_at_what_cost(pruned[method], cost)}"
         elif one.kind == "failed":
             words[method] = failures.get(method, "no run has an error")
         elif one.meets:
@@ -150,12 +175,20 @@ def with_reasons(
                 f"meets it at {one.cell_size:.4g} m, at {one.cost / cost:.2g} times the cost of the answer"
             )
         elif method in pruned:
-            words[method] = (
-                f"its finer cells take at least {pruned[method] / cost:.2g} times the cost of the answer"
-            )
+            words[method] = f"its finer cells take at least {_at_what_cost(pruned[method], cost)}"
         else:
             words[method] = _falls_short(one, task)
     return {method: replace(one, why=words[method]) for method, one in verdicts.items()}
+
+
+def _at_what_cost(run: Chance, cost: float) -> str:
+    """What a run takes against the answer, and where that is less, how likely it would have been one."""
+    likely = (
+        ""
+        if run.cost >= cost
+        else f", and to meet the target with a probability of {percent(run.of_target)} %"
+    )
+    return f"{run.cost / cost:.2g} times the cost of the answer{likely}"
 
 
 def _falls_short(one: Verdict, task: Task) -> str:
