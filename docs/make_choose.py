@@ -351,7 +351,8 @@ HEAD = """\
 `python docs/make_choose.py` asks [`mpmfw choose`](guide/choose.md) for a method and a cell size on {scenes} problems with a
 closed form or a reference, at two errors each, then runs the answer, and whatever else might have met the target for less.
 What `choose` believes beforehand was set on the cylinder's table in [the shipped studies](studies.md), where {in_sample}.
-Of these scenes it has seen the bars, whose pilots were looked at when the rule for third runs was written. Methods are the
+Of these scenes it has seen the bars, whose pilots were looked at when the rule for third runs was written, and the order of the
+pilots was tried on all of them, so that for *other runs* they are no test. Methods are the
 default ones but where the table says others. Here: {processor}, {timing}; CPU times of short runs scatter by tens of
 per cent.
 
