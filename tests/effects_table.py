@@ -77,7 +77,16 @@ _SURFACES = " ".join(
     ["mpmfw_contact.surfaces"]
     + [
         f"mpmfw_contact.surfaces.{name}"
-        for name in ("detection", "near_facets", "options", "search", "assembly", "candidates", "outline")
+        for name in (
+            "detection",
+            "near_facets",
+            "options",
+            "search",
+            "cells",
+            "assembly",
+            "candidates",
+            "outline",
+        )
     ]
     + [f"mpmfw_contact.surfaces.{name}" for name in ("facing", "tracking", "travel")]
 )

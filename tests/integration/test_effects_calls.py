@@ -13,7 +13,7 @@ from mpmfw.contact import rows
 from mpmfw.hooks import BoundHooks
 from mpmfw.simulation import Simulation
 from mpmfw_contact import _springs
-from mpmfw_contact.surfaces import detection, near_facets, search
+from mpmfw_contact.surfaces import cells, detection, near_facets, search
 from scenes_for_tests import two_blocks, with_changes
 
 pytestmark = pytest.mark.effects
@@ -87,7 +87,8 @@ KERNELS = {
     _springs: ("set_springs", "spring_forces"),
     detection: ("assemble",),
     rows: ("couplings", "add_row_forces"),
-    search: ("near_boxes", "list_facets", "find_pairs"),
+    cells: ("near_boxes", "list_facets"),
+    search: ("find_pairs",),
     near_facets: ("list_near", "measure_motion", "find_listed"),
 }
 
