@@ -36,6 +36,15 @@ from scenes_for_tests import two_blocks, with_changes
 
 pytestmark = pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")  # settling is cut short
 
+
+@pytest.fixture(autouse=True)
+def _interrupts_are_heard():
+    """Give back what a shell takes from commands in the background: SIGINT, which they are started to ignore."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 #: Kills in all, spread over the shipped scenes.
 KILLS = int(os.environ.get("MPMFW_KILLS", "20"))
 
