@@ -363,6 +363,7 @@ PLUGINS: dict[str, Acts] = {
     "contact.penalty.search_radius": _penalty("search_radius", 1.0, 0.002),
     "contact.penalty.interface_thickness": _penalty("interface_thickness", 0.0, 0.01),
     "contact.penalty.damping": _penalty("damping", 0.0, 0.3),
+    "contact.penalty.linear_to": _penalty("linear_to", 0.25, 0.001),
     "contact.penalty.map": _penalty("map", "plain", "mass_weighted"),
     "contact.hamad2017.kappa": _hamad2017("kappa", 1.0, 0.5),
     "contact.hamad2017.tangential_ratio": _hamad2017("tangential_ratio", 1.0, 0.3),

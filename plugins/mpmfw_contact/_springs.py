@@ -6,11 +6,11 @@ from mpmfw.kernels import Struct, device, kernel
 from mpmfw.kernels.contact import Records, Rows, add_turned, slip_bound
 from mpmfw.kernels.types import Float, Floats, Ints
 
-#: Depth in cells from which a spring grows stiffer: beyond it bodies at the speed of their waves would cross.
+#: Depth in cells from which a spring grows stiffer: were it linear, bodies at the speed of their waves would cross.
 LINEAR_TO = 0.25
 
-#: By how much: f = k (d + GROWTH (d − LINEAR_TO h)² / h).
-GROWTH = 16.0
+#: By how much: f = k (d + GROWTH (d − l)² / l) beyond that depth l.
+GROWTH = 4.0
 
 #: Share below which a spring hardly bears.
 WEAK = 0.1
@@ -39,7 +39,7 @@ def normal_force(k: Float, depth: Float, limit: Float) -> Float:
     if depth <= limit:
         return k * depth
     over = depth - limit
-    return k * (depth + GROWTH * LINEAR_TO * over * over / limit)
+    return k * (depth + GROWTH * over * over / limit)
 
 
 @device
@@ -48,7 +48,7 @@ def spring_energy(k: Float, depth: Float, limit: Float) -> Float:
     if depth <= limit:
         return 0.5 * k * depth * depth
     over = depth - limit
-    return k * (0.5 * depth * depth + GROWTH * LINEAR_TO * over * over * over / (3.0 * limit))
+    return k * (0.5 * depth * depth + GROWTH * over * over * over / (3.0 * limit))
 
 
 @device
@@ -56,7 +56,7 @@ def tangent_stiffness(k: Float, depth: Float, limit: Float) -> Float:
     """df/dd [N/m²]."""
     if depth <= limit:
         return k
-    return k * (1.0 + 2.0 * GROWTH * LINEAR_TO * (depth - limit) / limit)
+    return k * (1.0 + 2.0 * GROWTH * (depth - limit) / limit)
 
 
 @device

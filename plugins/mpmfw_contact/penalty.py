@@ -51,9 +51,12 @@ class SpringOptions(BaseModel):
 
 
 class PenaltyLawOptions(SpringOptions):
-    """Stiffness along the normal and the tangent, and a dashpot."""
+    """Stiffness along the normal and the tangent, where it begins to grow, and a dashpot."""
 
     damping: float = Field(0.0, ge=0, description="normal dashpot as a fraction of critical, at most 2 k dt")
+    linear_to: float = Field(
+        springs.LINEAR_TO, gt=0, description="depth l in cells from which springs grow stiffer: f = k (d + 4 (d - l)² / l)"
+    )
 
 
 class Springs(ForceLaw):
@@ -111,7 +114,7 @@ class PenaltyLaw(Springs):
     def prepare(self, setup: Setup, owner: str) -> None:
         """Pairs, and the depth from which springs grow stiffer."""
         self.spring_work: FloatArray = setup.allocate(owner, SPRING_WORK)
-        self.linear_to = springs.LINEAR_TO * setup.cell_size
+        self.linear_to = self.options.linear_to * setup.cell_size
         super().prepare(setup, owner)
 
     def list_pairs(self, state: State) -> None:

@@ -91,3 +91,22 @@ def test_springs_that_grow_stiffer_sooner_or_more_cost_steps(constant, value, mo
     assert share_of_the_step(0.3) > 0.6
     monkeypatch.setattr(_springs, constant, value)
     assert share_of_the_step(0.2 if constant == "LINEAR_TO" else 0.3) < 0.4
+
+
+@pytest.mark.parametrize("limit", [0.03, _springs.LINEAR_TO])
+@pytest.mark.parametrize("depth", [0.02, 0.04, 0.3, 1.0])
+def test_force_is_the_slope_of_energy_and_the_tangent_that_of_force(depth, limit):
+    """With any depth from which springs grow stiffer; there all three are continuous."""
+    force, energy, tangent = (
+        f.py_func for f in (_springs.normal_force, _springs.spring_energy, _springs.tangent_stiffness)
+    )
+    step = 1e-6
+    assert (energy(2.0, depth + step, limit) - energy(2.0, depth - step, limit)) / (2 * step) == pytest.approx(
+        force(2.0, depth, limit), rel=1e-8
+    )
+    assert (force(2.0, depth + step, limit) - force(2.0, depth - step, limit)) / (2 * step) == pytest.approx(
+        tangent(2.0, depth, limit), rel=1e-8
+    )
+    assert [f(2.0, limit * (1 + 1e-12), limit) for f in (force, energy, tangent)] == pytest.approx(
+        [2.0 * limit, limit**2, 2.0], rel=1e-9
+    )

@@ -90,6 +90,15 @@ def cost(runs: Sequence[CaseRun]) -> float:
     return float(sum(one["cpu_time"] + one.get("settle_time", 0.0) for one in found))
 
 
-def draw(runs: Sequence[CaseRun]) -> Figure:
-    """The matrix of scenes by methods and places."""
-    return matrix(runs)
+def springs(runs: Sequence[CaseRun]) -> Figure:
+    """The matrix of penalty contact, plain and in its strongest form, and of what solves all rows at once."""
+    return matrix([run for run in runs if _is_spring(run)])
+
+
+def others(runs: Sequence[CaseRun]) -> Figure:
+    """The matrix of classical contact, plain and in its strongest form, and of impulses between surfaces."""
+    return matrix([run for run in runs if not _is_spring(run)])
+
+
+def _is_spring(run: CaseRun) -> bool:
+    return run.method.contact.startswith(("penalty", "lcp"))

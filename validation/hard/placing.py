@@ -23,7 +23,7 @@ def placed(
     angle = math.radians(turn)
     rotation = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
     offset = cell * np.array(shift)
-    made = {**scene, "grid": _grid(scene["grid"], cell, rotation, offset), "bodies": {}}
+    made = {**scene, "grid": _grid(scene["grid"], coarser, rotation, offset), "bodies": {}}
     for name, body in scene["bodies"].items():
         changed = {**body, "geometry": _moved(body, rotation, offset, angle)}
         if "velocity" in body:
@@ -36,10 +36,11 @@ def placed(
     return made
 
 
-def _grid(grid: dict[str, Any], cell: float, rotation: np.ndarray, offset: np.ndarray) -> dict[str, Any]:
-    """A grid with lines where the scene's has one at its lower corner."""
+def _grid(grid: dict[str, Any], coarser: float, rotation: np.ndarray, offset: np.ndarray) -> dict[str, Any]:
+    """A grid in whose cells the origin lies as in the scene's."""
     low, high = np.array(grid["lower"], float), np.array(grid["upper"], float)
     corners = np.array(list(itertools.product(*zip(low, high, strict=True)))) @ rotation.T + offset
+    cell, low = coarser * float(grid["cell_size"]), coarser * low
     lower = low - np.ceil((low - corners.min(0)) / cell) * cell
     return {**grid, "cell_size": cell, "lower": lower.tolist(), "upper": corners.max(0).tolist()}
 

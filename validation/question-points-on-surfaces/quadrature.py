@@ -167,7 +167,7 @@ class PlainSprings(PenaltyLaw):
         own.k[n] = self.modulus[rows.pair[n]] * rows.area[n]
         own.tangent_k[n] = self.stiffest * own.k[n]
         deep = np.flatnonzero(-rows.gap[n] > self.linear_to)
-        grown = 2.0 * springs.GROWTH * springs.LINEAR_TO * (-rows.gap[deep] / self.linear_to - 1.0)
+        grown = 2.0 * springs.GROWTH * (-rows.gap[deep] / self.linear_to - 1.0)
         own.tangent_k[deep] *= 1.0 + grown
         tangent: FloatArray = own.tangent_k
         return tangent
