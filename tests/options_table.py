@@ -411,6 +411,7 @@ PLUGINS: dict[str, Acts] = {
     "contact.particles.kappa": _contact("particles", "kappa", 1.0, 2.0),
     "contact.particles.tangential_ratio": _contact("particles", "tangential_ratio", 1.0, 0.3),
     "contact.particles.damping": _contact("particles", "damping", 0.0, 0.3),
+    "contact.particles.linear_to": _contact("particles", "linear_to", 0.25, 0.001),
     "contact.nairn.slope_penalty": _contact("nairn", "slope_penalty", 1e-7, 1.0),
     "contact.nairn.turn": _contact("nairn", "turn", 1e-9, 0.9),
     "contact.nairn.cut_off": _contact("nairn", "cut_off", 0.0, 0.5),
