@@ -55,7 +55,9 @@ class PenaltyLawOptions(SpringOptions):
 
     damping: float = Field(0.0, ge=0, description="normal dashpot as a fraction of critical, at most 2 k dt")
     linear_to: float = Field(
-        springs.LINEAR_TO, gt=0, description="depth l in cells from which springs grow stiffer: f = k (d + 4 (d - l)² / l)"
+        springs.LINEAR_TO,
+        gt=0,
+        description="depth l in cells from which springs grow stiffer: f = k (d + 4 (d - l)² / l)",
     )
 
 

@@ -101,9 +101,9 @@ def test_force_is_the_slope_of_energy_and_the_tangent_that_of_force(depth, limit
         f.py_func for f in (_springs.normal_force, _springs.spring_energy, _springs.tangent_stiffness)
     )
     step = 1e-6
-    assert (energy(2.0, depth + step, limit) - energy(2.0, depth - step, limit)) / (2 * step) == pytest.approx(
-        force(2.0, depth, limit), rel=1e-8
-    )
+    assert (energy(2.0, depth + step, limit) - energy(2.0, depth - step, limit)) / (
+        2 * step
+    ) == pytest.approx(force(2.0, depth, limit), rel=1e-8)
     assert (force(2.0, depth + step, limit) - force(2.0, depth - step, limit)) / (2 * step) == pytest.approx(
         tangent(2.0, depth, limit), rel=1e-8
     )

@@ -58,7 +58,13 @@ def matrix(runs: Sequence[CaseRun]) -> Figure:
         middle = (k + 0.5) * len(versions) - 0.5
         name = re.sub(r"\(.*\)", "*", contact)
         axes.annotate(
-            name, (middle, 1.0), (0, 66), ("data", "axes fraction"), "offset points", ha="center", fontweight="bold"
+            name,
+            (middle, 1.0),
+            (0, 66),
+            ("data", "axes fraction"),
+            "offset points",
+            ha="center",
+            fontweight="bold",
         )
     figure.supxlabel(SAID)
     return figure
