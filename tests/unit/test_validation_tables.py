@@ -118,6 +118,29 @@ open.value."penalty, *" = "not yet"
     assert {verdict for method, verdict in verdicts.items() if "short" not in method} == {Verdict.OUTSIDE}
 
 
+FIGURES = """
+[[runs.methods]]
+contact = ["bardenhagen"]
+[[figures]]
+draw = "made:classical"
+methods = ["bardenhagen*"]
+"""
+
+
+def test_a_figure_is_drawn_of_the_methods_that_it_names(check, tmp_path):
+    made = """
+from matplotlib.figure import Figure
+
+def classical(runs):
+    assert {run.method.contact for run in runs} == {"bardenhagen"}
+    return Figure()
+"""
+    (tmp_path / "made.py").write_text(made, encoding="utf-8")
+    assert check(RUNS + FIGURES + ROW).figures
+    with pytest.raises(SceneError, match=r"'bradenhagen\*' is of none of the methods: .*bardenhagen, cpdi"):
+        check(RUNS + FIGURES.replace("bardenhagen*", "bradenhagen*") + ROW)
+
+
 def test_rows_of_methods_scaled_and_none(check):
     found = check(
         RUNS
@@ -283,7 +306,6 @@ within.value = [0.0, 0.5]
 at = "coarser"
 change = "made:coarser"
 args = { by = 2.0 }
-methods = ["penalty, *"]
 [[runs.rows]]
 quantity = "{at}: size"
 measure = "measures:of_run"

@@ -7,14 +7,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matrix import matrix
 
 from mpmfw.conservation import energy_error, momentum_change
 from mpmfw.scene import load_scene
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
     from mpmfw.validation import CaseRun
 
@@ -88,17 +86,3 @@ def cost(runs: Sequence[CaseRun]) -> float:
     """CPU time of the scenes as they stand, settling with them [s]."""
     found = [run.results.attrs for run in runs if run.version.change is None]
     return float(sum(one["cpu_time"] + one.get("settle_time", 0.0) for one in found))
-
-
-def springs(runs: Sequence[CaseRun]) -> Figure:
-    """The matrix of penalty contact, plain and in its strongest form, and of what solves all rows at once."""
-    return matrix([run for run in runs if _is_spring(run)])
-
-
-def others(runs: Sequence[CaseRun]) -> Figure:
-    """The matrix of classical contact, plain and in its strongest form, and of impulses between surfaces."""
-    return matrix([run for run in runs if not _is_spring(run)])
-
-
-def _is_spring(run: CaseRun) -> bool:
-    return run.method.contact.startswith(("penalty", "lcp"))

@@ -111,6 +111,7 @@ def check_tables(case: Case, tables: CaseTables) -> None:
     for figure in tables.figures:
         if figure.when in (None, now):
             drawn = [one for one in done if not figure.of or one.runs in figure.of]
+            drawn = [one for one in drawn if not figure.methods or matches(one.method, figure.methods)]
             case.figure(figure.name, function_of(figure.draw)(drawn))
 
 
@@ -153,8 +154,6 @@ def _run(case: Case, runs: RunsTable, now: When) -> list[CaseRun]:
     for place, version, method in itertools.product(
         _of_now(runs.places, now), list(_of_now(runs.versions, now)), methods
     ):
-        if not matches(method, version.methods):
-            continue
         own = [row for row in rows if row.is_of(method, place)]
         try:
             scene = scene_at(case, runs, place, version, method, now)

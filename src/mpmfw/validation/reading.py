@@ -73,6 +73,8 @@ def _checks(tables: CaseTables) -> Iterator[Problem]:
         yield from _together(together, ("rows", k))
     for k, figure in enumerate(tables.figures):
         yield from _of(figure.of, names, ("figures", k))
+        every = [method for runs in tables.runs for table in runs.methods for method in table.methods()]
+        yield from _unmatched(figure.methods, every, ("figures", k, "methods"))
 
 
 def _keys(tables: CaseTables, runs: RunsTable) -> set[str]:
@@ -101,9 +103,7 @@ def _open(places: Sequence[PlaceTable], methods: Sequence[Method], at: KeyPath) 
     """Reasons of no method."""
     for place in places:
         patterns = [pattern for why in place.open.values() if not isinstance(why, str) for pattern in why]
-        for pattern in patterns:
-            if not any(matches(method, [pattern]) for method in methods):
-                yield Problem(at, f"{place.at}: open: '{pattern}' is of none of the methods")
+        yield from _unmatched(patterns, methods, (*at, place.at, "open"))
 
 
 def _measure(table: QuantityTable, at: KeyPath) -> Iterator[Problem]:
@@ -138,10 +138,14 @@ def _places(row: RowTable, places: Sequence[PlaceTable], at: KeyPath) -> Iterato
 def _patterns(row: RowTable, methods: Iterable[Method], at: KeyPath) -> Iterator[Problem]:
     for key in ("binds", "methods", "without"):
         given = getattr(row, key)
-        for pattern in () if isinstance(given, str) else given:
-            if not any(matches(method, [pattern]) for method in methods):
-                listed = "; ".join(map(str, methods))
-                yield Problem((*at, key), f"'{pattern}' is of none of the methods: {listed}")
+        yield from _unmatched(() if isinstance(given, str) else given, methods, (*at, key))
+
+
+def _unmatched(patterns: Iterable[str], methods: Iterable[Method], at: KeyPath) -> Iterator[Problem]:
+    for pattern in patterns:
+        if not any(matches(method, [pattern]) for method in methods):
+            listed = "; ".join(map(str, methods))
+            yield Problem(at, f"'{pattern}' is of none of the methods: {listed}")
 
 
 def _of(given: Iterable[str], names: Sequence[str], at: KeyPath) -> Iterator[Problem]:

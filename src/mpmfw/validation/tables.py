@@ -107,14 +107,11 @@ class VersionTable(Table):
     change, args
         ``module:function`` that takes the scene as nested mappings, and these arguments, and returns the changed one; the
         scene as it is, if left out.
-    methods
-        Patterns of the methods that run it.
     """
 
     at: str = ""
     change: str | None = None
     args: dict[str, Any] = Field(default={})
-    methods: Patterns = Field(default=["*"])
     when: When = None
 
 
@@ -240,11 +237,12 @@ class TogetherTable(RowTable):
 
 
 class FigureTable(Table):
-    """A figure: ``draw`` is ``module:function``, which takes the runs of these names, all if left out."""
+    """A figure: ``draw`` is ``module:function``, which takes the runs of these names and methods, all if left out."""
 
     name: str = ""
     draw: str
     of: list[str] = Field(default=[])
+    methods: Patterns = Field(default=[])
     when: When = None
 
 
