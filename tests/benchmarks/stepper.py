@@ -1,7 +1,9 @@
 """What a step costs: nanoseconds per material point by stage, and the ratio to a plain loop of the same arithmetic.
 
     python tests/benchmarks/stepper.py [--shapes linear,gimp,bspline,cpdi] [--counts 600,17600] [--dim 2] [--repeats 30] [--keep]
+    python tests/benchmarks/stepper.py --rings [--shapes linear,gimp,bspline,cpdi] [--repeats 30] [--keep]
 
+The points are those of a block, slightly irregular, or with --rings those of the scene colliding-rings.
 The plain loop is the fastest of g++'s and clang++'s, with an interpolation table and without; samples of all alternate. With
 --keep the ratios go to history.csv beside this file, with the commit that they are of.
 """
@@ -21,11 +23,11 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from mpmfw.benchmark import table
 from mpmfw.campaigns.machine import Load, processor
-from yardstick.kernels import SHAPES, measure_kernels
+from yardstick.kernels import SHAPES, measure_kernels, measure_rings
 from yardstick.plain import compiler_version, compilers
 
 HISTORY = Path(__file__).with_name("history.csv")
-KEPT = ("dim", "shape", "particles", "loop", "ratio", "ratio_low", "ratio_high")
+KEPT = ("points", "dim", "shape", "particles", "loop", "ratio", "ratio_low", "ratio_high")
 
 
 def keep(rows: list[dict[str, object]], busy: float) -> None:
@@ -58,16 +60,24 @@ if __name__ == "__main__":
     )
     parser.add_argument("--shapes", default=",".join(SHAPES))
     parser.add_argument("--counts", default="600,17600")
+    parser.add_argument("--rings", action="store_true")
     parser.add_argument("--dim", type=int, default=2, choices=(2, 3))
     parser.add_argument("--repeats", type=int, default=30)
     parser.add_argument("--keep", action="store_true")
     chosen = parser.parse_args()
     counts = [int(text) for text in chosen.counts.split(",")]
     load = Load()
-    rows = measure_kernels(chosen.shapes.split(","), counts, chosen.repeats, dim=chosen.dim)
+    shapes, points = chosen.shapes.split(","), "rings" if chosen.rings else "block"
+    if chosen.rings:
+        rows = measure_rings(shapes, chosen.repeats)
+    else:
+        rows = measure_kernels(shapes, counts, chosen.repeats, dim=chosen.dim)
     busy = load.others()
     console = Console(width=170)
-    console.print(table(rows, f"{chosen.dim}D block without contact: ns per material point and step"))
+    rows = [{**row, "points": points} for row in rows]
+    console.print(
+        table(rows, f"{points} in {rows[0]['dim']}D, without contact: ns per material point and step")
+    )
     said = "; ".join(map(compiler_version, compilers())) or "no C++ compiler"
     console.print(f"{processor()}; {said}; other processes kept {busy:.1f} cores busy")
     if chosen.keep:

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from mpmfw.benchmark import table
-from yardstick.block import make_block
+from mpmfw.simulation import Simulation
+from yardstick.block import make_block, make_rings
 from yardstick.kernels import SHAPES, measure_kernels
 from yardstick.plain import STAGES, PlainLoop, compilers
 
@@ -32,6 +33,25 @@ def test_plain_loop_takes_the_same_steps(shape, dim, compiler, whole):
     np.testing.assert_allclose(theirs.deformation, ours.deformation_gradient, atol=1e-12)
     np.testing.assert_allclose(theirs.stress, ours.stress, atol=1e-12)
     np.testing.assert_allclose(theirs.affine, ours.affine, atol=1e-12)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_plain_loop_takes_the_rings_steps(shape):
+    rings, compiler = make_rings(shape), next(iter(compilers()), None)
+    plain = PlainLoop(shape, rings, compiler=compiler)
+    for _ in range(3):
+        rings.step()
+        plain.step()
+    np.testing.assert_allclose(plain.problem.stress, rings.state.particles.stress, atol=1e-12)
+    np.testing.assert_allclose(plain.problem.velocity, rings.state.particles.velocity, atol=1e-12)
+
+
+def test_rings_are_the_scenes_points():
+    sim, rings = Simulation("colliding-rings", contact="none"), make_rings("cpdi")
+    h, ours, theirs = sim.state.grid.cell_size, rings.state.particles, sim.state.particles
+    np.testing.assert_allclose(ours.volume * h**2, theirs.volume)
+    moved = ours.position - theirs.position / h
+    np.testing.assert_allclose(moved, np.broadcast_to(np.round(moved[0]), moved.shape), atol=1e-9)
 
 
 def test_rows_and_table():

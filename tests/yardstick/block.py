@@ -1,22 +1,25 @@
-"""A synthetic block of one neo-Hookean body, stepped by the real stepper and plug-ins."""
+"""One neo-Hookean body, stepped by the real stepper and plug-ins: a synthetic block, or the points of the colliding rings."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from mpmfw.bodies import lay_out
 from mpmfw.clock import Clock
 from mpmfw.discovery import load
 from mpmfw.fields import FloatArray
-from mpmfw.geometry.layout import layout_of_boxes
+from mpmfw.geometry.layout import Layout, layout_of_boxes
 from mpmfw.hooks import BoundHooks, make_manager
+from mpmfw.scene.loading import load_scene
 from mpmfw.setup import Setup
 from mpmfw.state import Body, Particles, State
 from mpmfw.steppers import usl
 from mpmfw.transfer import Transfer, make_transfer
-from mpmfw.windows import MARGIN, lay_windows, make_grid
+from mpmfw.windows import MARGIN, allocate_nodes, make_grid
 
 #: All is of order one: h = 1 m, density 1 kg/m^3, moduli [Pa]; the step [s] is well below its limit.
 CELL_SIZE, BULK, SHEAR, DT = 1.0, 1.0, 0.5, 0.1
@@ -42,15 +45,39 @@ class Block:
 
 
 def make_block(shape: str, count: int, dim: int = 2) -> Block:
-    """A cube of about ``count`` points at slightly irregular positions, in the corner of a grid that fits
-    it."""
+    """A cube of about ``count`` points at slightly irregular positions, in the corner of a grid that fits it."""
     cells = max(1, round((count / PER_CELL**dim) ** (1.0 / dim)))
     rng = np.random.default_rng(0)
     axis = MARGIN + (np.arange(PER_CELL * cells) + 0.5) / PER_CELL
     position = np.stack(np.meshgrid(*[axis] * dim, indexing="ij"), axis=-1).reshape(-1, dim)
     position += rng.uniform(-0.1, 0.1, position.shape)
     layout = layout_of_boxes(position, np.full(position.shape, CELL_SIZE / PER_CELL))
-    particles = _particles(position, rng)
+    return _block_of(layout, shape, cells, rng)
+
+
+def make_rings(shape: str) -> Block:
+    """The points of the scene ``colliding-rings``, lengths in cells, as one block in the corner of a square grid."""
+    scene = load_scene("colliding-rings")
+    layouts, h = lay_out(scene), scene.grid.cell_size
+    corners = np.concatenate([layout.corners for layout in layouts if layout.corners is not None]) / h
+    shift = MARGIN - np.floor(
+        corners.min(axis=(0, 1))
+    )  # whole cells: the points lie between grid lines as in the scene
+    layout = Layout(
+        position=np.concatenate([layout.position for layout in layouts]) / h + shift,
+        volume=np.concatenate([layout.volume for layout in layouts]) / h**2,
+        half_edges=np.concatenate([layout.half_edges for layout in layouts]) / h,
+        corners=corners + shift,
+    )
+    cells = math.ceil((corners + shift).max()) - MARGIN
+    return _block_of(layout, shape, cells, np.random.default_rng(0))
+
+
+def _block_of(layout: Layout, shape: str, cells: int, rng: np.random.Generator) -> Block:
+    """A block of these points, on a grid of so many cells along each axis and a margin on both sides."""
+    position = layout.position
+    dim = position.shape[1]
+    particles = _particles(layout, rng)
     grid = make_grid(CELL_SIZE, np.zeros(dim), np.full(dim, float(cells + 2 * MARGIN)), 1)
     body = Body(
         name="block",
@@ -87,15 +114,16 @@ def make_block(shape: str, count: int, dim: int = 2) -> Block:
     manager.hook.setup(setup=setup)
     clock = Clock()
     hook: Any = BoundHooks(manager, clock)
-    lay_windows(grid, particles, hook.particle_reach(particles=particles), None)
+    grid.window_shape[:] = grid.nodes  # the plain loop knows one cubic window
+    allocate_nodes(grid)
     transfer = make_transfer("aflip", singular_spread=function.singular_spread)
     return Block(state, hook, transfer, clock, layout.half_edges)
 
 
-def _particles(position: FloatArray, rng: np.random.Generator) -> Particles:
+def _particles(layout: Layout, rng: np.random.Generator) -> Particles:
     """Points of unit density that jitter and are slightly deformed."""
+    position, volume = layout.position, layout.volume
     n, dim = position.shape
-    volume = np.full(n, (CELL_SIZE / PER_CELL) ** dim)
     tensor = (n, dim, dim)
     return Particles(
         position=position,

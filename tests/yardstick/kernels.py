@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.benchmark.sampling import quartiles, stage_times
-from yardstick.block import Block, make_block
+from yardstick.block import Block, make_block, make_rings
 from yardstick.plain import STAGES, PlainLoop, compilers
 
 #: Shape functions that the plain loop knows.
@@ -53,11 +53,21 @@ def measure_kernels(
     which ``loop`` describes; ``ratio``, the median over the repeats of total / plain, and its quartiles
     ``ratio_low`` and ``ratio_high``.
     """
-    return [_measure(shape, count, repeats, dim, compiler) for shape in shapes for count in counts]
+    blocks = ((shape, make_block(shape, count, dim)) for shape in shapes for count in counts)
+    return [_measure(shape, block, repeats, compiler) for shape, block in blocks]
 
 
-def _measure(shape: str, count: int, repeats: int, dim: int, compiler: bool) -> dict[str, Any]:
-    block = make_block(shape, count, dim)
+def measure_rings(
+    shapes: Sequence[str] = SHAPES, repeats: int = 30, *, compiler: bool = True
+) -> list[dict[str, Any]]:
+    """The same of the colliding rings' points, as one body without contact, in the order and between the grid lines of the scene.
+
+    Parameters and rows are those of :func:`measure_kernels`.
+    """
+    return [_measure(shape, make_rings(shape), repeats, compiler) for shape in shapes]
+
+
+def _measure(shape: str, block: Block, repeats: int, compiler: bool) -> dict[str, Any]:
     plains = _plain_steps(shape, block, compiler)
     n = block.state.particles.count
     steps = max(1, -(-POINTS_PER_SAMPLE // n))
@@ -75,7 +85,7 @@ def _measure(shape: str, count: int, repeats: int, dim: int, compiler: bool) -> 
     times = stage_times(wall, ours) * to_ns
     return {
         "shape": shape,
-        "dim": dim,
+        "dim": block.state.particles.dim,
         "particles": n,
         **{f"ns_{stage}": float(time) for stage, time in zip(STAGES, times, strict=True)},
         "ns_total": float(ours.min() * to_ns),
