@@ -73,21 +73,20 @@ def mean_rows(
     top = 0
     out_row[0] = 0
     for s in range(len(index)):
-        centre, start = index[s] >= 0, top
-        p, parts = (corners[index[s], 0], 4) if centre else (s, 1)
-        for j in entries(row, p):
-            out_nodes[top], out_weight[top] = nodes[j], weight[j] / parts
-            if centre:
-                place[nodes[j]] = top
-            top += 1
-        for a in range(1, parts):
-            for j in entries(row, corners[index[s], a]):
-                entry = place[nodes[j]]
-                if entry < start or entry >= top or out_nodes[entry] != nodes[j]:
-                    entry = place[nodes[j]] = top
-                    out_nodes[top], out_weight[top] = nodes[j], 0.0
-                    top += 1
-                out_weight[entry] += weight[j] / parts
+        if index[s] < 0:
+            for j in entries(row, s):
+                out_nodes[top], out_weight[top] = nodes[j], weight[j]
+                top += 1
+        else:
+            start = top
+            for a in range(4):
+                for j in entries(row, corners[index[s], a]):
+                    entry = place[nodes[j]]
+                    if entry < start or entry >= top or out_nodes[entry] != nodes[j]:
+                        entry = place[nodes[j]] = top
+                        out_nodes[top], out_weight[top] = nodes[j], 0.0
+                        top += 1
+                    out_weight[entry] += 0.25 * weight[j]
         out_row[s + 1] = top
 
 

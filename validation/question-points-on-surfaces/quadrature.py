@@ -90,12 +90,12 @@ def rows_of_points(
                 write_geometry(c, share, normal, outline, rows, places, spacing)
                 motion_between(c, s, points[q], outline, rows, places)
                 rows.start[c] = top
-                top = add_point(s, 1.0 - points[q], c, -1, top, table, place, rows, places)
-                top = add_point(e, points[q], c, -1, top, table, place, rows, places)
+                top = add_point(s, 1.0 - points[q], c, -1, top, table, place, rows, places, spacing)
+                top = add_point(e, points[q], c, -1, top, table, place, rows, places, spacing)
                 for corner in range(2):
                     node = outline.facets[m, corner]
                     top = add_point(
-                        node, -places.share[c, corner], c, corner, top, table, place, rows, places
+                        node, -places.share[c, corner], c, corner, top, table, place, rows, places, spacing
                     )
                 c += 1
                 rows.start[c] = top

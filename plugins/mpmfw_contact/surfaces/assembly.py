@@ -135,9 +135,9 @@ def write_geometry(
 
 
 @device
-def write_motion(c: int, outline: Outline, rows: Rows, places: Places) -> None:
+def write_motion(c: int, outline: Outline, rows: Rows, places: Places, spacing: tuple[float, ...]) -> None:
     """B v Δt of row c over the last step, of the surface nodes' displacements."""
-    dim = rows.motion.shape[1]
+    dim = len(spacing)
     for d in range(dim):
         rows.motion[c, d] = outline.displacement[places.slave[c], d]
     for corner in range(dim):
@@ -152,29 +152,31 @@ def write_motion(c: int, outline: Outline, rows: Rows, places: Places) -> None:
 
 @device
 def add_point(
-    p: int, share: Float, c: int, corner: int, top: int, table: SurfaceTable, place: Ints, rows: Rows, places: Places
+    p: int, share: Float, c: int, corner: int, top: int, table: SurfaceTable, place: Ints, rows: Rows, places: Places,
+    spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """Add ``share`` times N_i of surface node p to the entries of row c, which end before ``top``; the new top.
 
     ``corner`` is the facet's corner that p is, −1 of the slave node: its couple and tilt go with it. ``place`` (n_nodes,) is
     scratch, of any content that is not negative: the entry that a grid node was given last.
     """
-    dim, couple, tilt = rows.normal.shape[1], rows.couple, rows.tilt
+    dim, begin = len(spacing), rows.start[c]
+    dof, out, couple, tilt = rows.dof, rows.weight, rows.couple, rows.tilt
     for k in entries(table.row, p):
         i, weight = table.nodes[k], table.weight[k]
         if weight == 0.0:
             continue
         entry = place[i]
-        if entry < rows.start[c] or entry >= top or rows.dof[entry] != i:
+        if entry < begin or entry >= top or dof[entry] != i:
             entry = place[i] = top
             top += 1
-            rows.dof[entry], rows.weight[entry] = i, 0.0
+            dof[entry], out[entry] = i, 0.0
             for d in range(dim):
                 if len(couple) > 0:
                     couple[entry, d] = 0.0
                 if len(tilt) > 0:
                     tilt[entry, d] = 0.0
-        rows.weight[entry] += share * weight
+        out[entry] += share * weight
         if corner >= 0:
             for d in range(dim):
                 if len(couple) > 0:
@@ -260,13 +262,13 @@ def assemble(
                     rows.area[c] *= share_across(s, normal, outline, spacing)
                 places.slave[c], places.facet[c] = s, m
                 write_geometry(c, share, normal, outline, rows, places, spacing)
-                write_motion(c, outline, rows, places)
+                write_motion(c, outline, rows, places, spacing)
                 rows.start[c] = top
-                top = add_point(s, 1.0, c, -1, top, table, place, rows, places)
+                top = add_point(s, 1.0, c, -1, top, table, place, rows, places, spacing)
                 for corner in range(dim):
                     node = outline.facets[m, corner]
                     top = add_point(
-                        node, -places.share[c, corner], c, corner, top, table, place, rows, places
+                        node, -places.share[c, corner], c, corner, top, table, place, rows, places, spacing
                     )
                 c += 1
                 rows.start[c] = top
