@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from mpmfw.validation import CaseRun
 
 CENTRE, UNDERSIDE = (
     (0.022, 0.034),
@@ -35,4 +38,17 @@ def errors(run: xr.DataTree) -> dict[str, float]:
         "force": 100.0 * (total / WEIGHT - 1.0),
         "second moment": 100.0 * (radius / RADIUS - 1.0),
         "outermost": 100.0 * (outermost / RADIUS - 1.0),
+    }
+
+
+def orders(runs: Sequence[CaseRun]) -> dict[str, float]:
+    """Observed order of the radius by the second moment over all cell sizes, and its error [%] in the ``limit`` of small cells:
+    that of the two smallest, extrapolated in the first order."""
+    sizes = np.array([float(run.results.attrs["cell_size"]) for run in runs])
+    error = np.array([errors(run.results)["second moment"] for run in runs])
+    fine, next_fine = np.argsort(sizes)[:2]
+    slope = (error[next_fine] - error[fine]) / (sizes[next_fine] - sizes[fine])
+    return {
+        "order": float(np.polyfit(np.log(sizes), np.log(np.abs(error)), 1)[0]),
+        "limit": float(error[fine] - slope * sizes[fine]),
     }
