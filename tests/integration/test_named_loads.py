@@ -212,7 +212,9 @@ def test_every_energy_goes_with_the_thickness(contact: str) -> None:
     trees = []
     for thickness in (1.0, 0.25):
         changes = {f"bodies__{name}__thickness": thickness for name in ("left", "right")}
-        scene = two_blocks(contact, time__end=0.02, time__output_interval=0.01, output__ledger=True, **changes)
+        scene = two_blocks(
+            contact, time__end=0.02, time__output_interval=0.01, output__ledger=True, **changes
+        )
         trees.append(mpmfw.run(scene)["series"])
     whole, thin = trees
     energies = [name for name in whole.data_vars if whole[name].attrs.get("units") == "J"]
