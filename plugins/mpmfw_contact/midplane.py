@@ -59,6 +59,7 @@ class Midplane(Detection):
     options: MidplaneDetectionOptions
     facets = True
     needs_surface = True
+    gap_option = "search_radius"
     dimensions = (2,)
 
     def parts(self, contact: object) -> list[TravelLimit]:  # noqa: ARG002

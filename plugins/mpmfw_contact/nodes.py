@@ -201,6 +201,10 @@ class Nodes(AtNodes):
                 'expected criterion = "position"'
             )
 
+    def widest_gap(self, cell_size: float) -> float | None:  # noqa: ARG002
+        """None beyond the cut-off, which gaps count from; not known where none is measured."""
+        return 0.0 if self.by_position else None
+
     def parts(self, contact: Any) -> list[Any]:
         """What follows averaged normals; the other kinds lean on one body alone."""
         if self.options.normal != "averaged":

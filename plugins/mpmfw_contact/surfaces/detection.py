@@ -54,6 +54,7 @@ class Surfaces(Detection):
     options: FacetOptions
     facets = True
     needs_surface = True
+    gap_option = "search_radius"
     #: Whether a node meets every facet that it penetrates (eq. 10), and not the closest one of a body.
     every_facet: bool = False
 
