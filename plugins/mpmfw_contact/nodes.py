@@ -105,7 +105,10 @@ class AtNodes(Detection):
         )
 
     def new_rows(self, own: dict[str, int | None]) -> ContactRows:
-        """Rows of two entries, without a couple: both sides are at one place."""
+        """Rows of two entries, without a couple: both sides are at one place.
+
+        They tell no spin: where bodies turn about the normal, what friction has stored stays as it is in space.
+        """
         return ContactRows(self.state.grid.dim, couples=False, own=own)
 
     def nodes_of(self, grid: Grid) -> GridNodes:

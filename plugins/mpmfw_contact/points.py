@@ -72,7 +72,10 @@ class PointSpheres(Detection):
         self.found = Neighbours(**{name: np.zeros(neighbours, dtype=np.int64) for name in names})
 
     def new_rows(self, own: dict[str, int | None]) -> ContactRows:
-        """Rows with the entries of two points, without a couple: both sides are at one place."""
+        """Rows with the entries of two points, without a couple: both sides are at one place.
+
+        They tell no spin: where bodies turn about the normal, what friction has stored stays as it is in space.
+        """
         return ContactRows(self.state.grid.dim, couples=False, own=own)
 
     def list_pairs(self, state: State) -> None:

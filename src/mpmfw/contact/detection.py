@@ -35,6 +35,8 @@ class Detection(PlugIn):
     adds_mass: bool = False
     #: Whether rows have an area, which forces and cohesion are made of.
     measures_area: bool = True
+    #: Gap up to which the law acts [m], known once both are prepared.
+    acts_to: float = 0.0
     #: Its option that widens :meth:`widest_gap` in proportion, for advice; None where there is none.
     gap_option: ClassVar[str | None] = None
 

@@ -86,6 +86,7 @@ class RowContact(ContactStrategy):
         self.detection.prepare(setup, self.name)
         self.law.prepare(setup, self.name)
         refuse_short_reach(self.detection, self.law, self.name, setup.cell_size)
+        self.detection.acts_to = self.law.widest_gap()
         own = self.law.row_arrays(friction=setup.has_friction)
         self.rows, self.old = self.detection.new_rows(own), self.detection.new_rows(own)
         if self.friction.cohesive and not self.detection.measures_area:
