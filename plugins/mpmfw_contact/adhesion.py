@@ -121,6 +121,14 @@ class AdhesionLaw(Springs):
         """Stiffness, and the tangential force."""
         return {"k": 0, "limit_k": 0, "tangential": 1 if friction else None}
 
+    def widest_gap(self) -> float:
+        """The separation, or where the springs of the softest body come to the traction; nothing without tension."""
+        if self.options.traction == 0.0:
+            return 0.0
+        softest = min(body.p_wave_modulus for body in self.state.bodies)
+        spring = float(self.options.traction) * self.cell_size / (self.options.kappa * softest)
+        return max(float(self.options.separation), spring)
+
     def stiffness(self, rows: ContactRows, old: ContactRows) -> FloatArray:  # noqa: ARG002
         """k = κ M A / h."""
         own, n = rows.own, slice(rows.count)

@@ -96,6 +96,10 @@ class BarrierLaw(Springs):
         self.table: SurfaceTable | None = None
         super().prepare(setup, owner)
 
+    def widest_gap(self) -> float:
+        """The distance from which barriers act."""
+        return self.reach
+
     def expected(self, bulk_frequency: float) -> float:
         """That of a place where barriers bear a thousandth of κ M."""
         return FIRST / self.options.reach * super().expected(bulk_frequency)

@@ -59,6 +59,7 @@ class Midplane(Detection):
     options: MidplaneDetectionOptions
     facets = True
     needs_surface = True
+    gap_option = "search_radius"
     dimensions = (2,)
 
     def parts(self, contact: object) -> list[TravelLimit]:  # noqa: ARG002
@@ -122,7 +123,8 @@ class Midplane(Detection):
             return 0
         self.stamp += 1
         while (entries := cells.list_facets(self.stamp, 0.0, outline, lists, spacing)) > len(lists.link):
-            lists.set(**{name: np.zeros(2 * entries, dtype=np.int32) for name in ("link", "link_facet")})
+            room = ("link", "link_facet", "link_body")
+            lists.set(**{name: np.zeros(2 * entries, dtype=np.int32) for name in room})
             self.stamp += 1
         if entries == 0:
             return 0

@@ -105,7 +105,10 @@ class AtNodes(Detection):
         )
 
     def new_rows(self, own: dict[str, int | None]) -> ContactRows:
-        """Rows of two entries, without a couple: both sides are at one place."""
+        """Rows of two entries, without a couple: both sides are at one place.
+
+        They tell no spin: where bodies turn about the normal, what friction has stored stays as it is in space.
+        """
         return ContactRows(self.state.grid.dim, couples=False, own=own)
 
     def nodes_of(self, grid: Grid) -> GridNodes:
@@ -200,6 +203,10 @@ class Nodes(AtNodes):
                 "detection 'nodes': 'cut_off' has no effect with the criterion of velocity, which auto is with this law; "
                 'expected criterion = "position"'
             )
+
+    def widest_gap(self, cell_size: float) -> float | None:  # noqa: ARG002
+        """None beyond the cut-off, which gaps count from; not known where none is measured."""
+        return 0.0 if self.by_position else None
 
     def parts(self, contact: Any) -> list[Any]:
         """What follows averaged normals; the other kinds lean on one body alone."""

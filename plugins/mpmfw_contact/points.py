@@ -14,7 +14,16 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from mpmfw.api import ContactRows, Detection, Grid, Particles, Setup, State, Stencil
-from mpmfw_contact._near_points import Buckets, Neighbours, Points, enclose, find_near, write_point_rows
+from mpmfw_contact._near_points import (
+    NEAR,
+    Buckets,
+    Neighbours,
+    Points,
+    enclose,
+    find_near,
+    radius,
+    write_point_rows,
+)
 
 
 class PointsOptions(BaseModel):
@@ -32,6 +41,11 @@ class PointSpheres(Detection):
     def reach(self, cell_size: float) -> float:
         """Two cells: no sphere that a cell has a point of is larger."""
         return 2.0 * cell_size
+
+    def widest_gap(self, cell_size: float) -> float:  # noqa: ARG002
+        """That of the smallest spheres at the start, of which two have a row a little before they touch."""
+        smallest: float = radius(float(self.points.volume.min()), self.state.grid.dim)
+        return (NEAR - 1.0) * 2.0 * smallest
 
     def prepare(self, setup: Setup, owner: str) -> None:  # noqa: ARG002
         """Spheres of the points, and the bodies of the pairs."""
@@ -58,7 +72,10 @@ class PointSpheres(Detection):
         self.found = Neighbours(**{name: np.zeros(neighbours, dtype=np.int64) for name in names})
 
     def new_rows(self, own: dict[str, int | None]) -> ContactRows:
-        """Rows with the entries of two points, without a couple: both sides are at one place."""
+        """Rows with the entries of two points, without a couple: both sides are at one place.
+
+        They tell no spin: where bodies turn about the normal, what friction has stored stays as it is in space.
+        """
         return ContactRows(self.state.grid.dim, couples=False, own=own)
 
     def list_pairs(self, state: State) -> None:

@@ -162,3 +162,47 @@ def test_a_joined_contact_goes_to_another_process():
     assert again.contact.options.model_fields_set == {"kappa"}
     contact = joined(Surfaces, PenaltyLaw)(kappa=3.0)
     assert pickle.loads(pickle.dumps(contact)).options == contact.options
+
+
+@pytest.mark.parametrize(
+    ("contact", "said"),
+    [
+        (
+            "adhesion(traction=100, separation=0.05, search_radius=0.2)",
+            r"contact\.adhesion\.search_radius = 0\.2 finds gaps of up to 0\.02 m, and law 'adhesion' acts across gaps of up "
+            r"to 0\.05 m; expected at least 0\.5",
+        ),
+        (
+            "adhesion(traction=3e4, search_radius=0.2)",
+            r"up to 0\.02 m, and law 'adhesion' .* up to 0\.03 m",
+        ),
+        (
+            "midplane+adhesion(traction=100, separation=0.15)",
+            r"contact\.midplane\.search_radius = 1 .* at least 1\.5",
+        ),
+        ("nodes+adhesion(traction=100)", r"detection 'nodes' finds gaps of up to 0 m, .*another detection"),
+        (
+            "points+adhesion(traction=100, separation=0.05)",
+            r"detection 'points' finds gaps of up to 0\.0125 m",
+        ),
+        ("barrier(reach=0.3, search_radius=0.2)", r"search_radius = 0\.2 .*expected at least 0\.3"),
+    ],
+)
+def test_a_law_that_acts_across_wider_gaps_than_are_found_is_refused(contact, said):
+    """The force would end short of its reach."""
+    with pytest.raises(SceneError, match=said):
+        Simulation(impact(), contact=contact)
+
+
+@pytest.mark.parametrize(
+    "contact",
+    [
+        "adhesion(traction=100, separation=0.02, search_radius=0.2)",
+        "adhesion(search_radius=0.01)",
+        "nodes+adhesion",
+        "points+adhesion(traction=100, separation=0.01)",
+        "barrier(reach=0.1, search_radius=0.1)",
+    ],
+)
+def test_a_law_that_acts_across_gaps_that_are_found_is_not(contact):
+    Simulation(impact(), contact=contact)

@@ -282,6 +282,50 @@ def test_the_guard_allows_what_there_was_what_springs_held_and_what_loads_gave()
     assert guard.grown(float("nan"))
 
 
+def test_the_guard_counts_what_adhesion_gave_and_no_more():
+    """Bodies at rest that hold −3 J/m at the start and −5 J/m soon after: 2 J/m of motion are theirs."""
+    guard = EnergyGuard(nothing=0.0)
+    guard.restart(0.0)
+    guard.loaded = -3.0
+    guard.hold(-3.0, 0.0)
+    assert guard.growth(0.0) == 0.0
+    assert not guard.grown(0.0)
+    guard.hold(-4.5, 0.5)  # the step's own work comes on top: positions are those of its beginning
+    assert guard.growth(2.0) == pytest.approx(0.0)
+    assert guard.grown(2.0 + GROWTH_LIMIT * 4.5 + 0.01)
+    guard.hold(0.0, 0.0)  # torn apart, which took 3 J/m of motion
+    assert guard.growth(0.0) == pytest.approx(3.0)
+
+
+def sticking(gap, speed, **options):
+    """Two equal blocks that attract each other from 0.01 m on; positive speeds close the gap."""
+    bodies = {
+        "left": rectangle([-0.4, -0.2], [0.0, 0.2], velocity=[speed, 0.0]),
+        "right": rectangle([gap, -0.2], [gap + 0.4, 0.2], velocity=[-speed, 0.0]),
+    }
+    mapping = scene(bodies, friction=0.0)
+    options = {"traction": 2e3, "separation": 0.01, **options}
+    mapping["contact"] |= {"method": "adhesion", "adhesion": options}
+    return {**mapping, "time": {"end": 0.3, "output_interval": 0.01}}
+
+
+@pytest.mark.parametrize(("gap", "speed"), [(0.0, 0.0), (0.003, 0.0), (0.011, 0.002), (0.0, -0.3)])
+def test_bodies_that_adhesion_draws_together_or_lets_go_are_not_stopped(gap, speed):
+    """They rest, meet from rest, meet from outside of its reach, part: their motion's energy is what contact gave."""
+    series = ledger(sticking(gap, speed))
+    energy, held = sums(series, "total_energy", "affine_energy"), sums(series, "contact_energy")
+    lost = series["transfer_dissipation"].values - series["energy_residual"].values
+    assert held.min() < -5.0
+    whole = (energy + held + lost)[1:]  # contact says what it holds from the first step on, where that began
+    np.testing.assert_allclose(whole, whole[0], atol=0.15 * np.abs(held).max())
+
+
+def test_adhesion_past_its_limit_is_stopped():
+    mapping = sticking(0.003, 0.0, kappa=200.0)
+    mapping["time"] = {"end": 0.3, "output_interval": 0.3, "step": 2e-3}
+    assert re.search(r"likely cause: contact", str(stopped(mapping)))
+
+
 @pytest.mark.parametrize("speed", [0.0, 0.5])
 def test_springs_loaded_at_first_may_give_what_they_hold(speed):
     """Blocks that overlap by a fifth of a cell are thrown apart: the springs' energy is theirs."""

@@ -206,6 +206,25 @@ def test_everything_of_a_thickness_of_two_is_twice_that_of_one() -> None:
     assert one["kinetic_energy"].attrs["units"] == "J"
 
 
+@pytest.mark.parametrize("contact", ["penalty", "adhesion", "barrier", "midplane", "hybrid", "nodes+penalty"])
+def test_every_energy_goes_with_the_thickness(contact: str) -> None:
+    """Of bodies of a quarter of a metre it is a quarter of that of one, to the bit: half steps and what contact lost too."""
+    trees = []
+    for thickness in (1.0, 0.25):
+        changes = {f"bodies__{name}__thickness": thickness for name in ("left", "right")}
+        scene = two_blocks(
+            contact, time__end=0.02, time__output_interval=0.01, output__ledger=True, **changes
+        )
+        trees.append(mpmfw.run(scene)["series"])
+    whole, thin = trees
+    energies = [name for name in whole.data_vars if whole[name].attrs.get("units") == "J"]
+    assert {"half_step_work", "energy_residual", "contact_work"} <= set(energies)
+    assert whole["half_step_work"].values[-1] != 0.0
+    assert ("contact_half_step_work" in energies) == (contact in ("penalty", "nodes+penalty"))
+    for name in energies:
+        np.testing.assert_array_equal(thin[name], 0.25 * whole[name], err_msg=name)
+
+
 def test_traction_acts_on_the_area_of_its_own_body() -> None:
     """Two blocks apart, of two thicknesses: F = τ L t of each."""
     scene = with_no_velocity(two_blocks("separate", time__step=1e-5))

@@ -150,3 +150,36 @@ def test_the_least_gap_is_measured():
     bodies = {"one": box((0, 0, 0), (2, 2, 2), 0.5), "other": box((0.5, 0.5, 2.5), (2, 2, 4), 0.5)}
     tree = mpmfw.run(scene(bodies, time={"end": 1e-4, "output_interval": 1e-4}))
     np.testing.assert_allclose(tree["series"]["min_gap"], 0.5 * CELL, rtol=1e-12)
+
+
+@pytest.mark.parametrize("contact", ["penalty", "adhesion"])
+def test_what_friction_has_stored_turns_with_a_table_and_what_rests_on_it(contact):
+    """Springs that are loaded along x between two steps pull, a step on, along what was x: beside those of a run without them."""
+    spin, found = 20.0, []
+    bodies = {
+        "table": box((0, 0, 0), (4, 4, 2), 0.5, angular_velocity=[0.0, 0.0, spin]),
+        "guest": box((0.6, 0.6, 1.99), (3.4, 3.4, 4), 0.5, angular_velocity=[0.0, 0.0, spin]),
+    }
+    mapping = scene(
+        bodies, upper=(4.0, 4.0, 5.0), contact={"method": contact, "friction": 5.0}, allow_overlap=True
+    )
+    for pull in (0.0, 1e-3):
+        sim = Simulation(mapping)
+        sim.start()
+        for _ in range(3):
+            sim.step(2e-4)
+        rows = sim.contact.old
+        touching = (rows.gap[: rows.count] < 0.0) & (np.abs(rows.normal[: rows.count, 2]) > 0.99)
+        rows.own.tangential[: rows.count][touching, 0] += pull
+        identity, normal = rows.identity[: rows.count][touching], rows.normal[: rows.count][touching]
+        sim.step(2e-4)
+        new = sim.contact.old
+        own = np.isin(new.identity[: new.count], identity)
+        assert touching.sum() > 20
+        assert own.sum() == touching.sum()
+        found.append(new.own.tangential[: new.count][own].copy())
+    turned = (found[1] - found[0]) / 1e-3
+    np.testing.assert_allclose(normal[:, :2], 0.0, atol=1e-2)
+    angle = np.arctan2(turned[:, 1], turned[:, 0])
+    np.testing.assert_allclose(np.linalg.norm(turned, axis=1), 1.0, rtol=1e-3)
+    np.testing.assert_allclose(angle, spin * 2e-4, rtol=0.05)  # the bodies stretch as they turn

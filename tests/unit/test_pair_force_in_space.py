@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 
 from mpmfw.geometry.facets import neighbours_of, stars_of
-from mpmfw.kernels import signed_distance
+from mpmfw.kernels import kernel, signed_distance
+from mpmfw.kernels.contact import add_turned
 from mpmfw.kernels.facets import project
 from mpmfw.kernels.pair_table import pair_table
 from mpmfw_contact.surfaces.assembly import SurfaceTable, assemble
 from mpmfw_contact.surfaces.candidates import Candidates
 from mpmfw_contact.surfaces.detection import SurfaceRows
 from mpmfw_contact.surfaces.outline import Outline
+from mpmfw_contact.surfaces.turning import write_spins
 
 SPACE = (1.0, 1.0, 1.0)
 #: Where the foot lies on facet (1, 2, 3) of the master, a tetrahedron of nodes 1 to 4: node 0 is the slave.
@@ -65,14 +67,16 @@ def row_of(position, displacement=None, *, tilts=False):
         normal=np.tile(normal, (5, 1, 1)), inside=facet[:0], inside_facet=facet[:0],
     )  # fmt: skip
     moved = np.zeros_like(position) if displacement is None else displacement
-    rows = SurfaceRows(3, couples=True, tilts=tilts, own={})
+    outline = outline_of(position, moved)
+    rows = SurfaceRows(3, couples=True, tilts=tilts, spins=True, own={})
     table = SurfaceTable(row=np.arange(6), nodes=np.arange(5, dtype=np.int32), weight=np.ones(5))
     pairs = pair_table(np.array([0]), np.array([1]))
     rows.count = assemble(
-        1.0, False, False, candidates, outline_of(position, moved), pairs, np.array([0]), table,
+        1.0, False, False, candidates, outline, pairs, np.array([0]), table,
         np.zeros(5, dtype=np.int64), rows, rows.places, SPACE,
     )  # fmt: skip
     assert rows.count == 1
+    write_spins(1, np.inf, outline, rows, rows.places, SPACE)
     return rows
 
 
@@ -159,3 +163,68 @@ def test_a_rigid_turn_is_no_motion_of_the_row(place, seed):
     spin = np.random.default_rng(seed).normal(size=3)
     rows = row_of(position, np.cross(spin, position))
     assert np.abs(rows.motion[0]).max() < 1e-13 * np.abs(position).max() * np.abs(spin).max()
+
+
+@kernel
+def carry(force, old, rows, out):
+    """The force of the only row of the last step, as the row of this one has it."""
+    add_turned(force, 0, old, 0, rows, out)
+
+
+def turned_by(angle):
+    """Rotation by a vector of angles [rad] (Rodrigues)."""
+    size = max(np.linalg.norm(angle), 1e-12)
+    x, y, z = angle / size
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(3) + np.sin(size) * cross + (1.0 - np.cos(size)) * cross @ cross
+
+
+def carried(position, rotation, force):
+    """A tangential force after both bodies turned as one, in their frame; without the turn it would be ``force``."""
+    after = position @ rotation.T
+    old, rows = row_of(position), row_of(after, after - position)
+    out = np.zeros((1, 3))
+    carry(force[None], old, rows, out)
+    return out[0] @ rotation
+
+
+@every_place
+@seeds
+def test_a_stored_force_turns_with_bodies_that_stick_and_turn_as_one(place, seed):
+    """About any axis, and so about the normal: what is left is of the third order in a step's angle."""
+    position, rng = contact(place, seed), np.random.default_rng(seed)
+    normal = row_of(position).normal[0]
+    axis, force = rng.normal(size=3), np.cross(normal, rng.normal(size=3))
+    axis /= np.linalg.norm(axis)
+    off = [np.linalg.norm(carried(position, turned_by(a * axis), force) - force) for a in (0.1, 0.05)]
+    assert off[0] < 2e-3 * np.linalg.norm(force)
+    assert off[1] < 0.2 * off[0] + 1e-12
+    fixed = force @ turned_by(0.1 * normal)  # as it would be without the turn about the normal
+    assert np.linalg.norm(fixed - force) > 0.09 * np.linalg.norm(force)
+
+
+@pytest.mark.parametrize(("of_table", "of_body"), [(0.02, 0.0), (0.0, 0.02), (0.02, -0.02), (0.02, 0.02)])
+def test_of_surfaces_that_turn_apart_it_is_the_mean(of_table, of_body):
+    """A tip on a table, each a tetrahedron that turns about the vertical by itself [rad]."""
+    corners = np.array([[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]])
+    table = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.3, 1.0, 0.0], [0.4, 0.4, -1.0]])
+    body = np.array([[0.1, 0.1, 0.8], [0.9, 0.2, 0.8], [0.2, 0.9, 0.8], [0.4, 0.3, 0.0]])
+    parts = ((table, of_table), (body, of_body))
+    moved = [each - each @ turned_by(np.array([0.0, 0.0, angle])) for each, angle in parts]
+    facets = np.concatenate([corners, corners + 4])
+    first, star = stars_of(facets, 8)
+    outline = Outline(
+        position=np.concatenate([table, body]), displacement=np.concatenate(moved), tributary=np.ones(8),
+        body=np.repeat([0, 1], 4), body_first=np.array([0, 4, 8]), facet_first=np.array([0, 4, 8]), facets=facets,
+        neighbours=neighbours_of(facets), star_first=first, star=star,
+    )  # fmt: skip
+    rows = SurfaceRows(3, couples=True, spins=True, own={})
+    rows.places.slave[:], rows.places.facet[:], rows.normal[:], rows.gap[:2] = (
+        7,
+        0,
+        (0.0, 0.0, 1.0),
+        (0.1, 0.2),
+    )
+    write_spins(2, 0.1, outline, rows, rows.places, SPACE)
+    assert rows.spin[0] == pytest.approx(0.5 * (of_table + of_body), abs=1e-5)
+    assert rows.spin[1] == 0.0  # beyond what the law acts across

@@ -54,6 +54,7 @@ class Surfaces(Detection):
     options: FacetOptions
     facets = True
     needs_surface = True
+    gap_option = "search_radius"
     #: Whether a node meets every facet that it penetrates (eq. 10), and not the closest one of a body.
     every_facet: bool = False
 
@@ -113,7 +114,9 @@ class Surfaces(Detection):
 
     def new_rows(self, own: dict[str, int | None]) -> SurfaceRows:
         """Rows that know their slave node and facet."""
-        rows = SurfaceRows(self.state.grid.dim, couples=self.has_friction, tilts=self.tilts, own=own)
+        dim = self.state.grid.dim
+        spins = self.has_friction and dim == 3
+        rows = SurfaceRows(dim, couples=self.has_friction, tilts=self.tilts, spins=spins, own=own)
         rows.n_bodies = len(self.state.bodies)
         return rows
 
@@ -124,6 +127,10 @@ class Surfaces(Detection):
         if self.count:
             assert isinstance(rows, SurfaceRows)
             self._assemble(rows)
+            if len(rows.spin):
+                from mpmfw_contact.surfaces.turning import write_spins  # not called for in the plane
+
+                write_spins(rows.count, self.acts_to, self.outline, rows, rows.places, grid.spacing)
 
     def _search(self, grid: Grid) -> int:
         """Number of candidates after the search's three steps, and after nodes inside bodies were followed."""

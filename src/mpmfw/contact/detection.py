@@ -35,6 +35,10 @@ class Detection(PlugIn):
     adds_mass: bool = False
     #: Whether rows have an area, which forces and cohesion are made of.
     measures_area: bool = True
+    #: Gap up to which the law acts [m], known once both are prepared.
+    acts_to: float = 0.0
+    #: Its option that widens :meth:`widest_gap` in proportion, for advice; None where there is none.
+    gap_option: ClassVar[str | None] = None
 
     def parts(self, contact: Any) -> list[Any]:  # noqa: ARG002
         """Plug-ins that it brings along, beside the strategy ``contact`` that it belongs to."""
@@ -46,6 +50,13 @@ class Detection(PlugIn):
         ``cell_size`` is h [m].
         """
         return None
+
+    def widest_gap(self, cell_size: float) -> float | None:
+        """Gap [m] up to which rows are sure to be listed; None if that is not known. Asked after :meth:`prepare`.
+
+        ``cell_size`` is h [m]. By default it is :meth:`reach`.
+        """
+        return self.reach(cell_size)
 
     def for_law(self, *, needs_gap: bool, forces: bool) -> None:
         """Know what the law needs: a signed gap (``needs_gap``), and rows that ``forces`` may act on.

@@ -63,6 +63,13 @@ class ContactLaw(PlugIn):
     def prepare(self, setup: Setup, owner: str) -> None:
         """Facts of the scene, from ``setup``; arrays are listed under ``owner``."""
 
+    def widest_gap(self) -> float:
+        """Gap up to which it acts [m], 0 where it acts on bodies that touch alone. Asked after :meth:`prepare`.
+
+        A detection that lists no rows so far apart (:meth:`Detection.widest_gap`) is refused.
+        """
+        return 0.0
+
     def list_pairs(self, state: State) -> None:
         """Bodies have come near that were apart: facts of ``state.pairs`` as arrays."""
 

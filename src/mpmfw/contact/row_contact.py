@@ -12,6 +12,7 @@ from pydantic import BaseModel
 from mpmfw.contact.detection import Detection
 from mpmfw.contact.friction import FrictionLaw
 from mpmfw.contact.law import ContactLaw, ForceLaw, ImpulseLaw
+from mpmfw.contact.reach import refuse_short_reach
 from mpmfw.contact.records import PairRecords
 from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.strategy import ContactStrategy
@@ -84,6 +85,8 @@ class RowContact(ContactStrategy):
         self.records = PairRecords(setup, self.name)
         self.detection.prepare(setup, self.name)
         self.law.prepare(setup, self.name)
+        refuse_short_reach(self.detection, self.law, self.name, setup.cell_size)
+        self.detection.acts_to = self.law.widest_gap()
         own = self.law.row_arrays(friction=setup.has_friction)
         self.rows, self.old = self.detection.new_rows(own), self.detection.new_rows(own)
         if self.friction.cohesive and not self.detection.measures_area:

@@ -35,8 +35,8 @@ class ContactRows(Rows):
     """The rows of one step. Arrays have room for more than ``count`` rows, the first ``count`` are meant.
 
     Kernels take them as one argument, ``rows.gap[c]``. :class:`mpmfw.kernels.contact.Rows` says what each is: pair, identity,
-    before, sign, gap, area, whole, normal, motion, friction, cohesion, force, and of the operator start, dof, weight, couple,
-    tilt.
+    before, sign, gap, area, whole, normal, motion, spin, friction, cohesion, force, and of the operator start, dof, weight,
+    couple, tilt.
 
     Parameters
     ----------
@@ -44,6 +44,8 @@ class ContactRows(Rows):
         Number of space dimensions.
     couples, tilts
         Whether a tangential force acts with a couple across the gap, and whether the normal is varied with the facet.
+    spins
+        Whether the detection knows how far the sides turn about the normal, in space: what friction has stored turns with them.
     own
         Arrays of the law, by name: the number of their further dimensions, each ``dim`` long, or None for an array without
         rows. They are the history of the next step, which finds them by ``before``. ``own`` has them as one argument of
@@ -54,11 +56,14 @@ class ContactRows(Rows):
     own: Any  #: the law's arrays, a :class:`mpmfw.kernels.Struct` with its names
 
     def __init__(
-        self, dim: int, *, couples: bool, tilts: bool = False, own: Mapping[str, int | None] | None = None
-    ) -> None:
+        self, dim: int, *, couples: bool, tilts: bool = False, spins: bool = False,
+        own: Mapping[str, int | None] | None = None,
+    ) -> None:  # fmt: skip
         self.dim, self.count = dim, 0
         self._own = dict(own or {})
-        self._without = [name for name, has in (("couple", couples), ("tilt", tilts)) if not has]
+        self._without = [
+            name for name, has in (("couple", couples), ("tilt", tilts), ("spin", spins)) if not has
+        ]
         self._without += ["friction", "cohesion"]
         self.make_room(64, 1024)
 

@@ -52,20 +52,35 @@ class EnergyGuard:
         self.loaded: float | None = (
             None  #: energy of the contact springs at the start; None until a step has told
         )
+        self.fallen = self.depth = 0.0
 
     def give(self, work: float) -> None:
         """Say what gravity and external loads have done since the start [J/m]; the most that they had done stays
         allowed."""
         self.given, self.input = work, max(self.input, work)
 
+    def hold(self, energy: float, last_work: float) -> None:
+        """Say what contact holds [J/m], which is less than nothing where bodies stick together; call it after every step.
+
+        ``energy`` is that where the step began, ``last_work`` [J/m] what contact did in it. Springs that only push hold no less
+        than nothing, and what they hold may as well have been given back.
+        """
+        self.fallen = max(last_work - energy, -energy) if energy < 0.0 else 0.0
+        self.depth = max(self.depth, -energy)
+
+    @property
+    def released(self) -> float:
+        """Energy that contact's springs and adhesion may have given to the bodies since the start [J/m]."""
+        return (self.loaded or 0.0) + self.fallen
+
     @property
     def allowed(self) -> float:
-        """Energy at the start, that of contact springs included, and what was put in [J/m]."""
-        return self.start + (self.loaded or 0.0) + self.input + self.nothing
+        """Energy at the start, that of contact springs included, what was put in, and the most that adhesion gave [J/m]."""
+        return self.start + max(self.loaded or 0.0, 0.0) + self.depth + self.input + self.nothing
 
     def growth(self, energy: float) -> float:
-        """Energy of the bodies beyond what they had, springs could give, and loads gave [J/m]."""
-        return energy - self.start - (self.loaded or 0.0) - self.given
+        """Energy of the bodies beyond what they had, springs could give, adhesion gave, and loads gave [J/m]."""
+        return energy - self.start - self.released - self.given
 
     def grown(self, energy: float) -> bool:
         """Whether that is too much; NaN is."""
@@ -83,7 +98,7 @@ class EnergyGuard:
         time
             [s].
         """
-        amounts = {**terms, "contact": terms["contact"] - (self.loaded or 0.0)}
+        amounts = {**terms, "contact": terms["contact"] - self.released}
         largest = max(amounts, key=lambda term: amounts[term])
         cause, advice = CAUSES[largest]
         if largest == "contact" and self.softer_by is not None:

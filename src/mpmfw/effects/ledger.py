@@ -200,11 +200,13 @@ class EnergyLedger:
         if not self.running:
             return
         self.gained += self.moved - self.projected
+        springs = state.arrays.get(f"{self.contact}/energy")
+        held = 0.0 if springs is None else float(springs.sum())
         if self.loaded is None:  # the first forces are those of the first positions
-            held = state.arrays.get(f"{self.contact}/energy")
-            self.loaded = 0.0 if held is None else float(held.sum())
+            self.loaded = held
         if self.guard is not None:
             self.guard.loaded = self.loaded
+            self.guard.hold(held, self.work["contact"] - self.contact_before)
             self.guard.give(self.work["gravity"] + self.work["external"])
             if self.guard.grown(self.moved) or state.steps % CHECK_EVERY == 0:
                 self._balance(state)

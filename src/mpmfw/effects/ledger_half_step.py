@@ -39,7 +39,8 @@ def stress_power(
     volume: Floats, stress: Floats, gradient: Floats, dt: float, spacing: tuple[float, ...]
 ) -> float:
     """−Σ V σ:(L − Δt L²) over material points, the power of the internal forces on the field of the ``gradient`` L with which
-    they moved in their last step, of ``dt`` [s]; what it leaves out of L (1 + Δt L)⁻¹ is of the step's second order."""
+    they moved in their last step, of ``dt`` [s]; what it leaves out of L (1 + Δt L)⁻¹ is of the step's second order. V has the
+    thickness."""
     dim = len(spacing)
     total = 0.0
     for p in range(len(volume)):
@@ -100,7 +101,11 @@ class HalfStep:
         if self._power is None:
             self._power = float(
                 stress_power(
-                    particles.volume, particles.stress, particles.velocity_gradient, self.dt, grid.spacing
+                    particles.through(particles.volume),
+                    particles.stress,
+                    particles.velocity_gradient,
+                    self.dt,
+                    grid.spacing,
                 )
             )
         return self._power

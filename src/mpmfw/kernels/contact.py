@@ -5,6 +5,8 @@ Kernels take the rows as one argument, and work on the rows ``begin:end``.
 
 from __future__ import annotations
 
+import math
+
 from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device, kernel
 from mpmfw.kernels._struct import Struct
@@ -28,6 +30,7 @@ class Rows(Struct):
     whole: Floats  #: (n,) tributary area of the place, whatever its direction [m^(dim−1)]
     normal: Floats  #: (n, dim) unit vector
     motion: Floats  #: (n, dim) B v Δt over the last step [m]
+    spin: Floats  #: (n,) angle by which both sides turned about the normal over the last step [rad]; (0,) if unknown, and in 2D
     friction: Floats  #: (n,) μ: along its plane a row holds μ N + a; (0,) where no pair has friction
     cohesion: Floats  #: (n,) a [N m^(dim−3)], an impulse in an impulse law; (0,) where nothing holds without a normal force
     force: Floats  #: (n, dim) on the first side, the law's [N m^(dim−3)]; an impulse law's impulse
@@ -209,13 +212,23 @@ def add_records(
 def add_turned(vector: Floats, o: int, old: Rows, c: int, rows: Rows, out: Floats) -> None:
     """Turn ``vector[o]`` (n, dim) of row o of the last step into the tangent plane of row c, and add it to ``out[c]``.
 
-    The turn is the least that takes the old normal into the new: f − (f·n) / (1 + n·n_old) (n + n_old). In the plane the force
-    keeps its sign on the tangent, on a triangle its direction within it.
+    The turn is the least that takes the old normal into the new: f − (f·n) / (1 + n·n_old) (n + n_old), and in space, if the
+    rows tell their ``spin``, about the new normal as far as the surfaces turned: f cos θ + n × f sin θ. So the force is as it
+    was to whoever turns with the bodies. In 2D it keeps its sign on the tangent.
     """
     cosine, along = 0.0, 0.0
     for d in range(out.shape[1]):
         cosine += rows.normal[c, d] * old.normal[o, d]
         along += rows.normal[c, d] * vector[o, d]
     share = along / max(1.0 + cosine, 1e-12)
-    for d in range(out.shape[1]):
-        out[c, d] += vector[o, d] - share * (rows.normal[c, d] + old.normal[o, d])
+    if len(rows.spin) == 0:
+        for d in range(out.shape[1]):
+            out[c, d] += vector[o, d] - share * (rows.normal[c, d] + old.normal[o, d])
+        return
+    normal, c_turn, s_turn = rows.normal, math.cos(rows.spin[c]), math.sin(rows.spin[c])
+    for d in range(3):
+        e, f = (d + 1) % 3, (d + 2) % 3
+        in_plane = vector[o, d] - share * (normal[c, d] + old.normal[o, d])
+        ahead = vector[o, e] - share * (normal[c, e] + old.normal[o, e])
+        behind = vector[o, f] - share * (normal[c, f] + old.normal[o, f])
+        out[c, d] += c_turn * in_plane + s_turn * (normal[c, e] * behind - normal[c, f] * ahead)
