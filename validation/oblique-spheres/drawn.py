@@ -32,7 +32,11 @@ def draw(runs: Sequence[CaseRun]) -> Figure:
     slopes = np.linspace(0.05, 3.2, 64)
     angles = psi(slopes)
     theory = axes.plot(
-        angles, [psi(s) * rebound(float(s)) for s in slopes], color="0.2", linewidth=1.0, label="elastic"
+        angles,
+        [psi(s) * rebound(float(s), 200, 1000) for s in slopes],
+        color="0.2",
+        linewidth=1.0,
+        label="elastic",
     )
     rigid = np.minimum(angles, 4.0 * CHI), np.maximum(angles - 4.0 * CHI, 0.0)
     theory += axes.plot(angles, rigid[1], color="0.2", linewidth=1.0, linestyle="--", label="rigid")

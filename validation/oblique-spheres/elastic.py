@@ -2,8 +2,8 @@
 
 The problem of Hertz and Mindlin is solved by the method of dimensionality reduction (V. L. Popov, M. Heß, *Method of
 Dimensionality Reduction in Contact Mechanics and Friction*, 2015): of a row of springs that do not see each other, E* dx along
-the normal and G* dx along the plane, under a parabola x² / R, force, approach and partial slip are those of the sphere, whatever the
-history.
+the normal and G* dx along the plane, under a parabola x² / R, force, approach and partial slip are those of the sphere,
+whatever the history.
 """
 
 from __future__ import annotations
