@@ -230,6 +230,20 @@ EFFECTS = {
     "before gravity": brings("energy_ledger before gravity", hooks="add_nodal_force"),
     "after gravity": brings("energy_ledger after gravity", hooks="add_nodal_force"),
     "ledger of contact": brings("energy_ledger", series="contact_work contact_residual inertia_work"),
+    "moment": brings(
+        "contact_moment",
+        hooks="declare_fields diagnostics",
+        modules="mpmfw.effects.contact_moment",
+        series="contact_moment",
+    ),
+    "before forces": brings("contact_moment_before_forces", hooks="add_nodal_force"),
+    "after forces": brings("contact_moment_after_forces", hooks="add_nodal_force"),
+    "before impulses": brings(
+        "contact_moment_before_impulses", hooks="after_momentum_projection after_momentum_update"
+    ),
+    "after impulses": brings(
+        "contact_moment_after_impulses", hooks="after_momentum_projection after_momentum_update"
+    ),
     "stability": brings(
         "time_step_series",
         hooks="declare_fields diagnostics",
@@ -316,6 +330,14 @@ CASES = {
     "stability of one body": Case(with_changes(ONE, output={"stability": True}), ("stability",)),
     "stability of contact": Case(
         _two("penalty", output={"gap": False, "stability": True}), (*TOUCHED, "stability", "contact events")
+    ),
+    "moment of forces": Case(
+        _two("penalty", output={"gap": False, "contact_moment": "centre_of_mass"}),
+        (*TOUCHED, "moment", "before forces", "after forces"),
+    ),
+    "moment of impulses": Case(
+        _two("bardenhagen", output={"gap": False, "contact_moment": [0.0, 0.0]}),
+        ("bardenhagen", "averaged normals", "local spin", "moment", "before impulses", "after impulses"),
     ),
     "pressure": Case(
         with_changes(ONE, bodies__solid__sides=[{"side": "top", "pressure": 1e3}]), ("pressure", "surfaces")

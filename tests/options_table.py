@@ -220,6 +220,7 @@ CORE: dict[str, Acts] = {
     "Output.energy": values(body(), "output__energy", True, False),
     "Output.ledger": values(body(), "output__ledger", True, False),
     "Output.stability": values(body(), "output__stability", True, False),
+    "Output.contact_moment": values(pair(), "output__contact_moment", "centre_of_mass", [0.0, 0.3]),
     "Particles.layout": values(
         body({"type": "disc", **SHAPES["disc"]}), f"{SOLID}__particles__layout", "lattice", "fitted"
     ),

@@ -26,6 +26,7 @@ from mpmfw.pairs import FEW, NearPairs
 from mpmfw.scene.options import NAMED
 from mpmfw.sizing import check_memory
 from mpmfw.state import Body, State, joined
+from mpmfw.timestep import stable_length
 from mpmfw.transfer import Transfer, make_transfer
 from mpmfw.windows import make_grid
 
@@ -45,7 +46,7 @@ class Build:
     materials: dict[str, Material]
     scheme: str
     transfer: Transfer
-    bulk_frequency: float  #: largest 2 c / h over the bodies [1/s]
+    bulk_frequency: float  #: largest 2 c / h over the bodies, of thin ones 2 c / √(h w) [1/s]
     friction_law: FrictionLaw | None = None  #: that the scene names
     #: Loads, boundary conditions and outputs by the scene's tables of them and its names.
     named: dict[str, dict[str, NamedPlugIn]] = field(default_factory=dict)
@@ -140,7 +141,10 @@ def _put_together(
     state = State(particles, grid, bodies, ())
     friction, named = _friction_law(scene, chosen_contact), _named(scene, bodies, loads)
     _list_pairs(scene, state, chosen_contact, friction)
-    fastest = max(2.0 * body.wave_speed / grid.cell_size for body in bodies)
+    fastest = max(
+        2.0 * body.wave_speed / stable_length(grid.cell_size, scene.bodies[body.name].geometry.width)
+        for body in bodies
+    )
     return Build(
         scene,
         layouts,

@@ -19,9 +19,35 @@ def plan_records(made: Build, plan: Plan, limits: Limits) -> None:
     plan.note("energies", energy, "series of every body" if energy else "output.energy = false")
     strain = StrainEnergies(materials)
     plan.plugins.append(BodySeries(strain, affine=made.transfer.affine is not None, energy=energy))
+    _moment(made, plan)
     _ledger(made, plan, strain)
     _stability(made, plan, limits)
     _frames(made, plan, materials)
+
+
+def _moment(made: Build, plan: Plan) -> None:
+    """Moment of contact on every body, where each has nodes of its own that contact acts on."""
+    asked, contact = made.scene.output.contact_moment, made.contact
+    if asked is None:
+        plan.note("contact moment", False, "no output.contact_moment")
+        return
+    if contact is None:
+        plan.note("contact moment", False, "no contact acts")
+        return
+    if made.state.grid.n_fields < len(made.state.bodies):
+        plan.note("contact moment", False, f"contact '{contact.name}' gives bodies one velocity field")
+        return
+    from mpmfw.effects.contact_moment import FORCES, IMPULSES, ContactMoment, around
+
+    if not any(hasattr(contact, hook) for hook in (*FORCES, *IMPULSES)):
+        plan.note(
+            "contact moment", False, f"contact '{contact.name}' neither exerts forces nor changes momenta"
+        )
+        return
+    about = None if asked == "centre_of_mass" else asked
+    plan.note("contact moment", True, "about " + ("centres of mass" if about is None else f"{about} m"))
+    at = plan.plugins.index(contact)
+    plan.plugins[at : at + 1] = around(contact, ContactMoment(about, made.state))
 
 
 def _ledger(made: Build, plan: Plan, strain: StrainEnergies) -> None:

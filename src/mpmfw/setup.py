@@ -28,7 +28,7 @@ class Setup:
     massless_boundary: bool  #: the shape function leaves boundary nodes without mass (linear, GIMP)
     scheme: str  #: usl, musl or usf
     transfer: str  #: flip, pic, apic, tpic or aflip
-    bulk_frequency: float  #: largest of 2 c / h over the bodies [1/s]
+    bulk_frequency: float  #: largest of 2 c / h over the bodies, of thin ones 2 c / √(h w) [1/s]
     safety: float  #: fraction of the stability limit that a step may take
     allow_unstable: bool = False  #: the scene lets a step exceed the stability limit
     flip: float = 1.0  #: share of FLIP in the transfer

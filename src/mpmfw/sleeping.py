@@ -60,6 +60,8 @@ def check(made: Build, plugins: list[Any]) -> None:
     for key in ("ledger", "stability"):
         if getattr(output, key):
             raise SceneError(f"sleep: output.{key} measures all bodies in every step; expected {key} = false")
+    if output.contact_moment is not None:
+        raise SceneError("sleep: output.contact_moment measures all bodies in every step; expected none")
     if made.named["boundaries"]:
         raise SceneError("sleep: the motion of [boundaries] is not known beforehand; expected sides")
     for plugin in plugins:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -19,13 +20,23 @@ if TYPE_CHECKING:
 COLLAPSED = 1e-4
 
 
+def stable_length(cell_size: float, width: float) -> float:
+    """What a wave passes in a stable step [m]: h, or √(h w) in a body whose ``width`` w [m] is less than ``cell_size`` h [m].
+
+    Such a body reaches into rows of nodes by a part b of its width alone: a row then has the mass ρ b² / (2 h) and the stiffness
+    M b² / (w h²), so that ω² = 2 c² / (h w) for each direction in which the body is thin, beside the bulk's.
+    """
+    thin = width < cell_size * (1.0 - 1e-9)
+    return math.sqrt(cell_size * width) if thin else cell_size
+
+
 class TimeStep:
     """Chooses the length of every step.
 
     Parameters
     ----------
     bulk_limit
-        h / c of the fastest body [s].
+        h / c of the fastest body, √(h w) / c of one thinner than a cell [s].
     courant
         Share of it past which a step is refused: the shape function's own.
     limiting
@@ -39,8 +50,11 @@ class TimeStep:
         self.scene, self.state, self.bulk_limit = scene, state, bulk_limit
         # Looked up once: between two steps of many points the interpreter's own data has left the caches, and
         # whatever is asked anew in every step is waited for.
-        self._bulk = (bulk_limit, "bulk wave speed (h / c)")
-        self._least_refused = (courant * bulk_limit, f"the bulk ({courant:g} h / c)")
+        cell = state.grid.cell_size
+        thin = all(bulk_limit < (1.0 - 1e-9) * cell / body.wave_speed for body in state.bodies)
+        length = "√(h w)" if thin else "h"
+        self._bulk = (bulk_limit, f"bulk wave speed ({length} / c)")
+        self._least_refused = (courant * bulk_limit, f"the bulk ({courant:g} {length} / c)")
         self._safety, self._fixed = scene.time.safety, scene.time.step
         # A share of the least limit of at most that is below all of them.
         may_exceed = self._fixed is not None or self._safety > courant

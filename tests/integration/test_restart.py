@@ -29,7 +29,12 @@ FEWER = "colliding-rings-4-a-cell"  #: as another scene, but for the number of i
 
 #: The shipped scenes with few points, few steps of settling and few after it; contact begins at once, or within nine steps.
 COARSE: dict[str, dict[str, Any]] = {
-    "colliding-rings": {"grid.cell_size": 0.008, "time.end": "0.2 ms", "output.stability": True},
+    "colliding-rings": {
+        "grid.cell_size": 0.008,
+        "time.end": "0.2 ms",
+        "output.stability": True,
+        "output.contact_moment": "centre_of_mass",
+    },
     FEWER: {"grid.cell_size": 0.008, "time.end": "0.2 ms"},
     "contact-stress": {
         "grid.cell_size": 0.25,

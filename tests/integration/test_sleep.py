@@ -196,6 +196,7 @@ def test_all_asleep_goes_to_the_end_without_steps_of_anybody() -> None:
         ({"contact__penalty": {"passes": "one", "master": "first"}}, "sleep: contact 'penalty(master=first, passes=one)'"),
         ({"output__ledger": True}, "sleep: output.ledger measures all bodies in every step"),
         ({"output__stability": True}, "sleep: output.stability measures all bodies in every step"),
+        ({"output__contact_moment": [0, 0]}, "sleep: output.contact_moment measures all bodies in every step"),
     ],
 )  # fmt: skip
 def test_what_is_refused(changes: dict[str, Any], said: str) -> None:

@@ -74,6 +74,11 @@ def apart(**changes: Any) -> dict[str, Any]:
         ),
         (two_blocks("penalty", output={"stability": True}), []),
         (block(output={"stability": True}), []),
+        (two_blocks("penalty", output={"contact_moment": "centre_of_mass"}), []),
+        (
+            two_blocks("separate", contact__friction=0.0, output={"contact_moment": "centre_of_mass"}),
+            ["output.contact_moment: no moment is measured: contact 'separate' neither exerts forces nor changes momenta"],
+        ),
     ],
 )  # fmt: skip
 def test_diagnostics_that_are_asked_for_and_not_recorded(scene: dict[str, Any], said: list[str]) -> None:

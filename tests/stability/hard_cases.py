@@ -28,6 +28,7 @@ from hard_scenes import (
 )
 from hard_scenes_in_space import corner_on_face, edge_on_corner, edge_on_edge, light_and_heavy
 from hard_scenes_in_space import soft_and_stiff as soft_and_stiff_in_space
+from hard_scenes_in_space import stack as stack_in_space
 from hard_scenes_in_space import thin as thin_in_space
 from places import placed
 
@@ -170,6 +171,7 @@ IN_SPACE: dict[str, Case] = {
     "space-corner-face": Case(corner_on_face, "corner against a face", depth=0.5),
     "space-edge-corner": Case(edge_on_corner, "corner on an edge", depth=0.5),
     "space-thin": Case(thin_in_space, "a plate half a cell thick"),
+    "space-stack": Case(stack_in_space, "a stack of five at rest", free=False, check=stays),
 }
 _ALL = CASES | IN_SPACE
 

@@ -172,14 +172,15 @@ def parting() -> dict[str, Any]:
 
 
 def rest(bodies: dict[str, Any], half_width: float = 4.0, **keys: Any) -> dict[str, Any]:
-    """Bodies that have settled on a ground under gravity; the ground's face is y = 0."""
-    sides = [{"side": "bottom", "fixed": True}]
-    ground = block((-half_width, -2.0), (half_width, 0.0), kind="ground", sides=sides)
+    """Bodies that have settled on a ground under gravity; the ground's face is y = 0, in the plane and in space."""
+    dim = len(next(iter(bodies.values()))["velocity"])
+    lower, upper = (-half_width, -2.0, -half_width)[:dim], (half_width, 0.0, half_width)[:dim]
+    ground = block(lower, upper, kind="ground", sides=[{"side": "bottom", "fixed": True}])
     del ground["velocity"]
     return scene(
         {**bodies, "ground": ground},
         materials={"ground": solid(4.0)},
-        gravity={"vector": [0.0, -10.0]},
+        gravity={"vector": [0.0, -10.0, 0.0][:dim]},
         settle={"tolerance": 1e-3},
         **keys,
     )

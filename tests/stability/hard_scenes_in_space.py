@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from hard_scenes import block, scene, solid
+from hard_scenes import block, rest, scene, solid
 from scipy.spatial.transform import Rotation
 
 #: Half of a box's edge [cells], and how far its edges and corners reach when they point along x.
@@ -73,3 +73,9 @@ def thin() -> dict[str, Any]:
         "plate": block((0.1, -2.0, -2.0), (0.6, 2.0, 2.0)),
     }
     return scene(bodies, extent=10.0)
+
+
+def stack() -> dict[str, Any]:
+    """Five cubes of two cells at rest on a ground whose face is y = 0."""
+    cubes = {f"cube{k}": block((-1.0, 2.0 * k, -1.0), (1.0, 2.0 * k + 2.0, 1.0)) for k in range(5)}
+    return rest(cubes, half_width=2.0, extent=15.0)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from mpmfw.effects.contact_moment import CONTACT_MOMENT
 from mpmfw.effects.ledger import LEDGER_FIELDS
 from mpmfw.effects.time_step_series import TIME_STEP_FIELDS
 from mpmfw.fields import (
@@ -26,6 +27,7 @@ FIELDS = (
     AFFINE_ENERGY,
     *CONTACT_SERIES,
     MIN_GAP,
+    CONTACT_MOMENT,
     *LEDGER_FIELDS,
     *TIME_STEP_FIELDS,
 )

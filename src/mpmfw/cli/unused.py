@@ -71,6 +71,8 @@ def _diagnostics(simulation: Simulation) -> Iterator[str]:
         yield f"output.ledger: no ledger is kept: {ledger.reason}"
     if _asked(scene, "gap") and not gap.on:
         yield f"output.gap: no gap is measured: {gap.reason}"
+    if _asked(scene, "contact_moment") and not (moment := effects["contact moment"]).on:
+        yield f"output.contact_moment: no moment is measured: {moment.reason}"
     if _asked(scene, "particle_interval") and not scene.output.particles:
         yield "output.particle_interval: no material points are stored: output.particles = false"
     elif _asked(scene, "particle_interval") and scene.output.particle_interval <= scene.time.output_interval:

@@ -25,6 +25,11 @@ class Ball(SolidGeometry):
         return float(4 / 3 * np.pi * self.radius**3)
 
     @property
+    def width(self) -> float:
+        """2 R [m]."""
+        return float(2.0 * self.radius)
+
+    @property
     def centroid(self) -> FloatArray:
         """The centre (3,) [m]."""
         return np.array(self.centre)

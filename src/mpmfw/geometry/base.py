@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import Any, ClassVar
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from mpmfw.geometry.layout import FloatArray, IntArray, Layout
@@ -46,6 +47,12 @@ class BodyGeometry(BaseModel):
     @abstractmethod
     def bounds(self) -> FloatArray:
         """Lower and upper corner of the bounding box (2, dim) [m]."""
+
+    @property
+    def width(self) -> float:
+        """Smallest extent of the true shape [m], or thickness of its thinnest wall: that of its bounding box, unless a shape says
+        better. Below a cell it shortens the stable step."""
+        return float(np.ptp(self.bounds, axis=0).min())
 
     @property
     @abstractmethod

@@ -47,6 +47,11 @@ class Box(SolidGeometry):
         return turning(self.angles).T
 
     @property
+    def width(self) -> float:
+        """The shortest edge [m]."""
+        return float(np.subtract(self.upper, self.lower).min())
+
+    @property
     def bounds(self) -> FloatArray:
         """Lower and upper corner of the bounding box (2, 3) [m]."""
         if not any(self.angles):

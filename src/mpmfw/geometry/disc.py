@@ -31,6 +31,11 @@ class Disc(PlaneGeometry):
         return float(2.0 * np.pi * self.radius)
 
     @property
+    def width(self) -> float:
+        """2 R [m]."""
+        return float(2.0 * self.radius)
+
+    @property
     def centroid(self) -> FloatArray:
         """The centre (2,) [m]."""
         return np.array(self.centre)

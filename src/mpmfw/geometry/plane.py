@@ -53,6 +53,12 @@ class PlaneGeometry(BodyGeometry):
         """Lower and upper corner of the bounding box (2, 2) [m]."""
         return np.reshape(self.region.bounds, (2, 2))
 
+    @property
+    def width(self) -> float:
+        """Short side of the least rectangle round the body, however it is turned [m]."""
+        corners = shapely.get_coordinates(shapely.oriented_envelope(self.region))
+        return float(np.linalg.norm(np.diff(corners, axis=0), axis=1).min())
+
     @abstractmethod
     def outlines(self, segment: float) -> tuple[FloatArray, ...]:
         """Closed polylines (m, 2) [m] on the true outline, with segments no longer than ``segment`` [m]."""

@@ -40,6 +40,11 @@ class Rectangle(PlaneGeometry):
         return 0.5 * np.add(self.lower, self.upper)
 
     @property
+    def width(self) -> float:
+        """The shorter edge [m]."""
+        return float(np.subtract(self.upper, self.lower).min())
+
+    @property
     def axes(self) -> FloatArray:
         """Unit vectors along the edges, one a row (2, 2): sides turn with the rectangle."""
         c, s = np.cos(self.angle), np.sin(self.angle)

@@ -105,6 +105,11 @@ class Torus(SolidGeometry):
         return float(2.0 * np.pi**2 * self.radius * self.tube_radius**2)
 
     @property
+    def width(self) -> float:
+        """2 r, of the tube [m]."""
+        return float(2.0 * self.tube_radius)
+
+    @property
     def centroid(self) -> FloatArray:
         """The centre (3,) [m]."""
         return np.array(self.centre)

@@ -56,6 +56,11 @@ class Ring(PlaneGeometry):
         return np.add(self.centre, [[-self.outer_radius], [self.outer_radius]])
 
     @property
+    def width(self) -> float:
+        """R_o − R_i, the thickness of the wall [m]."""
+        return float(self.outer_radius - self.inner_radius)
+
+    @property
     def region(self) -> Any:
         """A fine polygon of the ring's area."""
         radii = (self.outer_radius, self.inner_radius)

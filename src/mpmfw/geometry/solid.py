@@ -68,6 +68,13 @@ class SolidGeometry(BodyGeometry):
         """Lower and upper corner of the bounding box (2, 3) [m]."""
 
     @property
+    def width(self) -> float:
+        """Smallest extent along the surface's principal axes or the body's own [m]."""
+        nodes = self.fine_surface[0]
+        principal = np.linalg.eigh(np.cov(nodes.T))[1].T
+        return float(min(np.ptp(nodes @ axes.T, axis=0).min() for axes in (principal, self.axes)))
+
+    @property
     def axes(self) -> FloatArray:
         """Unit vectors along which the body's sides are named, one a row (3, 3)."""
         return np.eye(3)

@@ -26,6 +26,7 @@ _WHOLE = {
     "kg m2 s-1 m-1": "kg m2 s-1",
     "J m-1": "J",
     "N m-1": "N",
+    "N m m-1": "N m",
 }
 
 

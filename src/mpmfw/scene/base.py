@@ -48,6 +48,12 @@ FixedComponents = Annotated[
     Discriminator(array_or_single),
 ]
 
+#: ``"centre_of_mass"`` of every body, or one point.
+MomentPoint = Annotated[
+    Annotated[Literal["centre_of_mass"], Tag("single")] | Annotated[Position, Tag("array")],
+    Discriminator(array_or_single),
+]
+
 _Component = Annotated[
     Annotated[Literal["free"], Tag("free")] | Annotated[Velocity, Tag("value")], Discriminator(_free_or_value)
 ]

@@ -46,6 +46,7 @@ def check(scene: Tables, plugins: Mapping[Path, type[Any]], options: Mapping[Pat
     yield from _loads(scene)
     yield from _named(scene, plugins, options)
     yield from _reference(scene)
+    yield from _output(scene)
     for name, body in scene.bodies.items():
         yield from _body(scene, ("bodies", name), body)
 
@@ -57,6 +58,12 @@ def _reference(scene: Tables) -> Iterator[Problem]:
         if scene.reference.kind not in REFERENCES and scene.reference.kind not in installed:
             known = sorted({*REFERENCES, *installed})
             yield Problem(("reference", "kind"), choice_message(scene.reference.kind, known))
+
+
+def _output(scene: Tables) -> Iterator[Problem]:
+    point, dim = scene.output.contact_moment, scene.grid.dim
+    if isinstance(point, tuple) and len(point) != dim:
+        yield Problem(("output", "contact_moment"), wrong_length(len(point), dim))
 
 
 def _grid(scene: Tables) -> Iterator[Problem]:

@@ -12,6 +12,7 @@ from mpmfw.geometry import Geometry, Particles
 from mpmfw.scene.base import (
     FixedComponents,
     Friction,
+    MomentPoint,
     Position,
     PositiveLength,
     PositiveNumber,
@@ -232,6 +233,8 @@ class Output(Table):
         Energy balance: work, dissipation and residual, measured in every step; a run whose energy grows is stopped.
     stability
         The time step, its limit and who sets it; what the contact strategy knows of its own stability.
+    contact_moment
+        What the moment of contact on every body is about: ``centre_of_mass``, the body's own, or a point [m]; None has none.
     """
 
     gap: bool = True
@@ -241,6 +244,7 @@ class Output(Table):
     energy: bool = True
     ledger: bool = False
     stability: bool = False
+    contact_moment: MomentPoint | None = None
 
 
 class Reference(Table):

@@ -1,0 +1,126 @@
+"""The moment of contact on every body, against forces of surface nodes, momenta, and the other body's."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mpmfw
+from mpmfw.errors import SceneError
+from mpmfw.testing.contact.motion import moment
+from mpmfw.units import powers_of
+from scenes_for_tests import box, two_blocks, with_changes
+
+METHODS = ["penalty", "bardenhagen", "hamad2017", "lcp", "nodes+lcp", "barrier"]
+
+
+def cubes(method: str, **changes: Any) -> dict[str, Any]:
+    """Two cubes of 0.5 m that meet askew at 2 m/s and turn each other."""
+    scene, bodies = box(contact={"method": method, "friction": 0.3}), {}
+    for name, left, low, speed in (("left", -0.505, -0.2, 1.0), ("right", 0.005, -0.3, -1.0)):
+        bodies[name] = {
+            "material": "soft",
+            "geometry": {"type": "box", "lower": [left, low, -0.23], "upper": [left + 0.5, low + 0.5, 0.27]},
+            "particles": {"size": 0.125},
+            "velocity": [speed, 0.4 * speed, -0.2 * speed],
+        }
+    return with_changes({**scene, "bodies": bodies}, **changes)
+
+
+def recorded(scene: dict[str, Any], about: Any, steps: int = 12, **output: Any) -> Any:
+    """A run with an output after every step."""
+    step = 5e-4
+    time = {"end": steps * step, "step": step, "output_interval": step}
+    output = {"gap": False, "contact_moment": about, "particles": False, "surface": False, **output}
+    return mpmfw.run({**scene, "time": time, "output": output})
+
+
+@pytest.mark.parametrize("scene", [two_blocks, cubes])
+def test_moment_is_that_of_the_surface_nodes_forces(scene):
+    """One pass: only nodes of the left body are pushed, each by the force that the results have of it."""
+    mapping = scene("penalty", contact__penalty={"passes": "one", "master": "right"})
+    tree = recorded(mapping, "centre_of_mass", surface=True)
+    series, surface = tree["series"].to_dataset(), tree["surface/left"].to_dataset()
+    own = series.sel(body="left")
+    arms = surface["position"].values[:-1] - own["centre_of_mass"].values[:-1, None]
+    exerted = [moment(arm, force) for arm, force in zip(arms, surface["force"].values[1:], strict=True)]
+    largest = np.abs(exerted).max()
+    assert largest > 0.0
+    np.testing.assert_allclose(own["contact_moment"].values[1:], exerted, rtol=0.0, atol=1e-9 * largest)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_moments_about_one_point_cancel(method):
+    """Of two bodies that nothing else acts on: what contact does has one line of action."""
+    series = recorded(two_blocks(method), [0.3, -0.7])["series"].to_dataset()
+    found = series["contact_moment"].sum("rotation").values
+    assert np.abs(found).max() > 0.0
+    assert np.abs(found.sum(axis=1)).max() < 1e-9 * np.abs(found).max()
+
+
+@pytest.mark.parametrize("method", ["penalty", "bardenhagen"])
+def test_moments_in_space_cancel_in_every_component(method):
+    found = recorded(cubes(method), [0.3, -0.7, 0.2])["series"]["contact_moment"].values
+    assert (np.abs(found).max(axis=(0, 1)) > 0.0).all()
+    assert np.abs(found.sum(axis=1)).max() < 1e-9 * np.abs(found).max()
+
+
+@pytest.mark.parametrize("method", ["penalty", "bardenhagen"])
+def test_point_and_centre_differ_by_the_force_times_the_way(method):
+    point = np.array([0.3, -0.7])
+    own, other = (
+        recorded(two_blocks(method), about)["series"].to_dataset().sel(body="left")
+        for about in ("centre_of_mass", point.tolist())
+    )
+    force = own["contact_force"].isel(pair=0).values[1:]
+    way = own["centre_of_mass"].values[:-1] - point
+    shift = way[:, 0] * force[:, 1] - way[:, 1] * force[:, 0]
+    moved = (other["contact_moment"] - own["contact_moment"]).values[1:, 0]
+    np.testing.assert_allclose(moved, shift, rtol=0.0, atol=1e-9 * np.abs(shift).max())
+
+
+def test_mean_over_an_interval_is_the_mean_of_its_steps():
+    every = recorded(two_blocks("bardenhagen"), "centre_of_mass")["series"]["contact_moment"].values
+    scene = {**two_blocks("bardenhagen"), "output": {"contact_moment": "centre_of_mass"}}
+    scene["time"] = {"end": 6e-3, "step": 5e-4, "output_interval": 3e-3}
+    fifth = mpmfw.run(scene)["series"]["contact_moment"].values
+    assert (fifth[0] == 0.0).all()
+    np.testing.assert_allclose(fifth[1], every[1:7].mean(axis=0), rtol=1e-9)
+    np.testing.assert_allclose(fifth[2], every[7:13].mean(axis=0), rtol=1e-9)
+
+
+@pytest.mark.parametrize(("scene", "unit"), [(two_blocks, "N m m-1"), (cubes, "N m")])
+def test_a_number_in_the_plane_and_a_vector_in_space_with_units(scene, unit):
+    found = recorded(scene("penalty"), "centre_of_mass", steps=1)["series"]["contact_moment"]
+    assert found.dims == ("time", "body", "rotation")
+    assert found.sizes["rotation"] == (1 if unit.endswith("m-1") else 3)
+    assert found.attrs["units"] == unit
+    assert found.attrs["cell_methods"] == "time: mean"
+    powers_of(unit)
+
+
+@pytest.mark.parametrize("method", ["penalty", "bardenhagen"])
+def test_looking_changes_no_digit_of_the_motion(method):
+    plain, asked = (
+        recorded(cubes(method), about)["series"].to_dataset() for about in (None, [0.0, 0.0, 0.0])
+    )
+    assert "contact_moment" not in plain
+    for name in plain.data_vars:
+        np.testing.assert_array_equal(asked[name].values, plain[name].values, err_msg=str(name))
+
+
+def test_a_point_of_the_wrong_dimension_is_refused():
+    with pytest.raises(SceneError, match=r"output\.contact_moment.*2"):
+        recorded(two_blocks("penalty"), [0.0, 0.0, 0.0])
+
+
+def test_where_none_is_measured_the_plan_says_why():
+    from mpmfw.simulation import Simulation
+
+    for method in ("none", "separate"):
+        simulation = Simulation(two_blocks(method, output={"contact_moment": "centre_of_mass"}))
+        (effect,) = [effect for effect in simulation.effects if effect.name == "contact moment"]
+        assert not effect.on
+        assert method in effect.reason

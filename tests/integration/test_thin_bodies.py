@@ -1,0 +1,96 @@
+"""The stable step of bodies thinner than a cell, whose outer rows of nodes hold next to no mass."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mpmfw.errors import SceneError
+from mpmfw.geometry import Ball, Box, Disc, Polygon, Rectangle, Ring
+from mpmfw.simulation import Simulation
+
+CELL, BULK, SHEAR, DENSITY = 0.1, 8e5, 4e5, 1000.0
+TICK = CELL / np.sqrt((BULK + 4.0 / 3.0 * SHEAR) / DENSITY)
+
+
+def bar(width: float, angle: float = 0.0) -> dict[str, Any]:
+    """A bar five cells long and so many wide, by a grid line."""
+    low = 0.013 * CELL
+    upper = [0.25 + low, low + width * CELL]
+    return {"type": "rectangle", "lower": [-0.25 + low, low], "upper": upper, "angle": angle}
+
+
+def disc(width: float) -> dict[str, Any]:
+    """A disc so many cells wide, about a node of the grid."""
+    return {"type": "disc", "centre": [0.013 * CELL] * 2, "radius": 0.5 * width * CELL}
+
+
+def scene(geometry: dict[str, Any], size: float, **time: Any) -> dict[str, Any]:
+    """One free body, with points of so many cells."""
+    solid = {"model": "linear_elastic", "density": DENSITY, "bulk_modulus": BULK, "shear_modulus": SHEAR}
+    particles = {"layout": "fitted", "size": size * CELL}
+    return {
+        "grid": {"cell_size": CELL, "lower": [-1.0, -1.0], "upper": [1.0, 1.0]},
+        "time": {"end": 1.0, "output_interval": 1.0, **time},
+        "shape": {"method": "cpdi"},
+        "materials": {"solid": solid},
+        "bodies": {"thin": {"material": "solid", "geometry": geometry, "particles": particles}},
+    }
+
+
+def growth(mapping: dict[str, Any], step: float, steps: int = 300) -> float:
+    """By how much kinetic energy of noise has grown after some steps; each of its modes is there."""
+    simulation = Simulation(mapping)
+    p = simulation.state.particles
+    p.velocity += 1e-8 * np.random.default_rng(1).standard_normal(p.velocity.shape)
+    start = float((p.mass[:, None] * p.velocity**2).sum())
+    for _ in range(steps):
+        simulation.step(step)
+        grown = float((p.mass[:, None] * p.velocity**2).sum()) / start
+        if not grown < 1e6:
+            return float("inf")
+    return grown
+
+
+@pytest.mark.parametrize("made", [bar, disc])
+@pytest.mark.parametrize("width", [0.05, 0.1, 0.25, 0.5])
+def test_default_step_of_a_thin_body_is_stable(made, width):
+    mapping = scene(made(width), 0.5 * width)
+    assert growth(mapping, Simulation(mapping).stable_step()) < 4.0
+
+
+@pytest.mark.parametrize(("made", "width"), [(bar, 0.1), (disc, 0.1), (disc, 0.25)])
+def test_half_of_the_bulks_limit_is_not(made, width):
+    """What the bound is for: at the default share of h/c alone such bodies are torn apart."""
+    mapping = scene(made(width), 0.5 * width) | {"allow_unstable": True}
+    assert growth(mapping, 0.6 * TICK if made is disc and width > 0.2 else 0.5 * TICK) > 1e6
+
+
+@pytest.mark.parametrize(("width", "length"), [(4.0, 1.0), (1.0, 1.0), (0.25, 0.5), (0.04, 0.2)])
+@pytest.mark.parametrize("angle", [0.0, 0.6])
+def test_the_limit_is_the_root_of_cell_and_width(width, length, angle):
+    (limit, owner), *_ = Simulation(scene(bar(width, angle), min(0.5, width))).limits()
+    assert limit == pytest.approx(length * TICK, rel=1e-12)
+    assert owner == f"bulk wave speed ({'h' if length == 1.0 else '√(h w)'} / c)"
+
+
+def test_a_step_past_it_is_refused():
+    with pytest.raises(SceneError, match=r"past the stability limit .* of the bulk \(0\.8 √\(h w\) / c\)"):
+        Simulation(scene(bar(0.1), 0.05, step=0.5 * TICK)).run()
+
+
+@pytest.mark.parametrize(
+    ("geometry", "width"),
+    [
+        (Rectangle(lower=(0.0, 0.0), upper=(3.0, 0.2), angle=0.7), 0.2),
+        (Disc(centre=(0.0, 0.0), radius=0.3), 0.6),
+        (Ring(centre=(0.0, 0.0), inner_radius=0.8, outer_radius=1.0), 0.2),
+        (Polygon(points=((0.0, 0.0), (3.0, 3.0), (2.9, 3.1), (-0.1, 0.1))), 0.1 * np.sqrt(2.0)),
+        (Box(lower=(0.0, 0.0, 0.0), upper=(3.0, 0.2, 2.0), angles=(0.3, 0.5, 0.7)), 0.2),
+        (Ball(centre=(0.0, 0.0, 0.0), radius=0.3), 0.6),
+    ],
+)
+def test_width_is_that_of_the_body_however_it_is_turned(geometry, width):
+    assert geometry.width == pytest.approx(width, rel=1e-9)
