@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated
 
@@ -26,17 +27,19 @@ def prune(
 ) -> None:
     """Forget runs that no campaign of today would take: those of other code, or of other versions of the libraries.
 
-    What a process left that was killed while it wrote goes as well. Results files such as FILE.nc stay as they are.
+    What a process left that was killed while it wrote goes as well. Files that no campaign wrote stay as they are, and so do
+    results files such as FILE.nc.
     """
     from mpmfw.campaigns.store import Store
     from mpmfw.identity import is_current
 
+    if days is not None and not math.isfinite(days):
+        raise SceneError(f"--days {days:g}: expected a number of days, 0 or more")
     for folder in folders:
         if not folder.is_dir():
             raise SceneError(f"{folder}: no such folder; expected one of finished runs, such as FILE.nc.runs")
     for folder in folders:
-        forgotten, freed = Store(folder).prune(is_current, days)
-        kept = len(list(folder.glob("*.json")))
+        forgotten, kept, freed = Store(folder).prune(is_current, days)
         typer.echo(f"{folder}: {forgotten} runs forgotten, {1e-6 * freed:.3g} MB free, {kept} runs kept")
 
 

@@ -38,13 +38,13 @@ def check_replaceable(path: str | os.PathLike[str], kind: str, what: str) -> Non
         raise MpmfwError(f"cannot create '{path}': there is no folder '{path.parent}'")
     if not os.access(path.parent, os.W_OK) or path.is_dir():
         raise MpmfwError(f"cannot create '{path}': not writable")
-    if path.is_file() and path.stat().st_size and _kind(path) != kind:
+    if path.is_file() and path.stat().st_size and kind_of_file(path) != kind:
         raise SceneError(
             f"{path}: is there already and is no {what}, so it is not replaced; give another name"
         )
 
 
-def _kind(path: Path) -> str | None:
+def kind_of_file(path: Path) -> str | None:
     """What a results' file says that it is; None of any other file."""
     try:
         with netCDF4.Dataset(os.fspath(path)) as dataset:
