@@ -32,6 +32,14 @@ def exit_status(command: Callable[..., Any]) -> Callable[..., None]:
         except MpmfwError as error:
             typer.echo(str(error), err=True)
             raise typer.Exit(1) from error
+        except (
+            OSError
+        ) as error:  # a file that no command asked about before: nothing else is wrong with the request
+            if isinstance(error, BrokenPipeError):
+                raise
+            said = error.strerror or str(error)
+            typer.echo(f"'{error.filename}': {said}" if error.filename else said, err=True)
+            raise typer.Exit(1) from error
         except Interrupted as error:
             typer.echo(str(error), err=True)
             raise typer.Exit(128 + error.number) from error
@@ -195,6 +203,8 @@ def check_writable(path: Path) -> Path:
     folder = path.parent
     if path.is_dir():
         raise SceneError(f"{path}: is a folder; give the name of a file")
+    if path.exists() and not path.is_file():
+        raise SceneError(f"{path}: is a device or a pipe; give the name of a file")
     if not folder.is_dir():
         raise SceneError(f"{path}: the folder {folder} does not exist")
     if not os.access(path if path.exists() else folder, os.W_OK):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Annotated
 
@@ -33,8 +32,6 @@ def prune(
     from mpmfw.campaigns.store import Store
     from mpmfw.identity import is_current
 
-    if days is not None and not math.isfinite(days):
-        raise SceneError(f"--days {days:g}: expected a number of days, 0 or more")
     for folder in folders:
         if not folder.is_dir():
             raise SceneError(f"{folder}: no such folder; expected one of finished runs, such as FILE.nc.runs")
