@@ -163,7 +163,7 @@ def _read(path: str) -> tuple[Snapshot, dict[str, Any]]:
         snapshot, facts = read_snapshot(file)
     except MpmfwError as error:
         raise SceneError(f"{error}; run it again") from error
-    if not isinstance(facts, dict) or facts.get("kind") != "checkpoint" or not facts.keys() >= _FACTS:
+    if facts.get("kind") != "checkpoint" or not facts.keys() >= _FACTS:
         raise SceneError(f"{file}: is no checkpoint of a run")
     return snapshot, facts
 

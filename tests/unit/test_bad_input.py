@@ -51,14 +51,20 @@ def test_limits_of_colours_are_finite(said, tmp_path):
     )
 
 
-@pytest.mark.parametrize("facts", [[], {"kind": "checkpoint"}])
-def test_a_checkpoint_that_says_nothing_of_a_run_is_none(said, tmp_path, facts):
+@pytest.mark.parametrize(
+    ("facts", "message"),
+    [
+        ([], "a.nc.checkpoint' was cut short or is damaged; run it again\n"),
+        ({"kind": "checkpoint"}, "a.nc.checkpoint: is no checkpoint of a run\n"),
+    ],
+)
+def test_a_checkpoint_that_says_nothing_of_a_run_is_none(said, tmp_path, facts, message):
     with netCDF4.Dataset(tmp_path / "a.nc", "w") as dataset:
         dataset.setncatts({"kind": "run", "status": "interrupted"})
     with zipfile.ZipFile(tmp_path / "a.nc.checkpoint", "w") as archive:
         archive.writestr("facts.json", json.dumps(facts))
         archive.writestr("values.json", "[{}, []]")
-    assert said("resume", "a.nc").endswith("a.nc.checkpoint: is no checkpoint of a run\n")
+    assert said("resume", "a.nc").endswith(message)
 
 
 @pytest.mark.parametrize(
