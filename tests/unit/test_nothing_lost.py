@@ -141,3 +141,11 @@ def test_a_validation_takes_the_place_of_no_other_file(folder, target, option):
     assert "is a file; give the name of a folder" in said(
         "validate", "sliding-block", "-o", "s.toml", status=2
     )
+
+
+def test_a_file_that_is_called_as_a_half_written_one_stays(folder):
+    mine = folder / "c.nc.part"
+    mine.write_text(MINE)
+    said("compare", "s.toml", "--shape", "linear", "-o", "c.nc", status=0)
+    assert mine.read_text() == MINE
+    assert not list(folder.glob(".c.nc.*"))
