@@ -30,6 +30,10 @@ EVERY = 600.0
 ASKED_AFTER = 1.0
 
 
+#: How a checkpoint begins, which is a zip archive.
+_HEAD = b"PK\x03\x04"
+
+
 def checkpoint_path(path: str | os.PathLike[str]) -> str:
     """File of the checkpoint of the run that writes ``path``."""
     return f"{os.fspath(path)}.checkpoint"
@@ -110,8 +114,8 @@ class Checkpoints:
         self._next = time.monotonic() + self.every
 
     def forget(self) -> None:
-        """Remove it, and what one that was cut short has left."""
-        if self.path is not None:
+        """Remove it, and what one that was cut short has left; a file that is called so and is none stays."""
+        if self.path is not None and not is_foreign(self.path):
             for path in (self.path, f"{self.path}.part", f"{self.path}.results"):
                 with contextlib.suppress(OSError):
                     os.unlink(path)
@@ -145,6 +149,19 @@ class Checkpoints:
             "every": self.every,
             "peak_memory": peak_memory(),
         }
+
+
+def is_foreign(path: str) -> bool:
+    """Whether something is there that is no checkpoint, whatever it is called; an empty file is nothing."""
+    try:
+        if not os.path.isfile(path):
+            return os.path.exists(path)
+        if not os.path.getsize(path):
+            return False
+        with open(path, "rb") as file:
+            return file.read(len(_HEAD)) != _HEAD
+    except OSError:
+        return True
 
 
 def dependencies_of(scene: Scene, objects: dict[str, Any]) -> dict[str, str]:

@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 #: Attributes of a results' file that a run which goes on must have as well.
 _SAME = ("scene", "contact", "shape", "scheme", "transfer")
 
+#: What a checkpoint says of its run.
+_FACTS = frozenset({"made_by", "objects", "scene", "frames", "time", "resumed", "every"})
+
 
 def resume(
     results: str | os.PathLike[str],
@@ -160,7 +163,7 @@ def _read(path: str) -> tuple[Snapshot, dict[str, Any]]:
         snapshot, facts = read_snapshot(file)
     except MpmfwError as error:
         raise SceneError(f"{error}; run it again") from error
-    if facts.get("kind") != "checkpoint":
+    if facts.get("kind") != "checkpoint" or not facts.keys() >= _FACTS:
         raise SceneError(f"{file}: is no checkpoint of a run")
     return snapshot, facts
 

@@ -17,6 +17,7 @@ from mpmfw.limits import check_length, remark_on_size, remark_on_threads
 from mpmfw.own_process import run_in_own_process
 from mpmfw.results import RunWriter
 from mpmfw.results.memory import peak_memory, restart_peak_memory
+from mpmfw.results.replacing import check_replaceable
 from mpmfw.scene import load_scene, located
 from mpmfw.simulation import Simulation, chosen_methods
 
@@ -45,7 +46,7 @@ def run(
     contact, shape
         A plug-in's name or a configured strategy object, in place of the scene's.
     output
-        NetCDF file to write, frame by frame; None keeps the results in memory.
+        NetCDF file to write, frame by frame, in place of no file but another run's; None keeps the results in memory.
     progress
         Called now and then with the simulated time [s] and the number of steps.
     set
@@ -127,6 +128,8 @@ def _writing(
     """The writer of a run that has come to its end."""
     restart_peak_memory()
     path = None if output is None else os.path.abspath(output)  # a plug-in may change the working folder
+    if path is not None:
+        check_replaceable(path, "run", "run's results")
     loaded = load_scene(scene, set={**chosen_methods(contact, shape), **(set or {})})
     try:
         simulation = Simulation(loaded, contact=contact, shape=shape, threads=threads)

@@ -28,6 +28,9 @@ NODE_BYTES = {2: 400, 3: 600}
 #: Bytes that a surface node takes at most: outline, search and springs.
 SURFACE_BYTES = 1_000
 
+#: Extent of a body in cells below which nothing of it is left by the layouts.
+THINNEST = 1e-6
+
 #: Flat indices of nodes are integers of 32 bits.
 MOST_NODES = 2**31 - 1
 
@@ -89,12 +92,18 @@ def check_memory(scene: Scene) -> None:
     Raises
     ------
     SceneError
-        It does, or it needs more nodes than can be counted; the body that takes most is named, and the key.
+        It does, or it needs more nodes than can be counted; the body that takes most is named, and the key. Or a body is far
+        thinner than a cell.
     """
     cell = scene.grid.cell_size
     for name, body in scene.bodies.items():  # far outside: nothing needs to be made to see it
         lower, upper = body.geometry.bounds
         check_box_inside(scene, name, lower, upper, slack=cell)
+        if not (least := float(np.subtract(upper, lower).min())) > THINNEST * cell:
+            raise SceneError(
+                f"bodies.{name}.geometry: the body is {least:.3g} m across at its thinnest, less than {THINNEST:g} of a cell of "
+                f"{cell:g} m; expected a larger body, or smaller cells"
+            )
     sizes = {name: size_of(body, cell) for name, body in scene.bodies.items()}
     largest = max(sizes, key=lambda name: sizes[name].memory)
     needed, limit = sum(size.memory for size in sizes.values()), memory_limit()

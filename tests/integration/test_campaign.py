@@ -231,12 +231,13 @@ def test_what_is_stored_may_be_read_by_whom_the_umask_lets(tmp_path):
 
 def test_the_store_forgets_what_no_campaign_would_take(tmp_path, monkeypatch):
     mpmfw.campaign(SLIDING, {"contact": ["separate", "none"]}, store=tmp_path, repeats=1)
-    (tmp_path / ".left.part").write_text("by a kill")
-    os.utime(tmp_path / ".left.part", (0, 0))
+    left = tmp_path / f".{'0' * 32}.nc.{'0' * 32}.part"
+    left.write_bytes(b"")
+    os.utime(left, (0, 0))
     result = CliRunner().invoke(app, ["store", "prune", str(tmp_path)])
     assert "0 runs forgotten" in result.output
     assert "2 runs kept" in result.output
-    assert not (tmp_path / ".left.part").exists()
+    assert not left.exists()
     first, _ = sorted(tmp_path.glob("*.json"))
     code = Store(tmp_path).outcome(first.stem).code
     assert is_current(code)

@@ -329,6 +329,7 @@ def test_what_cannot_go_on_says_why(tmp_path):
     refused("run.nc: there is no such file; expected the results of a run")
     path.write_text("text")
     refused("run.nc: is no results' file")
+    path.unlink()
     mpmfw.run(BLOCKS, output=path)
     refused("run.nc: the run is finished; there is nothing to go on with")
     stopped(BLOCKS, path, 9)

@@ -290,6 +290,27 @@ def test_squares_that_touch_at_a_node_have_an_outline_each(tmp_path):
     assert [signed_area(loop) for loop in body.outlines(1.0)] == pytest.approx([1.0, 1.0])
 
 
+@pytest.mark.parametrize(
+    ("points", "message"),
+    [
+        (
+            [(0, 0), (1, 0), (math.nan, 1), (0, 1)],
+            "coordinates that are no finite numbers: 1 nodes, the first number 2",
+        ),
+        (
+            [(0, 0), (1, 0), (1, 1e-13), (0, 1e-13)],
+            r"1 degenerate or non-convex elements, the first at \(0\.5, 5e-14\) m",
+        ),
+        ([(0, 0), (2, 0), (2, 2), (0, 2)], r"an edge has two elements on one side, at \(1, 0\) m"),
+    ],
+)
+def test_what_is_wrong_with_a_plane_mesh_is_said_and_where(tmp_path, points, message):
+    copies = 2 if "two elements" in message else 1
+    path = write_mesh(tmp_path / "bad.msh", points, {"quad": [(0, 1, 2, 3)] * copies})
+    with pytest.raises(ValueError, match=message):
+        MeshFile(path=path)
+
+
 def test_a_mesh_written_by_gmsh_is_read(tmp_path):
     pytest.importorskip("gmsh")
     with started_gmsh("the test") as gmsh:

@@ -2,13 +2,14 @@
 
 import json
 import multiprocessing
+import os
 from dataclasses import replace
 
 import pytest
 
 from mpmfw.campaigns.outcome import Cost, Outcome
 from mpmfw.campaigns.store import Store
-from mpmfw.errors import MpmfwError
+from mpmfw.errors import MpmfwError, SceneError
 
 COST = Cost("exclusive", {"cpu_time": 1.5}, {"shape": 0.5}, {"shape": 0.1})
 
@@ -65,6 +66,48 @@ def test_files_are_whole_at_every_moment(tmp_path):
             writer.kill()
             writer.join()
     assert Store(tmp_path).outcome("a") is not None
+
+
+KEYS = [digit * 32 for digit in "0a5"]
+
+
+def a_store(folder):
+    """Two runs, one of today's code, and half of a third that a kill left long ago."""
+    for key, code in zip(KEYS, ("old", "new"), strict=False):
+        Store(folder).put(replace(record(key), code={"mpmfw": code}))
+    half = folder / f".{KEYS[2]}.json.{KEYS[2]}.part"
+    half.write_text('{\n "key": ')
+    os.utime(half, (0, 0))
+    return folder
+
+
+def is_new(code):
+    return code["mpmfw"] == "new"
+
+
+def test_prune_removes_what_a_store_wrote_and_nothing_else(tmp_path):
+    folder, elsewhere = a_store(tmp_path / "runs"), tmp_path / "elsewhere.json"
+    elsewhere.write_text((folder / f"{KEYS[0]}.json").read_text())
+    foreign = {
+        "notes.json": "{}", f"{'b' * 32}.json": '{"key": "another"}', "thesis.nc": "mine", f"{'b' * 32}.nc": "mine",
+        "download.part": "half", f".{KEYS[2]}.json.{KEYS[1]}.part": "mine",
+    }  # fmt: skip
+    for name, text in foreign.items():
+        (folder / name).write_text(text)
+        os.utime(folder / name, (0, 0))
+    (folder / "sub.nc").mkdir()
+    (folder / f"{KEYS[2]}.json").symlink_to(elsewhere)
+    assert Store(folder).prune(is_new)[:2] == (1, 1)
+    left = {path.name for path in folder.iterdir()}
+    assert left == {*foreign, "sub.nc", f"{KEYS[2]}.json", f"{KEYS[1]}.json"}
+    assert elsewhere.exists()
+
+
+def test_prune_of_another_folder_says_so_and_removes_nothing(tmp_path):
+    (tmp_path / "notes.json").write_text("{}")
+    with pytest.raises(SceneError, match="holds no finished runs, and nothing was removed"):
+        Store(tmp_path).prune(is_new)
+    assert (tmp_path / "notes.json").exists()
 
 
 def test_a_folder_that_cannot_be_written_is_said(tmp_path):

@@ -93,6 +93,23 @@ def crossing():
     return np.concatenate([NODES, nodes]), np.concatenate([FACETS, len(NODES) + facets])
 
 
+def parts(*surfaces):
+    """Several surfaces as one."""
+    first = np.cumsum([0, *(len(nodes) for nodes, _ in surfaces)])
+    facets = [k + facets for k, (_, facets) in zip(first, surfaces, strict=False)]
+    return np.concatenate([nodes for nodes, _ in surfaces]), np.concatenate(facets)
+
+
+def box_of(lower, upper, *, inwards=False):
+    ((nodes, facets),) = Box(lower=lower, upper=upper).surfaces(9.0)
+    return nodes, facets[:, ::-1] if inwards else facets
+
+
+def edge_to(x):
+    """A box that has a side in common with the other."""
+    return box_of((x, x, 0), (x + 1, x + 1, 1))
+
+
 BAD = {
     r"not closed: 3 sides have a triangle on one side only: the surface has a hole, the first at \(.*\) m \(facets ": lambda: (
         NODES,
@@ -102,14 +119,57 @@ BAD = {
     r"1 triangles have no area \(facets \d+\), the first at ": flat,
     r"the surface crosses itself: triangle \d+ goes through triangle \d+ at ": crossing,
     "are turned inside out; expected their normals to point outwards": lambda: (NODES, FACETS[:, ::-1]),
-    "sides have more than two triangles": lambda: (NODES, np.concatenate([FACETS, FACETS])),
+    r"320 triangles are there more than once \(facets 0, 1, 2, 3, 4, …\), the first at": lambda: (
+        NODES,
+        np.concatenate([FACETS, FACETS]),
+    ),
+    "sides have more than two triangles": lambda: parts(edge_to(0.0), edge_to(1.0)),
+    r"parts of the surface overlap: .* \(facets .*\), the first at": lambda: parts(
+        box_of((0, 0, 0), (1, 1, 1)), box_of((0.5, 0, 0), (1.5, 1, 1))
+    ),
+    r"parts of the surface overlap: triangles lie within another part, or": lambda: parts(
+        (NODES, FACETS), (NODES + np.array([0.6, 0.0, 0.0]), FACETS)
+    ),
+    r"parts of the surface overlap: triangles lie within": lambda: parts(
+        box_of((0, 0, 0), (1, 1, 1)), box_of((0.2, 0.2, 0), (0.8, 0.8, 0.5))
+    ),
+    r"parts of the surface overlap: triangles": lambda: parts(
+        box_of((0, 0, 0), (1, 1, 1)), box_of((0.5, 0.2, 0.2), (1.5, 0.8, 0.8), inwards=True)
+    ),
+    "turned inside out; expected their normals to point inwards, being a cavity": lambda: parts(
+        box_of((0, 0, 0), (1, 1, 1)), box_of((0.2, 0.2, 0.2), (0.8, 0.8, 0.8))
+    ),
+    r"coordinates that are no finite numbers: 1 nodes, the first number 3, counted": lambda: (
+        np.where(np.arange(len(NODES))[:, None] == 3, np.nan, NODES),
+        FACETS,
+    ),
 }
+
+
+@pytest.mark.parametrize(
+    ("others", "volume"),
+    [
+        ([box_of((0.2, 0.2, 0.2), (0.8, 0.8, 0.8), inwards=True)], 0.784),
+        (
+            [
+                box_of((0.2, 0.2, 0.2), (0.8, 0.8, 0.8), inwards=True),
+                box_of((0.4, 0.4, 0.4), (0.6, 0.6, 0.6)),
+            ],
+            0.792,
+        ),
+        ([box_of((2, 0, 0), (3, 1, 1))], 2.0),
+        ([box_of((1, 0.2, 0.2), (2, 0.8, 0.8))], 1.36),
+    ],
+)
+def test_cavities_islands_and_parts_side_by_side_are_bodies(tmp_path, others, volume):
+    path = written(tmp_path / "good.ply", *parts(box_of((0, 0, 0), (1, 1, 1)), *others))
+    assert SurfaceMesh(path=path).exact_volume == pytest.approx(volume)
 
 
 @pytest.mark.parametrize("message", BAD)
 def test_what_is_wrong_with_a_surface_is_said_and_where(tmp_path, message):
     path = written(tmp_path / "bad.ply", *BAD[message]())
-    with pytest.raises(ValueError, match=r"bad\.ply: .*" + message):
+    with pytest.raises(ValueError, match=r"bad\.ply:? .*" + message):
         SurfaceMesh(path=path)
 
 
@@ -143,6 +203,16 @@ def test_millimetres_given_as_metres_are_suspected(tmp_path):
     path = written(tmp_path / "small.stl", NODES - BALL.centroid, FACETS)
     with pytest.raises(SceneError, match=r"read in 'mm' the body is 0\.001 m.*is the file in metres"):
         load_scene(scene_of(path, unit="mm"))
+
+
+def test_sides_that_are_next_to_nothing_are_said(tmp_path):
+    speck = box_of((0, 0, 0), (1e-8, 1e-8, 1e-8))
+    path = written(tmp_path / "speck.ply", *parts(speck, box_of((0.1, 0.1, 0.1), (1, 1, 1))))
+    with pytest.raises(
+        SceneError,
+        match=r"a side of the triangles is .* cells long \(facet \d+, at \(.*\) m\); expected 1e-06",
+    ):
+        load_scene(scene_of(path))
 
 
 def test_triangles_far_below_a_cell_are_refused(tmp_path):

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import shutil
 import tempfile
 import time
 import weakref
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,8 @@ from typing import Any
 import xarray as xr
 
 from mpmfw.campaigns.outcome import Cost, Outcome
-from mpmfw.errors import MpmfwError
+from mpmfw.campaigns.own_files import key_in, own_files
+from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.results.reading import read as open_results
 from mpmfw.results.replacing import replace_bytes
 
@@ -77,15 +79,10 @@ class Store:
         for ending in ("json", "nc"):
             self._path(key, ending).unlink(missing_ok=True)
 
-    def outcomes(self) -> Iterator[tuple[Path, Outcome]]:
-        """All that can be read, each with its file."""
-        for path in sorted(self.folder.glob("*.json")):
-            found = self._read(path.stem)
-            if found is not None:
-                yield path, found
-
-    def prune(self, takes: Callable[[Mapping[str, str]], bool], days: float | None = None) -> tuple[int, int]:
-        """Forget outcomes that no run of today would take.
+    def prune(
+        self, takes: Callable[[Mapping[str, str]], bool], days: float | None = None
+    ) -> tuple[int, int, int]:
+        """Forget outcomes that no run of today would take; files that no store wrote stay, whatever they are called.
 
         Parameters
         ----------
@@ -97,24 +94,39 @@ class Store:
         Returns
         -------
         tuple of int
-            Runs that were forgotten, and bytes that became free; files that a killed process left are among these.
+            Runs that were forgotten, those that are kept, and bytes that became free; files that a killed process left are
+            among these.
+
+        Raises
+        ------
+        SceneError
+            There are files, and none of them is a store's.
+        MpmfwError
+            The folder cannot be read, or a file cannot be removed.
         """
-        keep, now = set(), time.time()
-        for path, found in self.outcomes():
-            young = days is None or now - path.stat().st_mtime <= 86400.0 * days
-            if young and takes(found.code):
-                keep.add(found.key)
-        known = {path.stem for path in self.folder.glob("*.json")}
-        freed = 0
-        for path in sorted(self.folder.iterdir()):
-            abandoned = now - path.stat().st_mtime > _ABANDONED
-            half = path.suffix == ".part" or (path.suffix == ".nc" and path.stem not in known)
-            whole = path.suffix in (".json", ".nc") and path.stem in known - keep
-            if whole or (half and abandoned):
-                freed += path.stat().st_size
-                path.unlink(missing_ok=True)
+        try:
+            own = own_files(self.folder)
+            if not own and any(self.folder.iterdir()):
+                raise SceneError(
+                    f"{self.folder}: holds no finished runs, and nothing was removed; expected a folder such as FILE.nc.runs"
+                )
+            known = {key for path in own if (key := key_in(path, "json"))}
+            keep = self._current(known, takes, days)
+            freed = sum(_removed(path) for path in own if _is_past(path, known, keep))
+        except OSError as error:
+            raise MpmfwError(
+                f"cannot prune '{error.filename or self.folder}': {error.strerror or error}"
+            ) from error
         self._known.clear()
-        return len(known - keep), freed
+        return len(known - keep), len(keep), freed
+
+    def _current(
+        self, keys: set[str], takes: Callable[[Mapping[str, str]], bool], days: float | None
+    ) -> set[str]:
+        """Those of the keys whose runs would be taken today."""
+        oldest = -math.inf if days is None else time.time() - 86400.0 * days
+        found = {key: self._read(key) for key in keys if self._path(key, "json").stat().st_mtime >= oldest}
+        return {key for key, one in found.items() if one is not None and takes(one.code)}
 
     def _path(self, key: str, ending: str) -> Path:
         return self.folder / f"{key}.{ending}"
@@ -128,6 +140,21 @@ class Store:
         except (OSError, ValueError, TypeError, KeyError, MpmfwError):
             return None
         return found if complete else None
+
+
+def _is_past(path: Path, known: set[str], keep: set[str]) -> bool:
+    """Whether a store's own file is of a run to be forgotten, or was left by a process that was killed."""
+    key = key_in(path, "json") or key_in(path, "nc")
+    if key in known:
+        return key not in keep
+    return time.time() - path.stat().st_mtime > _ABANDONED
+
+
+def _removed(path: Path) -> int:
+    """Remove a file that is still there; its bytes."""
+    size = path.stat().st_size
+    path.unlink(missing_ok=True)
+    return size
 
 
 def store_of(output: str | os.PathLike[str] | None) -> Path | None:

@@ -19,6 +19,7 @@ from mpmfw.cli.result_files import (
     check_files,
     limits_of,
 )
+from mpmfw.marks import check_not_lost
 
 
 def animate(
@@ -38,6 +39,7 @@ def animate(
     """
     check_files(file)
     path = check_writable(file[0].with_suffix(".gif") if output is None else output)
+    check_not_lost(path, "film")
     scale = limits_of(limits)
 
     from mpmfw.plots.animation import animate as animate_runs

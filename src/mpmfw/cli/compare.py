@@ -23,6 +23,7 @@ from mpmfw.cli.arguments import (
 from mpmfw.cli.errors import check_writable, result_path
 from mpmfw.cli.formats import Format, FormatOption, write_rows
 from mpmfw.cli.progress import campaign_progress
+from mpmfw.marks import check_not_lost
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -72,7 +73,7 @@ def compare(
     loaded = load_scene(scene, set=shared)
     path = result_path(output, loaded, "-compare", "compare", "comparison", force, report=report)
     if report is not None:
-        check_writable(report)
+        check_not_lost(check_writable(report), "report")
     # A single body needs no contact; the dimension is there all the same
     contacts = contacts or [loaded.contact.method if loaded.contact else "none"]
     shapes = shapes or [loaded.shape.method]

@@ -32,6 +32,14 @@ def exit_status(command: Callable[..., Any]) -> Callable[..., None]:
         except MpmfwError as error:
             typer.echo(str(error), err=True)
             raise typer.Exit(1) from error
+        except (
+            OSError
+        ) as error:  # a file that no command asked about before: nothing else is wrong with the request
+            if isinstance(error, BrokenPipeError):
+                raise
+            said = error.strerror or str(error)
+            typer.echo(f"'{error.filename}': {said}" if error.filename else said, err=True)
+            raise typer.Exit(1) from error
         except Interrupted as error:
             typer.echo(str(error), err=True)
             raise typer.Exit(128 + error.number) from error
@@ -105,12 +113,44 @@ def check_result(path: Path, kind: str, what: str, force: bool = False) -> Path:
 
     check_writable(path)
     check_replaceable(path, kind, what)
-    if path.is_file() and path.stat().st_size and not force and not Path(f"{path}.runs").is_dir():
+    _check_beside(path, kind, force)
+    if path.is_file() and path.stat().st_size and not force and not _is_resumable(path, kind):
         there = "is there already"
-        if Path(f"{path}.checkpoint").is_file():
+        if kind == "run" and Path(f"{path}.checkpoint").is_file():
             there += f", of a run that did not end; mpmfw resume {path} goes on with it"
         raise SceneError(f"{path}: {there}; give another name, or --force to replace it")
     return path
+
+
+def _is_resumable(path: Path, kind: str) -> bool:
+    """Whether the finished runs of a campaign's result lie beside it."""
+    from mpmfw.campaigns.own_files import own_files
+
+    folder = Path(f"{path}.runs")
+    return kind != "run" and folder.is_dir() and bool(own_files(folder))
+
+
+def _check_beside(path: Path, kind: str, force: bool) -> None:
+    """Ask that what is written beside the result takes the place of nothing else: a checkpoint, or a folder of finished runs."""
+    beside = Path(f"{path}.checkpoint" if kind == "run" else f"{path}.runs")
+    if not beside.exists():
+        return
+    if kind != "run":
+        if not beside.is_dir():
+            raise SceneError(
+                f"{path}: its finished runs are kept in {beside}, which is a file; give another name"
+            )
+        return
+    from mpmfw.checkpoints import is_foreign
+
+    if is_foreign(str(beside)):
+        raise SceneError(
+            f"{beside}: is no checkpoint of a run, and would be replaced by that of {path}; give another name"
+        )
+    if not force and not (path.is_file() and path.stat().st_size):
+        raise SceneError(
+            f"{beside}: is the checkpoint of a run whose results are not there; give another name, or --force to replace it"
+        )
 
 
 def result_path(
@@ -163,6 +203,8 @@ def check_writable(path: Path) -> Path:
     folder = path.parent
     if path.is_dir():
         raise SceneError(f"{path}: is a folder; give the name of a file")
+    if path.exists() and not path.is_file():
+        raise SceneError(f"{path}: is a device or a pipe; give the name of a file")
     if not folder.is_dir():
         raise SceneError(f"{path}: the folder {folder} does not exist")
     if not os.access(path if path.exists() else folder, os.W_OK):

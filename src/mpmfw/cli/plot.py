@@ -18,6 +18,7 @@ from mpmfw.cli.result_files import (
     limits_of,
 )
 from mpmfw.errors import SceneError
+from mpmfw.marks import check_not_lost
 
 
 def plot(
@@ -54,6 +55,8 @@ def plot(
     _check_options(field, series, time=time, body=body, pair=pair, axis=axis, limits=limits, arrows=arrows)
     scale = limits_of(limits)
     path = check_writable(_default(file, field, series) if output is None else output)
+    if field is not None or series or len(file) > 1:
+        check_not_lost(path, "figure")
 
     from mpmfw.results import check_results
 

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mpmfw.cli.arguments import OutputOption
-from mpmfw.cli.errors import figure_path
+from mpmfw.cli.errors import check_writable, figure_path
 from mpmfw.cli.formats import Format, FormatOption, write_rows
+from mpmfw.marks import check_not_lost
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,7 +41,7 @@ def rank(
     Every method counts at its best settings: of its options, shape functions and cell sizes the cheapest run that reaches a
     level. With --output a figure (PNG, PDF or SVG): the share of problems and levels that each method solves within a cost.
     """
-    output = None if output is None else figure_path(output)
+    output = None if output is None else check_not_lost(check_writable(figure_path(output)), "figure")
     from mpmfw.studies import ranking
 
     found = ranking.rank(results, by, _levels(levels))

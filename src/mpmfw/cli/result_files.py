@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, TypeAlias
@@ -60,7 +61,7 @@ def limits_of(text: str | None) -> tuple[float, float] | None:
     Raises
     ------
     SceneError
-        The text is not two numbers, the lower one first.
+        The text is not two finite numbers, the lower one first.
     """
     if text is None:
         return None
@@ -68,6 +69,8 @@ def limits_of(text: str | None) -> tuple[float, float] | None:
         low, high = (float(part) for part in text.split(","))
     except ValueError as error:
         raise SceneError(f"--limits {text}: expected two numbers with a comma between them") from error
+    if not (math.isfinite(low) and math.isfinite(high)):
+        raise SceneError(f"--limits {text}: expected two finite numbers")
     if not low < high:
         raise SceneError(f"--limits {text}: expected the lower number first")
     return low, high

@@ -26,7 +26,8 @@ def prune(
 ) -> None:
     """Forget runs that no campaign of today would take: those of other code, or of other versions of the libraries.
 
-    What a process left that was killed while it wrote goes as well. Results files such as FILE.nc stay as they are.
+    What a process left that was killed while it wrote goes as well. Files that no campaign wrote stay as they are, and so do
+    results files such as FILE.nc.
     """
     from mpmfw.campaigns.store import Store
     from mpmfw.identity import is_current
@@ -35,8 +36,7 @@ def prune(
         if not folder.is_dir():
             raise SceneError(f"{folder}: no such folder; expected one of finished runs, such as FILE.nc.runs")
     for folder in folders:
-        forgotten, freed = Store(folder).prune(is_current, days)
-        kept = len(list(folder.glob("*.json")))
+        forgotten, kept, freed = Store(folder).prune(is_current, days)
         typer.echo(f"{folder}: {forgotten} runs forgotten, {1e-6 * freed:.3g} MB free, {kept} runs kept")
 
 

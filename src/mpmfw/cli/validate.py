@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from mpmfw.cli.arguments import SchedulerOption, jobs_of
+from mpmfw.cli.errors import check_writable
 from mpmfw.cli.progress import campaign_progress
+from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.marks import check_not_lost
 
 #: Terminal width below which the table would be cut.
 WIDTH = 170
@@ -74,6 +78,7 @@ def validate(
     folder = suite_of(suite)
     found = find_cases(folder, cases or ())
     known = read_known_red(known_red) if known_red is not None else []
+    _check_places(found, output, document)
     with campaign_progress("cases") as (progress, _):
         outcomes = run_cases(
             found,
@@ -101,6 +106,28 @@ def validate(
         typer.echo(line)
     if unexpected or any(outcome.error for outcome in outcomes):
         raise typer.Exit(1)
+
+
+def _check_places(cases: Sequence[Path], output: Path, document: Path | None) -> None:
+    """Ask that tables, figures and the page take the place of nothing that no validation wrote."""
+    from mpmfw.validation.report import COLUMNS_LINE, PAGE_MARK
+
+    if output.exists() and not output.is_dir():
+        raise SceneError(f"--output {output}: is a file; give the name of a folder")
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise MpmfwError(f"cannot make '{output}': {error.strerror or error}") from error
+    check_writable(output / "validation.csv")
+    check_not_lost(output / "validation.csv", "table of a validation", head=COLUMNS_LINE, mark="")
+    for case in cases:
+        for figure in (output / f"{case.name}.png", *sorted(output.glob(f"{case.name}-*.png"))):
+            check_not_lost(figure, "figure of a validation")
+    if document is None:
+        return
+    if document.suffix != ".md":
+        raise SceneError(f"--document {document}: expected a name that ends in .md")
+    check_not_lost(check_writable(document), "page of a validation", mark=PAGE_MARK)
 
 
 def _command(

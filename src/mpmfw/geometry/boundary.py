@@ -21,8 +21,10 @@ def boundary_loops(elements: Elements) -> tuple[FloatArray, ...]:
     edges, _ = _directed_edges(elements)
     n = len(elements.nodes)
     key, reverse = edges @ [n, 1], edges @ [1, n]
-    if len(np.unique(key)) < len(key):
-        raise ValueError("elements overlap: an edge has two elements on one side")
+    _, first, count = np.unique(key, return_index=True, return_counts=True)
+    if (count > 1).any():
+        x, y = elements.nodes[edges[first[count > 1][0]]].mean(axis=0)
+        raise ValueError(f"elements overlap: an edge has two elements on one side, at ({x:.4g}, {y:.4g}) m")
     onward: dict[int, list[int]] = defaultdict(list)
     for start, end in edges[~np.isin(key, reverse)]:
         onward[int(start)].append(int(end))

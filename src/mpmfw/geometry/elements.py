@@ -14,6 +14,8 @@ from mpmfw.geometry.layout import FloatArray, quadrilateral_centroids, triangle_
 IntArray = npt.NDArray[np.intp]
 # gmsh's numbers of first-order triangles and quadrangles, and their nodes
 KINDS = {2: 3, 3: 4}
+#: Of the parallelogram of a corner over the square of the longest side: an element with less has no area.
+FLAT = 1e-10
 
 
 @dataclass(frozen=True)
@@ -63,11 +65,17 @@ def read_elements(path: Path) -> Elements:
     Raises
     ------
     ValueError
-        No such file, not a gmsh file, gmsh is not installed, not in the x-y plane, elements of another kind, or degenerate ones.
+        No such file, not a gmsh file, gmsh is not installed, coordinates that are no numbers, not in the x-y plane,
+        elements of another kind, or degenerate ones.
     """
     if not path.is_file():
         raise ValueError(f"mesh file not found: {path}")
     points, blocks = read_blocks(path, KINDS)
+    wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if len(wrong):
+        raise ValueError(
+            f"{path} has coordinates that are no finite numbers: {len(wrong)} nodes, the first number {wrong[0]}, counted from 0"
+        )
     if len(points) and np.ptp(points[:, 2:]) > 1e-9 * np.ptp(points):
         raise ValueError(f"{path} is not in a plane z = constant")
     if not any(map(len, blocks.values())):
@@ -83,7 +91,12 @@ def _counter_clockwise(nodes: FloatArray, elements: IntArray, path: Path) -> Int
     corner = nodes[elements]
     ahead, behind = np.roll(corner, -1, axis=1) - corner, corner - np.roll(corner, 1, axis=1)
     turn = behind[..., 0] * ahead[..., 1] - behind[..., 1] * ahead[..., 0]
-    convex = (turn > 0).all(axis=1) | (turn < 0).all(axis=1)
+    least = FLAT * (ahead**2).sum(axis=2).max(axis=1, keepdims=True)
+    convex = (turn > least).all(axis=1) | (turn < -least).all(axis=1)
     if not convex.all():
-        raise ValueError(f"{path} has {np.count_nonzero(~convex)} degenerate or non-convex elements")
+        first = corner[~convex][0].mean(axis=0)
+        raise ValueError(
+            f"{path} has {np.count_nonzero(~convex)} degenerate or non-convex elements, the first at ({first[0]:.4g}, "
+            f"{first[1]:.4g}) m"
+        )
     return np.where(turn[:, :1] > 0, elements, elements[:, ::-1])

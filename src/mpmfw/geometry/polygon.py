@@ -26,6 +26,11 @@ class Polygon(PlaneGeometry):
 
     @model_validator(mode="after")
     def _is_simple(self) -> Self:
+        for loop in (self.points, *self.holes):
+            if len(set(loop)) < 3:
+                raise ValueError(
+                    f"a loop of the polygon has {len(set(loop))} different points, and 3 are the least"
+                )
         if not self.region.is_valid:
             raise ValueError(f"the polygon is not simple: {shapely.is_valid_reason(self.region)}")
         if self.region.area <= 0:

@@ -7,6 +7,7 @@ import shapely
 
 from mpmfw.geometry.cut_cells import volume_of
 from mpmfw.geometry.layout import FloatArray, IntArray
+from mpmfw.geometry.surface_overlap import PLACE, overlapping, windings
 
 #: Height of a triangle over its longest side below which it has no area.
 FLAT = 1e-7
@@ -28,10 +29,17 @@ def check_surface(nodes: FloatArray, facets: IntArray) -> None:
         Says what is wrong, how often, and where.
     """
     _check_areas(nodes, facets)
+    _check_copies(nodes, facets)
     _check_sides(nodes, facets)
     _check_crossings(nodes, facets)
     for shell in shells_of(facets, len(nodes)):
         _check_outward(nodes, facets, shell)
+    within = overlapping(nodes, facets)
+    if len(within):
+        raise ValueError(
+            f"parts of the surface overlap: triangles lie within another part, or bound no body (facets {_listed(within)}), the "
+            f"first at {_at(nodes[facets[within[0]]].mean(axis=0))}; expected parts that are apart, or joined to one surface"
+        )
 
 
 def shells_of(facets: IntArray, n_nodes: int) -> list[IntArray]:
@@ -68,6 +76,17 @@ def _check_areas(nodes: FloatArray, facets: IntArray) -> None:
         )
 
 
+def _check_copies(nodes: FloatArray, facets: IntArray) -> None:
+    """No triangle is there twice, whichever way its corners run."""
+    _, which, count = np.unique(np.sort(facets, axis=1), axis=0, return_inverse=True, return_counts=True)
+    more = np.flatnonzero(count[which.ravel()] > 1)
+    if len(more):
+        raise ValueError(
+            f"{np.count_nonzero(count > 1)} triangles are there more than once (facets {_listed(more)}), the first at "
+            f"{_at(nodes[facets[more[0]]].mean(axis=0))}"
+        )
+
+
 def _check_sides(nodes: FloatArray, facets: IntArray) -> None:
     """Every side has one other triangle, which runs it the other way."""
     sides = np.concatenate([facets[:, [a, (a + 1) % 3]] for a in range(3)])
@@ -97,23 +116,16 @@ def _check_sides(nodes: FloatArray, facets: IntArray) -> None:
 def _check_outward(nodes: FloatArray, facets: IntArray, shell: IntArray) -> None:
     """A shell encloses material, or a cavity where it lies inside another."""
     own, others = facets[shell], np.delete(facets, shell, axis=0)
-    node = nodes[own[0, 0]]
-    inside = len(others) > 0 and _winding(node, nodes[others]) > 0.5
+    within = windings(np.tensordot(nodes[own], PLACE, axes=(1, 0)), nodes[others]) > 0
+    inside = bool(within.all())
+    if inside != within.any():
+        return  # partly inside: asked below, of every triangle
     if (volume_of(nodes, own) > 0.0) == inside:
         expected = "inwards, being a cavity" if inside else "outwards"
         raise ValueError(
             f"the {len(own)} triangles of the part at {_at(nodes[own].mean(axis=(0, 1)))} are turned inside out; "
             f"expected their normals to point {expected}"
         )
-
-
-def _winding(point: FloatArray, corners: FloatArray) -> float:
-    """How often closed surfaces wind round a point: the sum of the solid angles of their triangles (n, 3, 3), over 4 π."""
-    a, b, c = (corners[:, k] - point for k in range(3))
-    la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
-    sixfold = (a * np.cross(b, c)).sum(axis=1)
-    below = la * lb * lc + (a * b).sum(axis=1) * lc + (b * c).sum(axis=1) * la + (c * a).sum(axis=1) * lb
-    return float(np.arctan2(sixfold, below).sum() / (2.0 * np.pi))
 
 
 def _check_crossings(nodes: FloatArray, facets: IntArray) -> None:

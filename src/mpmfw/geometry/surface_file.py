@@ -35,7 +35,10 @@ def read_surface(path: Path) -> tuple[FloatArray, IntArray]:
     if not len(facets):
         raise ValueError(f"{path} has no triangles")
     if not np.isfinite(corners).all():
-        raise ValueError(f"{path} has coordinates that are no finite numbers")
+        wrong = np.flatnonzero(~np.isfinite(corners).all(axis=1))
+        raise ValueError(
+            f"{path} has coordinates that are no finite numbers: {len(wrong)} nodes, the first number {wrong[0]}, counted from 0"
+        )
     used, facets = np.unique(facets, return_inverse=True)
     # + 0.0: of −0.0 and 0.0 the same
     nodes, joint = np.unique(corners[used] + 0.0, axis=0, return_inverse=True)

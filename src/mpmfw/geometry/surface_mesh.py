@@ -79,12 +79,18 @@ class SurfaceMesh(SolidGeometry):
         """The file's axes, one a row (3, 3): sides turn with the body."""
         return turning(self.angles).T
 
+    @cached_property
+    def edges(self) -> FloatArray:
+        """Lengths (k, 3) of the triangles' sides [m]."""
+        nodes, facets = self.fine_surface
+        corners = nodes[facets]
+        lengths: FloatArray = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+        return lengths
+
     @property
     def mean_edge(self) -> float:
         """Mean length of the triangles' sides [m]."""
-        nodes, facets = self.fine_surface
-        corners = nodes[facets]
-        return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean())
+        return float(self.edges.mean())
 
     def surface_nodes(self, edge: float) -> float:
         """Most nodes with sides up to ``edge`` [m], those of the file among them."""

@@ -5,16 +5,16 @@ from __future__ import annotations
 import json
 import os
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import xarray as xr
 
 from mpmfw.domains import domains_of
-from mpmfw.errors import MpmfwError, ResultsWarning
+from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
 from mpmfw.outputs import Results, attribute, bodies_of, chosen_frames, opened_run, times_of
-from mpmfw.paraview.files import Mesh, write_collection, write_mesh
+from mpmfw.paraview.files import Mesh, is_own, write_collection, write_mesh
 from mpmfw.paraview.meshes import left_out, points_mesh, surface_mesh, surfaces_of, unit_of
 from mpmfw.paraview.table import write_series
 
@@ -36,6 +36,11 @@ class Target:
     def frame(self, kind: str, index: int) -> Path:
         """The file of one output, which is called by its index in the results."""
         return self.folder / f"{self.stem}-{kind}" / f"{index:05d}.vtu"
+
+    @property
+    def series(self) -> Path:
+        """The table of the series."""
+        return self.folder / f"{self.stem}-series.csv"
 
 
 def export(
@@ -70,7 +75,8 @@ def export(
     Raises
     ------
     SceneError
-        The results are not those of a run, hold no material points, or have no such body.
+        The results are not those of a run, hold no material points, have no such body, or would take the place of a file that
+        no export wrote.
     MpmfwError
         The file cannot be read, or a file cannot be written.
     """
@@ -107,6 +113,8 @@ def _export(
         kinds["surfaces"] = lambda frame: surface_mesh(tree, indices, frame)
     places = {"points": f"particles/{chosen[0]}", "surfaces": f"surface/{outlined[0]}" if outlined else ""}
     times = times_of(tree).tolist()
+    has_series = "series" in tree.children and bool(tree["series"].data_vars)
+    _check_own(target, kinds, frames, has_series=has_series)
     for kind in kinds:
         target.frame(kind, 0).parent.mkdir(parents=True, exist_ok=True)
     for done, index in enumerate(frames):
@@ -122,17 +130,28 @@ def _export(
         write_collection(target.collection(kind), [times[index] for index in frames], files)
         _forget_others(files)
     written = [target.collection(kind) for kind in kinds]
-    if "series" in tree.children and tree["series"].data_vars:
-        written.append(target.folder / f"{target.stem}-series.csv")
+    if has_series:
+        written.append(target.series)
         series = tree["series"].to_dataset().load()
         write_series(written[-1], series, range(0, series.sizes["time"], every))
     return written
 
 
+def _check_own(target: Target, kinds: Iterable[str], frames: Sequence[int], *, has_series: bool) -> None:
+    """Refuse, before the first is written, to put a file in the place of one that no export wrote."""
+    files = [target.frame(kind, index) for kind in kinds for index in frames]
+    files += [target.collection(kind) for kind in kinds] + [target.series] * has_series
+    for file in files:
+        if file.exists() and not is_own(file) and (file.is_dir() or file.stat().st_size):
+            raise SceneError(
+                f"{file}: is there already and was written by no export, so it is not replaced; give another folder or name"
+            )
+
+
 def _forget_others(files: Sequence[Path]) -> None:
     """Remove what an earlier export of more outputs to the same place left, which no collection lists any more."""
     for file in files[0].parent.glob("[0-9][0-9][0-9][0-9][0-9].vtu"):
-        if file not in files:
+        if file not in files and is_own(file):
             file.unlink()
 
 

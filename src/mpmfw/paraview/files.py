@@ -40,6 +40,33 @@ class Mesh:
     cell_data: Mapping[str, AnyArray] = field(default_factory=dict)
 
 
+#: How the files begin.
+_HEAD = (
+    '<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" '
+    'header_type="UInt64" compressor="vtkZLibDataCompressor">\n<UnstructuredGrid>'
+)
+_FIELDS = '\n<FieldData>\n<DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">'
+_COLLECTION = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n    <DataSet timestep="'
+
+#: How those begin that mpmfw wrote, by ending.
+HEADS = {".vtu": _HEAD + _FIELDS, ".pvd": _COLLECTION, ".csv": "time [s]"}
+
+
+def is_own(path: Path) -> bool:
+    """Whether a file is a mesh, a collection or a table of an export, and no link to one.
+
+    Raises
+    ------
+    OSError
+        It cannot be read.
+    """
+    head = HEADS[path.suffix].encode()
+    if path.is_symlink() or not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return file.read(len(head)) == head
+
+
 def write_mesh(path: Path, mesh: Mesh, time: float, about: Mapping[str, str]) -> None:
     """Write one output as a VTK XML file of the type UnstructuredGrid, in double precision.
 
@@ -59,8 +86,7 @@ def write_mesh(path: Path, mesh: Mesh, time: float, about: Mapping[str, str]) ->
         "types": np.full(count, _KINDS[corners], dtype="u1"),
     }
     parts = [
-        '<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" '
-        'header_type="UInt64" compressor="vtkZLibDataCompressor">\n<UnstructuredGrid>',
+        _HEAD,
         _field_data(time, about),
         f'<Piece NumberOfPoints="{len(mesh.points)}" NumberOfCells="{count}">\n',
         f"<Points>\n{_array('Points', np.asarray(mesh.points, dtype='f8'))}</Points>\n",
@@ -124,7 +150,4 @@ def _field_data(time: float, about: Mapping[str, str]) -> str:
         f"{' '.join(str(code) for code in (*text.encode(), 0))}</Array>\n"
         for name, text in about.items()
     )
-    return (
-        '\n<FieldData>\n<DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">'
-        f"{float(time)!r}</DataArray>\n{texts}</FieldData>\n"
-    )
+    return f"{_FIELDS}{float(time)!r}</DataArray>\n{texts}</FieldData>\n"

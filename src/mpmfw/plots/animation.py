@@ -14,6 +14,7 @@ import xarray as xr
 from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
 
 from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.marks import MARK
 from mpmfw.outputs import Results, chosen_frames, frame_at, times_of
 from mpmfw.plots.field_figure import Drawing, labelled, panels_of
 
@@ -166,13 +167,20 @@ def _packaged_ffmpeg() -> str | None:
 
 
 def _write(movie: Movie, path: Path, fps: int, progress: Callable[[int, int], None] | None) -> None:
-    writer: AbstractMovieWriter = PillowWriter(fps) if path.suffix == ".gif" else FFMpegWriter(fps, "libx264")
+    is_gif = path.suffix == ".gif"
+    writer: AbstractMovieWriter = (
+        PillowWriter(fps) if is_gif else FFMpegWriter(fps, "libx264", metadata={"comment": MARK})
+    )
     with writer.saving(movie.figure, str(path), _DPI):
         for index in range(len(movie)):
             movie.show(index)
             writer.grab_frame()
             if progress is not None:
                 progress(index + 1, len(movie))
+    if is_gif:
+        # The block of a comment before the last byte, since Pillow keeps none of several frames
+        block = b"\x21\xfe" + bytes([len(MARK)]) + MARK.encode() + b"\0"
+        path.write_bytes(path.read_bytes().removesuffix(b";") + block + b";")
 
 
 def _within(tree: xr.DataTree, time: float) -> float:

@@ -11,6 +11,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.marks import FIGURE, check_not_lost
 from mpmfw.plots.costs import cost_bars
 from mpmfw.plots.generic import gap_history, series_overview
 from mpmfw.plots.rings import contact_force
@@ -30,9 +31,6 @@ from mpmfw.plots.study import study_figures
 from mpmfw.plots.style import at_last, drawn_reference, drawn_values, journal_style
 from mpmfw.references import RingsReference, RollingReference
 from mpmfw.results import open as open_results
-
-#: What would make two drawings of the same figure differ, by format.
-_TIMELESS: dict[str, dict[str, None]] = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
 
 
 def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
@@ -142,7 +140,7 @@ def plot_file(path: str | os.PathLike[str], output: str | os.PathLike[str] | Non
     Raises
     ------
     SceneError
-        The file holds nothing to draw.
+        The file holds nothing to draw, or a figure would take the place of a file that mpmfw did not write.
     MpmfwError
         The file cannot be read, or a figure cannot be written.
     """
@@ -161,6 +159,8 @@ def plot_file(path: str | os.PathLike[str], output: str | os.PathLike[str] | Non
         raise SceneError(f"'{os.fspath(path)}' holds no series with two outputs or more to draw")
     first = Path(path).with_suffix(".png") if output is None else Path(output)
     names = {name: first if len(drawn) == 1 else first.with_stem(f"{first.stem}-{name}") for name in drawn}
+    for target in names.values():
+        check_not_lost(target, "figure")
     return [write_figure(figure, names[name]) for name, figure in drawn.items()]
 
 
@@ -209,7 +209,7 @@ def write_figure(figure: Figure, path: Path) -> Path:
     path = path if path.suffix else path.with_suffix(".png")
     try:
         with journal_style():
-            figure.savefig(path, metadata=_TIMELESS.get(path.suffix.lower(), {}))
+            figure.savefig(path, metadata=FIGURE.get(path.suffix.lower(), {}))
     except (OSError, ValueError) as error:
         raise MpmfwError(f"cannot write '{path}': {getattr(error, 'strerror', None) or error}") from error
     return path

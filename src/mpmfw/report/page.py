@@ -15,6 +15,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from mpmfw.errors import MpmfwError
+from mpmfw.marks import MARK
 from mpmfw.plots import figures_of
 from mpmfw.plots.style import journal_style
 from mpmfw.references import described
@@ -75,7 +76,7 @@ def write_report(
         )
     page = (
         f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
-        f"<style>{_STYLE}</style></head><body>{''.join(parts)}</body></html>\n"
+        f'<meta name="generator" content="{MARK}"><style>{_STYLE}</style></head><body>{"".join(parts)}</body></html>\n'
     )
     try:
         with open(path, "w", encoding="utf-8") as file:

@@ -38,13 +38,13 @@ def check_replaceable(path: str | os.PathLike[str], kind: str, what: str) -> Non
         raise MpmfwError(f"cannot create '{path}': there is no folder '{path.parent}'")
     if not os.access(path.parent, os.W_OK) or path.is_dir():
         raise MpmfwError(f"cannot create '{path}': not writable")
-    if path.is_file() and path.stat().st_size and _kind(path) != kind:
+    if path.is_file() and path.stat().st_size and kind_of_file(path) != kind:
         raise SceneError(
             f"{path}: is there already and is no {what}, so it is not replaced; give another name"
         )
 
 
-def _kind(path: Path) -> str | None:
+def kind_of_file(path: Path) -> str | None:
     """What a results' file says that it is; None of any other file."""
     try:
         with netCDF4.Dataset(os.fspath(path)) as dataset:
@@ -61,12 +61,19 @@ def replace_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     MpmfwError
         It cannot be written.
     """
-    growing = f"{os.fspath(path)}.part"
+    growing = _growing(Path(path))
     try:
         dataset.to_netcdf(growing, engine="netcdf4")
         os.replace(growing, path)
     except OSError as error:
+        with contextlib.suppress(OSError):
+            growing.unlink()
         raise MpmfwError(f"cannot write '{os.fspath(path)}': {error.strerror or error}") from error
+
+
+def _growing(path: Path) -> Path:
+    """What a file is called until it is whole: as no other is."""
+    return path.with_name(f".{path.name}.{uuid.uuid4().hex}.part")
 
 
 def replace_bytes(content: bytes, path: Path) -> None:
@@ -77,7 +84,7 @@ def replace_bytes(content: bytes, path: Path) -> None:
     MpmfwError
         They cannot be written.
     """
-    growing = path.with_name(f".{path.name}.{uuid.uuid4().hex}.part")
+    growing = _growing(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with open(growing, "xb") as file:

@@ -31,6 +31,9 @@ ROUND = frozenset({"disc", "ring", "ball", "torus"})
 #: Mean side of a file's triangles below which they cost much and bring nothing [cells].
 FINEST = 0.02
 
+#: Side of a triangle of a file below which its ends are meant to be one node [cells].
+SHORTEST = 1e-6
+
 #: Names of dimensions in a run's file: a group beside a dimension of the same name cannot be read back.
 _DIMENSIONS = frozenset({"time", "body", "pair", "axis", "axis2", "rotation"})
 
@@ -261,6 +264,15 @@ def _surface_mesh(scene: Tables, path: Path, geometry: SurfaceMesh) -> Iterator[
         message = (
             f"the sides of the triangles are {geometry.mean_edge / grid.cell_size:.2g} cells long on the mean; "
             f"expected {FINEST:g} or more, best a quarter to a half: make the mesh coarser"
+        )
+        yield Problem((*path, "path"), message)
+    elif geometry.edges.min() < SHORTEST * grid.cell_size:
+        facet = int(geometry.edges.min(axis=1).argmin())
+        nodes, facets = geometry.fine_surface
+        place = ", ".join(f"{x:.4g}" for x in nodes[facets[facet]].mean(axis=0))
+        message = (
+            f"a side of the triangles is {geometry.edges.min() / grid.cell_size:.2g} cells long (facet {facet}, at ({place}) m); "
+            f"expected {SHORTEST:g} or more: join nodes that are at one place"
         )
         yield Problem((*path, "path"), message)
 

@@ -63,7 +63,10 @@ class Snapshot:
             for k in range(count):
                 with archive.open(f"{k}.npy") as member:
                     arrays.append(np.lib.format.read_array(member, allow_pickle=False))
-            return cls(roots, nodes, arrays), json.loads(archive.read("facts.json"))
+            facts = json.loads(archive.read("facts.json"))
+            if not isinstance(facts, dict):
+                raise ValueError("facts.json: expected a table")
+            return cls(roots, nodes, arrays), facts
 
 
 def write_snapshot(

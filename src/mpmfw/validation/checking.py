@@ -12,6 +12,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from mpmfw.campaigns.outcome import Finished, Outcome
+from mpmfw.marks import FIGURE
 from mpmfw.validation.case import Case
 from mpmfw.validation.measuring import check_tables
 from mpmfw.validation.reading import load_case
@@ -44,7 +45,7 @@ def check_once(task: CaseTask) -> Finished:
         with journal_style():
             check_case(case)
         for name, figure in case.figures.items():
-            figure.savefig(task.output / f"{name}.png")
+            figure.savefig(task.output / f"{name}.png", metadata=FIGURE[".png"])
     except (Exception, SystemExit):
         case.figures.clear()
         error = traceback.format_exc()

@@ -87,6 +87,11 @@ _COLUMNS = (
 )
 
 
+#: By which a table and a page of documentation are known again.
+COLUMNS_LINE = ",".join(_COLUMNS).replace("cpu_time", "cpu_s")
+PAGE_MARK = "A *gate* decides whether the suite passes; it binds the recommended combination"
+
+
 def write_csv(outcomes: Iterable[CaseResult], path: Path) -> None:
     """Write every row with its full digits."""
     with path.open("w", newline="", encoding="utf-8") as file:
@@ -126,7 +131,7 @@ def _head(outcomes: Sequence[CaseResult], known: Sequence[KnownRed]) -> str:
             f"same. {summary(outcomes)}.",
             f"Conditions: Python {platform.python_version()}, {packages}; {processor()}. CPU times are of the steps and of "
             "settling, without compilation; where several processes ran, they shared the machine.",
-            "A *gate* decides whether the suite passes; it binds the recommended combination, penalty contact with CPDI "
+            f"{PAGE_MARK}, penalty contact with CPDI "
             "or CPDI2 and the scene's defaults, and what a case names beside it (`binds`). Other methods are shown at the "
             "same limits: *within* or *outside*, and so are these where their case says that a limit is not kept yet, and "
             "why (`open`). A method that failed keeps its row.",

@@ -1,0 +1,90 @@
+"""Requests that are wrong end with one message that says what and where, never with a traceback."""
+
+import json
+import zipfile
+
+import netCDF4
+import pytest
+from typer.testing import CliRunner
+
+from mpmfw.cli import app
+from mpmfw.errors import SceneError
+from mpmfw.scene import load_scene
+from mpmfw.scene.toml_text import toml_text
+from mpmfw.simulation import Simulation
+from scenes_for_tests import block, one_body
+
+
+@pytest.fixture
+def said(tmp_path, monkeypatch):
+    """What a command says that goes wrong, in a folder with a scene."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "s.toml").write_text(toml_text(block(time__end=1e-4, time__output_interval=1e-4)))
+
+    def invoke(*arguments):
+        result = CliRunner().invoke(app, list(arguments))
+        assert isinstance(result.exception, SystemExit), result.exception
+        assert result.exit_code in (1, 2)
+        return result.output
+
+    return invoke
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("run", "s.toml", "-o", "/dev/null"), "/dev/null: is a device or a pipe; give the name of a file\n"),
+        (("run", "s.toml", "-o", "a" * 300), f"'{'a' * 300}': File name too long\n"),
+        (("new", "load", "zz", "--into", "s.toml"), "'s.toml/mpmfw-zz': Not a directory\n"),
+        (("new", "load", "z" * 300), f"'mpmfw-{'z' * 300}': File name too long\n"),
+    ],
+)
+def test_a_file_that_cannot_be_is_named(said, arguments, message):
+    assert said(*arguments) == message
+
+
+def test_limits_of_colours_are_finite(said, tmp_path):
+    (tmp_path / "a.nc").write_bytes(b"")
+    assert (
+        said("plot", "a.nc", "--field", "von_mises", "--limits", "1,inf")
+        == "--limits 1,inf: expected two finite numbers\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("facts", "message"),
+    [
+        ([], "a.nc.checkpoint' was cut short or is damaged; run it again\n"),
+        ({"kind": "checkpoint"}, "a.nc.checkpoint: is no checkpoint of a run\n"),
+    ],
+)
+def test_a_checkpoint_that_says_nothing_of_a_run_is_none(said, tmp_path, facts, message):
+    with netCDF4.Dataset(tmp_path / "a.nc", "w") as dataset:
+        dataset.setncatts({"kind": "run", "status": "interrupted"})
+    with zipfile.ZipFile(tmp_path / "a.nc.checkpoint", "w") as archive:
+        archive.writestr("facts.json", json.dumps(facts))
+        archive.writestr("values.json", "[{}, []]")
+    assert said("resume", "a.nc").endswith(message)
+
+
+@pytest.mark.parametrize(
+    "geometry",
+    [
+        {"type": "disc", "centre": [0, 0], "radius": 1e-8},
+        {"type": "polygon", "points": [[0, 0], [1e-59, 0], [0, 1e-59]]},
+        {"type": "ball", "centre": [0, 0, 0], "radius": 1e-59},
+        {"type": "cylinder", "centre": [0, 0, 0], "radius": 0.5, "length": 1e-59},
+        {"type": "torus", "centre": [0, 0, 0], "radius": 0.5, "tube_radius": 1e-30},
+    ],
+)
+def test_a_body_far_below_a_cell_is_refused(geometry):
+    with pytest.raises(
+        SceneError,
+        match=r"bodies\.solid\.geometry: the body is .* m across at its thinnest, less than 1e-06",
+    ):
+        Simulation(one_body(geometry, size=0.125))
+
+
+def test_a_polygon_of_two_places_is_refused():
+    with pytest.raises(SceneError, match="has 1 different points, and 3 are the least"):
+        load_scene(one_body({"type": "polygon", "points": [[0, 0], [0, 0], [0, 0]]}, size=0.125))
