@@ -351,7 +351,10 @@ def test_exit_statuses_of_the_command(tmp_path):
         assert runner.invoke(app, ["study", *named]).exit_code == 2, arguments
     (tmp_path / "x.nc.runs").write_text("no folder", encoding="utf-8")
     arguments = ["study", str(tmp_path / "good.toml"), "-o", str(tmp_path / "x.nc"), "--jobs", "1"]
-    assert runner.invoke(app, arguments).exit_code == 1
+    refused = runner.invoke(app, arguments)
+    assert refused.exit_code == 2
+    assert "x.nc.runs, which is a file" in refused.output
+    assert (tmp_path / "x.nc.runs").read_text(encoding="utf-8") == "no folder"
     assert (tmp_path / "good.toml").read_text(encoding="utf-8") == good
 
 
