@@ -254,6 +254,18 @@ def test_cases_run_one_by_one_make_one_table(suite, tmp_path):
     assert kept([folder / "b"], tmp_path / "out", quick=True) == []
 
 
+def test_what_a_run_found_is_in_the_table_though_its_case_was_edited_meanwhile(suite, tmp_path):
+    """A note in the case's README, say: what was found is of the files as the run began."""
+    edits = (
+        "import pathlib\n\n\ndef check(case):\n    pathlib.Path(case.folder / 'note.md').write_text('seen')\n"
+    )
+    folder = suite(a=f"{edits}    case.gate('six', 6.0, within=(5.0, 7.0))\n", b=GREEN)
+    assert command(folder, tmp_path, "a").exit_code == 0
+    with (tmp_path / "out" / "validation.csv").open() as file:
+        assert [row["case"] for row in csv.DictReader(file)] == ["a"]
+    assert kept([folder / "a"], tmp_path / "out", quick=False) == []
+
+
 def test_a_case_that_was_red_is_not_shown_green_when_its_code_has_changed(suite, tmp_path):
     folder, page = suite(a=GREEN, b=GREEN), tmp_path / "page.md"
     assert command(folder, tmp_path).exit_code == 0

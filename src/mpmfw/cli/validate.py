@@ -95,7 +95,8 @@ def validate(
     for outcome in outcomes:
         if outcome.error:
             typer.echo(f"{outcome.folder.name} went wrong:\n{outcome.error}", err=True)
-    everything = kept(find_cases(folder), output, quick)
+    everything = kept([case for case in find_cases(folder) if case not in found], output, quick)
+    everything = sorted([*outcomes, *everything], key=lambda one: one.folder.name)
     write_csv(everything, output / "validation.csv")
     if document is not None:
         write_page(everything, document, known)

@@ -1,0 +1,125 @@
+"""Of the case sphere-impacts: its elastic sphere against what is known of it, its scenes, and its measures."""
+
+from __future__ import annotations
+
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+CASE = Path(__file__).resolve().parents[2] / "validation" / "sphere-impacts"
+
+
+@pytest.fixture
+def case(monkeypatch):
+    """The modules of the case."""
+    monkeypatch.syspath_prepend(str(CASE))
+    names = ("spheres", "elastic", "bounce")
+    yield {name: __import__(name) for name in names}
+    for name in names:
+        sys.modules.pop(name, None)
+
+
+@pytest.mark.parametrize("poisson", [0.2, 0.3, 0.4])
+def test_sphere_slides_throughout_beyond_the_limit_and_not_below(case, poisson):
+    elastic = case["elastic"]
+    limit, ratio = elastic.sliding_from(poisson), elastic.ratio(poisson)
+    for psi in (limit + 0.1, limit + 1.5, limit + 4.0):
+        assert psi * elastic.rebound(psi / ratio, poisson) == pytest.approx(psi - limit - 1.0, abs=1e-6)
+    psi = limit - 0.5
+    assert psi * elastic.rebound(psi / ratio, poisson) > psi - limit - 1.0 + 1e-3
+
+
+def test_limit_of_sliding_is_that_of_maw_barber_and_fawcett(case):
+    """ψ1 = 4 χ − 1 with χ = 7 (1 − ν) / (2 (2 − ν)) of a solid sphere."""
+    assert case["elastic"].sliding_from(0.3) == pytest.approx(4.0 * 7.0 * 0.7 / (2.0 * 1.7) - 1.0)
+
+
+def test_friction_takes_energy_and_the_contact_goes_back_between_sticking_and_sliding(case):
+    """Never faster than it came."""
+    elastic = case["elastic"]
+    psi = np.linspace(0.4, 7.0, 23)
+    left = np.array([one * elastic.rebound(one / elastic.ratio(0.3), 0.3) for one in psi])
+    assert (np.abs(left) < psi).all()
+    assert (left[(psi > 1.2) & (psi < elastic.sliding_from(0.3))] < 0.0).all()
+    assert (np.diff(left)[psi[1:] > 4.0] > 0.0).all()
+
+
+def test_hertz_brings_a_sphere_to_rest_and_back(case):
+    """Closed forms of force, approach and time of contact against the equation of motion, integrated."""
+    sphere = case["spheres"].SPHERES["1 glass"]
+    stiff = 4.0 / 3.0 * math.sqrt(sphere.radius) / sphere.compliance / sphere.mass
+    depth, speed, time, dt, deepest = 0.0, sphere.speed, 0.0, sphere.contact_time / 20000, 0.0
+    while depth >= 0.0:
+        depth += 0.5 * dt * speed
+        speed -= dt * stiff * max(depth, 0.0) ** 1.5
+        depth += 0.5 * dt * speed
+        time, deepest = time + dt, max(depth, deepest)
+    assert time == pytest.approx(sphere.contact_time, rel=1e-3)
+    assert deepest == pytest.approx(sphere.approach, rel=1e-3)
+    assert stiff * sphere.mass * deepest**1.5 == pytest.approx(sphere.force, rel=1e-3)
+
+
+def test_turning_sphere_comes_with_the_point_of_contact_that_its_table_names(case):
+    """Thrown or turned, against a slab, a cap or its twin: the point of contact moves along, and no other way."""
+    spheres = case["spheres"]
+    for given in ({"angle": 45.0}, {"spin": 3.0}, {"spin": 3.0, "partner": "twin"}):
+        bodies = spheres.scene("6 nylon", 6, pace=8.0, **given)["bodies"]
+        thrown = bodies["sphere"]
+        arm = -0.1 * spheres.NORMAL
+        point = np.add(thrown["velocity"], np.cross(thrown["angular_velocity"], arm))
+        wanted = 8.0 * (0.2 if "angle" in given else 0.3)
+        assert point @ spheres.ALONG == pytest.approx(wanted)
+        assert point @ spheres.NORMAL == pytest.approx(-1.6)
+        assert point @ spheres.ACROSS == pytest.approx(0.0, abs=1e-12)
+        if "twin" in bodies:
+            other = np.add(bodies["twin"]["velocity"], np.cross(bodies["twin"]["angular_velocity"], -arm))
+            assert other == pytest.approx(-point)
+
+
+def results(case, along: float, spin: float, back: float) -> xr.DataTree:
+    """A run whose sphere has v_t = v_n before and these velocities over v_n after it, on a slab that stays."""
+    spheres = case["spheres"]
+    velocity = np.zeros((2, 2, 3))
+    velocity[0, 0] = spheres.ALONG - spheres.NORMAL
+    velocity[1, 0] = along * spheres.ALONG + back * spheres.NORMAL
+    turning = np.zeros((2, 2, 3))
+    turning[1, 0] = spin / spheres.SPHERES["5 steel"].radius * spheres.ACROSS
+    dims, bodies = ("time", "body", "axis"), {"body": ["sphere", "slab"]}
+    series = xr.Dataset(
+        {
+            "mean_velocity": (dims, velocity),
+            "angular_velocity": (dims, turning),
+            "centre_of_mass": (dims, np.zeros((2, 2, 3))),
+        },
+        coords=bodies,
+    )
+    title = spheres.scene("5 steel", 6)["title"]
+    tree = xr.DataTree(children={"series": xr.DataTree(series)})
+    tree.attrs["scene"] = f'title = "{title}"'
+    return tree
+
+
+def test_measures_are_zero_of_rigid_spheres_and_tell_wrong_friction_and_a_wrong_turn(case):
+    """At 45°, where the rigid sphere rolls at the end."""
+    bounce, taken = case["bounce"], 0.3 * 1.9  # μ (1 + e) with e = 0.9
+
+    def rigid(along: float, spin: float) -> tuple[float, float]:
+        found = bounce.errors(results(case, along, spin, 0.9))
+        return found["along, rigid"], found["spin, rigid"]
+
+    rolls = 2.0 / 7.0  # less than friction could take
+    assert taken > rolls
+    assert rigid(1.0 - rolls, 2.5 * rolls) == pytest.approx((0.0, 0.0), abs=1e-9)
+    assert rigid(1.0 - 0.9 * rolls, 2.25 * rolls) == pytest.approx((-10.0, -10.0))
+    assert rigid(1.0 - rolls, -2.5 * rolls)[1] == pytest.approx(-200.0)
+
+
+def test_measures_are_zero_of_the_elastic_sphere(case):
+    left = case["elastic"].rebound(1.0 / 0.3, 0.3)
+    taken = (1.0 - left) / 3.5
+    found = case["bounce"].errors(results(case, 1.0 - taken, 2.5 * taken, 1.0))
+    assert [found[name] for name in ("along", "spin", "contact")] == pytest.approx([0.0] * 3, abs=1e-9)

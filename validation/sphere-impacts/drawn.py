@@ -1,0 +1,65 @@
+"""The figure of the case: what the point of contact has along the plane before the impact and after it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from bounce import impact
+from elastic import psi, rebound, sliding_from
+from spheres import SPHERES
+
+from mpmfw.plots.style import dress, legend_below, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+
+    from mpmfw.validation import CaseRun
+
+#: Methods by the start of their names: what the legend calls them, colour and marker.
+LOOKS = {
+    "penalty, ": ("penalty", "#0072B2", "o"),
+    "bardenhagen, ": ("bardenhagen", "#D55E00", "s"),
+    "bardenhagen(": ("its strongest form", "#E69F00", "^"),
+}
+#: Spheres of the panels, and what is done to them.
+PANELS = {"5 steel": "thrown", "6 nylon": "turned"}
+
+
+def draw(runs: Sequence[CaseRun]) -> Figure:
+    """ψ2 over ψ1 of Maw, Barber and Fawcett, the rigid limits, and every run; coarse cells hollow, fine ones filled."""
+    figure = new_figure(2, 1, 66.0)
+    shown: dict[str, Line2D] = {}
+    for axes, (test, done) in zip(figure.subplots(1, 2, sharey=True), PANELS.items(), strict=True):
+        theory = _theory(axes, SPHERES[test].poisson)
+        for run in runs:
+            if run.place.make["test"] == test and "their speed" not in run.place.at:
+                _mark(axes, run, shown)
+        sphere = SPHERES[test]
+        what = f"{test.split()[1].capitalize()}, {done}: ν = {sphere.poisson:g}, μ = {sphere.friction:g}"
+        dress(axes, "before the impact, ψ1 [1]", "after it, ψ2 [1]" if test == "5 steel" else "", what)
+    legend_below(figure, [theory, list(shown.values())])
+    return figure
+
+
+def _theory(axes: Axes, poisson: float) -> list[Line2D]:
+    slopes = np.linspace(0.15, 12.0, 64)  # over μ
+    angles = psi(slopes, poisson)
+    elastic = [psi(slope, poisson) * rebound(float(slope), poisson, 200, 1000) for slope in slopes]
+    rigid = np.maximum(angles - sliding_from(poisson) - 1.0, 0.0)
+    lines = axes.plot(angles, elastic, color="0.2", linewidth=1.0, label="elastic")
+    return lines + axes.plot(angles, rigid, color="0.2", linewidth=1.0, linestyle="--", label="rigid")
+
+
+def _mark(axes: Axes, run: CaseRun, shown: dict[str, Line2D]) -> None:
+    label, colour, marker = next(look for start, look in LOOKS.items() if str(run.method).startswith(start))
+    found, sphere = impact(run.results), SPHERES[run.place.make["test"]]
+    before = psi(found["slope"] / sphere.friction, sphere.poisson)
+    (line,) = axes.plot(
+        before, before * found["contact"], color=colour, marker=marker, linestyle="", markersize=5, label=label,
+        fillstyle="full" if run.place.make["cells"] > 6 else "none",
+    )  # fmt: skip
+    shown.setdefault(label, line)
