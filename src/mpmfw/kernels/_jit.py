@@ -24,7 +24,7 @@ from typing import Any, ParamSpec, TypeVar
 
 import numba
 import platformdirs
-from numba.core import config
+from numba.core import config, types
 from numba.extending import intrinsic as numba_intrinsic
 
 Params = ParamSpec("Params")
@@ -37,6 +37,7 @@ OPTIONS = {"nogil": True, "error_model": "numpy", "fastmath": False, "boundschec
 _njit: Any = numba.njit
 _config: Any = config
 _intrinsic: Any = numba_intrinsic
+_types: Any = types
 
 
 #: Of every module with kernels, the sources beside ``mpmfw.kernels`` that they are made of: folders, and lone files.
@@ -135,7 +136,7 @@ def kernel(function: Callable[Params, Result]) -> Callable[Params, Result]:
     previous = _config.CACHE_DIR
     _config.CACHE_DIR = str(cache_folder(function.__module__))
     try:
-        compiled: Callable[Params, Result] = _njit(cache=True, **OPTIONS)(function)
+        compiled: Callable[Params, Result] = _njit(cache=True, no_cfunc_wrapper=True, **OPTIONS)(function)
     finally:
         _config.CACHE_DIR = previous
     _name_data_by_process(compiled)
@@ -143,11 +144,44 @@ def kernel(function: Callable[Params, Result]) -> Callable[Params, Result]:
 
 
 def device(function: Callable[Params, Result]) -> Callable[Params, Result]:
-    """Compile ``function`` to be called from kernels alone: compiled into its callers, without a cache
-    entry."""
+    """Compile ``function`` to be called from kernels: compiled into its callers, without a cache entry."""
     _note_sources(function)
-    compiled: Callable[Params, Result] = _njit(forceinline=True, **OPTIONS)(function)
+    compiled: Callable[Params, Result] = _njit(
+        forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, **OPTIONS
+    )(function)
+    if hasattr(compiled, "py_func"):  # not where compilation is disabled
+        _leave_python_out(compiled)
+        _take_integers_alike(compiled)
     return compiled
+
+
+def _leave_python_out(compiled: Any) -> None:
+    """Let a call from Python compile the device once more, for Python.
+
+    What Python calls unpacks every array of every struct, which takes a quarter of the time of compilation. A device is compiled
+    without that, so that numba must not hand its code to Python; the few that are called from there have a twin with it.
+    """
+
+    @functools.cache
+    def twin() -> Any:
+        return _njit(forceinline=True, **OPTIONS)(compiled.py_func)
+
+    compiled._insert = lambda *_, **__: None  # what Python finds
+    compiled._compile_for_args = lambda *_, **__: twin()  # and what numba calls where it finds nothing
+
+
+def _take_integers_alike(compiled: Any) -> None:
+    """Compile once for all integers: numba would do it again for each number that a caller writes out and for short ones."""
+    template_for = compiled.get_call_template
+
+    def widened(kind: Any) -> Any:
+        alike = isinstance(kind, _types.IntegerLiteral) or kind == _types.int32
+        return _types.int64 if alike else kind
+
+    def get_call_template(args: Any, kws: Any) -> Any:
+        return template_for(tuple(map(widened, args)), {name: widened(kind) for name, kind in kws.items()})
+
+    compiled.get_call_template = get_call_template
 
 
 def intrinsic(function: Callable[..., Any]) -> Callable[..., Any]:
