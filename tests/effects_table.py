@@ -171,12 +171,6 @@ EFFECTS = {
         arrays="layout/half_edges",
         modules="mpmfw.effects.rotation mpmfw.effects.second_moments",
     ),
-    "local inertia": brings(
-        "local_inertia",
-        hooks="declare_fields setup correct_inertia stable_timestep",
-        arrays="acceleration correction",
-        modules="mpmfw.effects.local_inertia",
-    ),
     "none": brings(modules="mpmfw_contact.none"),
     "separate": brings(modules="mpmfw_contact.separate"),
     "bardenhagen": brings(
@@ -344,7 +338,6 @@ CASES = {
     ),
     "load": Case(with_changes(ONE, loads={"field": {"model": "body_force", "force": [0, -9]}}), ("load",)),
     "thickness": Case(with_changes(ONE, bodies__solid__thickness=0.1), ("thickness",)),
-    "local inertia": Case(with_changes(ONE, bodies__solid__rotation="local"), ("local inertia",)),
     "exact rotation": Case(with_changes(ONE, bodies__solid__rotation="exact"), ("exact rotation",)),
     "local spin": Case(with_changes(ONE, bodies__solid__rotation="spin"), ("local spin",)),
     "least gap": Case(_two("separate", output={}), ("separate", "least gap", "surfaces", "local spin")),

@@ -156,7 +156,7 @@ CORE: dict[str, Acts] = {
     "Body.angular_velocity": values(body(), f"{SOLID}__angular_velocity", 3.0, 2.0),
     "Body.rotation": values(
         body(gravity={"vector": [0, -1]}, **{SIDES: [{"side": "top", "pressure": 1e4}]}),
-        *(f"{SOLID}__rotation", "exact", "local"),
+        *(f"{SOLID}__rotation", "exact", "lumped"),
     ),
     "Body.sides": values(held(), SIDES, HELD, [{"side": "left", "fixed": True}]),
     "Side.side": values(held(), SIDES, HELD, [{"side": "right", "fixed": True}]),

@@ -49,7 +49,7 @@ EACH: dict[str, Each] = {
     "Stepping.transfer": chosen(
         body(), "stepping__transfer", "flip", "pic", "apic", "tpic", "aflip", auto="aflip"
     ),
-    "Body.rotation": chosen(PRESSED, f"{SOLID}__rotation", "spin", "exact", "lumped", "local"),
+    "Body.rotation": chosen(PRESSED, f"{SOLID}__rotation", "spin", "exact", "lumped"),
     "Side.side": Each(
         CUBE,
         {

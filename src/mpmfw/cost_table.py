@@ -122,7 +122,6 @@ EFFECTS: dict[str, tuple[dict[str, Any], tuple[str, ...], int, int]] = {
     "sides": (GRAVITY | SIDES, ("constraint",), 6, 3),
     "spin": ({"rotation": "spin"}, ("local_spin",), 2, 1),
     "exact": ({"rotation": "exact"}, ("rotation",), 2, 1),
-    "local": ({"rotation": "local"}, ("local_inertia",), 2, 1),
     "ledger": (GRAVITY | SIDES | LEDGER, LEDGER_PLUGINS, 1, 1),
     "gap": ({"output": {"gap": True}}, (), 1, 1),
 }

@@ -6,7 +6,6 @@ What an effect is made of is in its own file; here is when it is called for, and
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -139,29 +138,22 @@ def _named(made: Build, plan: Plan) -> None:
 
 def _rotation(made: Build, plan: Plan) -> None:
     """Local spin for a free body with a velocity field of its own, unless the shape function or the scene says otherwise."""
-    treated: dict[str, list[Body]] = {"spin": [], "exact": [], "local": [], "lumped": []}
+    treated: dict[str, list[Body]] = {"spin": [], "exact": [], "lumped": []}
     for body in made.state.bodies:
         how, reason = _rotation_of(made, body)
         plan.note(f"rotation of {body.name}: {how}", how != "lumped", reason)
         plan.rotations[body.name] = how
         treated[how].append(body)
 
-    def held(bodies: list[Body]) -> Any:
-        """The boundary conditions, if one of the bodies has any."""
-        return plan.plugin("constraint") if any(_is_held(made, body) for body in bodies) else None
-
     if treated["spin"]:
         from mpmfw.effects.local_spin import LocalSpin
 
-        plan.plugins.append(LocalSpin(tuple(treated["spin"]), held(treated["spin"])))
+        held = any(_is_held(made, body) for body in treated["spin"])
+        plan.plugins.append(LocalSpin(tuple(treated["spin"]), plan.plugin("constraint") if held else None))
     if treated["exact"]:
         from mpmfw.effects.rotation import ExactRotation
 
         plan.plugins.append(ExactRotation(tuple(treated["exact"])))
-    if treated["local"]:
-        from mpmfw.effects.local_inertia import LocalInertia
-
-        plan.plugins.append(LocalInertia(tuple(treated["local"]), held(treated["local"])))
 
 
 def _sleep(made: Build, plan: Plan) -> None:
@@ -201,11 +193,11 @@ def _rotation_of(made: Build, body: Body) -> tuple[str, str]:
     if model.rotation == "exact" and _is_held(made, body):
         raise SceneError(
             f"bodies.{body.name}.rotation: 'exact' is for a free body, and this one has prescribed sides; "
-            "expected 'spin', 'local' or 'lumped'"
+            "expected 'spin' or 'lumped'"
         )
     if model.rotation == "exact" and not model.geometry.is_connected:
         raise SceneError(
             f"bodies.{body.name}.rotation: 'exact' is for a connected body, and this one has parts; "
-            "expected 'spin', 'local' or 'lumped'"
+            "expected 'spin' or 'lumped'"
         )
     return model.rotation, "given"

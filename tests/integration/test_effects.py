@@ -19,7 +19,7 @@ pytestmark = pytest.mark.effects
 FLIP_LINEAR = disc(shape__method="linear", bodies__solid__rotation="lumped", output={"particles": False})
 CPDI = disc()
 HELD = block(bodies__solid__sides=[{"side": "bottom", "fixed": True}], gravity={"vector": [0, -10]})
-PRESSED = block(bodies__solid__sides=[{"side": "top", "pressure": 1e3}], bodies__solid__rotation="local")
+PRESSED = block(bodies__solid__sides=[{"side": "top", "pressure": 1e3}], bodies__solid__rotation="spin")
 NONE = two_blocks("none", output={"gap": False})
 PENALTY = two_blocks("penalty")
 VELOCITY = two_blocks("bardenhagen", shape__method="gimp", output={"gap": False})
@@ -66,7 +66,7 @@ CLASSICAL |= {f"leaning_normals/{name}" for name in ("normal_impulse", "mean_nor
         (FLIP_LINEAR, set()),
         (CPDI, AFFINE | SPIN),
         (HELD, AFFINE),
-        (PRESSED, AFFINE | SURFACE | {"local_inertia/acceleration", "local_inertia/correction"}),
+        (PRESSED, AFFINE | SURFACE | SPIN),
         (NONE, AFFINE),
         (VELOCITY, AFFINE | SPIN | CLASSICAL | {"gimp/half_length"}),
         (POSITION, AFFINE | SPIN | CLASSICAL | {"bardenhagen/mean_position"}),

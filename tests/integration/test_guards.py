@@ -126,14 +126,6 @@ def test_a_step_just_below_the_limit_is_taken() -> None:
     assert Simulation(disc(time__step=1.99e-3)).stable_step() == 1.99e-3
 
 
-def test_a_local_correction_lowers_the_limit() -> None:
-    assert Simulation(disc(bodies__solid__rotation="local", time__safety=1.0)).stable_step() == pytest.approx(
-        1e-3
-    )
-    with pytest.raises(SceneError, match="local inertia correction"):
-        Simulation(disc(bodies__solid__rotation="local", time__step=1.1e-3))
-
-
 def test_a_body_outside_the_grid_is_refused() -> None:
     with pytest.raises(SceneError, match="solid"):
         Simulation(disc(grid__upper=[1.0, 2.0]))

@@ -51,7 +51,7 @@ def words_in(value: Any) -> set[str]:
 
 def test_the_options_of_words_are_found() -> None:
     assert WORDS["contact.bardenhagen.normal"] == {"averaged", "master", "specified"}
-    assert WORDS["Body.rotation"] == {"spin", "exact", "lumped", "local"}
+    assert WORDS["Body.rotation"] == {"spin", "exact", "lumped"}
     assert {"Stepping.scheme", "Particles.layout", "contact.hamad2017.friction_law"} <= set(WORDS)
 
 

@@ -185,7 +185,6 @@ WAYS = {
     "musl-apic": {"stepping__scheme": "musl", "stepping__transfer": "apic"},
     "usf-tpic": {"stepping__scheme": "usf", "stepping__transfer": "tpic"},
     "aflip": {"stepping__transfer": "aflip"},
-    "local": {"bodies__left__rotation": "local"},
     "exact": {"bodies__left__rotation": "exact", "bodies__right__rotation": "spin"},
     "layer": LAYER,
     "pressed": PRESSED,

@@ -101,7 +101,7 @@ def test_every_scheme_and_transfer(scheme: str, transfer: str) -> None:
     check_same(disc(stepping={"scheme": scheme, "transfer": transfer}), (2, 3))
 
 
-@pytest.mark.parametrize("rotation", ["spin", "exact", "lumped", "local"])
+@pytest.mark.parametrize("rotation", ["spin", "exact", "lumped"])
 def test_every_treatment_of_rotation(rotation: str) -> None:
     scene = two_blocks("penalty", bodies__left__rotation=rotation, bodies__right__rotation=rotation)
     check_same(scene, (2, 3))

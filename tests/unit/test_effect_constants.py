@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 
 from interpreted import interpreted
-from mpmfw.api import SceneError, SimulationError
-from mpmfw.effects import constraint, energy_guard, local_inertia, side_loads, side_rows
+from mpmfw.api import SceneError
+from mpmfw.effects import constraint, energy_guard, side_loads, side_rows
 from mpmfw.effects.constraint import AGREED, PASSES
 from mpmfw.effects.faces import FLAT
 from mpmfw.effects.side_rows import QUADRATURE, list_rows, quadrature, splines
 from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, weigh_by_mass, weigh_plain
 from mpmfw.kernels.stencil import LEAST_SHARE, linear_weights
 from mpmfw.simulation import Simulation
-from scenes_for_tests import block, disc
+from scenes_for_tests import block
 from sides_for_tests import upper_side
 
 
@@ -216,23 +216,6 @@ def test_rounding_is_no_growth_of_energy_and_a_slow_impact_s_is(monkeypatch: pyt
     assert stops(1e-24)
     monkeypatch.setattr(energy_guard, "NOTHING", 1e-6)
     assert not stops(1e-8)
-
-
-def test_local_inertia_needs_its_limit(monkeypatch: pytest.MonkeyPatch) -> None:
-    """At twice that a disc that shakes is torn; a smaller one would only take more steps."""
-
-    def fastest(limit: float) -> float:
-        monkeypatch.setattr(local_inertia, "COURANT_LIMIT", limit)
-        simulation = Simulation(disc(bodies__solid__rotation="local", time__safety=1.0, allow_unstable=True))
-        p = simulation.state.particles
-        simulation.start()
-        p.velocity += 0.01 * np.random.default_rng(3).normal(size=p.velocity.shape)
-        simulation.advance(400)
-        return float(np.abs(p.velocity).max())
-
-    assert fastest(local_inertia.COURANT_LIMIT) < 0.03
-    with pytest.raises(SimulationError, match="inverted"):
-        fastest(2.0 * local_inertia.COURANT_LIMIT)
 
 
 # -- linear functions, whose least share keeps nodes at the edge

@@ -7,7 +7,6 @@ import math
 import numpy as np
 import pytest
 
-from mpmfw.effects.local_inertia import correct_locally
 from mpmfw.effects.rotation import correct_rotation
 from mpmfw.effects.side_rows import SideTable, list_rows, meet, quadrature, splines
 from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, move_points, weigh_by_mass, weigh_plain
@@ -196,21 +195,6 @@ def test_rotation_gives_the_torque_the_true_inertia(dim, dt):
     expected = momentum + node_m[:, None] * np.cross(spin, r3)[:, :dim]
     correct_rotation(0, POINTS, 0, NODES, m, x, f, edges, node_x, node_m, start, momentum, dt, spacing)
     np.testing.assert_allclose(momentum, expected, rtol=1e-10, atol=1e-12)
-
-
-def test_the_local_correction_is_the_series_second_term():
-    t = table()
-    matrix = dense(*t)
-    m = RNG.random(POINTS)
-    node_m = matrix.T @ m + 0.01
-    start, momentum = RNG.normal(size=(NODES, 2)), RNG.normal(size=(NODES, 2))
-    a = momentum / node_m[:, None] - start
-    held = momentum.copy()
-    momentum[:5] += 1.0  # what boundary conditions take away
-    expected = momentum + np.einsum("pi,p,pid->id", matrix, m, a[None] - (matrix @ a)[:, None])
-    scratch = (np.empty((NODES, 2)), np.empty((NODES, 2)))
-    correct_locally(0, POINTS, 0, NODES, *t, m, node_m, start, held, momentum, *scratch, (1.0, 1.0))
-    np.testing.assert_allclose(momentum, expected, rtol=1e-12, atol=1e-13)
 
 
 def test_damping_takes_a_share_of_the_change_against_the_motion():

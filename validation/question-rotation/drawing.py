@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from questions import BLUE, GREEN, ORANGE, REFERENCE
+from questions import BLUE, ORANGE, REFERENCE
 from rolling import lumping_loss
 
 from mpmfw.plots.style import dress, legend_below, new_figure
@@ -16,7 +16,6 @@ LOOKS: dict[str, dict[str, Any]] = {
     "spin": {"color": "black", "marker": "D"},
     "exact": {"color": BLUE, "marker": "o"},
     "lumped": {"color": ORANGE, "marker": "^"},
-    "local": {"color": GREEN, "marker": "s"},
 }
 SHORT = {
     "displacement": "displ.",

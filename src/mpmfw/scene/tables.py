@@ -162,7 +162,7 @@ class Body(Table):
     segment: PositiveLength | None = None
     velocity: VelocityVector | None = None
     angular_velocity: Spin | None = None
-    rotation: Literal["spin", "exact", "lumped", "local"] | None = None
+    rotation: Literal["spin", "exact", "lumped"] | None = None
     thickness: PositiveLength | None = None
     sides: Annotated[tuple[Side, ...], Strict(False)] = ()
 
