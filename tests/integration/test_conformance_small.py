@@ -6,15 +6,13 @@ from typing import Any
 
 import pytest
 
-from faulty_plugins.small import boundary, friction, geometry, measure, output, reference
+from faulty_plugins.small import friction, geometry, other_kinds
 from mpmfw.campaigns.measures import MEASURES
 from mpmfw.testing import examine, subject_of
 from mpmfw.testing.parametrised import checks_of
 
-MODULES: dict[Any, Any] = {
-    "friction": friction, "boundary": boundary, "output": output, "geometry": geometry, "measure": measure,
-    "reference": reference,
-}  # fmt: skip
+MODULES: dict[Any, Any] = {"friction": friction, "geometry": geometry}
+OTHERS: Any = other_kinds.KINDS
 FAULTS = [(kind, fault, meant) for kind, module in MODULES.items() for fault, meant in module.FAULTS.items()]
 
 
@@ -42,8 +40,8 @@ def test_every_fault_is_caught_by_the_check_meant_for_it(kind: Any, fault: Any, 
         ("geometry", "ball(centre=[0, 0, 0], radius=1)"),
         ("geometry", "cylinder(centre=[0, 0, 0], radius=1, length=2)"),
         ("geometry", "torus(centre=[0, 0, 0], radius=1, tube_radius=0.3)"),
-        ("measure", measure.Curve),
-        *(("measure", name) for name in MEASURES if name != "force-noise"),
+        *((kind, sound) for kind, (sound, _) in OTHERS.items()),
+        *(("measure", name) for name in MEASURES),
     ],
 )
 def test_sound_ones_pass(kind: Any, plugin: Any) -> None:
@@ -56,10 +54,7 @@ def test_every_check_has_a_fault_planted_for_it(kind: Any) -> None:
     assert set(MODULES[kind].FAULTS.values()) == {check.name for check in checks_of(kind)}
 
 
-def test_noise_is_of_twenty_outputs_and_so_of_how_often_they_come() -> None:
-    wrong = [
-        each.check
-        for each in examine(subject_of("force-noise", "measure"), checks_of("measure"))
-        if each.wrong
-    ]
-    assert wrong == ["outputs"]
+@pytest.mark.parametrize("kind", OTHERS)
+def test_random_values_are_caught_in_kinds_with_the_generic_check(kind: Any) -> None:
+    outcomes = examine(subject_of(OTHERS[kind][1], kind), checks_of(kind))
+    assert [outcome.check for outcome in outcomes if outcome.wrong] == ["repeatable"]

@@ -49,13 +49,9 @@ __all__ = ["@ENTRY@"]
 RUN = {
     "material": '\n```toml\n[materials.soft]\nmodel = "@NAME@"\ndensity = 1000\n```\n',
     "load": '\n```toml\n[loads.push]\nmodel = "@NAME@"\n```\n',
-    "boundary": '\n```toml\n[boundaries.floor]\nmodel = "@NAME@"\n```\n',
-    "output": '\n```toml\n[outputs.fast]\nmodel = "@NAME@"\n```\n',
     "detection": '\n```toml\n[contact]\ndetection = "@NAME@"\nlaw = "impulse"\n```\n',
     "friction": '\n```toml\n[contact]\nfriction_law = "@NAME@"\n```\n',
     "geometry": '\n```toml\n[bodies.mine]\ngeometry = { type = "@NAME@", centre = [0.0, 0.5] }\n```\n',
-    "measure": '\n```sh\nmpmfw study STUDY      # with error.quantity = "@NAME@"\n```\n',
-    "reference": '\n```toml\n[reference]\nkind = "@NAME@"\n```\n',
 }
 
 _SCENE = '''\
@@ -97,23 +93,6 @@ _CHECKED_SCENE = _SCENE.replace("import mpmfw\n", f"import mpmfw\n{_IMPORT}") + 
 TESTS = {
     "material": _CHECKED,
     "load": _CHECKED,
-    "boundary": _CHECKED_SCENE
-    + """
-def test_what_is_held_moves_as_prescribed():
-    floor = {"model": "@NAME@", "below": -0.2, "speed": 0.5}
-    series = mpmfw.run({**SCENE, "boundaries": {"floor": floor}})["series"]
-    velocity = series["mean_velocity"].sel(body="block")
-    assert velocity.sel(axis="x").values[-1] > 0.1
-    assert velocity.sel(axis="y").values[-1] > -0.1  # it no longer falls freely
-""",
-    "output": _CHECKED_SCENE
-    + """
-def test_the_series_is_in_the_results():
-    series = mpmfw.run({**SCENE, "outputs": {"fast": {"model": "@NAME@"}}})["series"]
-    speed = series["fast_largest_speed"]
-    assert speed.attrs["units"] == "m s-1"
-    assert speed.values[-1, 0] == pytest.approx(10.0 * 0.01, rel=1e-6)
-""",
     "friction": _CHECKED_SCENE
     + """
 def test_a_factor_of_two_is_twice_the_friction():
@@ -151,26 +130,5 @@ def test_the_body_falls_with_the_mass_of_its_area():
     series = mpmfw.run({**SCENE, "bodies": {"egg": egg}})["series"]
     momentum = series["linear_momentum"].sel(axis="y").values[-1]
     assert momentum == pytest.approx(-1000.0 * np.pi * 0.5 * 0.2 * 10.0 * 0.01, rel=1e-6)
-""",
-    "measure": _CHECKED_SCENE
-    + """
-def test_the_way_of_a_falling_square():
-    from mpmfw.api import About
-    from mpmfw.campaigns.measures import measure_of
-
-    scene = mpmfw.load_scene(SCENE)
-    found = measure_of("@NAME@").of(mpmfw.run(scene), scene, About(body="block"))
-    assert found.values[0] == pytest.approx(0.5 * 10.0 * 0.01**2, rel=0.05)
-""",
-    "reference": _CHECKED_SCENE
-    + """
-def test_free_fall_is_known():
-    from mpmfw.api import About
-    from mpmfw.campaigns.measures import exact_of, measure_of
-
-    scene = mpmfw.load_scene({**SCENE, "reference": {"kind": "@NAME@"}})
-    exact = exact_of(measure_of("displacement"), scene, About(body="block", axis="y"))
-    assert exact is not None
-    assert exact.at(np.array([0.01]))[0] == pytest.approx(-0.5 * 10.0 * 0.01**2)
 """,
 }

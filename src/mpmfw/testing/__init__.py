@@ -18,7 +18,6 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from mpmfw.testing.boundary import boundary_checks
     from mpmfw.testing.check import Check, Inapplicable, Outcome, Violation
     from mpmfw.testing.contact import contact_checks
     from mpmfw.testing.examination import examine
@@ -26,8 +25,6 @@ if TYPE_CHECKING:
     from mpmfw.testing.geometry import geometry_checks
     from mpmfw.testing.load import load_checks
     from mpmfw.testing.material import material_checks
-    from mpmfw.testing.measure import measure_checks
-    from mpmfw.testing.output import output_checks
     from mpmfw.testing.parametrised import (
         boundary_conformance,
         check_plugin,
@@ -43,7 +40,6 @@ if TYPE_CHECKING:
         reference_conformance,
         shape_conformance,
     )
-    from mpmfw.testing.reference import reference_checks
     from mpmfw.testing.searching import ladder, search, try_all
     from mpmfw.testing.shape import shape_checks
     from mpmfw.testing.subject import Subject, subject_of
@@ -64,17 +60,13 @@ _MODULES = {
     "material_conformance": "mpmfw.testing.parametrised",
     "load_checks": "mpmfw.testing.load",
     "load_conformance": "mpmfw.testing.parametrised",
-    "boundary_checks": "mpmfw.testing.boundary",
     "boundary_conformance": "mpmfw.testing.parametrised",
     "friction_checks": "mpmfw.testing.friction",
     "friction_conformance": "mpmfw.testing.parametrised",
-    "output_checks": "mpmfw.testing.output",
     "output_conformance": "mpmfw.testing.parametrised",
     "geometry_checks": "mpmfw.testing.geometry",
     "geometry_conformance": "mpmfw.testing.parametrised",
-    "measure_checks": "mpmfw.testing.measure",
     "measure_conformance": "mpmfw.testing.parametrised",
-    "reference_checks": "mpmfw.testing.reference",
     "reference_conformance": "mpmfw.testing.parametrised",
     "ladder": "mpmfw.testing.searching",
     "search": "mpmfw.testing.searching",
@@ -90,7 +82,6 @@ __all__ = [
     "Outcome",
     "Subject",
     "Violation",
-    "boundary_checks",
     "boundary_conformance",
     "check_plugin",
     "contact_checks",
@@ -107,11 +98,8 @@ __all__ = [
     "load_conformance",
     "material_checks",
     "material_conformance",
-    "measure_checks",
     "measure_conformance",
-    "output_checks",
     "output_conformance",
-    "reference_checks",
     "reference_conformance",
     "search",
     "shape_checks",

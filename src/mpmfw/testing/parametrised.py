@@ -20,6 +20,9 @@ CHECKED: tuple[Kind, ...] = (
     "reference",
 )  # fmt: skip
 
+#: Those that nothing bundled is: one generic check each.
+GENERIC = ("boundary", "output", "measure", "reference")
+
 #: Folder for pictures of counterexamples, in the working directory; made by the first failure.
 PICTURES = Path("mpmfw-check")
 
@@ -139,7 +142,8 @@ def checks_of(kind: Kind) -> Sequence[Check]:
         raise SceneError(f"there are no checks of a {kind} by itself; expected one of {', '.join(CHECKED)}")
     if kind in PARTS:
         return checks_of("contact")
-    checks: Sequence[Check] = getattr(import_module(f"mpmfw.testing.{kind}"), f"{kind}_checks")()
+    module = "repeatable" if kind in GENERIC else kind
+    checks: Sequence[Check] = getattr(import_module(f"mpmfw.testing.{module}"), f"{module}_checks")()
     return checks
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -14,8 +13,6 @@ from mpmfw.scene import load_scene
 from mpmfw.simulation import Simulation
 from mpmfw.steppers.operations import interpolate, project_mass_momentum
 from mpmfw.testing.check import Inapplicable, Violation
-from mpmfw.testing.contact.similarity import in_units
-from mpmfw.testing.other_units import options_in_units
 from mpmfw.testing.saving import remember
 from mpmfw.testing.subject import Subject
 
@@ -119,49 +116,6 @@ def dims_of(subject: Subject) -> tuple[int, ...]:
     if not found:
         raise Inapplicable(f"the {subject.kind} takes its options in no dimension")
     return found
-
-
-def simulation_with(
-    subject: Subject,
-    group: str,
-    dim: int,
-    *,
-    beside: bool = False,
-    named: bool = True,
-    backwards: bool = False,
-    units: Mapping[str, float] | None = None,
-) -> Simulation:
-    """The square or cube with a plug-in of which a scene has tables, ``[boundaries]`` or ``[outputs]``, before its first step.
-
-    Parameters
-    ----------
-    group
-        Of tables.
-    beside
-        Whether there is another body, which the plug-in's table does not name.
-    named
-        Whether there is a table of the plug-in at all.
-    backwards
-        Whether the scene lists its bodies the other way round, all of them the plug-in's.
-    units
-        What lengths, times and densities of the scene are multiplied by.
-    """
-    plugin = subject.plugin
-    if plugin is None or "<" in plugin.__qualname__:
-        raise Inapplicable("a scene cannot name it: expected a class of a module")
-    mapping = scene(dim, 0.25, beside=beside or backwards)
-    if backwards:
-        mapping["bodies"] = dict(reversed(mapping["bodies"].items()))
-    if units:
-        mapping = in_units(mapping, **{"length": 1.0, "time": 1.0, "density": 1.0, **units})
-    bodies = {} if backwards or group == "outputs" else {"bodies": ["loaded"]}
-    options = {**subject.options, **(options_in_units(subject, units) if units else {})}
-    table = {"model": f"{plugin.__module__}:{plugin.__qualname__}", **bodies, **options}
-    mapping |= {group: {"checked": table}} if named else {}
-    made = Simulation(load_scene(mapping))
-    remember(mapping, 3)
-    made.start()
-    return made
 
 
 def within(measured: float, bound: float, message: str, case: dict[str, object]) -> None:
