@@ -22,8 +22,8 @@ if __name__ == "__main__":
 
 from faulty_plugins.load import faults as load_faults
 from faulty_plugins.material import sound
-from mpmfw.testing import examine, material_checks, subject_of
-from mpmfw.testing.parametrised import checks_of
+from mpmfw_testing import examine, material_checks, subject_of
+from mpmfw_testing.parametrised import checks_of
 
 SWAPS: dict[type[ast.operator], type[ast.operator]] = {
     ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult,

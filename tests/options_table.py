@@ -97,8 +97,8 @@ THIRD = {
     "geometry": {"type": "rectangle", "lower": [0.505, -0.2], "upper": [0.9, 0.3]},
     "velocity": [-8.0, -3.0],
 }
-#: Of the scaffolds, which the tests of the options have installed.
-TABLE, FAST = {"model": "template", "speed": 0.5}, {"model": "template"}
+#: Plug-ins that the tests of the options announce.
+TABLE, FAST = {"model": "shaken"}, {"model": "fastest"}
 AIR = {"model": "drag", "rate": 30.0}
 OVERLAPPING = pair(bodies__right__geometry={"type": "rectangle", "lower": [-0.1, -0.2], "upper": [0.4, 0.3]})
 
@@ -181,13 +181,13 @@ CORE: dict[str, Acts] = {
     "Load.bodies": values(pair(loads={"air": AIR}), "loads__air__bodies", ["left"], ["left", "right"]),
     "Tables.boundaries": Acts(body(), {}, {"boundaries": {"table": TABLE}}),
     "Boundary.model": values(
-        body(boundaries={"table": TABLE}), "boundaries__table__model", "template", "none of them"
+        body(boundaries={"table": TABLE}), "boundaries__table__model", "shaken", "none of them"
     ),
     "Boundary.bodies": values(
         pair(boundaries={"table": TABLE}), "boundaries__table__bodies", ["left"], ["left", "right"]
     ),
     "Tables.outputs": Acts(body(), {}, {"outputs": {"fast": FAST}}),
-    "Series.model": values(body(outputs={"fast": FAST}), "outputs__fast__model", "template", "none of them"),
+    "Series.model": values(body(outputs={"fast": FAST}), "outputs__fast__model", "fastest", "none of them"),
     "Series.bodies": values(
         pair(outputs={"fast": FAST}), "outputs__fast__bodies", ["left"], ["left", "right"]
     ),

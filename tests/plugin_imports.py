@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
-PUBLIC = ("mpmfw.api", "mpmfw.kernels", "mpmfw.testing")
+PUBLIC = ("mpmfw.api", "mpmfw.kernels", "mpmfw_testing")
 
 #: Functions that import what their first argument names.
 IMPORTERS = ("import_module", "__import__")

@@ -25,11 +25,11 @@ if TYPE_CHECKING:
     from mpmfw.studies.choosing import choose
     from mpmfw.studies.ranking import rank
     from mpmfw.studies.study import study
-    from mpmfw.testing.parametrised import check_plugin
+    from mpmfw_testing.parametrised import check_plugin
 
 _MODULES = {
     "animate": "mpmfw.plots",
-    "check_plugin": "mpmfw.testing.parametrised",
+    "check_plugin": "mpmfw_testing.parametrised",
     "campaign": "mpmfw.campaigns.campaign",
     "choose": "mpmfw.studies.choosing",
     "compare": "mpmfw.comparison",

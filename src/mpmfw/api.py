@@ -1,4 +1,4 @@
-"""What plug-ins may import, together with :mod:`mpmfw.kernels` and :mod:`mpmfw.testing`.
+"""What plug-ins may import, together with :mod:`mpmfw.kernels` and :mod:`mpmfw_testing`.
 
 A plug-in is a class with an ``Options`` model (pydantic), a constructor that takes those options as keywords,
 a ``name``, and implementations of the hooks of :class:`mpmfw.hookspecs.HookSpecs`, marked with

@@ -19,7 +19,7 @@ from mpmfw.scene.options import NAMED
 
 #: Parts of the core that no number of a run depends on.
 _APART = {
-    "benchmark", "campaigns", "cli", "paraview", "plots", "reference", "report", "scenes", "stability", "studies", "testing",
+    "benchmark", "campaigns", "cli", "paraview", "plots", "reference", "report", "scenes", "stability", "studies",
     "validation", "analysis.py", "comparison.py", "domains.py", "joining.py", "notebook.py", "outputs.py", "point_fields.py",
     "references.py",
 }  # fmt: skip

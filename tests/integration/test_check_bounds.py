@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from mpmfw.cli import app
-from mpmfw.testing.past_the_end import say_lines
+from mpmfw_testing.past_the_end import say_lines
 
 TESTS = Path(__file__).resolve().parents[1]
 

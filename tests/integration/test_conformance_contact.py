@@ -12,13 +12,13 @@ import mpmfw.discovery
 from faulty_plugins.contact import frame, keeping, momentum, several, slip, springs, units
 from faulty_plugins.contact.plain import PlainContact
 from mpmfw.api import ContactStrategy, SceneError, hookimpl
-from mpmfw.testing import contact_checks, contact_conformance, examine, subject_of
-from mpmfw.testing.contact.meeting import Meeting
-from mpmfw.testing.contact.motion import simulate
 from mpmfw_contact.adhesion import Adhesion
 from mpmfw_contact.bardenhagen import Bardenhagen
 from mpmfw_contact.hamad2017 import Hamad2017
 from mpmfw_contact.penalty import Penalty
+from mpmfw_testing import contact_checks, contact_conformance, examine, subject_of
+from mpmfw_testing.contact.meeting import Meeting
+from mpmfw_testing.contact.motion import simulate
 
 #: Each fault, and the check that is meant for it.
 FAULTS = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from faulty_plugins.load.faults import FAULTS, Sound, SoundWind
-from mpmfw.testing import examine, load_checks, load_conformance, subject_of
+from mpmfw_testing import examine, load_checks, load_conformance, subject_of
 
 CHECKS = {check.name: check for check in load_checks()}
 

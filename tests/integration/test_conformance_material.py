@@ -6,7 +6,7 @@ import pytest
 
 from faulty_plugins.material import faults
 from faulty_plugins.material.sound import Sound
-from mpmfw.testing import examine, material_checks, material_conformance, subject_of
+from mpmfw_testing import examine, material_checks, material_conformance, subject_of
 
 CHECKS = {check.name: check for check in material_checks()}
 MODULI = "bulk_modulus=5e6, shear_modulus=3e6"

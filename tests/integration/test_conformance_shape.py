@@ -6,7 +6,7 @@ from __future__ import annotations
 import pytest
 
 from faulty_plugins.shape import contract, domains, gradients, sound, support, surfaces, weights
-from mpmfw.testing import examine, shape_checks, shape_conformance, subject_of
+from mpmfw_testing import examine, shape_checks, shape_conformance, subject_of
 
 #: What a bundled shape function cannot pass, and why.
 LINEAR = {

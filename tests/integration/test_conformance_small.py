@@ -8,8 +8,8 @@ import pytest
 
 from faulty_plugins.small import friction, geometry, other_kinds
 from mpmfw.campaigns.measures import MEASURES
-from mpmfw.testing import examine, subject_of
-from mpmfw.testing.parametrised import checks_of
+from mpmfw_testing import examine, subject_of
+from mpmfw_testing.parametrised import checks_of
 
 MODULES: dict[Any, Any] = {"friction": friction, "geometry": geometry}
 OTHERS: Any = other_kinds.KINDS

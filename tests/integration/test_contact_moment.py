@@ -9,8 +9,8 @@ import pytest
 
 import mpmfw
 from mpmfw.errors import SceneError
-from mpmfw.testing.contact.motion import moment
 from mpmfw.units import powers_of
+from mpmfw_testing.contact.motion import moment
 from scenes_for_tests import box, two_blocks, with_changes
 
 METHODS = ["penalty", "bardenhagen", "hamad2017", "lcp", "nodes+lcp", "barrier"]

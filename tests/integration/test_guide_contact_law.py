@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from mpmfw.cli.app import app
-from mpmfw.testing import contact_checks, examine, subject_of
+from mpmfw_testing import contact_checks, examine, subject_of
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "guide" / "write-a-contact-law.md"
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)

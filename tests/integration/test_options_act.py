@@ -18,18 +18,23 @@ from scenes_for_tests import with_changes
 
 SURFACE_MESH = ("path", "unit", "angles", "shift")
 
+OWN = {
+    "mpmfw.boundary": ("shaken", "faulty_plugins.small.other_kinds:Shaken"),
+    "mpmfw.output": ("fastest", "faulty_plugins.small.other_kinds:Fastest"),
+}
+
 pytestmark = pytest.mark.effects
 
 
 @pytest.fixture(autouse=True)
-def scaffolds(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A boundary condition and an output, of which mpmfw brings none: those that ``mpmfw new`` begins with."""
+def announced(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Announce a boundary condition and an output, since no bundled plug-in is one."""
     known = discovery.entry_points
 
     def found(**select: str) -> list[EntryPoint]:
-        kind = select.get("group", "").removeprefix("mpmfw.")
-        own = [EntryPoint("template", f"mpmfw.scaffolds.{kind}:Template", f"mpmfw.{kind}")]
-        return [*known(**select), *(own if kind in ("boundary", "output") else [])]
+        group = select.get("group", "")
+        own = [EntryPoint(*OWN[group], group)] if group in OWN else []
+        return [*known(**select), *own]
 
     monkeypatch.setattr(discovery, "entry_points", found)
 

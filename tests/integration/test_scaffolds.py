@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
-from mpmfw.scaffolds import KINDS, WHOLE, write_package
+from mpmfw_testing.templates import KINDS, WHOLE, write_package
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 

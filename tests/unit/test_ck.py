@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import mpmfw
-from mpmfw.testing import subject_of
-from mpmfw.testing.shape import boxes, dense, place
 from mpmfw_shape.ck import CompactKernel
+from mpmfw_testing import subject_of
+from mpmfw_testing.shape import boxes, dense, place
 
 CELLS = 10
 DIMENSIONS = pytest.mark.parametrize("dim", [2, 3], ids=["2D", "3D"])

@@ -7,9 +7,9 @@ import pytest
 
 import mpmfw
 from mpmfw.api import OutsideGrid, SceneError
-from mpmfw.testing import subject_of
-from mpmfw.testing.shape import boxes, dense, place
 from mpmfw_shape.cubic_bspline import CubicBSpline
+from mpmfw_testing import subject_of
+from mpmfw_testing.shape import boxes, dense, place
 
 CELLS = 10
 DIMENSIONS = pytest.mark.parametrize("dim", [2, 3], ids=["2D", "3D"])

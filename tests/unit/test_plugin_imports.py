@@ -13,7 +13,7 @@ from plugin_imports import foreign_imports
         ("from mpmfw.api import Grid, hookimpl", []),
         ("import mpmfw.api", []),
         ("from mpmfw.kernels import kernel\nfrom mpmfw.kernels.facets import signed_distance", []),
-        ("from mpmfw.testing import contact_conformance", []),
+        ("from mpmfw_testing import contact_conformance", []),
         ("from mpmfw_contact import records\nfrom . import mpmfw\nimport mpmfwx", []),
         ("from mpmfw.state import Grid", ["line 1: mpmfw.state.Grid"]),
         ("import mpmfw", ["line 1: mpmfw"]),

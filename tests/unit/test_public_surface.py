@@ -30,7 +30,7 @@ KERNELS = (
         if not module.name.startswith("_")
     ),
 )
-MODULES = ("mpmfw", "mpmfw.api", "mpmfw.plots", *KERNELS, "mpmfw.testing", "mpmfw.testing.shape")
+MODULES = ("mpmfw", "mpmfw.api", "mpmfw.plots", *KERNELS, "mpmfw_testing", "mpmfw_testing.shape")
 PACKAGES = ("mpmfw", "mpmfw_contact", "mpmfw_load", "mpmfw_shape", "mpmfw_material")
 
 PLUGIN_SOURCES = sorted(
@@ -177,7 +177,7 @@ def field_comments(cls: type) -> dict[str, str]:
     }
 
 
-@pytest.mark.parametrize("subject", public("mpmfw.api", "mpmfw.testing"))
+@pytest.mark.parametrize("subject", public("mpmfw.api", "mpmfw_testing"))
 def test_every_field_of_a_public_class_is_described_and_arrays_have_a_shape(subject):
     value = subject.value
     fields = [f.name for f in dataclasses.fields(value)] if dataclasses.is_dataclass(value) else []

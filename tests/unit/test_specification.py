@@ -27,7 +27,7 @@ from mpmfw.simulation import Simulation
 from mpmfw.stability.request import check_overrides
 from mpmfw.studies.grid import make_grid
 from mpmfw.studies.loading import load_study
-from mpmfw.testing import subject_of
+from mpmfw_testing import subject_of
 
 SCENE = "rolling-cylinder-slip"
 STRONG = "bardenhagen(criterion=position, normal=master)"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mpmfw.api import ContactStrategy, ForceLaw, hookimpl
-from mpmfw.testing import contact_checks, examine, subject_of
+from mpmfw_testing import contact_checks, examine, subject_of
 
 
 class Divides(ForceLaw):

@@ -9,19 +9,19 @@ from pathlib import Path
 
 import pytest
 
-from mpmfw.testing import contact_checks, shape_checks
+from mpmfw_testing import contact_checks, shape_checks
 
 
 def test_importing_the_kit_needs_neither_pytest_nor_hypothesis_nor_numba():
     code = (
-        "import sys, mpmfw.testing\n"
+        "import sys, mpmfw_testing\n"
         "print([m for m in ('pytest', 'hypothesis', 'numba', 'matplotlib') if m in sys.modules])\n"
         "sys.modules['hypothesis'] = None\n"
-        "from mpmfw.testing import ladder\n"
+        "from mpmfw_testing import ladder\n"
         "try: ladder(0.0, 1.0, 2)\n"
         "except Exception as error: print(type(error).__name__, error)\n"
         "sys.modules['pytest'] = None\n"
-        "from mpmfw.testing import contact_conformance\n"
+        "from mpmfw_testing import contact_conformance\n"
         "try: contact_conformance('penalty')\n"
         "except Exception as error: print(type(error).__name__, error)\n"
     )

@@ -12,7 +12,7 @@ import pytest
 import mpmfw
 from mpmfw.api import ContactStrategy, hookimpl
 from mpmfw.errors import SceneError
-from mpmfw.testing import (
+from mpmfw_testing import (
     Check,
     Inapplicable,
     Violation,
@@ -24,7 +24,7 @@ from mpmfw.testing import (
     shape_checks,
     subject_of,
 )
-from mpmfw.testing import parametrised as parametrised_module
+from mpmfw_testing import parametrised as parametrised_module
 
 SUBJECT = subject_of("separate", "contact")
 
@@ -200,7 +200,7 @@ def test_a_counterexample_is_saved_as_a_scene_and_a_program_that_runs_it(tmp_pat
     """Of a fault of a contact and one of a load; the program is run, as whoever gets the two files would."""
     from faulty_plugins.contact.momentum import Adhesion
     from faulty_plugins.load.faults import EachPoint
-    from mpmfw.testing import contact_checks, load_checks
+    from mpmfw_testing import contact_checks, load_checks
 
     for kind, fault, name, checks in (
         ("contact", Adhesion, "no-adhesion", contact_checks()),
@@ -224,7 +224,7 @@ def test_a_counterexample_is_saved_as_a_scene_and_a_program_that_runs_it(tmp_pat
 
 def test_nothing_is_saved_where_nothing_fails(tmp_path):
     from faulty_plugins.load.faults import Sound
-    from mpmfw.testing import load_checks
+    from mpmfw_testing import load_checks
 
     (outcome,) = examine(subject_of(Sound, "load"), load_checks()[:1], folder=tmp_path)
     assert outcome.saved == ()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mpmfw.testing import Inapplicable, Violation, ladder, search, try_all
+from mpmfw_testing import Inapplicable, Violation, ladder, search, try_all
 
 
 def search_too_much():

@@ -10,10 +10,10 @@ from pydantic import BaseModel, Field
 from mpmfw.api import ContactStrategy, ImpulseLaw
 from mpmfw.discovery import available, load
 from mpmfw.errors import SceneError
-from mpmfw.testing import check_plugin, contact_checks, examine, subject_of
-from mpmfw.testing.option_values import candidates
-from mpmfw.testing.parametrised import checks_of
 from mpmfw_contact.penalty import Penalty
+from mpmfw_testing import check_plugin, contact_checks, examine, subject_of
+from mpmfw_testing.option_values import candidates
+from mpmfw_testing.parametrised import checks_of
 
 
 def test_subjects_of_all_sorts():

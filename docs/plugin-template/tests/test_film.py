@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 import mpmfw
-from mpmfw.testing import contact_conformance
+from mpmfw_testing import contact_conformance
 
 
 @contact_conformance("nodes+film")

@@ -1,5 +1,5 @@
 # tests/test_film_on.py
-from mpmfw.testing import contact_conformance
+from mpmfw_testing import contact_conformance
 
 BY_DESIGN = {
     "coulomb-cone": "the film drags beside friction, in proportion to speed and area",

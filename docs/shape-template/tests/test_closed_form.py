@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from mpmfw.api import OutsideGrid
-from mpmfw.testing import subject_of
-from mpmfw.testing.shape import boxes, dense, place
+from mpmfw_testing import subject_of
+from mpmfw_testing.shape import boxes, dense, place
 
 from mpmfw_bounded_bspline import BoundedBSpline
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mpmfw.testing import shape_conformance
+from mpmfw_testing import shape_conformance
 
 from mpmfw_bounded_bspline import BoundedBSpline
 

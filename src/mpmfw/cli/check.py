@@ -20,7 +20,7 @@ from mpmfw.errors import MpmfwError, SceneError
 
 if TYPE_CHECKING:
     from mpmfw.discovery import Kind
-    from mpmfw.testing import Check, Outcome
+    from mpmfw_testing import Check, Outcome
 
 
 #: Set in the process that runs the checks of a stranger's plug-in, or all with --bounds.
@@ -93,11 +93,11 @@ def check(
         given += [part for name in only or () for part in ("--only", name)]
         _run_apart([plugin, "--kind", asked, *given], bounds=bounds)
         return
-    from mpmfw.testing import examine, subject_of
-    from mpmfw.testing.examination import justified
-    from mpmfw.testing.parametrised import checks_of, chosen
-    from mpmfw.testing.past_the_end import say_lines
-    from mpmfw.testing.searching import hypothesis
+    from mpmfw_testing import examine, subject_of
+    from mpmfw_testing.examination import justified
+    from mpmfw_testing.parametrised import checks_of, chosen
+    from mpmfw_testing.past_the_end import say_lines
+    from mpmfw_testing.searching import hypothesis
 
     if os.environ.get("NUMBA_BOUNDSCHECK"):
         say_lines()
@@ -184,7 +184,7 @@ def _kind_of(text: str, kind: str | None) -> Kind:
     from mpmfw.campaigns.measures import names_of_measures
     from mpmfw.discovery import available, choices, did_you_mean, load
     from mpmfw.scene.specification import parse_specification
-    from mpmfw.testing.parametrised import CHECKED, kind_of
+    from mpmfw_testing.parametrised import CHECKED, kind_of
 
     plugin = parse_specification(text).name
     for asked in CHECKED:

@@ -24,7 +24,7 @@ FolderOption: TypeAlias = Annotated[
 
 def new(kind: KindArgument, name: NameArgument, into: FolderOption = Path()) -> None:
     """Write a distribution with a plug-in of KIND called NAME that passes its tests, to be filled with a method of one's own."""
-    from mpmfw.scaffolds import write_package
+    from mpmfw_testing.templates import write_package
 
     place = write_package(kind, name, into)
     typer.echo(f"{place}: written; next: pip install -e '{place}[test]' && pytest {place}")

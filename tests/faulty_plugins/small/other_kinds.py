@@ -53,11 +53,14 @@ class Fastest(OutputSeries):
     factor: ClassVar[Any] = staticmethod(lambda: 1.0)
 
     def series(self) -> list[Field]:
-        return [Field("speed", ("body",), "m s-1", "largest speed")]
+        return [Field("speed", ("body",), "m s-1", "largest speed", missing=True)]
 
     def values(self, state: State, interval: float) -> dict[str, FloatArray]:  # noqa: ARG002
         speed = np.sqrt((state.particles.velocity**2).sum(axis=1)) * self.factor()
-        return {"speed": np.array([speed[body.particles].max() for body in state.bodies])}
+        largest = np.full(len(state.bodies), np.nan)
+        for body in self.bodies:
+            largest[body.index] = speed[body.particles].max()
+        return {"speed": largest}
 
 
 class RandomlyFast(Fastest):

@@ -1,0 +1,145 @@
+"""A check, how it is broken, and what came of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+if TYPE_CHECKING:
+    from mpmfw_testing.subject import Subject
+
+#: What draws a counterexample into matplotlib axes.
+Picture: TypeAlias = Callable[[Any], None]
+
+Status: TypeAlias = Literal["passed", "failed", "expected failure", "not applicable", "unexpectedly passed"]
+
+
+class Violation(AssertionError):
+    """The property does not hold.
+
+    Parameters
+    ----------
+    message
+        What happened, in one or two sentences.
+    counterexample
+        The case in which it happened, as named numbers (or words); units belong to the names, ``gap [m]``.
+    picture
+        Draws the case into matplotlib axes, labels included; None if there is nothing to see.
+    measured, bound
+        What was measured, and what it may be at most (or at least, if ``message`` says so).
+    where
+        Lines of the traceback, of an error that was raised.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        counterexample: Mapping[str, object] | None = None,
+        picture: Picture | None = None,
+        *,
+        measured: float | None = None,
+        bound: float | None = None,
+        where: Sequence[str] = (),
+    ) -> None:
+        super().__init__(message)
+        self.message = message
+        self.counterexample: dict[str, object] = dict(counterexample or {})
+        self.picture = picture
+        self.measured, self.bound = measured, bound
+        self.where = tuple(where)
+
+    def with_case(self, numbers: Mapping[str, object]) -> Violation:
+        """The same, with the ``numbers`` of the case in front of the counterexample's own."""
+        case = {**numbers, **self.counterexample}
+        return Violation(
+            self.message, case, self.picture, measured=self.measured, bound=self.bound, where=self.where
+        )
+
+    def __str__(self) -> str:
+        lines = [self.message]
+        if self.measured is not None and self.bound is not None:
+            lines.append(f"  measured {shown(self.measured)}, bound {shown(self.bound)}")
+        lines += [f"  {name} = {shown(value)}" for name, value in self.counterexample.items()]
+        return "\n".join([*lines, *self.where])
+
+
+class Inapplicable(Exception):
+    """The plug-in is of a kind of which the property cannot be asked; carries the reason."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """One property that a plug-in must have.
+
+    Parameters
+    ----------
+    name
+        Short, in lower case with hyphens: ``partition-of-unity``.
+    property
+        One sentence that says what must hold.
+    run
+        Takes the :class:`~mpmfw_testing.subject.Subject` and returns if the property holds: None, or a note
+        that belongs beside it ("refuses: linear"); raises
+        :class:`Violation` if it does not, :class:`Inapplicable` if it cannot be asked. Its docstring states the
+        bound and why it is that.
+    """
+
+    name: str
+    property: str
+    run: Callable[[Subject], str | None]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of one check."""
+
+    check: str  #: its name
+    statement: str  #: what must hold
+    status: Status  #: passed, failed, or why it is neither
+    message: str = ""  #: of the violation, why the check does not apply, or a note
+    counterexample: Mapping[str, object] = field(default_factory=dict)  #: the smallest case, by name
+    measured: float | None = None  #: what was found
+    bound: float | None = None  #: what it must not exceed
+    justification: str = ""  #: of an expected failure
+    picture: Path | None = None  #: file of the counterexample's picture
+    saved: tuple[Path, ...] = ()  #: its scene, and the program that runs it
+    seconds: float = 0.0  #: wall time [s]
+    where: tuple[str, ...] = ()  #: lines of the traceback, of an error that was raised
+    same_as: str = ""  #: the first check that the same line of code made fail in the same way
+
+    @property
+    def wrong(self) -> bool:
+        """Whether the outcome is not what was expected."""
+        return self.status in ("failed", "unexpectedly passed")
+
+    @property
+    def report(self) -> str:
+        """Which property is broken, by what, in which smallest case, and where its picture is."""
+        if self.same_as:
+            return f"{self.check}: {self.status}, as {self.same_as}"
+        lines = [f"{self.check}: {self.status}", f"  what must hold: {self.statement}"]
+        if self.message:
+            lines.append(f"  what happened: {self.message}")
+        if self.measured is not None and self.bound is not None:
+            lines.append(f"  measured {shown(self.measured)}, bound {shown(self.bound)}")
+        if self.counterexample:
+            lines.append("  smallest counterexample:")
+            lines += [f"    {name} = {shown(value)}" for name, value in self.counterexample.items()]
+        if self.where:
+            lines += ["  where:", *(f"    {line}" for line in self.where)]
+        if self.justification:
+            lines.append(f"  justification: {self.justification}")
+        if self.picture is not None:
+            lines.append(f"  picture: {self.picture}")
+        for path in self.saved:
+            lines.append(f"  run it: python {path}" if path.suffix == ".py" else f"  scene: {path}")
+        return "\n".join(lines)
+
+
+def shown(value: object) -> str:
+    """Numbers to six digits, everything else as it is."""
+    if isinstance(value, float) or (hasattr(value, "dtype") and getattr(value, "ndim", 1) == 0):
+        return f"{float(value):.6g}"  # type: ignore[arg-type]
+    return str(value)

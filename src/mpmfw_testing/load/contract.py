@@ -1,0 +1,82 @@
+"""What a load may read, write and remember."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mpmfw_testing.check import Check, Inapplicable, Violation
+from mpmfw_testing.load.bench import Bench, dims_of, within
+from mpmfw_testing.subject import Subject
+
+#: Times at which loads are asked [s].
+TIMES = (0.0, 1e-3, 0.1, 10.0)
+
+#: What of the material points a load may not change.
+HELD = ("position", "velocity", "mass", "initial_volume", "volume", "deformation_gradient", "stress")
+
+
+def runs(subject: Subject) -> None:
+    """A step, and the forces at four times, are finite."""
+    for dim in dims_of(subject):
+        bench = Bench(subject, dim)
+        for time in TIMES:
+            if not np.isfinite(bench.nodal_forces(time)).all():
+                raise Violation("the forces are not finite", {"dim": dim, "time [s]": time})
+        Bench(subject, dim).simulation.step()
+
+
+def writes_nothing(subject: Subject) -> None:
+    """No array of the material points, and no nodal mass or momentum, has another bit after the load was asked."""
+    for dim in dims_of(subject):
+        bench = Bench(subject, dim)
+        bench.nodal_forces()
+        particles, grid = bench.state.particles, bench.state.grid
+        before = {name: getattr(particles, name).copy() for name in HELD}
+        nodal = {name: getattr(grid, name).copy() for name in ("mass", "momentum", "position")}
+        bench.nodal_forces()
+        changed = [name for name in HELD if not np.array_equal(before[name], getattr(particles, name))]
+        changed += [f"nodal {name}" for name in nodal if not np.array_equal(nodal[name], getattr(grid, name))]
+        if changed:
+            raise Violation(f"the load changes {', '.join(changed)}", {"dim": dim})
+
+
+def own_body(subject: Subject) -> None:
+    """Beside another body, which comes before it, the loaded one has the forces that it has alone; the other has none."""
+    for dim in dims_of(subject):
+        alone = Bench(subject, dim).resultant()
+        try:
+            bench = Bench(subject, dim, beside=True)
+        except Exception as error:
+            raise Inapplicable(f"the load takes one body alone: {error}") from error
+        found, force = bench.resultant(), bench.nodal_forces()
+        others = np.abs(force[bench.state.grid.field_nodes(bench.state.bodies[0].field)]).max()
+        within(float(others), 0.0, "the load acts on a body that the scene does not name", {"dim": dim})
+        scale = np.abs(alone).max()
+        within(
+            float(np.abs(found - alone).max()), 1e-9 * scale, "another body changes the force on the loaded one",
+            {"dim": dim},
+        )  # fmt: skip
+
+
+def no_memory(subject: Subject) -> None:
+    """The forces of a time and a motion are the same bits, whatever was asked before: a run that is resumed goes on alike."""
+    for dim in dims_of(subject):
+        fresh = [Bench(subject, dim).nodal_forces(time) for time in TIMES]
+        bench = Bench(subject, dim)
+        for time in (*TIMES, *reversed(TIMES)):
+            found = bench.nodal_forces(time)
+            within(
+                float(np.abs(found - fresh[TIMES.index(time)]).max()), 0.0,
+                "the force depends on what was asked before: it has a memory that is in no array of the run",
+                {"dim": dim, "time [s]": time},
+            )  # fmt: skip
+
+
+def contract_checks() -> list[Check]:
+    """In their order."""
+    return [
+        Check("runs", "The load can be set up and answers with finite forces.", runs),
+        Check("writes-nothing", "It changes nothing but the nodal forces.", writes_nothing),
+        Check("own-body", "It acts on its own bodies alone, by what is theirs.", own_body),
+        Check("no-memory", "Its force is a function of time and motion.", no_memory),
+    ]

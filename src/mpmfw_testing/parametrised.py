@@ -1,0 +1,283 @@
+"""The kit as parametrised pytest tests."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from mpmfw.discovery import Kind, did_you_mean
+from mpmfw.errors import SceneError
+from mpmfw_testing.check import Check
+from mpmfw_testing.examination import examine, examine_one, justified, named
+from mpmfw_testing.parts import PARTS
+from mpmfw_testing.subject import Subject, bases_of_kinds, subject_of
+
+#: Kinds of plug-ins that there are checks for.
+CHECKED: tuple[Kind, ...] = (
+    "contact", "detection", "law", "shape", "material", "load", "friction", "boundary", "output", "geometry", "measure",
+    "reference",
+)  # fmt: skip
+
+#: Those that nothing bundled is: one generic check each.
+GENERIC = ("boundary", "output", "measure", "reference")
+
+#: Folder for pictures of counterexamples, in the working directory; made by the first failure.
+PICTURES = Path("mpmfw-check")
+
+
+def contact_conformance(
+    plugin: Any,
+    *,
+    expected_failures: Mapping[str, str] | None = None,
+    only: Iterable[str] | None = None,
+    pictures: Path | None = PICTURES,
+) -> Callable[[Any], Any]:
+    """Parametrise a test over the checks of a contact law.
+
+    Parameters
+    ----------
+    plugin
+        A strategy class, a configured object, a function that makes one, or a name.
+    expected_failures
+        Names of checks that the law cannot pass, each with the reason (20 characters or more). A listed check
+        that passes fails the test.
+    only
+        Names of the checks to run; all by default.
+    pictures
+        Folder for the pictures of counterexamples; None draws none.
+
+    Returns
+    -------
+    A decorator of a test with the argument ``check``, which it calls without arguments.
+
+    Raises
+    ------
+    SceneError
+        There is no such plug-in or check, or a failure is not justified.
+
+    Examples
+    --------
+    >>> @contact_conformance("penalty")
+    ... def test_conformance(check):
+    ...     check()
+    """
+    return _parametrised(plugin, "contact", checks_of("contact"), expected_failures, only, pictures)
+
+
+def _conformance_of(kind: Kind, more: str = "") -> Callable[..., Callable[[Any], Any]]:
+    """As :func:`contact_conformance`, for another kind."""
+
+    def conformance(
+        plugin: Any,
+        *,
+        expected_failures: Mapping[str, str] | None = None,
+        only: Iterable[str] | None = None,
+        pictures: Path | None = PICTURES,
+    ) -> Callable[[Any], Any]:
+        return _parametrised(plugin, kind, checks_of(kind), expected_failures, only, pictures)
+
+    conformance.__name__ = conformance.__qualname__ = f"{kind}_conformance"
+    conformance.__doc__ = (
+        f"Parametrise a test over the checks of a {kind}; as :func:`contact_conformance`.{more}"
+    )
+    return conformance
+
+
+shape_conformance = _conformance_of("shape")
+material_conformance = _conformance_of(
+    "material",
+    """
+
+    A material with moduli to be given is named with them: ``"neo_hookean(bulk_modulus=5e6, shear_modulus=3e6)"``.
+    """,
+)
+load_conformance = _conformance_of(
+    "load",
+    """
+
+    A load whose options have no default is named with them: ``"drag(rate=2)"``.
+    """,
+)
+friction_conformance = _conformance_of("friction")
+boundary_conformance = _conformance_of("boundary")
+output_conformance = _conformance_of("output")
+geometry_conformance = _conformance_of(
+    "geometry",
+    """
+
+    A geometry whose keys have no default is named with them: ``"disc(centre=[0, 0], radius=1)"``.
+    """,
+)
+detection_conformance = _conformance_of(
+    "detection",
+    """
+
+    It is joined with the law ``penalty``, or ``impulse`` where that needs facets that it does not list; with another law the
+    two are a contact, ``contact_conformance("my_detection+lcp")``.
+    """,
+)
+law_conformance = _conformance_of(
+    "law",
+    """
+
+    It is joined with the detection ``surfaces``; with another one the two are a contact,
+    ``contact_conformance("nodes+my_law")``.
+    """,
+)
+measure_conformance = _conformance_of("measure")
+reference_conformance = _conformance_of("reference")
+
+
+def checks_of(kind: Kind) -> Sequence[Check]:
+    """All checks of a kind of plug-in.
+
+    Raises
+    ------
+    SceneError
+        There are none for it.
+    """
+    if kind not in CHECKED:
+        raise SceneError(f"there are no checks of a {kind} by itself; expected one of {', '.join(CHECKED)}")
+    if kind in PARTS:
+        return checks_of("contact")
+    module = "repeatable" if kind in GENERIC else kind
+    checks: Sequence[Check] = getattr(import_module(f"mpmfw_testing.{module}"), f"{module}_checks")()
+    return checks
+
+
+def check_plugin(
+    plugin: Any,
+    *,
+    expected_failures: Mapping[str, str] | None = None,
+    only: Iterable[str] | None = None,
+    pictures: Path | None = PICTURES,
+) -> None:
+    """Check a plug-in of one of the kinds that there are checks for; its base class says which.
+
+    Parameters
+    ----------
+    plugin
+        A class or a configured object.
+    expected_failures, only, pictures
+        As of :func:`mpmfw_testing.contact_conformance`.
+
+    Raises
+    ------
+    AssertionError
+        A check went wrong: all that did, each with its smallest counterexample.
+    SceneError
+        It is no plug-in that there are checks for.
+
+    Examples
+    --------
+    >>> mpmfw.check_plugin(MyLaw)
+    """
+    subject = subject_of(plugin, kind_of(plugin))
+    checks = checks_of(subject.kind)
+    outcomes = examine(subject, chosen(checks, only), _among(expected_failures, checks, only), pictures)
+    if wrong := [outcome.report for outcome in outcomes if outcome.wrong]:
+        raise AssertionError("\n".join([subject.label, *wrong]))
+
+
+def _among(
+    expected: Mapping[str, str] | None, checks: Sequence[Check], only: Iterable[str] | None
+) -> dict[str, str]:
+    """The expected failures among the checks that run."""
+    table = justified(expected or {}, checks)
+    names = {check.name for check in chosen(checks, only)}
+    return {name: why for name, why in table.items() if name in names}
+
+
+def kind_of(plugin: Any) -> Kind:
+    """The kind of a plug-in's class or object, by its base class.
+
+    Raises
+    ------
+    SceneError
+        It has none of the base classes that there are checks for.
+    """
+    kind, bases = plugin if isinstance(plugin, type) else type(plugin), {**bases_of_kinds(), **PARTS}
+    for name, base in bases.items():
+        if issubclass(kind, base):
+            return name
+    expected = ", ".join(f"mpmfw.api.{base.__name__}" for base in bases.values())
+    raise SceneError(
+        f"cannot check {plugin!r}: expected a class, or an object of one, derived from {expected}"
+    )
+
+
+def chosen(checks: Sequence[Check], only: Iterable[str] | None) -> list[Check]:
+    """The checks of these names, in the kit's order; all if none is given.
+
+    Raises
+    ------
+    SceneError
+        There is no check of a name.
+    """
+    if only is None:
+        return list(checks)
+    names, asked = [check.name for check in checks], list(only)
+    for name in asked:
+        if name not in names:
+            raise SceneError(f"no such check '{name}'; {did_you_mean(name, names)}")
+    return [check for check in checks if check.name in asked]
+
+
+class BoundCheck:
+    """A check of one plug-in; call it in a test."""
+
+    def __init__(
+        self,
+        subject: Subject,
+        check: Check,
+        justification: str,
+        pictures: Path | None,
+        causes: dict[tuple[str, ...], str] | None = None,
+    ) -> None:
+        self.subject, self.check, self.causes = subject, check, {} if causes is None else causes
+        self.justification, self.pictures = justification, pictures
+
+    def __repr__(self) -> str:
+        return f"{self.check.name} of {self.subject.label}"
+
+    def __call__(self) -> None:
+        """Pass, skip where the check does not apply, or fail with the smallest counterexample."""
+        pytest = _pytest()
+        pictures = None if self.justification else self.pictures
+        outcome = named(examine_one(self.subject, self.check, self.justification, pictures), self.causes)
+        if outcome.status == "not applicable":
+            pytest.skip(outcome.message)
+        if outcome.status == "expected failure":
+            pytest.xfail(f"{self.justification} ({outcome.message})")
+        if outcome.wrong:
+            pytest.fail(f"{self.subject.label}\n{outcome.report}", pytrace=False)
+
+
+def _parametrised(
+    plugin: Any,
+    kind: Kind,
+    checks: Sequence[Check],
+    expected_failures: Mapping[str, str] | None,
+    only: Iterable[str] | None,
+    pictures: Path | None,
+) -> Callable[[Any], Any]:
+    pytest = _pytest()
+    subject = subject_of(plugin, kind)
+    run = chosen(checks, only)
+    expected = justified(expected_failures or {}, checks)
+    causes: dict[tuple[str, ...], str] = {}  # of one plug-in's tests together
+    bound = [BoundCheck(subject, check, expected.get(check.name, ""), pictures, causes) for check in run]
+    mark: Callable[[Any], Any] = pytest.mark.parametrize("check", bound, ids=[check.name for check in run])
+    return mark
+
+
+def _pytest() -> Any:
+    try:
+        import pytest
+    except ImportError as error:
+        raise SceneError(
+            "mpmfw_testing's decorators need pytest, which is not installed: pip install 'mpmfw[testing]'"
+        ) from error
+    return pytest

@@ -1,0 +1,203 @@
+"""Search for a counterexample over placements, orientations and options, and the smallest one there is."""
+
+from __future__ import annotations
+
+import itertools
+import re
+import traceback
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import mpmfw
+from mpmfw.errors import SceneError
+from mpmfw_testing.check import Inapplicable, Violation
+
+_CORE = Path(mpmfw.__file__).resolve().parent
+#: Libraries that stand between the kit and a plug-in.
+_LIBRARY = re.compile(
+    r"[/\\\\](hypothesis|pluggy|numba|numpy|scipy|xarray|pydantic|_pytest|contextlib\.py|<frozen)|^<"
+)
+
+
+class _Enough(BaseException):
+    """Ends the shrinking: what has been found by then is taken. No ``Exception``, so that hypothesis lets it pass."""
+
+
+def hypothesis() -> Any:
+    """The module hypothesis with its strategies.
+
+    Raises
+    ------
+    SceneError
+        It is not installed.
+    """
+    try:
+        import hypothesis
+        import hypothesis.strategies
+    except ImportError as error:
+        raise SceneError(
+            "the conformance kit searches for counterexamples with hypothesis, which is not installed: "
+            "pip install 'mpmfw[testing]'"
+        ) from error
+    return hypothesis
+
+
+def ladder(first: float, last: float, rungs: int) -> Any:
+    """Numbers at equal distance, ``first`` the simplest: a counterexample moves towards it as far as it can.
+
+    Returns
+    -------
+    A hypothesis strategy of ``rungs`` numbers from ``first`` to ``last``.
+    """
+    step = (last - first) / (rungs - 1)
+    return hypothesis().strategies.integers(0, rungs - 1).map(lambda k: first + k * step)
+
+
+def search(
+    cases: Mapping[str, Any],
+    trial: Callable[..., None],
+    *,
+    examples: int = 10,
+    most: int = 60,
+    names: Mapping[str, str] | None = None,
+) -> None:
+    """Try a property on many cases; raise what breaks it in the smallest case that does.
+
+    The search is the same in every run: no randomness, no database, no deadline.
+
+    Parameters
+    ----------
+    cases
+        A hypothesis strategy (or :func:`ladder`) for every named number of the case. The first trial is the simplest
+        case of all.
+    trial
+        Takes the numbers as keywords, raises :class:`~mpmfw_testing.check.Violation` if the property is broken.
+    examples
+        Cases that are tried as long as none breaks the property.
+    most
+        Trials in all, those that look for the smallest counterexample included.
+    names
+        What numbers are called in the counterexample, where it is not their keyword.
+
+    Raises
+    ------
+    Violation
+        Of the smallest case found; its counterexample begins with the case's numbers. What else a trial raises counts
+        as a violation that names the error.
+    Inapplicable
+        As raised by a trial, unless another one has broken the property before.
+    """
+    trials = _Trials(trial, most, {name: (names or {}).get(name, name) for name in cases})
+    try:
+        _decorated(lambda numbers: trials(numbers), cases, examples)()
+    except _Enough:
+        pass
+    except Exception:
+        if not trials.found:
+            raise
+    if trials.found:
+        raise trials.found[-1] from trials.found[-1].__cause__
+    if trials.inapplicable is not None:
+        raise trials.inapplicable
+
+
+def try_all(
+    cases: Mapping[str, Sequence[Any]], trial: Callable[..., None], *, names: Mapping[str, str] | None = None
+) -> None:
+    """Try a property on every combination of a few values, simplest first; raise what breaks it first.
+
+    Parameters
+    ----------
+    cases
+        The values of every named number of the case, simplest first.
+    trial, names
+        As for :func:`search`, whose errors it raises. ``Inapplicable`` counts in the first case; later cases that
+        cannot be asked are left out.
+    """
+    ranks = itertools.product(*(range(len(values)) for values in cases.values()))
+    text = {name: (names or {}).get(name, name) for name in cases}
+    for count, rank in enumerate(sorted(ranks, key=sum)):
+        numbers = {name: values[k] for (name, values), k in zip(cases.items(), rank, strict=True)}
+        case = {text[name]: value for name, value in numbers.items()}
+        try:
+            trial(**numbers)
+        except Violation as violation:
+            raise violation.with_case(case) from violation.__cause__
+        except Inapplicable:
+            if count == 0:
+                raise
+        except Exception as error:
+            raise raised(error).with_case(case) from error
+
+
+class _Trials:
+    """Runs the trials of one search, and keeps what they found: the last violation is that of the smallest case."""
+
+    def __init__(self, trial: Callable[..., None], most: int, names: Mapping[str, str]) -> None:
+        self.trial, self.most, self.names = trial, most, names
+        self.count = 0
+        self.found: list[Violation] = []
+        self.inapplicable: Inapplicable | None = None
+
+    def __call__(self, numbers: Mapping[str, Any]) -> None:
+        """One case; what breaks the property is kept, and raised again for hypothesis to see."""
+        if self.count >= self.most:
+            raise _Enough
+        self.count += 1
+        case = {text: numbers[name] for name, text in self.names.items()}
+        try:
+            self.trial(**numbers)
+        except Violation as violation:
+            self.found.append(violation.with_case(case))
+            raise
+        except Inapplicable as reason:
+            self.inapplicable = reason
+            raise _Enough from None
+        except Exception as error:
+            self.found.append(raised(error).with_case(case))
+            self.found[-1].__cause__ = error
+            raise
+
+
+def _decorated(
+    one: Callable[[Mapping[str, Any]], None], cases: Mapping[str, Any], examples: int
+) -> Callable[[], None]:
+    """The function as a hypothesis test over the cases."""
+    library = hypothesis()
+    settings = library.settings(
+        max_examples=examples,
+        derandomize=True,
+        database=None,
+        deadline=None,
+        suppress_health_check=list(library.HealthCheck),
+        phases=(library.Phase.generate, library.Phase.shrink),
+        report_multiple_bugs=False,
+        print_blob=False,
+        verbosity=library.Verbosity.quiet,
+    )
+    test: Callable[[], None] = settings(
+        library.given(library.strategies.fixed_dictionaries(dict(cases)))(one)
+    )
+    return test
+
+
+def raised(error: BaseException) -> Violation:
+    """An error of the plug-in, or of the run with it, as a violation that says where it was raised."""
+    first = error
+    while (
+        inner := first.__cause__ or (None if first.__suppress_context__ else first.__context__)
+    ) is not None:
+        first = inner
+    return Violation(f"{type(error).__name__}: {error}", where=_lines(first))
+
+
+def _lines(error: BaseException) -> list[str]:
+    """The traceback's lines in code that is neither mpmfw's core nor a library's; the last one of all if there is none."""
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [frame for frame in frames if not Path(frame.filename).resolve().is_relative_to(_CORE)]
+    strange = [frame for frame in own if not _LIBRARY.search(frame.filename)]
+    text = []
+    for frame in strange or frames[-1:]:
+        text += [f'File "{frame.filename}", line {frame.lineno}, in {frame.name}', f"  {frame.line}"]
+    return text

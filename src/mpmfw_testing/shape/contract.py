@@ -1,0 +1,274 @@
+"""Checks of what a table is, and of what its filling may and may not do."""
+
+from __future__ import annotations
+
+import dataclasses
+import gc
+import tracemalloc
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from mpmfw.fields import AnyArray, FloatArray
+from mpmfw.plots.style import dress
+from mpmfw.snapshot import NotSaved, put, take
+from mpmfw.state import Stencil
+from mpmfw_testing.check import Check, Picture, Violation
+from mpmfw_testing.searching import hypothesis
+from mpmfw_testing.shape.cases import CELLS, MIDDLE, dimensions_of, points, search_dimensions, within
+from mpmfw_testing.shape.picture import picture_of
+from mpmfw_testing.shape.placement import Placement, boxes, place
+from mpmfw_testing.subject import Subject
+
+#: What a filling may add to memory [bytes]: less than a row pointer of the points that are filled.
+GROWTH = 400
+#: Fillings before memory is watched, while Python and NumPy fill their own caches, and while it is.
+WARM, FILLINGS = 20, 40
+
+
+def runs(subject: Subject) -> None:
+    """One filling, in the plane, of the simplest case comes to its end.
+
+    It is the plainest thing that a shape function does: what breaks it breaks most other checks as well.
+    """
+
+    def trial(dim: int, case: dict[str, Any]) -> None:
+        _one_among_three(subject, dim, case).table()
+
+    search_dimensions(subject, points, trial, examples=1)
+
+
+def structure(subject: Subject) -> None:
+    """``row`` counts up from 0 to at most the number of entries; int64, int32 and contiguous float64; all finite; the nodes of a
+    row ascend, if ``rows_ascend`` says so.
+
+    Compiled kernels read the table without asking: a wrong type compiles them anew or crashes, a wrong row reads
+    another point's entries.
+    """
+
+    def trial(dim: int, case: dict[str, Any]) -> None:
+        placed = _one_among_three(subject, dim, case)
+        table = placed.table()
+        _require_table(table, placed.particles.count, dim, True, placed)
+        falls = np.flatnonzero(np.diff(table.nodes[: table.row[-1]].astype(np.int64)) < 0) + 1
+        if subject.make().rows_ascend and not np.isin(falls, table.row).all():
+            raise Violation("the nodes of a row do not ascend, as rows_ascend = True says")
+        if dim == 2:
+            position = placed.particles.position[1:].copy()
+            surface = placed.surface_table(position)
+            if surface.gradient.shape != (0, dim):
+                raise Violation(
+                    f"a surface table has no gradients: expected shape (0, {dim}), found {surface.gradient.shape}"
+                )
+            _require_table(surface, len(position), dim, False, placed)
+
+    search_dimensions(subject, points, trial, examples=4)
+
+
+def repeatable(subject: Subject) -> None:
+    """The same points give the same bits: filled again, and by a fresh object after other points."""
+
+    def trial(dim: int, case: dict[str, Any]) -> None:
+        placed = _one_among_three(subject, dim, case)
+        first = _copied(placed.table())
+        again = _copied(placed.fill())
+        start = placed.particles.position.copy()
+        other = _one_among_three(subject, dim, {**case, "x [cells]": 0.4})
+        other.table()
+        fresh = _copied(_one_among_three(subject, dim, case).table())
+        for name, table in (("filled again", again), ("from a fresh object", fresh)):
+            if not all(np.array_equal(a, b) for a, b in zip(first, table, strict=True)):
+                raise Violation(
+                    f"the table differs when {name}", {"points [m]": start.tolist()}, picture_of(placed, 2)
+                )
+
+    search_dimensions(subject, points, trial, examples=6)
+
+
+def saved(subject: Subject) -> None:
+    """Values that are taken in the middle of a motion and put into a fresh object go on with the same bits.
+
+    Taken is what hangs on the object's attributes: numbers, arrays, and objects of these.
+    """
+
+    def trial(dim: int, case: dict[str, Any]) -> None:
+        turn = 0.02 * (np.eye(dim) + np.diag(np.ones(dim - 1), 1))
+        placed, anew = _one_among_three(subject, dim, case), _one_among_three(subject, dim, case)
+        centre = placed.particles.position.mean(axis=0)
+        placed.deform(turn, centre, steps=2)
+        try:
+            put(
+                take({"shape": placed.shape, "state": placed.state}),
+                {"shape": anew.shape, "state": anew.state},
+            )
+        except NotSaved as error:
+            raise Violation(str(error)) from error
+        tables = []
+        for each in (anew, placed):
+            each.deform(turn, centre, steps=2)
+            tables.append(_copied(each.table()))
+        if not all(np.array_equal(a, b) for a, b in zip(*tables, strict=True)):
+            raise Violation(
+                "what was saved and loaded goes on otherwise: part of the history is no attribute",
+                {"points [m]": placed.particles.position.tolist()},
+                picture_of(placed, 2),
+            )
+
+    search_dimensions(subject, points, trial, examples=3)
+
+
+def changes_nothing_else(subject: Subject) -> None:
+    """``particle_reach``, ``interpolate`` and ``interpolate_surface`` leave every array of points and grid as it was."""
+
+    def trial(dim: int, case: dict[str, Any]) -> None:
+        placed = _one_among_three(subject, dim, case)
+        placed.lay()
+        position = placed.particles.position.copy()
+        before = {name: array.copy() for name, array in _arrays(placed).items()}
+        placed.hook.particle_reach(particles=placed.particles)
+        placed.fill()
+        if dim == 2:
+            placed.surface_table(position)
+        for name, array in _arrays(placed).items():
+            if not np.array_equal(array, before[name], equal_nan=True):
+                raise Violation(f"filling the table changed {name}", {}, picture_of(placed, 1))
+
+    search_dimensions(subject, points, trial, examples=4)
+
+
+def no_growth(subject: Subject) -> None:
+    """A filling of 200 points adds at most 400 bytes to memory, on the mean of 40: a run fills a million times.
+
+    A table of them has more than 10 kB. What is let through is Python's own small change.
+    """
+
+    def trial(dim: int, _case: dict[str, Any]) -> None:
+        rng = np.random.default_rng(0)
+        many = MIDDLE + rng.uniform(-2.0, 2.0, (200, dim))
+        placed = place(subject, [boxes(many, 0.5)], CELLS)
+        placed.lay()
+        position = placed.particles.position.copy()
+
+        def fill() -> None:
+            placed.fill()
+            if dim == 2:
+                placed.surface_table(position)
+
+        held = _memory(fill)
+        grown = float(held[-1] - held[0]) / FILLINGS
+        if grown > GROWTH:
+            raise Violation(
+                f"fillings of the table keep memory: bytes a filling, on the mean of {FILLINGS}",
+                {},
+                _memory_picture(held),
+                measured=grown,
+                bound=float(GROWTH),
+            )
+
+    search_dimensions(subject, lambda _dim: {"points": hypothesis().strategies.just(200)}, trial, examples=1)
+
+
+def _memory(fill: Callable[[], None]) -> FloatArray:
+    """What Python holds [bytes] before the fillings that are watched and after each of them, (FILLINGS + 1,)."""
+    held = np.zeros(FILLINGS + 1)  # made before anything is counted
+    tracemalloc.start()
+    try:
+        for _ in range(WARM):
+            fill()
+        for k in range(FILLINGS + 1):
+            if k > 0:
+                fill()
+            if k in (0, FILLINGS):  # what is waiting to be collected is not kept
+                gc.collect()
+            held[k] = tracemalloc.get_traced_memory()[0]
+    finally:
+        tracemalloc.stop()
+    return held
+
+
+def _memory_picture(held: FloatArray) -> Picture:
+    def picture(axes: Any) -> None:
+        fillings = np.arange(len(held))
+        axes.plot(fillings, 1e-3 * (held - held[0]), ".-", markersize=3, label="memory kept")
+        axes.plot(fillings, 1e-3 * GROWTH * fillings, "--", color="0.5", label="bound")
+        dress(axes, "fillings of the table", "memory kept [kB]")
+        axes.legend()
+
+    return picture
+
+
+def dimensions(subject: Subject) -> None:
+    """``dimensions`` is a tuple of 2, 3 or both, and the name is one that a scene can give."""
+    declared = dimensions_of(subject)
+    if not declared or not set(declared) <= {2, 3} or len(set(declared)) != len(declared):
+        raise Violation(f"dimensions must be (2,), (3,) or (2, 3); it is {declared}")
+    name = subject.make().name
+    if not isinstance(name, str) or not name.isidentifier():
+        raise Violation(f"name must be an identifier, for the table [shape.NAME] of a scene; it is {name!r}")
+
+
+def _one_among_three(subject: Subject, dim: int, case: dict[str, Any]) -> Placement:
+    """One point of one body and two of another, the last of them where the case says."""
+    centre, edge = MIDDLE + within(case, dim), float(case["edge [cells]"])
+    bodies = [centre[None] - 1.4, np.stack([centre + 0.8, centre])]
+    return place(subject, [boxes(body, edge) for body in bodies], CELLS)
+
+
+def _copied(table: Stencil) -> tuple[AnyArray, ...]:
+    """The entries that are used, copied: plug-ins fill the same table again."""
+    used = int(table.row[-1])
+    return (
+        table.row.copy(),
+        table.nodes[:used].copy(),
+        table.weight[:used].copy(),
+        table.gradient[:used].copy(),
+    )
+
+
+def _arrays(placed: Placement) -> dict[str, AnyArray]:
+    """All arrays of points and grid, by name."""
+    owners: dict[str, Any] = {"particles": placed.particles, "grid": placed.grid}
+    return {
+        f"{owner}.{field.name}": value
+        for owner, held in owners.items()
+        for field in dataclasses.fields(held)
+        if isinstance(value := getattr(held, field.name), np.ndarray)
+    }
+
+
+def _require_table(table: Stencil, count: int, dim: int, gradients: bool, placed: Placement) -> None:
+    row = np.asarray(table.row)
+    if row.shape != (count + 1,) or row[0] != 0 or (np.diff(row) < 0).any() or row[-1] > len(table.nodes):
+        raise Violation(
+            f"row must count up from 0 to at most {len(table.nodes)} entries in {count + 1} numbers; it is {row}"
+        )
+    expected = {"row": np.int64, "nodes": np.int32, "weight": np.float64, "gradient": np.float64}
+    for name, dtype in expected.items():
+        array = getattr(table, name)
+        if array.dtype != dtype or not array.flags.c_contiguous:
+            raise Violation(f"{name} must be contiguous {np.dtype(dtype)}; it is {array.dtype}")
+    shape = (len(table.nodes), dim) if gradients else (0, dim)
+    if table.weight.shape != table.nodes.shape or table.gradient.shape != shape:
+        raise Violation(
+            f"weight and nodes must be as long as each other and gradient {shape}; they are "
+            f"{table.weight.shape}, {table.nodes.shape} and {table.gradient.shape}"
+        )
+    used = int(row[-1])
+    if not (np.isfinite(table.weight[:used]).all() and np.isfinite(table.gradient[:used]).all()):
+        raise Violation("the table holds values that are not finite", {}, picture_of(placed, 1))
+
+
+def contract_checks() -> list[Check]:
+    """The checks of this file."""
+    return [
+        Check("runs", "A table is filled for the points of a body.", runs),
+        Check("dimensions", "The plug-in declares its name and the dimensions that it works in.", dimensions),
+        Check("structure", "The table has the layout that compiled kernels read.", structure),
+        Check("repeatable", "The same points give the same table, bit by bit.", repeatable),
+        Check("saved", "A motion that is saved in the middle and loaded goes on to the same bits.", saved),
+        Check(
+            "changes-nothing-else", "Filling the table changes nothing but the table.", changes_nothing_else
+        ),
+        Check("no-growth", "Filling the table again and again needs no more memory.", no_growth),
+    ]
