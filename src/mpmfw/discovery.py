@@ -54,6 +54,11 @@ _PLACE = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_][\w.]*")
 _JOINED = re.compile(rf"{_PLACE.pattern}|[\w.:]+\+{_PLACE.pattern}|{_PLACE.pattern}\+[\w.]+")
 
 
+def names_code(text: str) -> bool:
+    """Return whether a plug-in's name, with or without options, has a ``module:Class`` in it."""
+    return any(_PLACE.fullmatch(part.strip()) for part in text.partition("(")[0].split("+"))
+
+
 class Available(dict[str, EntryPoint]):
     """Installed plug-ins by name; beside them any ``module:Class`` is one, which is not listed."""
 

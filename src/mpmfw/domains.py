@@ -15,6 +15,7 @@ from mpmfw.geometry.layout import parallelogram_corners
 from mpmfw.geometry.solid import joined
 from mpmfw.references import cell_size_of, scene_of
 from mpmfw.scene.cells import with_lengths
+from mpmfw.scene.content import code_in
 from mpmfw.scene.tables import Body
 
 
@@ -86,18 +87,26 @@ def triangles_of(tree: xr.DataTree, body: str) -> IntArray | None:
     """
     attributes = {str(name): value for name, value in tree.attrs.items()}
     try:
-        table = Body.model_validate(with_lengths(scene_of(attributes))["bodies"][body])
+        table = _table(scene_of(attributes), body)
         made = table.geometry.surfaces(table.segment_length(cell_size_of(attributes)))
     except (KeyError, TypeError, ValueError, OSError, ValidationError, MpmfwError):
         return None
     return joined(made)[1]
 
 
+def _table(scene: dict[str, Any], body: str) -> Body:
+    """A body of the scene that results carry; code that they name is not imported."""
+    table = with_lengths(scene)["bodies"][body]
+    if problem := next(code_in(table), None):
+        raise ValueError(problem.message)
+    return Body.model_validate(table)
+
+
 def _initial(scene: dict[str, Any], body: str) -> tuple[FloatArray | None, FloatArray]:
     """Half-edges (n, 2, 2) [m] and areas (n,) [m²] before the motion, from the scene; None if it has no such
     body."""
     try:
-        table = Body.model_validate(with_lengths(scene)["bodies"][body])
+        table = _table(scene, body)
         layout = discretise(table.geometry, table.particles, None)
     except (KeyError, TypeError, ValueError, OSError, ValidationError, MpmfwError):
         return None, np.empty(0)  # a scene of another version, or a mesh file that is no longer there

@@ -20,6 +20,7 @@ from mpmfw.errors import MpmfwError
 from mpmfw.fields import FloatArray
 from mpmfw.geometry import Ball, Box, Disc, Rectangle, Ring
 from mpmfw.scene import Body, Scene, load_scene
+from mpmfw.scene.content import code_in
 from mpmfw.scene.override import merge, parse_value
 from mpmfw.units import to_si
 
@@ -160,11 +161,32 @@ def reference_of(attributes: Mapping[str, Any]) -> Reference | None:
     return rings(scene) if declared in (None, "colliding-rings") else None
 
 
+#: Stands for a material whose code is not imported.
+_RIGID = {"model": "neo_hookean", "density": 1.0, "bulk_modulus": 1.0, "shear_modulus": 1.0}
+
+
 @functools.lru_cache(maxsize=64)
 def _loaded(text: str) -> Scene | None:
-    """The scene of a result; None where it cannot be read here, such as for want of a plug-in."""
+    """The scene of a result without its methods, which no reference depends on; None where it cannot be read here.
+
+    Code that a result names is not imported.
+    """
+    scene = scene_of({"scene": text})
+    contact, materials = scene.get("contact"), scene.get("materials")
+    scene = {key: table for key, table in scene.items() if key != "stepping"} | {
+        "shape": {"method": "linear"}
+    }
+    if isinstance(contact, dict):
+        kept = ("friction", "friction_law", "pairs", contact.get("friction_law"))
+        scene["contact"] = {"method": "none"} | {key: contact[key] for key in contact if key in kept}
+    if isinstance(materials, dict):
+        scene["materials"] = {
+            name: _RIGID if next(code_in(table), None) else table for name, table in materials.items()
+        }
+    if next(code_in(scene), None):
+        return None
     try:
-        return load_scene(scene_of({"scene": text}))
+        return load_scene(scene)
     except MpmfwError:
         return None
 

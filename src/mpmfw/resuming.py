@@ -20,7 +20,7 @@ from mpmfw.results.reading import is_hdf5
 from mpmfw.results.replaying import frames_of
 from mpmfw.results.writers import claim, release
 from mpmfw.runs import run_on
-from mpmfw.scene.loading import scene_from
+from mpmfw.scene.loading import refuse_code, scene_from
 from mpmfw.simulation import Simulation
 from mpmfw.snapshot import NotSaved, Snapshot, extract_beside, read_snapshot
 
@@ -42,6 +42,7 @@ def resume(
     force: bool = False,
     checkpoint: float | None = None,
     threads: int | None = None,
+    trust: bool = False,
 ) -> xr.DataTree:
     """Go on with a run from its last checkpoint; it ends as it would have without the interruption, to the bit.
 
@@ -59,6 +60,8 @@ def resume(
         Seconds of wall time between two checkpoints; as before by default.
     threads
         That share the work of each step, in place of the scene's; the results are the same to the bit.
+    trust
+        Whether the run may name ``module:Class``, whose code is imported; a checkpoint may be a stranger's.
 
     Returns
     -------
@@ -71,7 +74,7 @@ def resume(
     SimulationError, Interrupted
         As :func:`mpmfw.run`.
     """
-    with _resuming(results, contact, shape, progress, force, checkpoint, threads) as writer:
+    with _resuming(results, contact, shape, progress, force, checkpoint, threads, trust) as writer:
         return writer.results()
 
 
@@ -81,9 +84,10 @@ def resume_to_file(
     force: bool = False,
     checkpoint: float | None = None,
     threads: int | None = None,
+    trust: bool = False,
 ) -> None:
     """Go on with a run and leave its results in the file; the rest is as :func:`resume` says."""
-    with _resuming(results, None, None, progress, force, checkpoint, threads):
+    with _resuming(results, None, None, progress, force, checkpoint, threads, trust):
         pass
 
 
@@ -96,6 +100,7 @@ def _resuming(
     force: bool,
     checkpoint: float | None,
     threads: int | None,
+    trust: bool,
 ) -> Iterator[RunWriter]:
     """The writer of a run that was taken up and has come to its end."""
     if checkpoint is not None and not checkpoint >= 0.0:
@@ -103,7 +108,7 @@ def _resuming(
     restart_peak_memory()
     path = os.path.abspath(results)
     _check_unfinished(path)
-    snapshot, facts = _read(path)
+    snapshot, facts = _read(path, trust)
     objects = _objects(facts, contact, shape)
     simulation = _restored(snapshot, facts, objects, path, force, threads)
     resumed = [*facts["resumed"], simulation.state.time]
@@ -115,7 +120,7 @@ def _resuming(
         yield writer
 
 
-def last_checkpoint(results: str | os.PathLike[str]) -> tuple[float, float]:
+def last_checkpoint(results: str | os.PathLike[str], trust: bool = False) -> tuple[float, float]:
     """Time of the checkpoint beside a run's file, and that of the run's end [s].
 
     Raises
@@ -125,7 +130,7 @@ def last_checkpoint(results: str | os.PathLike[str]) -> tuple[float, float]:
     """
     path = os.path.abspath(results)
     _check_unfinished(path)
-    facts = _read(path)[1]
+    facts = _read(path, trust)[1]
     return float(facts["time"]), scene_from(source_of(facts), {}).time.end
 
 
@@ -152,7 +157,7 @@ def _check_unfinished(path: str) -> None:
         raise SceneError(f"{path}: the run is finished; there is nothing to go on with")
 
 
-def _read(path: str) -> tuple[Snapshot, dict[str, Any]]:
+def _read(path: str, trust: bool) -> tuple[Snapshot, dict[str, Any]]:
     file = checkpoint_path(path)
     if not os.path.isfile(file):
         raise SceneError(
@@ -165,6 +170,8 @@ def _read(path: str) -> tuple[Snapshot, dict[str, Any]]:
         raise SceneError(f"{error}; run it again") from error
     if facts.get("kind") != "checkpoint" or not facts.keys() >= _FACTS:
         raise SceneError(f"{file}: is no checkpoint of a run")
+    if not trust:
+        refuse_code(source_of(facts))
     return snapshot, facts
 
 

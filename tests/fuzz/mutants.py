@@ -24,6 +24,7 @@ _TEXTS = (
     '"1 MPa"', '"0.5 cells"', '"1e300 cells"', '"0 cells"', '"-1 cells"', '"1 2 m"', '"__import__(\'os\').abort()"',
     '"{0.__class__}"', '"${HOME}"', '"$(touch pwned)"', '"../../pwned"', '"/etc/passwd"', '"\\u0000"', '"a\\u0000b"',
     '"<script>alert(1)</script>"', '"\\u202e"', '"é"', '"free"', '"auto"', '"penalty"', '"cpdi2"', '"none"', '"x"',
+    '"pwned:X"', '"nodes+pwned:X"', '"pwned:X(a = 1)"', '"antigravity:X"',
     '"a/b"', '"time"', "'''\n'''", '"' + "9" * 3000 + '"', '"' + "x" * 100_000 + '"',
 )  # fmt: skip
 
@@ -31,7 +32,9 @@ _TABLES = (
     "[]", "[[]]", "{}", "{ type = 'disc' }", "{ type = 'mesh', path = '../../pwned' }", "{ type = 'mesh', path = '/dev/zero' }",
     "{ type = 'mesh', path = '/etc/passwd' }", "{ type = 'mesh', path = \"a\\u0000b\" }",
     "{ type = 'box', lower = [0, 0, 0], upper = [1, 1, 1] }", "{ type = 'disc', centre = [0.5, 0.5], radius = 1e-3 }",
-    "{ type = 'polygon', points = [[0, 0], [1, 1], [1, 0], [0, 1]] }", "[1]", "[1, 2]", "[1, 2, 3]", "[1, 2, 3, 4]",
+    "{ type = 'polygon', points = [[0, 0], [1, 1], [1, 0], [0, 1]] }",
+    "{ type = 'pwned:X' }", "{ method = 'pwned:X' }", "{ model = 'pwned:X' }",
+    "[1]", "[1, 2]", "[1, 2, 3]", "[1, 2, 3, 4]",
     "[0.3, 0.2]", "[[0, 0, 0], [0, 0, 0]]", "[true, 'free']", "[nan, inf]", "[1e300, -1e300]", "['x', 'x']", "['1 m', '1 s']",
     "[{ side = 'left', fixed = true }, { side = 'right', velocity = [1e5, 'free'] }]",
     "[{ side = 'left', fixed = true }, { side = 'left', velocity = [1, 0] }]", "[" * 60 + "]" * 60, "[" * 500 + "]" * 500,

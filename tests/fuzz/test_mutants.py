@@ -28,7 +28,11 @@ def _audit(event: str, arguments: tuple[Any, ...]) -> None:
     """Remember what a scene must never cause. Python cannot take an audit hook off again."""
     if _SEEN is None:
         return
-    if event == "open" and isinstance(arguments[0], str):
+    if event == "exec":
+        place = str(getattr(arguments[0], "co_filename", ""))
+        if place.startswith(os.getcwd()) or Path(place).stem in ("pwned", "antigravity"):
+            _SEEN.append(f"import {Path(place).stem}")
+    elif event == "open" and isinstance(arguments[0], str):
         writes = isinstance(arguments[2], int) and arguments[2] & (os.O_WRONLY | os.O_RDWR | os.O_CREAT)
         if writes or arguments[0].endswith("passwd") or "pwned" in arguments[0]:
             _SEEN.append(f"open {arguments[0]}")
@@ -59,6 +63,7 @@ def test_the_seeds_run(name, tmp_path):
 def test_no_mutant_does_harm(first, tmp_path, monkeypatch):
     global _SEEN
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "pwned.py").write_text("X = 1\n")
     wrong, ends = [], set()
     for number in range(first, first + AT_A_TIME):
         folder = tmp_path / str(number)
@@ -75,6 +80,21 @@ def test_no_mutant_does_harm(first, tmp_path, monkeypatch):
             wrong.append(f"mutant {number}: {trial.said} {seen}")
     assert not wrong, "\n".join(wrong)
     assert {"ok", "refused"} <= ends
+
+
+def test_the_watch_sees_an_import(tmp_path, monkeypatch):
+    global _SEEN
+    (tmp_path / "pwned.py").write_text("X = 1\n")
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "seed.toml"
+    path.write_text(dict(seeds())["one"].replace('"neo_hookean"', '"pwned:X"'))
+    for trust, seen in ((False, []), (True, ["import pwned"])):
+        _SEEN = []
+        with pytest.raises(SceneError):
+            load_scene(path, trust=trust)
+        _SEEN, found = None, _SEEN
+        assert [entry for entry in found if entry.startswith("import")] == seen
+    sys.modules.pop("pwned", None)
 
 
 def test_a_mutant_is_always_the_same():

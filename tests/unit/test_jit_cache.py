@@ -116,7 +116,7 @@ def test_cache_that_cannot_be_written(package, tmp_path):
 def folders(tmp_path, monkeypatch):
     """Make the cache folder's name anew, without what was remembered of the sources."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    forget = (_jit._hash_of, _jit._writable)
+    forget = (_jit._hash_of, _jit._usable)
 
     def folder(module="mpmfw.kernels.nodal"):
         for function in forget:

@@ -41,3 +41,57 @@ def test_a_kernel_is_found_again(tmp_path, monkeypatch):
     again = kernel(double)
     again(np.arange(3.0))
     assert sum(again.stats.cache_hits.values()) == 1
+
+
+@pytest.mark.parametrize("ending", ["nbi", "nbc"])
+@pytest.mark.parametrize(
+    "damaged",
+    [lambda _: b"", lambda b: b[: len(b) // 2], lambda b: b[:-1], lambda _: os.urandom(300),
+     lambda b: b[:-200] + bytes([b[-200] ^ 1]) + b[-199:]],
+    ids=["empty", "half", "one byte less", "noise", "one bit"],
+)  # fmt: skip
+def test_a_damaged_file_is_discarded_and_written_again(tmp_path, monkeypatch, ending, damaged):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    kernel(double)(np.arange(3.0))
+    for file in tmp_path.rglob(f"*.{ending}"):
+        file.write_bytes(damaged(file.read_bytes()))
+    again = kernel(double)
+    np.testing.assert_array_equal(again(np.arange(3.0)), [0.0, 2.0, 4.0])
+    assert not sum(again.stats.cache_hits.values())
+    third = kernel(double)
+    third(np.arange(3.0))
+    assert sum(third.stats.cache_hits.values()) == 1
+
+
+def test_a_disk_that_is_full_costs_the_cache_alone(tmp_path, monkeypatch):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    compiled = kernel(double)
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", full)
+    np.testing.assert_array_equal(compiled(np.arange(3.0)), [0.0, 2.0, 4.0])
+
+
+@pytest.mark.skipif(os.name == "nt", reason="permissions of POSIX")
+def test_a_folder_that_others_may_write_to_is_not_used(tmp_path, monkeypatch):
+    open_to_all = tmp_path / "open"
+    open_to_all.mkdir()
+    open_to_all.chmod(0o777)
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(open_to_all))
+    with pytest.warns(UserWarning, match=r"compiled again in each process: .*anybody may write"):
+        files = kernel(double)._cache._cache_file
+    assert not files._cache_path.startswith(str(open_to_all))
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "new"))
+    kernel(double)
+    assert (tmp_path / "new").stat().st_mode & 0o777 == 0o700
+
+
+@pytest.mark.skipif(os.name == "nt", reason="permissions of POSIX")
+def test_another_user_s_folder_is_not_used(tmp_path, monkeypatch):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "theirs"))
+    monkeypatch.setattr(os, "getuid", lambda: (tmp_path.stat().st_uid) + 1)
+    with pytest.warns(UserWarning, match="belongs to another user"):
+        files = kernel(double)._cache._cache_file
+    assert not files._cache_path.startswith(str(tmp_path))

@@ -34,6 +34,12 @@ SetOption: TypeAlias = Annotated[
         "--set", metavar="KEY=VALUE", help="Set a key of the scene, such as grid.cell_size=0.2; repeatable."
     ),
 ]
+TrustOption: TypeAlias = Annotated[
+    bool,
+    typer.Option(
+        "--trust", help="Import the code that a file names as module:Class; only if you trust its author."
+    ),
+]
 OutputOption: TypeAlias = Annotated[
     Path | None, typer.Option("-o", "--output", metavar="FILE", help="File to write.", show_default=False)
 ]
@@ -113,7 +119,9 @@ def assignments(texts: list[str] | None, option: str = "--set") -> dict[str, str
     return found
 
 
-def chosen_scene(scene: str, contact: str | None, shape: str | None, set_: list[str] | None) -> Scene:
+def chosen_scene(
+    scene: str, contact: str | None, shape: str | None, set_: list[str] | None, trust: bool
+) -> Scene:
     """The scene with what the options choose over it.
 
     Raises
@@ -136,7 +144,7 @@ def chosen_scene(scene: str, contact: str | None, shape: str | None, set_: list[
             )
         overrides[f"{kind}.method"] = written(kind, name, f"--{kind}")
     try:
-        loaded = load_scene(scene, set=overrides)
+        loaded = load_scene(scene, set=overrides, trust=trust)
     except SceneError as error:
         text: dict[str, str] = {kind: f"--{kind} {name}" for kind, name in choices if name is not None}
         raise SceneError(called(str(error), text)) from error

@@ -14,6 +14,7 @@ from mpmfw.cli.arguments import (
     SceneArgument,
     SchedulerOption,
     SetOption,
+    TrustOption,
     assignments,
     jobs_of,
     names,
@@ -84,6 +85,7 @@ def choose(
         ),
     ] = None,
     set_: SetOption = None,
+    trust: TrustOption = False,
     output: OutputOption = None,
     force: ForceOption = False,
     jobs: JobsOption = None,
@@ -101,7 +103,7 @@ def choose(
     contacts, shapes = names(contact, "contact"), names(shape, "shape")
     shared = assignments(set_)
     check_requested(shared, {}, ("--set", "--vary"))
-    loaded = load_scene(scene, set=shared)
+    loaded = load_scene(scene, set=shared, trust=trust)
     path = result_path(output, loaded, "-choose", "choice", "result of mpmfw choose", force)
     from mpmfw.studies.advice import advice, method_rows
     from mpmfw.studies.choosing import CONTACTS, SHAPES

@@ -15,6 +15,7 @@ from mpmfw.cli.arguments import (
     SceneArgument,
     SchedulerOption,
     SetOption,
+    TrustOption,
     assignments,
     jobs_of,
     names,
@@ -48,6 +49,7 @@ def compare(
         ),
     ] = None,
     set_: SetOption = None,
+    trust: TrustOption = False,
     output: OutputOption = None,
     report: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Page of tables and figures (HTML) to write as well.")
@@ -70,7 +72,7 @@ def compare(
     varied = variations(vary)
     shared = assignments(set_)
     check_requested(shared, varied, ("--set", "--vary"))
-    loaded = load_scene(scene, set=shared)
+    loaded = load_scene(scene, set=shared, trust=trust)
     path = result_path(output, loaded, "-compare", "compare", "comparison", force, report=report)
     if report is not None:
         check_not_lost(check_writable(report), "report")

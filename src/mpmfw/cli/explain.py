@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mpmfw.cli.arguments import ContactOption, SceneArgument, SetOption, ShapeOption, chosen_scene
+from mpmfw.cli.arguments import (
+    ContactOption,
+    SceneArgument,
+    SetOption,
+    ShapeOption,
+    TrustOption,
+    chosen_scene,
+)
 from mpmfw.cli.tables import print_rows
 from mpmfw.cli.unused import unused_facts
 from mpmfw.errors import SceneError
@@ -22,6 +29,7 @@ def explain(
     contact: ContactOption = None,
     shape: ShapeOption = None,
     set_: SetOption = None,
+    trust: TrustOption = False,
     measure: Annotated[
         bool,
         typer.Option("--measure", help="Measure the times per stage on this machine first, and keep them."),
@@ -34,7 +42,7 @@ def explain(
     ] = False,
 ) -> None:
     """Print what SCENE would run: effects, the time step, its cost, and facts that are not used."""
-    loaded = chosen_scene(scene, contact, shape, set_)
+    loaded = chosen_scene(scene, contact, shape, set_, trust)
 
     from mpmfw.scene import located
     from mpmfw.simulation import Simulation

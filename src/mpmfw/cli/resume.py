@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from mpmfw.cli.arguments import CheckpointOption
+from mpmfw.cli.arguments import CheckpointOption, TrustOption
 from mpmfw.cli.progress import run_progress
 
 
@@ -29,12 +29,15 @@ def resume(
             "--force", help="Go on with another version of the code or a library, to other numbers."
         ),
     ] = False,
+    trust: TrustOption = False,
 ) -> None:
     """Go on with RUN.nc from its last checkpoint, to the end that it would have had."""
     from mpmfw.resuming import last_checkpoint, resume_to_file
 
-    time, end = last_checkpoint(results)
+    time, end = last_checkpoint(results, trust)
     typer.echo(f"{results}: goes on at {time:.6g} s of {end:g} s", err=True)
     with run_progress(end) as progress:
-        resume_to_file(results, progress=progress, force=force, checkpoint=checkpoint, threads=threads)
+        resume_to_file(
+            results, progress=progress, force=force, checkpoint=checkpoint, threads=threads, trust=trust
+        )
     typer.echo(str(results))

@@ -12,6 +12,7 @@ from mpmfw.cli.arguments import (
     SceneArgument,
     SetOption,
     ShapeOption,
+    TrustOption,
     chosen_scene,
 )
 from mpmfw.cli.errors import result_path
@@ -23,12 +24,13 @@ def run(
     contact: ContactOption = None,
     shape: ShapeOption = None,
     set_: SetOption = None,
+    trust: TrustOption = False,
     output: OutputOption = None,
     checkpoint: CheckpointOption = None,
     force: ForceOption = False,
 ) -> None:
     """Run SCENE and write its results, by default to a file named as the scene."""
-    loaded = chosen_scene(scene, contact, shape, set_)
+    loaded = chosen_scene(scene, contact, shape, set_, trust)
     path = result_path(output, loaded, "", "run", "run's results", force)
 
     from mpmfw.runs import run_to_file

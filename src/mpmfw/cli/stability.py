@@ -14,6 +14,7 @@ from mpmfw.cli.arguments import (
     SchedulerOption,
     SetOption,
     ShapeOption,
+    TrustOption,
     chosen_scene,
     jobs_of,
 )
@@ -50,6 +51,7 @@ def stability(
     ] = None,
     steps: Annotated[int, typer.Option(min=2, help="Steps of every run.")] = 300,
     set_: SetOption = None,
+    trust: TrustOption = False,
     jobs: JobsOption = None,
     scheduler: SchedulerOption = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a map that is there.")] = False,
@@ -59,7 +61,7 @@ def stability(
     The map is written to a file, by default named as the scene, with the figure beside it. One that was broken off goes on
     where it stopped.
     """
-    loaded = chosen_scene(scene, contact, shape, set_)
+    loaded = chosen_scene(scene, contact, shape, set_, trust)
     path = result_path(output, loaded, "-stability", "stability", "map of stability", force)
     numbers = {
         name: _numbers(name, text) for name, text in (("kappa", kappa), ("ratio", ratio), ("cfl", cfl))

@@ -15,6 +15,7 @@ from mpmfw.cli.arguments import (
     OutputOption,
     RepeatsOption,
     SchedulerOption,
+    TrustOption,
     jobs_of,
 )
 from mpmfw.cli.errors import check_result
@@ -71,6 +72,7 @@ def study(
         ),
     ] = None,
     force: ForceOption = False,
+    trust: TrustOption = False,
     form: FormatOption = Format.table,
 ) -> None:
     """Run all combinations of STUDY, and say what accuracy costs in time.
@@ -81,7 +83,7 @@ def study(
     from mpmfw.studies.conclusion import conclusions, rows
     from mpmfw.studies.loading import load_study
 
-    loaded = load_study(study)
+    loaded = load_study(study, trust)
     path = Path(f"{loaded.name}.nc") if output is None else output
     _check_apart(loaded, path)
     check_result(path, "study", "study's results", force)

@@ -10,13 +10,16 @@ from another package is not seen.)
 from __future__ import annotations
 
 import atexit
+import contextlib
 import functools
 import hashlib
 import os
+import pickle
 import shutil
 import sys
 import tempfile
 import uuid
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
@@ -24,7 +27,7 @@ from typing import Any, ParamSpec, TypeVar
 
 import numba
 import platformdirs
-from numba.core import config, types
+from numba.core import caching, config, types
 from numba.extending import intrinsic as numba_intrinsic
 
 Params = ParamSpec("Params")
@@ -38,6 +41,7 @@ _njit: Any = numba.njit
 _config: Any = config
 _intrinsic: Any = numba_intrinsic
 _types: Any = types
+_CacheFile: Any = caching.IndexDataCacheFile
 
 
 #: Of every module with kernels, the sources beside ``mpmfw.kernels`` that they are made of: folders, and lone files.
@@ -86,25 +90,37 @@ def _temporary_root() -> Path:
 
 
 @functools.cache
-def _writable(root: Path) -> bool:
-    """Whether files can be made in ``root``, which is made if need be."""
+def _usable(root: Path) -> bool:
+    """Return whether files can be made in ``root``, and by this user alone; it is made if need be.
+
+    Compiled code is unpickled from there: whoever may write to the folder may run code as its user.
+    """
     try:
-        root.mkdir(parents=True, exist_ok=True)
+        root.mkdir(mode=0o700, parents=True, exist_ok=True)
+        folder = root.stat()
         with tempfile.TemporaryFile(dir=root):
-            return True
+            pass
     except OSError:
         return False
+    if os.name == "nt" or (folder.st_uid == os.getuid() and not folder.st_mode & 0o002):
+        return True
+    text = (
+        f"kernels are compiled again in each process: {root} belongs to another user, or anybody may write to it; "
+        "make it yours alone, or set NUMBA_CACHE_DIR to a folder that is"
+    )
+    warnings.warn(text, stacklevel=2)
+    return False
 
 
 def cache_folder(module: str) -> Path:
     """Folder of the compiled kernels of ``module``; ``NUMBA_CACHE_DIR``, if set, is its parent.
 
-    Where that cannot be written (a read-only home), kernels are compiled once per process, into a temporary
-    folder.
+    Where that cannot be written (a read-only home), or not by this user alone, kernels are compiled once per process, into
+    a temporary folder.
     """
     given = os.environ.get("NUMBA_CACHE_DIR")
     root = Path(given) if given else platformdirs.user_cache_path("mpmfw") / "kernels"
-    if not _writable(root):
+    if not _usable(root):
         root = _temporary_root()
     hashes = [_hash_of(source) for source in (Path(__file__).parent, *sorted(_sources.get(module, ())))]
     key = hashlib.sha256(repr((hashes, OPTIONS, numba.__version__)).encode()).hexdigest()
@@ -117,17 +133,45 @@ def _token(process: int) -> str:  # noqa: ARG001
     return uuid.uuid4().hex[:12]
 
 
-def _name_data_by_process(compiled: Any) -> None:
-    """Give the files of compiled code names that no other process chooses.
+class _KernelFiles(_CacheFile):  # type: ignore[misc]
+    """The files of one kernel in the cache; a damaged one counts as absent, and is written anew.
 
-    numba numbers them by what it finds in its index: of two processes that compile different signatures at
-    the same time both take the same number, and later ones load the code of the wrong signature.
+    numba numbers the files of code by what it finds in its index: of two processes that compile different signatures at
+    the same time both take the same number, and later ones load the code of the wrong signature. Here names have a part that
+    no other process chooses.
     """
-    cache = getattr(compiled, "_cache", None)  # none where compilation is disabled
-    if cache is not None:
-        files = cache._cache_file
-        stem = files._index_name.removesuffix(".nbi")
-        files._data_name = lambda number: f"{stem}.{number}-{_token(os.getpid())}.nbc"
+
+    def _data_name(self, number: int) -> str:
+        return f"{self._index_name.removesuffix('.nbi')}.{number}-{_token(os.getpid())}.nbc"
+
+    def _dump(self, content: Any) -> bytes:
+        pickled: bytes = super()._dump(content)
+        return pickled + hashlib.sha256(pickled).digest()  # what reads a pickle stops at its end
+
+    def _load_index(self) -> Any:
+        return (
+            super()._load_index() if self._is_whole(self._index_path, pickle.dumps(self._version, -1)) else {}
+        )
+
+    def _load_data(self, name: str) -> Any:
+        path = self._data_path(name)
+        if not self._is_whole(path):
+            raise OSError(f"{path} is damaged")  # numba compiles the kernel then
+        return super()._load_data(name)
+
+    def save(self, key: Any, content: Any) -> None:
+        """Save an entry; a full disk is no reason to fail, the kernel is compiled."""
+        with contextlib.suppress(OSError):
+            super().save(key, content)
+
+    @staticmethod
+    def _is_whole(path: str, head: bytes = b"") -> bool:
+        """Return whether a file begins with ``head`` and ends with the digest of what is between."""
+        try:
+            content = Path(path).read_bytes()
+        except OSError:
+            return False
+        return content.startswith(head) and hashlib.sha256(content[len(head) : -32]).digest() == content[-32:]
 
 
 def kernel(function: Callable[Params, Result]) -> Callable[Params, Result]:
@@ -139,7 +183,11 @@ def kernel(function: Callable[Params, Result]) -> Callable[Params, Result]:
         compiled: Callable[Params, Result] = _njit(cache=True, no_cfunc_wrapper=True, **OPTIONS)(function)
     finally:
         _config.CACHE_DIR = previous
-    _name_data_by_process(compiled)
+    cache: Any = getattr(compiled, "_cache", None)  # none where compilation is disabled
+    if cache is not None:
+        files = cache._cache_file
+        stem = files._index_name.removesuffix(".nbi")
+        cache._cache_file = _KernelFiles(files._cache_path, stem, files._source_stamp)
     return compiled
 
 

@@ -1,11 +1,13 @@
-"""What no scene may hold, whatever its keys: tables within tables without end, and text that no file takes."""
+"""What no scene may hold, whatever its keys: tables within tables without end, text that no file takes, a stranger's code."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from mpmfw.discovery import names_code
 from mpmfw.scene.locator import Path
+from mpmfw.scene.override import parse_value
 from mpmfw.scene.problem import Problem
 from mpmfw.units import LARGEST
 
@@ -40,6 +42,29 @@ def check_content(content: Any, at: Path = ()) -> Iterator[Problem]:
         elif isinstance(value, str) and (wrong := _text(value)):
             problems.append(Problem(path, wrong))
     yield from problems
+
+
+#: Keys whose text names no plug-in.
+_FREE = frozenset({"title", "path", "file", "scene", "scenes"})
+
+
+def code_in(content: Any) -> Iterator[Problem]:
+    """Yield a problem for each ``module:Class`` among the values of a file, whose code a run would import."""
+    waiting: list[tuple[Path, Any]] = [((), content)]
+    while waiting:
+        path, value = waiting.pop()
+        if isinstance(value, Mapping):
+            waiting += [((*path, str(key)), item) for key, item in value.items()]
+        elif isinstance(value, list | tuple):
+            waiting += [((*path, index), item) for index, item in enumerate(value)]
+        elif isinstance(value, str) and names_code(value):
+            if path[-1] not in _FREE and path[:-1] != ("scenes",):
+                message = (
+                    f"'{value}' is Python code, which a file may name only with --trust (Python: trust=True)"
+                )
+                yield Problem(path, message)
+        elif isinstance(value, str) and (read := parse_value(value)) != value:
+            waiting.append((path, read))  # a study's texts are read as TOML values
 
 
 def _text(text: Any) -> str:

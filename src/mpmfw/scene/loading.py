@@ -14,7 +14,7 @@ from mpmfw.errors import SceneError
 from mpmfw.scene.cells import with_lengths
 from mpmfw.scene.checks import check
 from mpmfw.scene.contact_parts import latest_spelling, without_effect
-from mpmfw.scene.content import check_content
+from mpmfw.scene.content import check_content, code_in
 from mpmfw.scene.locator import Locator, dotted
 from mpmfw.scene.locator import Path as KeyPath
 from mpmfw.scene.options import NAMED, Chosen, separate_options
@@ -32,7 +32,9 @@ def shipped_scenes() -> dict[str, str]:
 
 
 def load_scene(
-    scene: str | os.PathLike[str] | Mapping[str, Any] | Scene, set: Mapping[str, Any] | None = None
+    scene: str | os.PathLike[str] | Mapping[str, Any] | Scene,
+    set: Mapping[str, Any] | None = None,
+    trust: bool = False,
 ) -> Scene:
     """Read and validate a scene.
 
@@ -43,6 +45,8 @@ def load_scene(
         passes through.
     set
         Values by dotted key, set over the scene's own. Text is read as a TOML value where it is one.
+    trust
+        Whether a file may name plug-ins as ``module:Class``, whose code is imported. Mappings and ``set`` always may.
 
     Raises
     ------
@@ -52,7 +56,24 @@ def load_scene(
     overrides = {k: parse_value(v) if isinstance(v, str) else v for k, v in (set or {}).items()}
     if isinstance(scene, Scene):
         return scene.with_overrides(overrides) if overrides else scene
-    return scene_from(read_source(scene, "scene", shipped_scenes()), overrides)
+    source = read_source(scene, "scene", shipped_scenes())
+    if source.text is not None and not trust:
+        refuse_code(source)
+    return scene_from(source, overrides)
+
+
+def refuse_code(source: Source) -> None:
+    """Refuse a file that names a plug-in as ``module:Class``.
+
+    Raises
+    ------
+    SceneError
+        One line for each such name.
+    """
+    problems = list(code_in(source.mapping))
+    problems += [replace(p, path=(), override=str(p.path[0])) for p in code_in(source.overrides)]
+    if problems:
+        raise SceneError(message_of(problems, source, source.overrides))
 
 
 def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:

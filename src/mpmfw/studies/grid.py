@@ -37,7 +37,7 @@ def _base(study: Study, label: str, chosen: Any) -> Scene:
         ["output.surface", "output.gap", "output.ledger"], False
     )
     try:
-        scene = load_scene(chosen)
+        scene = load_scene(chosen, trust=study.trust)
     except SceneError as error:
         if isinstance(chosen, str) and ": no such file" in str(error):
             raise study.at(("scenes", label) if label else ("scene",), str(error)) from error

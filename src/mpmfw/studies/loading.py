@@ -15,7 +15,7 @@ from mpmfw.campaigns.measures import measure_of
 from mpmfw.campaigns.tables import validated
 from mpmfw.errors import SceneError
 from mpmfw.scene import Scene, Source
-from mpmfw.scene.loading import message_of
+from mpmfw.scene.loading import message_of, refuse_code
 from mpmfw.scene.locator import Path as KeyPath
 from mpmfw.scene.override import parse_path
 from mpmfw.scene.problem import Problem
@@ -34,10 +34,13 @@ class Study:
         What it says.
     source
         Where its keys were written.
+    trust
+        Whether the files of its scenes may name ``module:Class``.
     """
 
     tables: StudyTables
     source: Source
+    trust: bool = False
 
     @property
     def name(self) -> str:
@@ -67,7 +70,7 @@ def shipped_studies() -> dict[str, str]:
     return shipped_texts("studies")
 
 
-def load_study(study: str | os.PathLike[str] | Mapping[str, Any] | Study) -> Study:
+def load_study(study: str | os.PathLike[str] | Mapping[str, Any] | Study, trust: bool = False) -> Study:
     """Read and validate a study.
 
     Parameters
@@ -75,6 +78,8 @@ def load_study(study: str | os.PathLike[str] | Mapping[str, Any] | Study) -> Stu
     study
         A TOML file, the name of a shipped study such as ``rolling-cylinder``, or nested mappings; a study passes
         through.
+    trust
+        Whether its file and its scenes' files may name ``module:Class``, whose code is imported.
 
     Raises
     ------
@@ -84,7 +89,9 @@ def load_study(study: str | os.PathLike[str] | Mapping[str, Any] | Study) -> Stu
     if isinstance(study, Study):
         return study
     source = read_source(study, "study", shipped_studies())
-    return Study(validated(StudyTables, source, _checks), source)
+    if source.text is not None and not trust:
+        refuse_code(source)
+    return Study(validated(StudyTables, source, _checks), source, trust)
 
 
 def _checks(tables: StudyTables) -> Iterator[Problem]:

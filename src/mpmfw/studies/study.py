@@ -37,6 +37,7 @@ def study(
     under: float | str | None = None,
     progress: Progress | None = None,
     force: bool = False,
+    trust: bool = False,
 ) -> xr.Dataset:
     """Run a grid of methods and resolutions, and put error and cost side by side.
 
@@ -58,6 +59,8 @@ def study(
         Address of a Dask scheduler, such as ``tcp://127.0.0.1:8786``, whose workers run the study instead.
     repeats, under
         Stand in for the study's ``cost.repeats`` and ``under``, the relative error: 0.01 or ``"1 %"``.
+    trust
+        Whether the files of the study and its scenes may name ``module:Class``, whose code is imported.
 
     Returns
     -------
@@ -77,7 +80,7 @@ def study(
     -----
     A run that fails is recorded, and does not stop the others.
     """
-    loaded = _with(load_study(study), repeats, under)
+    loaded = _with(load_study(study, trust), repeats, under)
     if timing not in get_args(Timing):
         raise SceneError(f"timing: '{timing}' is unknown; expected one of {', '.join(get_args(Timing))}")
     path = None if output is None else Path(output)

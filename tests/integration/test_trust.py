@@ -1,0 +1,155 @@
+"""A file that names ``module:Class`` imports nothing without trust."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+import xarray as xr
+from test_resume import stopped
+from typer.testing import CliRunner
+
+import mpmfw
+from mpmfw.cli import app
+from mpmfw.domains import triangles_of
+from mpmfw.errors import SceneError
+from mpmfw.references import RollingReference, reference_of
+from mpmfw.scene import load_scene, shipped_scenes
+from mpmfw.scene.toml_text import toml_text
+from mpmfw.studies.grid import make_grid
+from mpmfw.studies.loading import load_study
+from scenes_for_tests import two_blocks
+
+#: Keys of a scene that name plug-ins.
+PLACES = {
+    "shape": {"method": "evil:X"},
+    "contact": {"method": "evil:X(a = 1)"},
+    "contact.parts": {"detection": "nodes", "law": "evil:X"},
+    "contact.friction_law": {"method": "penalty", "friction": 0.1, "friction_law": "evil:X"},
+    "contact.joined": {"method": "nodes+evil:X"},
+    "materials": {"soft": {"model": "evil:X", "density": 1.0}},
+    "loads": {"a": {"model": "evil:X"}},
+    "boundaries": {"a": {"model": "evil:X"}},
+    "outputs": {"a": {"model": "evil:X"}},
+    "bodies": {"a": {"geometry": {"type": "evil:X"}}},
+    "reference": {"kind": "evil:X"},
+}
+
+STUDY: dict[str, Any] = {
+    "scene": "rolling-cylinder-slip",
+    "vary": {"contact": ["none"]},
+    "error": {"quantity": "displacement"},
+}
+
+
+@pytest.fixture(autouse=True)
+def evil(tmp_path, monkeypatch):
+    """A module in the working folder that says when it is imported, and is a contact that works."""
+    monkeypatch.chdir(tmp_path)
+    Path("evil.py").write_text("from faulty_plugins.contact.plain import PlainContact as X\n")
+    yield tmp_path
+    sys.modules.pop("evil", None)
+
+
+def written(content: Any, name: str = "t.toml") -> str:
+    """The name of a file with these tables."""
+    Path(name).write_text(content if isinstance(content, str) else toml_text(content))
+    return name
+
+
+def refused(call: Any, *arguments: Any, **others: Any) -> None:
+    with pytest.raises(SceneError, match=r"evil:X.*--trust \(Python: trust=True\)"):
+        call(*arguments, **others)
+    assert "evil" not in sys.modules
+
+
+@pytest.mark.parametrize("key", PLACES)
+def test_a_scene_s_file_imports_nothing(key):
+    table = key.partition(".")[0]
+    scene = written({**two_blocks("penalty"), table: PLACES[key]})
+    refused(load_scene, scene)
+    result = CliRunner().invoke(app, ["explain", scene])
+    assert result.exit_code == 2
+    assert "evil" not in sys.modules
+
+
+def test_with_trust_it_does_and_what_is_given_beside_the_file_needs_none():
+    scene = {**two_blocks("penalty"), "contact": {"method": "evil:X", "friction": 0.0}}
+    assert load_scene(written(scene), trust=True).contact.method == "evil:X"
+    sys.modules.pop("evil")
+    assert load_scene(scene).contact.method == "evil:X"
+    sys.modules.pop("evil")
+    plain = written(two_blocks("penalty"), "plain.toml")
+    assert load_scene(plain, set={"contact.method": "evil:X"}).contact.method == "evil:X"
+    for arguments in ([written(scene), "--trust"], [plain, "--contact", "evil:X"]):
+        sys.modules.pop("evil", None)
+        assert CliRunner().invoke(app, ["explain", *arguments]).exit_code == 0
+        assert "evil" in sys.modules
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        {"vary": {"contact": ["penalty", "evil:X(a=1)"]}},
+        {"vary": {"contact": ["'evil:X'"]}},  # a study's texts are read as TOML values
+        {"vary": {"contact": ['"\\u0065vil:X"']}},
+        {"vary": {"shape": ["{ method = 'evil:X' }"]}},
+        {"set": {"contact.friction_law": "evil:X"}},
+        {"error": {"quantity": "evil:X"}},
+        {"scene": {**two_blocks("penalty"), "shape": {"method": "evil:X"}}},
+    ],
+)
+def test_a_study_s_file_imports_nothing(table):
+    study = {**STUDY, **table}
+    path = written(study)
+    with pytest.raises(SceneError, match="--trust"):
+        mpmfw.study(path)
+    assert CliRunner().invoke(app, ["study", path]).exit_code == 2
+    assert "evil" not in sys.modules
+
+
+def test_a_study_is_trusted_with_its_scene():
+    contact = {"method": "evil:X", "friction": 0.0}
+    written({**two_blocks("penalty"), "contact": contact}, "scene.toml")
+    path = written({**STUDY, "scene": "scene.toml", "vary": {"shape": ["linear"]}})
+    load_study(path)
+    refused(mpmfw.study, path)
+    make_grid(load_study(path, trust=True))
+    assert "evil" in sys.modules
+
+
+def test_a_run_goes_on_with_a_stranger_s_code_only_with_trust(tmp_path):
+    scene = {
+        **two_blocks("penalty", time__end=0.01, time__output_interval=0.005),
+        "contact": {"method": "evil:X", "friction": 0.0},
+    }
+    stopped(scene, tmp_path / "run.nc", 3)
+    sys.modules.pop("evil")
+    refused(mpmfw.resume, tmp_path / "run.nc")
+    result = CliRunner().invoke(app, ["resume", "run.nc"])
+    assert result.exit_code == 2
+    assert "evil" not in sys.modules
+    assert CliRunner().invoke(app, ["resume", "run.nc", "--trust"]).exit_code == 0
+    assert mpmfw.open(tmp_path / "run.nc").attrs["status"] == "ok"
+
+
+def test_results_import_nothing_when_they_are_looked_at():
+    scene = load_scene("rolling-cylinder-slip").to_mapping()
+    expected = reference_of({"scene": shipped_scenes()["rolling-cylinder-slip"]})
+    assert isinstance(expected, RollingReference)
+    scene["contact"]["method"] = scene["shape"]["method"] = "evil:X"
+    for table in scene["materials"].values():
+        table["model"] = "evil:X"
+    assert reference_of({"scene": toml_text(scene)}) == expected  # no method changes it
+    scene["bodies"]["cylinder"]["geometry"] = {"type": "evil:X"}
+    tree = xr.DataTree(xr.Dataset(attrs={"scene": toml_text(scene)}))
+    assert reference_of(tree.attrs) is None
+    assert triangles_of(tree, "cylinder") is None
+    assert "evil" not in sys.modules
+
+
+@pytest.mark.parametrize("text", ['title = "A note:about"\n', "title = 'Impact:Fast'\n"])
+def test_other_text_with_a_colon_is_taken(text):
+    load_scene(written(text + toml_text(two_blocks("penalty"))))
