@@ -191,7 +191,7 @@ def rows_of(loops, found, *, across=False, ties=True, friction=True, tilts=False
     table = (np.arange(n + 1), np.arange(n, dtype=np.int32), np.ones(n)) if table is None else table
     table = SurfaceTable(**dict(zip(SurfaceTable.member_names, table, strict=True)))
     rows.count = assemble(
-        passes,
+        np.arange(loops.n_bodies) if passes == 1.0 else np.zeros(loops.n_bodies, dtype=np.int64),
         across,
         ties,
         found,

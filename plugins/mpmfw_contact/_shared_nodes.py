@@ -12,7 +12,7 @@ from mpmfw.kernels.types import Flags, Float, Floats, Indices, Ints
 
 
 class NodePairs(Struct):
-    """Bodies of every pair, and what their volume gradients weigh in its normal."""
+    """Bodies of every pair, and what their volume gradients weigh in its normal: 0 and 0 where the larger one counts."""
 
     first: Ints  #: (pair,)
     second: Ints  #: (pair,)
@@ -154,13 +154,16 @@ def direction_out(
     i: int, j: int, p: int, pairs: NodePairs, grid: GridNodes, given: Floats, out: Floats
 ) -> bool:
     """n ∝ w_b g_b − w_a g_a of the outward volume gradients, or the given one, out of the second body; whether there is one."""
-    square = 0.0
+    square, of_first, of_second = 0.0, pairs.weight_first[p], pairs.weight_second[p]
+    if of_first + of_second == 0.0 and len(grid.gradient) > 0:
+        for d in range(len(given)):
+            square += grid.gradient[i, d] ** 2 - grid.gradient[j, d] ** 2
+        of_first, of_second = 1.0 if square >= 0.0 else 0.0, 1.0 if square <= 0.0 else 0.0
+        square = 0.0
     for d in range(len(given)):
         out[d] = -given[d]
         if len(grid.gradient) > 0:
-            out[d] = (
-                pairs.weight_second[p] * grid.gradient[j, d] - pairs.weight_first[p] * grid.gradient[i, d]
-            )
+            out[d] = of_second * grid.gradient[j, d] - of_first * grid.gradient[i, d]
         square += out[d] * out[d]
     length = math.sqrt(square)
     for d in range(len(given)):

@@ -21,6 +21,7 @@ from mpmfw_contact._shared_nodes import (
     project_volume_gradient,
     write_rows,
 )
+from mpmfw_contact._stiffness import stiffness_ranks
 
 #: Share of a full cell's mass that both bodies must have at a node for a force to act there: with less it would be all
 #: acceleration.
@@ -41,7 +42,9 @@ class NodesOptions(BaseModel):
         0.8, gt=0, description="separation in cells below which bodies touch (criterion = position)"
     )
     normal: Literal["averaged", "master", "specified"] = Field(
-        "averaged", description="averaged of the pair, the stiffer body's, or given by `direction`"
+        "averaged",
+        description="averaged of the pair, the stiffer body's (of equals the larger volume gradient at a node), or given by "
+        "`direction`",
     )
     direction: tuple[float, ...] | None = Field(
         None, description="unit vector out of a pair's first body (normal = specified)"
@@ -238,13 +241,9 @@ class Nodes(AtNodes):
         self.projects_mean = self.by_position
 
     def weights(self, state: State) -> tuple[FloatArray, FloatArray]:
-        """Both gradients where normals are averaged, or the stiffer body's alone."""
-        bodies, pairs = state.bodies, state.pairs
-        stiffer_second = np.array(
-            [bodies[p.second].p_wave_modulus > bodies[p.first].p_wave_modulus for p in pairs], dtype=bool
-        )
-        averaged = self.options.normal == "averaged"
-        return (
-            np.where(averaged | ~stiffer_second, 1.0, 0.0),
-            np.where(averaged | stiffer_second, 1.0, 0.0),
-        )
+        """Both gradients where normals are averaged, or the stiffer body's alone; 0 and 0 of equals: the larger one."""
+        if self.options.normal != "master":
+            return super().weights(state)
+        ranks = stiffness_ranks(state.bodies)
+        stiffer = np.array([ranks[p.first] - ranks[p.second] for p in state.pairs])
+        return np.where(stiffer > 0, 1.0, 0.0), np.where(stiffer < 0, 1.0, 0.0)

@@ -122,7 +122,6 @@ LACKS_HAMAD_2017 = {
         ),
         THROWN,
     ),
-    "relabelling": "of two equally stiff bodies the first is the master, and its nodes are no slaves",
     **dict.fromkeys(
         ("equal-and-opposite", "moment-balance", "pushes-apart", "no-adhesion", "asleep-apart", "bystander"),
         LAYER,

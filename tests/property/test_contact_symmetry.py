@@ -32,7 +32,6 @@ from contact_scenes import (
 from mpmfw.discovery import load
 from mpmfw.simulation import Simulation
 
-MASTER = "of two equally stiff bodies the first is the master"
 LAYER = "the interface layer has inertia, contact or not"
 
 TURN = "rounding decides whether a normal has turned by less than what ends its regression"
@@ -44,13 +43,7 @@ TOUCH = "rounding decides whether spheres that just touch are in contact"
 LACKS: dict[str, dict[str, str]] = {
     "order": {"lcp": ORDER},
     "order of three": {"lcp": ORDER, "lcp-nodes": ORDER},
-    "order of equal bodies": {
-        "lcp": ORDER,
-        "bardenhagen-master": MASTER,
-        "bardenhagen-position-master": MASTER,
-        "penalty-one-pass": MASTER,
-        "hamad2017": MASTER,
-    },
+    "order of equal bodies": {"lcp": ORDER},
     "whole-cell shift": {"hamad2017": ROUNDING},
     "quarter turn": {
         "hamad2017, impact": ROUNDING,

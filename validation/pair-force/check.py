@@ -189,7 +189,7 @@ def row_of(points: FloatArray, moved: FloatArray, *, tilts: bool = False) -> Sur
     pair_of = pair_table(np.array([0]), np.array([1]))
     rows = SurfaceRows(2, couples=True, tilts=tilts, own=OWN)
     rows.count = assemble(
-        1.0, False, False, candidates, outline, pair_of, np.array([0]), table, np.zeros(3, dtype=np.int64), rows,
+        np.arange(2), False, False, candidates, outline, pair_of, np.array([0]), table, np.zeros(3, dtype=np.int64), rows,
         rows.places, (1.0, 1.0),
     )  # fmt: skip
     return rows

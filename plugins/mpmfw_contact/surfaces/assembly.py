@@ -219,12 +219,13 @@ def next_candidate(s: int, last: int, candidates: Candidates) -> int:
 
 @kernel
 def assemble(
-    passes: float, across: bool, ties: bool, candidates: Candidates, outline: Outline, pair_of: Ints, pair_first: Ints,
+    rank: Ints, across: bool, ties: bool, candidates: Candidates, outline: Outline, pair_of: Ints, pair_first: Ints,
     table: SurfaceTable, place: Ints, rows: Rows, places: Places, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """A row for each candidate, two where it meets two facets alike; their number, or −1 where there is no room for all.
 
-    ``passes`` is the part of a node's tributary area that counts in one pass. ``across`` says whether only what
+    A node counts with its tributary area, or with half of it where its body and the master are of the same ``rank`` (body,):
+    each is then slave once. ``across`` says whether only what
     lies across the normal is a row's area, ``ties`` whether of two equally close facets both count. ``place`` is scratch
     (:func:`add_point`).
     """
@@ -256,6 +257,7 @@ def assemble(
                 p = pair_index(pair_of, body[s], master)
                 rows.pair[c], rows.identity[c], rows.gap[c] = p, s * n_bodies + master, g
                 rows.sign[c] = 1.0 if pair_first[p] == body[s] else -1.0
+                passes = 0.5 if rank[body[s]] == rank[master] else 1.0
                 rows.whole[c] = taken * passes * outline.tributary[s]
                 rows.area[c] = rows.whole[c]
                 if across:

@@ -22,6 +22,7 @@ from mpmfw.api import (
 )
 from mpmfw.api import Field as ArrayField
 from mpmfw.kernels.pair_table import pair_table
+from mpmfw_contact._stiffness import stiffness_ranks
 from mpmfw_contact.surfaces import cells, search
 from mpmfw_contact.surfaces.assembly import Places, SurfaceTable, assemble, point_forces
 from mpmfw_contact.surfaces.candidates import no_candidates, no_lists
@@ -199,10 +200,10 @@ class Surfaces(Detection):
 
     def _assemble(self, rows: SurfaceRows) -> None:
         table, place = self.tables()
-        passes, closest = 0.5 if self.two_passes else 1.0, not self.every_facet
+        closest = not self.every_facet
         while True:
             rows.count = assemble(
-                passes, closest, closest, self.candidates, self.outline, self.pair_of, self.first, table,
+                self.rank, closest, closest, self.candidates, self.outline, self.pair_of, self.first, table,
                 place, rows, rows.places, self.state.grid.spacing,
             )  # fmt: skip
             if rows.count >= 0:
@@ -274,15 +275,15 @@ class SurfaceRows(ContactRows):
 
 
 def _ranks(bodies: tuple[Body, ...], master: str | None, owner: str, *, one_pass: bool) -> IntArray:
-    """All alike where each body is slave once; else the stiffer is master, of equals the first, unless one is named.
+    """All alike where each body is slave once; else the stiffer is master, unless one is named. Equals are slaves of each other.
 
     Nodes of a body are slaves to facets of those of the same or a higher rank.
     """
     if master is not None and master not in [body.name for body in bodies]:
         names = ", ".join(body.name for body in bodies)
         raise SceneError(f"contact.{owner}.master: no body '{master}'; expected one of {names}")
-    ranks = np.zeros(len(bodies), dtype=np.int64)
-    if one_pass:
-        order = sorted(bodies, key=lambda b: (b.name == master, b.p_wave_modulus, -b.index))
-        ranks[[body.index for body in order]] = np.arange(len(bodies))
+    if not one_pass:
+        return np.zeros(len(bodies), dtype=np.int64)
+    ranks = stiffness_ranks(bodies)
+    ranks[[body.index for body in bodies if body.name == master]] = len(bodies)
     return ranks
