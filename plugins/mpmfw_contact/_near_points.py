@@ -142,12 +142,13 @@ def list_neighbours(
 @kernel
 def write_point_rows(
     listed: int, found: Neighbours, points: Points, row: Ints, nodes: Indices, weight: Floats, gradient: Floats,
-    start_velocity: Floats, dt: float, rows: Rows, spacing: tuple[float, ...],
+    start_velocity: Floats, dt: float, at_centres: bool, rows: Rows, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """A row for each two points that are near each other; their number of entries, stored or not.
 
     The normal is the line of their centres, the gap their distance less their radii, the area that of the smaller one. Both
-    sides are taken at the place x_c between them, with φ_ip + ∇φ_ip·(x_c − x_p): friction leaves no moment.
+    sides are taken at the place x_c between them, with φ_ip + ∇φ_ip·(x_c − x_p): friction leaves no moment. If forces act
+    ``at_centres`` the weights are φ_ip.
     """
     dim, n_points, m = len(spacing), len(points.volume), 0
     for c in range(listed):
@@ -175,7 +176,7 @@ def write_point_rows(
         at = rows.start[c]
         for side in range(2):
             point, sign = (p, 1.0) if side == 0 else (q, -1.0)
-            to_place = -sign * ((r_p if side == 0 else r_q) + 0.5 * rows.gap[c])
+            to_place = 0.0 if at_centres else -sign * ((r_p if side == 0 else r_q) + 0.5 * rows.gap[c])
             for k in range(row[point], row[point + 1]):
                 moved = 0.0
                 for d in range(dim):

@@ -1,22 +1,130 @@
-"""Contact of multiple velocity fields (Bardenhagen, Brackbill & Sulsky 2000; Bardenhagen et al. 2001)."""
+"""Contact of multiple velocity fields (Bardenhagen, Brackbill & Sulsky 2000; Bardenhagen et al. 2001).
+
+S. G. Bardenhagen, J. E. Guilkey, K. M. Roessig, J. U. Brackbill, W. M. Witzel, J. C. Foster (2001), An improved contact algorithm
+for the material point method and application to stress propagation in granular material, CMES 2, 509-522, adds two things to the
+contact of 2000. The normal traction decides on free separation: a node is in contact where the surface is compressed, or where it
+is free of stress and the bodies approach. And impulses are scaled down where they would strain a body too much in a step. The
+paper was not at hand; both are known here by its abstract and Uintah's public code (FrictionContactBard.cc).
+
+Assumed here. The traction is that of the pair, n·σ·n of both bodies' stress weighted by volume along the pair's normal; in
+Uintah each body has a traction and a normal. The strain is J_n Δt / (m h) of the lighter body; in Uintah it is the largest
+component of the whole velocity change, which depends on the axes.
+"""
 
 from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import Field
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
 
-from mpmfw.api import ImpulseContact
-from mpmfw_contact.impulse import Impulse
+from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseContact, Particles, Setup, Stencil
+from mpmfw.kernels import kernel
+from mpmfw.kernels.contact import Rows
+from mpmfw.kernels.types import Flags, Floats, Indices, Ints
+from mpmfw_contact._shared_nodes import all_entries, point_of
+from mpmfw_contact.impulse import Impulse, find_approach, stop
 from mpmfw_contact.nodes import Nodes, NodesOptions
 
 
-class BardenhagenOptions(NodesOptions):
-    """Criterion of contact and kind of normal."""
+@kernel
+def project_stress(
+    row: Ints, nodes: Indices, weight: Floats, volume: Floats, stress: Floats, shared: Flags, out: Floats,
+    spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """Σ_p φ_ip V_p σ_p at ``shared`` nodes into ``out`` (n_nodes, dim, dim) [Pa m^dim]; 0 at others."""
+    dim, p = len(spacing), 0
+    out[:] = 0.0
+    for k in all_entries(row):
+        if shared[nodes[k]]:
+            p = point_of(row, k, p)
+            for d in range(dim):
+                for e in range(dim):
+                    out[nodes[k], d, e] += weight[k] * volume[p] * stress[p, d, e]
+
+
+@kernel
+def mark_compressed(
+    rows: Rows, count: int, stress: Floats, compressed: Floats, spacing: tuple[float, ...]
+) -> None:
+    """Write 1 into ``compressed`` (n,) for rows where n·(σ_a + σ_b)·n < 0 with the nodal ``stress``, else 0."""
+    dim = len(spacing)
+    for c in range(count):
+        i, j, traction = rows.dof[2 * c], rows.dof[2 * c + 1], 0.0
+        for d in range(dim):
+            for e in range(dim):
+                traction += rows.normal[c, d] * (stress[i, d, e] + stress[j, d, e]) * rows.normal[c, e]
+        compressed[c] = 1.0 if traction < 0.0 else 0.0
+
+
+@kernel
+def limit_impulses(rows: Rows, count: int, mass: Floats, scale: float, limit: Floats) -> None:
+    """Write ``scale`` times the lighter body's nodal mass into ``limit`` (n,) [N s/m]."""
+    for c in range(count):
+        limit[c] = scale * min(mass[rows.dof[2 * c]], mass[rows.dof[2 * c + 1]])
+
+
+class TractionOptions(BaseModel):
+    """The two additions of 2001."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    traction: bool = Field(
+        False,
+        description="bodies under a compressive normal traction stay in contact also where they separate (2001)",
+    )
+    largest_strain: float | None = Field(
+        None,
+        gt=0,
+        description="strain of a step, of the lighter body, that bounds impulses (2001; Uintah has 0.5)",
+    )
+
+
+class TractionImpulse(Impulse):
+    """Impulses at shared nodes that hold compressed bodies together, and whose strain is bounded."""
+
+    name = "bardenhagen"
+    Options = TractionOptions
+    options: TractionOptions
+
+    def row_arrays(self, *, friction: bool) -> dict[str, int | None]:
+        """Arrays of impulses, rows that are compressed, and the bound."""
+        arrays = super().row_arrays(friction=friction)
+        if self.options.traction:
+            arrays["compressed"] = 0
+        if self.options.largest_strain is not None:
+            arrays["limit"] = 0
+        return arrays
+
+    def prepare(self, setup: Setup, owner: str) -> None:  # noqa: ARG002
+        """The cell size."""
+        self.cell_size = setup.cell_size
+
+    def impulses(
+        self, rows: ContactRows, grid: Grid, scratch: FloatArray, work: FloatArray | None, *, projected: bool
+    ) -> None:
+        """Stop what approaches, hold what is compressed, and let slip within the cone."""
+        own, n, spacing, limit = rows.own, slice(rows.count), grid.spacing, np.zeros(0)
+        rows.momentary_velocity(grid, own.velocity)
+        find_approach(rows, rows.count, own, spacing)
+        if self.options.traction:
+            np.maximum(own.active[n], own.compressed[n], out=own.active[n])
+        if self.options.largest_strain is not None:
+            limit = own.limit
+            largest = self.options.largest_strain * self.cell_size / self.dt
+            limit_impulses(rows, rows.count, grid.mass, largest, limit)
+        rows.couplings(own.active, grid, scratch, own.compliance)
+        stop(
+            rows, rows.count, own, limit, projected, np.zeros(0) if work is None else work, False, spacing
+        )  # fmt: skip
+
+
+class BardenhagenOptions(TractionOptions, NodesOptions):
+    """Criterion of contact, kind of normal, and the additions of 2001."""
 
     criterion: Literal["velocity", "position"] = Field(
         "velocity",
-        description="velocity: bodies approach at a shared node (2000, 2001); position: and their extrapolated "
+        description="velocity: bodies approach at a shared node (2000); position: and their extrapolated "
         "positions are closer than the cut-off",
     )
 
@@ -31,6 +139,24 @@ class Bardenhagen(ImpulseContact):
 
     name = "bardenhagen"
     Detection = Nodes
-    Law = Impulse
+    Law = TractionImpulse
     Options = BardenhagenOptions
+    detection: Nodes
+    options: BardenhagenOptions
     leaves_bodies_out = True
+
+    def find_rows(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
+        """Find the shared nodes, and those whose bodies are compressed if the normal traction counts."""
+        super().find_rows(grid, phi, particles)
+        rows = self.rows
+        if not self.options.traction or rows.count == 0:
+            return
+        name = f"{self.name}/nodal_stress"
+        nodes, stress = self.detection.nodes_of(grid), self.state.arrays.get(name)
+        if stress is None or len(stress) != len(grid.mass):
+            stress = self.state.arrays[name] = np.zeros((*grid.momentum.shape, grid.dim))
+        project_stress(
+            phi.row, phi.nodes, phi.weight, particles.volume, particles.stress, nodes.shared, stress,
+            grid.spacing,
+        )  # fmt: skip
+        mark_compressed(rows, rows.count, stress, rows.own.compressed, grid.spacing)

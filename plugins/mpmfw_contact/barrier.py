@@ -1,4 +1,4 @@
-"""Logarithmic barriers between surfaces: what keeps them apart grows without bound, and no step goes past it.
+"""Logarithmic barriers between surfaces, without IPC's guarantee against penetration, which takes implicit steps.
 
 Source: M. Li, Z. Ferguson, T. Schneider, T. Langlois, D. Zorin, D. Panozzo, C. Jiang, D. M. Kaufman (2020), Incremental potential
 contact: intersection- and inversion-free, large-deformation dynamics, ACM Trans. Graph. 39 (4), 49, and with material points
@@ -64,8 +64,10 @@ class BarrierLaw(Springs):
     Options = BarrierLawOptions
     options: BarrierLawOptions
     needs_facets = True
-    #: In space edges cross edges with no node near a facet: rows do not tell, and bodies would interpenetrate there.
     dimensions = (2,)
+    dimensions_note = (
+        "in space edges cross edges with no node near a facet, where bodies would interpenetrate"
+    )
 
     @classmethod
     def joined_with(cls, detection: type[Any]) -> type[Any]:
@@ -162,7 +164,10 @@ class BarrierOptions(BarrierLawOptions, SurfacesOptions):
 
 
 class Barrier(ForceContact):
-    """Barriers between surfaces: both bodies slaves, the closest facing facet, friction with a history."""
+    """Barriers between surfaces, without a guarantee against penetration: an explicit step can carry a node past one.
+
+    Such a run ends and says where. Both bodies are slaves to the closest facing facet, and friction has a history.
+    """
 
     name = "barrier"
     Detection = Surfaces

@@ -1,4 +1,4 @@
-"""Impulses that a spring bounds: what approaches is stopped, with no more than a penalty force gives in the step.
+"""Impulses that a spring bounds: overlapping bodies exchange no more than a penalty force gives in the step.
 
 Source: J. E. Guilkey, R. Lander, L. Bonnell (2021), A hybrid penalty and grid based contact method for the material point method,
 CMAME 379, 113739, as far as the public code of Uintah tells (branch yoyodyne, Materials/Contact/PenaltyContact.cc and
@@ -7,9 +7,10 @@ direction is the normal, and the velocity of a body at a node changes by the les
 it to the velocity of the centre of mass; friction is the lesser of μ times that and of what stops the slip. The stiffness is
 10 K_1 K_2 / (K_1 + K_2) of the bulk moduli, times a segment's length in a cell as deep as it is wide.
 
+Bodies that overlap and separate are pushed as well, since the lesser is that of sizes.
+
 Assumed here. The cap is that of a row, so that impulses are equal and opposite; there it is that of a body at a node, each by
-itself. Only approach is stopped; there bodies that separate are pushed as well. All that overlaps bears; there what is less deep
-than 0.1 cells. That the strain of a step is no more than 0.1 is left out.
+itself. All that overlaps bears; there only overlaps below 0.1 cells do. The limit of 0.1 on the strain of a step is left out.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ class HybridOptions(BaseModel):
 
 
 class Hybrid(Impulse):
-    """J_n = min(k |g| Δt, m approach) on every row that overlaps, and J_t = min(μ J_n, m |Δv_t|); no step limit of its own.
+    """J_n = min(k |g| Δt, m |Δv_n|) on every row that overlaps, and J_t = min(μ J_n, m |Δv_t|); no step limit of its own.
 
     The mass m is that of :class:`~mpmfw_contact.impulse.Impulse`. The impulse is that of the updated momentum, as published,
     and of MUSL's second.
@@ -69,17 +70,20 @@ class Hybrid(Impulse):
     def impulses(
         self, rows: ContactRows, grid: Grid, scratch: FloatArray, work: FloatArray | None, *, projected: bool
     ) -> None:
-        """Stop what approaches, as far as the spring bears."""
+        """Push apart rows that overlap, as far as the spring bears; MUSL's second momentum is only stopped."""
         own, n, spacing = rows.own, slice(rows.count), grid.spacing
         if projected and not self.strain_first:
             rows.force[n] = 0.0
             return
         own.limit[n] = self.modulus[rows.pair[n]] * rows.area[n] * np.maximum(-rows.gap[n], 0.0) * self.dt
         rows.momentary_velocity(grid, own.velocity)
-        find_approach(rows, rows.count, own, spacing)
+        if work is None:
+            find_approach(rows, rows.count, own, spacing)
+        else:
+            own.active[n] = rows.gap[n] <= 0.0
         rows.couplings(own.active, grid, scratch, own.compliance)
         stop(
-            rows, rows.count, own, own.limit, projected, np.zeros(0) if work is None else work, spacing
+            rows, rows.count, own, own.limit, projected, np.zeros(0) if work is None else work, True, spacing
         )  # fmt: skip
 
 

@@ -36,11 +36,13 @@ def stop(
     limit: Floats,
     projected: bool,
     work: Floats,
+    repels: bool,
     spacing: tuple[float, ...],
 ) -> None:
-    """J_n = m approach, J_t = min(μ J_n + a, m |Δv_t|), with m the inverse of the row's compliance.
+    """J_n = m approach, J_t = min(μ |J_n| + a, m |Δv_t|), with m the inverse of the row's compliance.
 
-    J_n is no more than the row's ``limit`` [N s/m], which has no rows where there is none.
+    |J_n| is no more than the row's ``limit`` [N s/m], which has no rows where there is none. Where sides separate J_n holds
+    them back, or pushes them as much if contact ``repels``.
     The work of J_t is its product with the slip: with the mean of before and after where the momentum is as
     ``projected``, and with what is left at the end of the step where it is updated, since J_t then acts beside the forces
     of the step. Bodies that stick have no slip left, and friction does no work. A ``work`` without pairs is not written.
@@ -60,9 +62,11 @@ def stop(
             slip[d] = own.velocity[c, d] + approach * rows.normal[c, d]
             square += slip[d] * slip[d]
         p, speed, normal_impulse = rows.pair[c], square**0.5, approach / compliance
+        if repels:
+            normal_impulse = abs(normal_impulse)
         if len(limit) > 0:
-            normal_impulse = min(normal_impulse, limit[c])
-        tangential = min(slip_bound(rows, c, normal_impulse), speed / compliance)
+            normal_impulse = max(-limit[c], min(normal_impulse, limit[c]))
+        tangential = min(slip_bound(rows, c, abs(normal_impulse)), speed / compliance)
         for d in range(dim):
             direction = slip[d] / speed if speed > 0.0 else 0.0
             rows.force[c, d] = normal_impulse * rows.normal[c, d] - tangential * direction
@@ -96,4 +100,4 @@ class Impulse(ImpulseLaw):
         find_approach(rows, rows.count, own, spacing)
         rows.couplings(own.active, grid, scratch, own.compliance)
         none = np.zeros(0)
-        stop(rows, rows.count, own, none, projected, none if work is None else work, spacing)
+        stop(rows, rows.count, own, none, projected, none if work is None else work, False, spacing)

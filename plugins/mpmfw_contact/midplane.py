@@ -1,9 +1,10 @@
-"""Segments against segments on the line between them: one pass, and neither body is master.
+"""Segments against segments on the line between them: one pass, and neither body is master; the plane form of a 3D method.
 
 Source: I. Sahu, N. Petrinic (2025), Midplane based 3D single pass unbiased segment-to-segment contact interaction using penalty
-method, arXiv 2506.04841, of which the abstract alone was at hand: tractions between two segments are evaluated with respect to
-a midplane, in a single pass, so that they are in equilibrium by themselves; they penalise the true interpenetration, and are
-integrated over what two segments have in common. It is for finite elements in space.
+method, CMAME 447, 118335, arXiv 2506.04841, of which the abstract alone was at hand: tractions between two segments are evaluated
+with respect to a midplane, in a single pass, so that they are in equilibrium by themselves; they penalise the true
+interpenetration, and are integrated over the common part of two segments. The published method is for facets of finite elements
+in space. Its integral over the polygon that two facets share on the midplane is not built here.
 
 Assumed here, for segments of the plane: the midline's normal is the difference of the segments' outward normals; both are
 projected onto it along that; the gap is their distance along it, linear over their common part, of which what overlaps bears; two
@@ -61,6 +62,7 @@ class Midplane(Detection):
     needs_surface = True
     gap_option = "search_radius"
     dimensions = (2,)
+    dimensions_note = "the plane form of a method for space: polygons that two facets share are not built"
 
     def parts(self, contact: object) -> list[TravelLimit]:  # noqa: ARG002
         """The limit of travel."""

@@ -1,19 +1,112 @@
-"""Contact of material points as spheres (Xiao, Liu & Sun 2021; de Vaucorbeil & Nguyen 2021)."""
+"""Contact of material points that pushes overlapping spheres apart within a step (de Vaucorbeil & Nguyen 2021).
+
+Source: A. de Vaucorbeil, V. P. Nguyen (2021), Modelling contacts with a total Lagrangian material point method,
+CMAME 373, 113503; known here by the public code of its author (Karamelo, fix_contact_min_penetration.cpp). A point is a
+sphere with half the edge of a cube of its volume as radius R. Two points of different bodies whose spheres overlap push
+each other along the line of their centres by
+
+    f_n = m_p m_q / ((m_p + m_q) Δt²) (R_p + R_q − |x_p − x_q|),
+
+which takes two free points to the distance at which they touch. Friction is μ f_n against the tangential velocity of the
+moment, also where it turns the slip round. Forces act on the points, and go to the nodes with their weights. The time step
+is a part of the law: it has no stiffness, no limit of its own, and no energy.
+
+Assumed here. The tangential velocity is that of the points' place on the grid after the other forces of the step.
+"""
 
 from __future__ import annotations
 
-from mpmfw.api import ForceContact
-from mpmfw_contact.penalty import PenaltyLaw, PenaltyLawOptions
+from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseContact, ImpulseLaw, Setup
+from mpmfw.kernels import Struct, kernel, scratch
+from mpmfw.kernels.contact import Rows, slip_bound
+from mpmfw.kernels.types import Floats
 from mpmfw_contact.points import PointSpheres
 
 
-class ParticleContact(ForceContact):
-    """Springs between points of different bodies that are nearer than the sum of their radii, with friction and a history.
+class ParticleArrays(Struct):
+    """The law's own arrays of n rows."""
 
-    The springs are those of ``penalty``, so that the two differ by detection alone.
+    velocity: Floats  #: (n, dim) B v [m/s]
+
+
+@kernel
+def push_apart(
+    rows: Rows,
+    count: int,
+    own: ParticleArrays,
+    mass: Floats,
+    dt: float,
+    work: Floats,
+    spacing: tuple[float, ...],
+) -> None:
+    """J_n = m_p m_q / (m_p + m_q) overlap / Δt, and J_t = μ J_n against the slip, whose product with J_t is added to ``work``.
+
+    ``mass`` (n_p,) [kg/m] is that of the points, which the row's identity tells.
+    """
+    dim, points = len(spacing), len(mass)
+    slip = scratch.vector(spacing)
+    for c in range(count):
+        q, p = rows.identity[c] % points, (rows.identity[c] // points) % points
+        normal_impulse = mass[p] * mass[q] / (mass[p] + mass[q]) * max(-rows.gap[c], 0.0) / dt
+        along, square = 0.0, 0.0
+        for d in range(dim):
+            along += own.velocity[c, d] * rows.normal[c, d]
+        for d in range(dim):
+            slip[d] = own.velocity[c, d] - along * rows.normal[c, d]
+            square += slip[d] * slip[d]
+        speed = square**0.5
+        tangential = slip_bound(rows, c, normal_impulse) if rows.gap[c] < 0.0 and speed > 0.0 else 0.0
+        for d in range(dim):
+            direction = slip[d] / speed if speed > 0.0 else 0.0
+            rows.force[c, d] = normal_impulse * rows.normal[c, d] - tangential * direction
+        work[rows.pair[c]] += tangential * speed
+
+
+class LeastPenetration(ImpulseLaw):
+    """Impulses that take overlapping points apart within the step, with friction of the moment."""
+
+    name = "particles"
+    uses_friction = True
+    needs_gap = True
+
+    def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002
+        """The rows' velocity."""
+        return {"velocity": 1}
+
+    def prepare(self, setup: Setup, owner: str) -> None:  # noqa: ARG002
+        """The points, whose masses the law needs."""
+        self.state = setup.state
+
+    def impulses(
+        self,
+        rows: ContactRows,
+        grid: Grid,
+        scratch: FloatArray,  # noqa: ARG002
+        work: FloatArray | None,
+        *,
+        projected: bool,
+    ) -> None:
+        """Push once in a step, beside its other forces."""
+        if projected or work is None:
+            rows.force[: rows.count] = 0.0
+            return
+        rows.momentary_velocity(grid, rows.own.velocity)
+        push_apart(rows, rows.count, rows.own, self.state.particles.mass, self.dt, work, grid.spacing)
+
+
+class PointCentres(PointSpheres):
+    """Points as spheres, on whose centres the forces act."""
+
+    at_centres = True
+
+
+class ParticleContact(ImpulseContact):
+    """Points of different bodies push each other apart by their overlap in each step, with friction of the moment.
+
+    Springs between the same points, with friction that has a history, are ``points+penalty``.
     """
 
     name = "particles"
-    Detection = PointSpheres
-    Law = PenaltyLaw
-    Options = PenaltyLawOptions
+    Detection = PointCentres
+    Law = LeastPenetration
+    Options = PointSpheres.Options

@@ -1,7 +1,9 @@
 """Penalty contact: a spring on every row, with friction within Coulomb's cone.
 
 Source: [H17], F. Hamad, S. Giridharan, C. Moormann (2017), in the form that measurements led to; what departs from it and why is
-said in ``docs/guide/methods.md``. Its own form is :mod:`mpmfw_contact.hamad2017`.
+said in ``docs/guide/methods.md``. Its own form is :mod:`mpmfw_contact.hamad2017`. The nearest relative is E. G. Kakouris, M. N.
+Chatzis, S. P. Triantafyllou (2024), A high-fidelity material point method for frictional contact problems, arXiv 2403.13534:
+penalty forces on discretised boundaries of the bodies as well, with extended B-splines as shape functions.
 """
 
 from __future__ import annotations

@@ -3,9 +3,11 @@
 Source: M. Xiao, C. Liu, W. C. Sun (2021), DP-MPM: Domain partitioning material point method for evolving multi-body
 thermal-mechanical contacts during dynamic fracture and fragmentation, CMAME 385, 114063, and A. de Vaucorbeil, V. P. Nguyen
 (2021), Modelling contacts with a total Lagrangian material point method, CMAME 373, 113503, where points of different bodies
-repel each other along the line of their centres, as in the discrete element method. Neither paper was at hand. Assumed here: a
-sphere has half the edge of a cube of the point's present volume as its radius, bears with the area of the smaller point's
-cube, and acts at the place between the two, to which the weights of both points are taken by their gradients.
+repel each other along the line of their centres, as in the discrete element method. A sphere has half the edge of a cube of the
+point's present volume as its radius, as in Karamelo, the public code of the second; the first paper was not at hand.
+
+Assumed here: a row bears with the area of the smaller point's cube, and acts at the place between the two, to which the
+weights of both points are taken by their gradients. The published law, :mod:`mpmfw_contact.particles`, acts on the centres.
 """
 
 from __future__ import annotations
@@ -37,6 +39,8 @@ class PointSpheres(Detection):
 
     name = "points"
     Options = PointsOptions
+    #: Whether forces act on the centres, and not at the place between two points.
+    at_centres = False
 
     def reach(self, cell_size: float) -> float:
         """Two cells: no sphere that a cell has a point of is larger."""
@@ -96,7 +100,7 @@ class PointSpheres(Detection):
         if listed > len(rows.pair):
             rows.make_room(2 * listed, len(rows.dof))
         table = (phi.row, phi.nodes, phi.weight, phi.gradient)
-        write = (listed, self.found, points, *table, grid.start_velocity, self.state.dt)
+        write = (listed, self.found, points, *table, grid.start_velocity, self.state.dt, self.at_centres)
         entries = write_point_rows(*write, rows, spacing)
         if entries > len(rows.dof):
             rows.make_room(len(rows.pair), 2 * entries)

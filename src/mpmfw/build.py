@@ -281,4 +281,7 @@ def _check_methods(scene: Scene, shape: ShapeFunction, contact: ContactStrategy 
         refuse_dead_hooks(type(plugin))
         if scene.dim not in plugin.dimensions:
             works = " and ".join(f"{d}D" for d in plugin.dimensions)
-            raise SceneError(f"{kind} '{plugin.name}' works in {works}; the scene's grid is {scene.dim}D")
+            note = f" ({plugin.dimensions_note})" if getattr(plugin, "dimensions_note", "") else ""
+            raise SceneError(
+                f"{kind} '{plugin.name}' works in {works}{note}; the scene's grid is {scene.dim}D"
+            )

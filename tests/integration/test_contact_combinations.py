@@ -118,7 +118,6 @@ def test_an_unknown_part_is_told_with_the_nearest():
         ("midplane", "midplane+hamad2017"),
         ("adhesion", "surfaces+adhesion"),
         ("impulse", "surfaces+impulse"),
-        ("particles", "points+penalty"),
     ],
 )
 def test_a_published_method_is_its_combination(published, combined):
@@ -206,3 +205,12 @@ def test_a_law_that_acts_across_wider_gaps_than_are_found_is_refused(contact, sa
 )
 def test_a_law_that_acts_across_gaps_that_are_found_is_not(contact):
     Simulation(impact(), contact=contact)
+
+
+@pytest.mark.parametrize(
+    ("name", "why"), [("midplane", "plane form of a method for space"), ("barrier", "edges cross edges")]
+)
+def test_a_method_of_the_plane_says_why_it_refuses_space(name, why):
+    scene = load_scene("rolling-sphere-slip", set={"grid.cell_size": 0.8})
+    with pytest.raises(SceneError, match=f"'{name}' works in 2D .*{why}.*; the scene's grid is 3D"):
+        Simulation(scene, contact=name)

@@ -74,7 +74,7 @@ def blocks(dim: int, gap: float, offset: float = 0.0) -> Simulation:
             "particles": {"layout": "lattice", "size": 0.125},
         }
     scene = box() if dim == 3 else block()
-    contact = {"method": "particles", "friction": 0.2}
+    contact = {"method": "points+penalty", "friction": 0.2}
     return Simulation({**scene, "bodies": bodies, "contact": contact, "allow_overlap": gap < 0.0})
 
 
@@ -105,7 +105,7 @@ def test_between_lattices_that_are_offset_the_surface_is_a_row_of_bumps():
 @pytest.mark.parametrize("friction", [0.0, 0.5])
 def test_the_impulses_of_a_step_have_one_line_of_action(friction):
     """Both sides of a row are at one place: what it adds to the grid's momentum has no moment."""
-    simulation = Simulation(impact(slide=0.3, friction=friction), contact="particles")
+    simulation = Simulation(impact(slide=0.3, friction=friction), contact="points+penalty")
     simulation.start()
     run(simulation, 30)
     rows, grid = simulation.contact.last_rows, simulation.state.grid

@@ -29,6 +29,8 @@ class Detection(PlugIn):
     checks_others: ClassVar[bool] = False
     #: Dimensions that it works in.
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
+    #: Why it does not work in others, for the message that refuses them.
+    dimensions_note: ClassVar[str] = ""
     #: How surface nodes are mapped to the grid: ``auto`` follows the shape function.
     surface_map: Literal["auto", "plain", "mass_weighted"] = "auto"
     #: Whether a part of it adds inertia to the nodes.

@@ -30,6 +30,8 @@ class ContactLaw(PlugIn):
     checks_others: ClassVar[bool] = False
     #: Dimensions that it works in.
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
+    #: Why it does not work in others, for the message that refuses them.
+    dimensions_note: ClassVar[str] = ""
 
     @classmethod
     def joined_with(cls, detection: type[Any]) -> type[Any]:

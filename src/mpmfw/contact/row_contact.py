@@ -57,6 +57,7 @@ class RowContact(ContactStrategy):
         if hasattr(cls, "Detection"):
             cls.needs_surface = cls.Detection.needs_surface
             cls.dimensions = tuple(d for d in cls.Detection.dimensions if d in cls.Law.dimensions)
+            cls.dimensions_note = cls.Detection.dimensions_note or cls.Law.dimensions_note
             cls.uses_friction = cls.takes_friction_law = cls.Law.uses_friction
             if cls.Law.remarks is not ContactLaw.remarks:
                 cls.concerns = _concerns

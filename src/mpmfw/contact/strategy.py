@@ -37,6 +37,8 @@ class ContactStrategy(PlugIn):
     softer_by: str | None = None
     #: Dimensions that the strategy works in.
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
+    #: Why it does not work in others, for the message that refuses them.
+    dimensions_note: ClassVar[str] = ""
 
     def parts(self) -> list[Any]:
         """Plug-ins that the strategy's options call for beside it, registered with it."""

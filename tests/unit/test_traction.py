@@ -1,0 +1,92 @@
+"""The additions of Bardenhagen et al. (2001): contact under compression, and impulses whose strain is bounded."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from contact_scenes import CELL, impact, run
+from mpmfw.simulation import Simulation
+
+DT = 1e-4
+
+
+def parting(pressure: float, speed: float = 0.2, **options) -> Simulation:
+    """Two blocks that touch and separate, under a ``pressure`` of all their points, after one step."""
+    scene = impact(gap=0.0, speed=-speed, slide=0.0, friction=0.0)
+    scene["contact"]["bardenhagen"] = options
+    for body in scene["bodies"].values():
+        body["rotation"] = "lumped"  # the correction of inertia comes after that of contact
+    simulation = Simulation(scene, contact="bardenhagen")
+    simulation.start()
+    simulation.state.particles.stress[:] = -pressure * np.eye(2)
+    simulation.step(DT)
+    return simulation
+
+
+def on_first(simulation: Simulation) -> float:
+    """Impulse on the first body along the outward normal of the second, −x [N s/m]."""
+    return -float(simulation.contact.records.impulse[0, 0])
+
+
+def test_separating_bodies_under_compression_are_held_together():
+    free, held = parting(10.0), parting(10.0, traction=True)
+    assert on_first(free) == 0.0
+    rows = held.contact.rows
+    assert rows.own.compressed[: rows.count].all()
+    assert on_first(held) < 0.0
+    velocity = np.zeros((len(rows.pair), 2))
+    rows.momentary_velocity(held.state.grid, velocity)
+    across = (velocity * rows.normal).sum(axis=1)[: rows.count]
+    np.testing.assert_allclose(across, 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("pressure", [0.0, -10.0])
+def test_bodies_without_compression_separate_freely(pressure):
+    assert on_first(parting(pressure, traction=True)) == 0.0
+
+
+def test_approaching_bodies_are_in_contact_whatever_the_stress():
+    together, bound = (parting(-10.0, speed=-0.2, traction=on) for on in (False, True))
+    assert on_first(together) > 0.0
+    np.testing.assert_array_equal(bound.contact.records.impulse, together.contact.records.impulse)
+
+
+def test_the_traction_is_that_across_the_normal():
+    """A stress along the face alone, of whichever sign, does not hold bodies together."""
+    scene = impact(gap=0.0, speed=-0.2, slide=0.0, friction=0.0)
+    scene["contact"]["bardenhagen"] = {"traction": True, "normal": "specified", "direction": [1.0, 0.0]}
+    simulation = Simulation(scene, contact="bardenhagen")
+    simulation.start()
+    simulation.state.particles.stress[:] = np.diag([0.0, -10.0])
+    simulation.step(DT)
+    assert simulation.contact.rows.count > 0
+    assert on_first(simulation) == 0.0
+
+
+def test_impulses_strain_the_lighter_body_by_no_more_than_the_bound():
+    strain = 1e-6
+    simulation = parting(0.0, speed=-1.0, largest_strain=strain)
+    rows, mass = simulation.contact.rows, simulation.state.grid.mass
+    lighter = mass[rows.dof[: 2 * rows.count].reshape(-1, 2)].min(axis=1)
+    normal = (rows.force * rows.normal).sum(axis=1)[: rows.count]
+    assert (normal * DT / (lighter * CELL)).max() == pytest.approx(strain)
+    assert 0.0 < on_first(simulation) < on_first(parting(0.0, speed=-1.0))
+
+
+def test_a_wide_bound_changes_nothing():
+    simulations = [
+        Simulation(impact(), contact=f"bardenhagen{options}") for options in ("", "(largest_strain=0.5)")
+    ]
+    for simulation in simulations:
+        simulation.start()
+        run(simulation, 60)
+    np.testing.assert_array_equal(*[each.state.particles.position for each in simulations])
+
+
+@pytest.mark.parametrize("options", ["(traction=true)", "(traction=true, largest_strain=0.01)"])
+def test_momentum_is_kept(options):
+    simulation = Simulation(impact(slide=0.3, friction=0.3), contact=f"bardenhagen{options}")
+    simulation.start()
+    total = run(simulation, 120).total_momentum
+    assert np.abs(total - total[0]).max() < 1e-11 * np.abs(total[0]).max() + 1e-9
