@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from mpmfw.scene import Scene
 
 #: Series whose sum is the error in time of strain and contact: the ledger's residuals beside the work of the half step by
@@ -19,6 +18,10 @@ _RESIDUALS = (
     (1.0, "contact_residual"),
     (-1.0, "contact_half_step_work"),
 )
+
+#: Series of energies and of their accounted losses.
+_BY_BODY = ("kinetic_energy", "affine_energy", "strain_energy", "material_dissipation")
+_BY_PAIR = ("contact_energy", "frictional_work")
 
 
 def energy_error(run: xr.DataTree, scene: Scene) -> float:
@@ -34,14 +37,59 @@ def energy_error(run: xr.DataTree, scene: Scene) -> float:
     return float(np.abs(residual).max()) / put_in if put_in > 0.0 else float("nan")
 
 
-def energy_put_in(run: xr.DataTree, scene: Scene) -> float:
+def energy_put_in(run: xr.DataTree | xr.Dataset, scene: Scene) -> float:
     """Energy of the start, and the largest works of gravity, loads and sides that move [J/m]."""
-    series = run["series"].to_dataset()
+    series = _series(run)
+    start = float(series["total_energy"].isel(time=0).sum())
+    return start + sum(max(0.0, float(series[name].max())) for name in _works(scene) if name in series)
+
+
+def dissipation(run: xr.DataTree | xr.Dataset, scene: Scene) -> float:
+    """Share of the energy put in that a run ends without: neither kinetic, strain, friction nor plastic work.
+
+    Kinetic energy is that of the points with their affine motion, strain energy also that of contact springs. What is left is
+    what the transfer, the strain's integration, impulses and dashpots take; negative where a run gains energy.
+
+    Parameters
+    ----------
+    run
+        Results of a run, or its series with dims (time, body) and (time, pair).
+    scene
+        What ran.
+
+    Returns
+    -------
+    float
+        NaN where nothing is put in, of a run that did not end, and without a ledger in scenes with gravity, loads or sides
+        that move.
+    """
+    series, works = _series(run), _works(scene)
+    if "kinetic_energy" not in series or (scene.gravity and not _has(series, "gravity_work")):
+        return float("nan")
+    if "external_work" in works and not _has(series, "external_work"):
+        return float("nan")
+    terms = [series[name].sum("body", skipna=False) for name in _BY_BODY if _has(series, name)]
+    terms += [series[name].sum("pair") for name in _BY_PAIR if _has(series, name)]
+    terms += [-series[name] for name in works if _has(series, name)]
+    lost = sum(float(term.isel(time=0) - term.isel(time=-1)) for term in terms)
+    put_in = energy_put_in(series, scene)
+    return lost / put_in if put_in > 0.0 else float("nan")
+
+
+def _series(run: xr.DataTree | xr.Dataset) -> xr.Dataset:
+    return run if isinstance(run, xr.Dataset) else run["series"].to_dataset()
+
+
+def _has(series: xr.Dataset, name: str) -> bool:
+    """Whether it is there, and not only for other methods of a comparison."""
+    return name in series and bool(series[name].notnull().any())
+
+
+def _works(scene: Scene) -> list[str]:
+    """Series of the works that something in the scene may do."""
     sides = [side for body in scene.bodies.values() for side in body.sides]
     loaded = bool(scene.loads) or any(side.fixed is None for side in sides)
-    works = ["gravity_work"] + ["external_work"] * loaded
-    start = float(series["total_energy"].isel(time=0).sum())
-    return start + sum(max(0.0, float(series[name].max())) for name in works if name in series)
+    return ["gravity_work"] + ["external_work"] * loaded
 
 
 def momentum_change(run: xr.DataTree, scene: Scene) -> float:

@@ -149,8 +149,7 @@ def reference_of(attributes: Mapping[str, Any]) -> Reference | None:
     RollingReference, RingsReference or None
         Of :func:`rolling` or :func:`rings`, unless the scene declares another kind; everything else has none here.
     """
-    text = attributes.get("scene")
-    scene = _loaded(text) if isinstance(text, str) else None
+    scene = scene_of_results(attributes)
     if scene is None:
         return None
     declared = None if scene.reference is None else scene.reference.kind
@@ -163,6 +162,12 @@ def reference_of(attributes: Mapping[str, Any]) -> Reference | None:
 
 #: Stands for a material whose code is not imported.
 _RIGID = {"model": "neo_hookean", "density": 1.0, "bulk_modulus": 1.0, "shear_modulus": 1.0}
+
+
+def scene_of_results(attributes: Mapping[str, Any]) -> Scene | None:
+    """The scene of a run's or a comparison's ``attributes``; None where it cannot be read here."""
+    text = attributes.get("scene")
+    return _loaded(text) if isinstance(text, str) else None
 
 
 @functools.lru_cache(maxsize=64)

@@ -49,7 +49,7 @@ LACKS: dict[str, dict[str, str]] = {
         "lcp-nodes": TILTED,
     },
     "moment": {
-        "particles, cpdi": "friction acts on the points, as published",
+        "particles": "friction acts on the points, as published",
         "particles, gimp": "friction acts on the points, as published",
         "penalty, gimp": "the mass-weighted map has Σ N_i x_i ≠ x_s",
         "penalty-one-pass, gimp": "the mass-weighted map has Σ N_i x_i ≠ x_s",

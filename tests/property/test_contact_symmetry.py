@@ -38,19 +38,18 @@ TURN = "rounding decides whether a normal has turned by less than what ends its 
 ORDER = "rows that say nearly the same share a force by their order, and within the tolerance"
 ROUNDING = "a node at 0 ≤ ξ ≤ 1 of several segments meets one more or less by a rounding error"
 CORNER = "of two facets as close to a node outside the one with the lower index counts, and it may not face the node"
-TOUCH = "rounding decides whether spheres that just touch are in contact"
+MOMENT = "friction is that of the moment: rounding decides its direction where hardly anything slips"
 
 LACKS: dict[str, dict[str, str]] = {
     "order": {"lcp": ORDER},
     "order of three": {"lcp": ORDER, "lcp-nodes": ORDER},
-    "order of equal bodies": {"lcp": ORDER},
+    "order of equal bodies": {"lcp": ORDER, "particles": MOMENT},
     "whole-cell shift": {"hamad2017": ROUNDING},
     "quarter turn": {
         "hamad2017, impact": ROUNDING,
         "barrier, impact": CORNER,
         "lcp, impact": ORDER,
         "nairn": TURN,
-        "particles": TOUCH,
     },
     "absent far away": {
         "none": "one window spans all bodies, so that sums run in another order: equal to rounding only",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mpmfw.conservation import energy_error, momentum_change
+from mpmfw.conservation import dissipation, energy_error, momentum_change
 from mpmfw.scene import load_scene
 
 if TYPE_CHECKING:
@@ -28,6 +28,13 @@ def penetration(run: xr.DataTree) -> float:
 def energy(run: xr.DataTree) -> float:
     """Largest error in time of strain and contact over the energy put in [%]."""
     return 100.0 * energy_error(run, load_scene(scene_of(run)))
+
+
+def largest_dissipation(runs: Sequence[CaseRun]) -> float:
+    """Largest share of the energy put in that a method loses in a scene as it stands, beside friction and plastic work [%]."""
+    stand = [run for run in runs if run.version.change is None]
+    found = [dissipation(run.results, run.scene) for run in stand if "series" in run.results]
+    return 100.0 * max((lost for lost in found if np.isfinite(lost)), default=float("nan"))
 
 
 def momentum(run: xr.DataTree) -> float | None:

@@ -15,7 +15,7 @@ import xarray as xr
 
 from mpmfw.analysis import fitted_acceleration, force_noise, impulse, value_at
 from mpmfw.campaigns.exact import Incline, column, incline, kind_of
-from mpmfw.conservation import energy_error, momentum_change
+from mpmfw.conservation import dissipation, energy_error, momentum_change
 from mpmfw.discovery import REFERENCES, available, did_you_mean, full_name, load
 from mpmfw.errors import SceneError
 from mpmfw.measure import About, Exact, Measure, Measured, Reference
@@ -243,6 +243,12 @@ def deepest_penetration(run: xr.DataTree, scene: Scene, about: About) -> Measure
 def error_of_energy(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
     """Largest error in time of the energies of strain and contact, over the energy put in (``output.ledger``)."""
     return _number(energy_error(run, scene))
+
+
+@measure("dissipation", "1", "number")
+def dissipated_energy(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
+    """Share of the energy put in that is neither kinetic, strain, friction nor plastic work at the end."""
+    return _number(dissipation(run, scene))
 
 
 @measure("momentum-change", "1", "number")

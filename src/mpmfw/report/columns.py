@@ -73,6 +73,11 @@ COLUMNS: dict[str, Column] = {
         "rms of the contact force of the pair that pushes most, less its mean over 20 output intervals, of the rms of that mean; "
         "a force that changes within that time has it without an error"
     ),
+    "dissipation": Column(
+        "Dissipation", "lost", "%",
+        "energy put in that is neither kinetic, strain, friction nor plastic work at the end: mostly losses of the transfer; "
+        "under gravity, loads and moving sides it needs output.ledger = true", True,
+    ),
     "first_contact": Column(
         "First contact", "first", "ms", "start of the first output interval with a contact force"
     ),

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from mpmfw import analysis
+from mpmfw.conservation import dissipation
 from mpmfw.fields import FloatArray
 from mpmfw.references import (
     RingsReference,
@@ -18,6 +19,7 @@ from mpmfw.references import (
     own_attributes,
     reference_of,
     rings_table,
+    scene_of_results,
 )
 from mpmfw.report.columns import CHOICES, Column
 
@@ -59,6 +61,8 @@ def table(dataset: xr.Dataset) -> list[dict[str, Any]]:
             forces = one["contact_force"].transpose("pair", "time", ...).values
             most = int(np.argmax(np.nansum(forces.reshape(len(forces), -1) ** 2, axis=1)))
             row |= {"force_noise": 100.0 * analysis.force_noise(one["time"].values, forces[most])}
+        if (scene := scene_of_results(own_attributes(one))) is not None:
+            row |= {"dissipation": 100.0 * dissipation(one, scene)}
         if "min_gap" in one:
             row |= gap_measures(one["min_gap"].min("pair").values / cell_size(one))
         rows.append(row | _costs(one))

@@ -26,6 +26,7 @@ BESIDE = {
     "noise": "force-noise",
     "penetration": "penetration",
     "energy": "energy-error",
+    "dissipation": "dissipation",
     "momentum": "momentum-change",
 }
 

@@ -24,6 +24,7 @@ QUANTITIES = {
     "noise": "high-frequency share of the contact force",
     "penetration": "deepest penetration, in cells",
     "energy": "error in time of strain and contact, of the energy put in",
+    "dissipation": "energy put in that is neither kinetic, strain, friction nor plastic work at the end",
     "momentum": "change of the whole momentum, of what the bodies bring",
 }
 
@@ -76,7 +77,7 @@ def rank(
         runs = [row for row in runs if quantity == "error" or row["error"] <= levels[0]]
         runs = [row for row in runs if np.isfinite(row.get(quantity, np.nan))]
         for k, level in enumerate(levels):
-            if reached := [row for row in runs if row[quantity] <= level]:
+            if reached := [row for row in runs if abs(row[quantity]) <= level]:
                 cheapest = min(reached, key=lambda row: row["cpu_time"])
                 cost[q, p, k, m], best[q, p, k, m] = cheapest["cpu_time"], cheapest["settings"]
     dims = ("quantity", "problem", "level", by)
