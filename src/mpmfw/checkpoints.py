@@ -18,6 +18,7 @@ from mpmfw.identity import code_of
 from mpmfw.interruption import Interruption
 from mpmfw.results import RunWriter
 from mpmfw.results.memory import peak_memory
+from mpmfw.results.replacing import abandoned
 from mpmfw.scene.scene import Scene, Source
 from mpmfw.simulation import Simulation
 from mpmfw.snapshot import write_snapshot
@@ -116,7 +117,7 @@ class Checkpoints:
     def forget(self) -> None:
         """Remove it, and what one that was cut short has left; a file that is called so and is none stays."""
         if self.path is not None and not is_foreign(self.path):
-            for path in (self.path, f"{self.path}.part", f"{self.path}.results"):
+            for path in (self.path, *abandoned(self.path), *abandoned(str(self.writer.path))):
                 with contextlib.suppress(OSError):
                     os.unlink(path)
 

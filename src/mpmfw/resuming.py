@@ -17,6 +17,7 @@ from mpmfw.interruption import interruptible
 from mpmfw.results import RunWriter, check_results
 from mpmfw.results.memory import restart_peak_memory
 from mpmfw.results.reading import is_hdf5
+from mpmfw.results.replacing import unfinished
 from mpmfw.results.replaying import frames_of
 from mpmfw.results.writers import claim, release
 from mpmfw.runs import run_on
@@ -229,7 +230,7 @@ def _short(what: str | None) -> str:
 def _rewritten(simulation: Simulation, path: str, frames: int, resumed: list[float]) -> Iterator[RunWriter]:
     """The writer of a file that has the frames up to the checkpoint and takes the place of the old one."""
     header = simulation.header({"resumed": json.dumps(resumed)})
-    part, before = f"{path}.part", f"{checkpoint_path(path)}.results"
+    part, before = str(unfinished(path)), str(unfinished(checkpoint_path(path)))
     with contextlib.ExitStack() as undo:
         descriptor = claim(path)
         undo.callback(release, path, descriptor)

@@ -231,7 +231,7 @@ def test_what_is_stored_may_be_read_by_whom_the_umask_lets(tmp_path):
 
 def test_the_store_forgets_what_no_campaign_would_take(tmp_path, monkeypatch):
     mpmfw.campaign(SLIDING, {"contact": ["separate", "none"]}, store=tmp_path, repeats=1)
-    left = tmp_path / f".{'0' * 32}.nc.{'0' * 32}.part"
+    left = tmp_path / f".{'0' * 32}.{'0' * 32}.part.nc"
     left.write_bytes(b"")
     os.utime(left, (0, 0))
     result = CliRunner().invoke(app, ["store", "prune", str(tmp_path)])

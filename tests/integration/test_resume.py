@@ -417,3 +417,15 @@ def test_the_command_goes_on_in_a_new_process(tmp_path):
     assert re.match(rf"{path}: goes on at \S+ s of 0.6 s\n", done.stderr)
     assert done.stdout == f"{path}\n"
     same_results(path, reference)
+
+
+def test_files_of_others_that_are_called_as_unfinished_ones_stay(tmp_path):
+    path = tmp_path / "c.nc"
+    mine = [tmp_path / f"c.nc{ending}" for ending in (".part", ".checkpoint.part", ".checkpoint.results")]
+    for one in mine:
+        one.write_text("years of work")
+    stopped(BLOCKS, path, 5)
+    (tmp_path / f".c.nc.{'0' * 32}.part.checkpoint").write_bytes(b"of a process that was killed meanwhile")
+    assert resume(path).attrs["status"] == "ok"
+    assert [one.read_text() for one in mine] == ["years of work"] * 3
+    assert {one.name for one in tmp_path.iterdir()} == {"c.nc", *(one.name for one in mine)}

@@ -111,8 +111,8 @@ def test_the_command(tmp_path, monkeypatch):
         assert image.n_frames == 2
     for arguments, message in (
         (["-o", "d.avi"], "d.avi: expected a name that ends in .gif or .mp4\n"),
-        (["--field", "von_misses"], "no field 'von_misses'; did you mean 'von_mises'?"),
-        (["--limits", "3"], "--limits 3: expected two numbers"),
+        (["--force", "--field", "von_misses"], "no field 'von_misses'; did you mean 'von_mises'?"),
+        (["--force", "--limits", "3"], "--limits 3: expected two numbers"),
         (["d.nc"], "d.nc: given twice"),
     ):
         result = CliRunner().invoke(app, ["animate", "d.nc", *arguments])

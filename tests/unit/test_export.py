@@ -232,7 +232,9 @@ def test_no_output_of_an_earlier_export_stays_behind(tree, tmp_path):
     mpmfw.export(tree, tmp_path)
     own = tmp_path / "run-points" / "notes.txt"
     own.write_text("mine", encoding="utf-8")
-    mpmfw.export(tree, tmp_path, every=3)
+    with pytest.raises(SceneError, match=r"run-points.pvd: is there already"):
+        mpmfw.export(tree, tmp_path, every=3)
+    mpmfw.export(tree, tmp_path, every=3, force=True)
     listed_files = {file for _, file in listed(tmp_path / "run-points.pvd")}
     assert set((tmp_path / "run-points").iterdir()) == {own, *listed_files}
 

@@ -1,14 +1,20 @@
-"""Commands that write replace what mpmfw wrote itself, and nothing else of the user's."""
+"""Commands replace what they may replace, and leave every other file of the user as it is."""
 
+import errno
 import os
+import resource
+import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
+import xarray as xr
 from typer.testing import CliRunner
 
 import mpmfw
 from mpmfw.cli import app
-from mpmfw.errors import SceneError
+from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.results.replacing import replace_dataset
 from mpmfw.scene.toml_text import toml_text
 from scenes_for_tests import two_blocks
 
@@ -44,37 +50,33 @@ def said(*arguments, status):
     [
         (("plot", "a.nc"), "a.png"),
         (("plot", "a.nc", "-o", "b.pdf"), "b.pdf"),
-        (("plot", "a.nc", "-o", "b.svg"), "b.svg"),
         (("plot", "a.nc", "--field", "von_mises"), "a-von_mises.png"),
         (("plot", "a.nc", "--series", "kinetic_energy"), "a-kinetic_energy.png"),
         (("animate", "a.nc"), "a.gif"),
         (("export", "a.nc", "-o", "out"), "out/a-points.pvd"),
         (("export", "a.nc", "-o", "out"), "out/a-points/00001.vtu"),
         (("export", "a.nc", "-o", "out"), "out/a-series.csv"),
-        (("compare", "s.toml", "--shape", "linear", "-o", "c.nc", "--force", "--report", "c.html"), "c.html"),
+        (("compare", "s.toml", "--shape", "linear", "-o", "c.nc", "--report", "c.html"), "c.html"),
     ],
 )
-def test_own_files_are_replaced_and_those_of_others_are_not(folder, command, target):
+def test_figures_pages_and_exports_are_replaced_by_force_alone(folder, command, target):
+    (folder / target).parent.mkdir(parents=True, exist_ok=True)
+    (folder / target).touch()  # an empty file is nothing
     said(*command, status=0)
-    written = (folder / target).read_bytes()
-    said(*command, status=0)
-    (folder / target).write_text(MINE)
-    output = said(*command, status=2)
-    assert f"{target}: is there already and " in output
-    assert "not replaced; give another" in output
-    assert (folder / target).read_text() == MINE
-    (folder / target).write_bytes(written)
-    said(*command, status=0)
+    for mine in ((folder / target).read_bytes(), MINE.encode()):
+        (folder / target).write_bytes(mine)
+        assert "is there already; give another name, or --force to replace it" in said(*command, status=2)
+        assert (folder / target).read_bytes() == mine
+    said(*command, "--force", status=0)
+    assert (folder / target).read_bytes() != MINE.encode()
+    assert not list(folder.rglob(".*"))
 
 
-def test_an_export_of_fewer_outputs_removes_its_own_alone(folder):
+def test_an_export_of_fewer_outputs_leaves_none_of_the_one_before(folder):
     said("export", "a.nc", "-o", "out", status=0)
-    mine = folder / "out/a-points/00077.vtu"
-    mine.write_text(MINE)
     assert (folder / "out/a-points/00001.vtu").exists()
-    said("export", "a.nc", "-o", "out", "--every", 3, status=0)
-    assert not (folder / "out/a-points/00001.vtu").exists()
-    assert mine.read_text() == MINE
+    said("export", "a.nc", "-o", "out", "--every", 3, "--force", status=0)
+    assert [path.name for path in (folder / "out/a-points").iterdir()] == ["00000.vtu"]
 
 
 def test_a_run_in_python_replaces_no_other_file(folder):
@@ -128,7 +130,7 @@ def test_an_empty_folder_beside_results_lets_nothing_be_replaced(folder):
     ("target", "option"),
     [
         ("out/validation.csv", ("-o", "out")),
-        ("out/sliding-block-motion.png", ("-o", "out")),
+        ("out/sliding-block.png", ("-o", "out")),
         ("page.md", ("-o", "out", "--document", "page.md")),
     ],
 )
@@ -136,16 +138,82 @@ def test_a_validation_takes_the_place_of_no_other_file(folder, target, option):
     (folder / target).parent.mkdir(exist_ok=True)
     (folder / target).write_text(MINE)
     output = said("validate", "sliding-block", "--quick", *option, status=2)
-    assert f"{target}: is there already and is no " in output
+    assert f"{target}: is there already; give another name" in output
     assert (folder / target).read_text() == MINE
     assert "is a file; give the name of a folder" in said(
         "validate", "sliding-block", "-o", "s.toml", status=2
     )
 
 
-def test_a_file_that_is_called_as_a_half_written_one_stays(folder):
-    mine = folder / "c.nc.part"
-    mine.write_text(MINE)
-    said("compare", "s.toml", "--shape", "linear", "-o", "c.nc", status=0)
-    assert mine.read_text() == MINE
-    assert not list(folder.glob(".c.nc.*"))
+@pytest.mark.parametrize(
+    "command", [("run", "s.toml", "-o", "c.nc", "--checkpoint", "0"), ("compare", "s.toml", "-o", "c.nc")]
+)
+def test_files_that_are_called_as_half_written_ones_stay(folder, command):
+    mine = [folder / f"c.nc{ending}" for ending in (".part", ".checkpoint.part", ".checkpoint.results")]
+    for one in mine:
+        one.write_text(MINE)
+    said(*command, status=0)
+    assert [one.read_text() for one in mine] == [MINE] * 3
+    assert not list(folder.glob(".*"))
+
+
+@pytest.mark.parametrize(
+    ("command", "target"),
+    [
+        (("compare", "s.toml", "-o", "c.nc"), "c.nc"),
+        (("plot", "a.nc"), "a.png"),
+        (("animate", "a.nc"), "a.gif"),
+        (("export", "a.nc", "-o", "out"), "a-points.pvd"),
+        (("compare", "s.toml", "-o", "c.nc", "--report", "c.html"), "c.html"),
+    ],
+)
+def test_a_full_disk_is_one_message_and_leaves_nothing(folder, monkeypatch, command, target):
+    replace = os.replace
+
+    def full(source, place):
+        if Path(place).name == target:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        replace(source, place)
+
+    monkeypatch.setattr(os, "replace", full)
+    output = said(*command, status=1)
+    assert f"{target}': No space left on device" in output.splitlines()[-1]
+    assert not list(folder.rglob(".*")) + list(folder.rglob(target))
+
+
+def test_a_dataset_that_finds_no_room_leaves_the_old_one(tmp_path):
+    """By the system's own limit on the size of files, which HDF5 would meet within its writing."""
+    path = tmp_path / "c.nc"
+    replace_dataset(xr.Dataset({"a": 1.0}), path)
+    _, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, hard))
+    try:
+        with pytest.raises(MpmfwError, match=r"cannot write '.*c\.nc': File too large"):
+            replace_dataset(xr.Dataset({"a": ("x", np.zeros(20_000))}), path)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (hard, hard))
+    assert [one.name for one in tmp_path.iterdir()] == ["c.nc"]
+    assert xr.open_dataset(path)["a"] == 1.0
+
+
+def test_links_are_followed_and_loops_are_named(folder):
+    (folder / "real").mkdir()
+    (folder / "c.nc").symlink_to("real/c.nc")
+    said("compare", "s.toml", "-o", "c.nc", status=0)
+    assert (folder / "c.nc").is_symlink()
+    assert (folder / "real/c.nc").is_file()
+    (folder / "l.nc").symlink_to("l.nc")
+    for command in ("run", "compare"):
+        assert said(command, "s.toml", "-o", "l.nc", status=2).startswith(
+            "l.nc: is a link that leads to itself"
+        )
+
+
+def test_names_that_are_no_text_are_refused_or_written(folder):
+    shutil.copy(b"s.toml", b"\xff.toml")
+    mpmfw.run("\udcff.toml", output="q.nc")
+    assert mpmfw.open("q.nc").attrs["status"] == "ok"
+    with pytest.raises(SceneError, match="is not UTF-8"):
+        mpmfw.run(SCENE, output="\udcff.nc")
+    mpmfw.compare("\udcff.toml", ["none"], ["linear"], output="c.nc")
+    assert (folder / "c.nc").is_file()

@@ -75,7 +75,7 @@ def a_store(folder):
     """Two runs, one of today's code, and half of a third that a kill left long ago."""
     for key, code in zip(KEYS, ("old", "new"), strict=False):
         Store(folder).put(replace(record(key), code={"mpmfw": code}))
-    half = folder / f".{KEYS[2]}.json.{KEYS[2]}.part"
+    half = folder / f".{KEYS[2]}.{KEYS[2]}.part.json"
     half.write_text('{\n "key": ')
     os.utime(half, (0, 0))
     return folder
@@ -90,7 +90,7 @@ def test_prune_removes_what_a_store_wrote_and_nothing_else(tmp_path):
     elsewhere.write_text((folder / f"{KEYS[0]}.json").read_text())
     foreign = {
         "notes.json": "{}", f"{'b' * 32}.json": '{"key": "another"}', "thesis.nc": "mine", f"{'b' * 32}.nc": "mine",
-        "download.part": "half", f".{KEYS[2]}.json.{KEYS[1]}.part": "mine",
+        "download.part": "half", f".{KEYS[2]}.{KEYS[1]}.part.json": "mine",
     }  # fmt: skip
     for name, text in foreign.items():
         (folder / name).write_text(text)

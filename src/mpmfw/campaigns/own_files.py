@@ -11,7 +11,7 @@ from mpmfw.results.replacing import kind_of_file
 #: What is written with every outcome, in every version.
 _FIELDS = frozenset({"key", "status", "name", "digest", "costs"})
 _WHOLE = re.compile(r"([0-9a-f]{32})\.(json|nc)")
-_HALF = re.compile(r"\.[0-9a-f]{32}\.(json|nc)\.[0-9a-f]{32}\.part")
+_HALF = re.compile(r"\.[0-9a-f]{32}\.[0-9a-f]{32}\.part\.(json|nc)")
 
 #: How the files begin, by ending.
 _HEADS = {"nc": b"\x89HDF\r\n\x1a\n", "json": b"{\n"}

@@ -66,6 +66,10 @@ class Store:
     def put(self, outcome: Outcome, results: bytes | None = None) -> None:
         """Keep an outcome, and the file that the run wrote if it is new; what would not last is kept in memory."""
         self._known[outcome.key] = outcome
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise MpmfwError(f"cannot write '{self.folder}': {error.strerror or error}") from error
         if results is not None:
             replace_bytes(results, self._path(outcome.key, "nc"))
         if outcome.lasting:

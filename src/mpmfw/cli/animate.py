@@ -16,10 +16,10 @@ from mpmfw.cli.result_files import (
     EveryOption,
     FieldOption,
     LimitsOption,
+    ReplaceOption,
     check_files,
     limits_of,
 )
-from mpmfw.marks import check_not_lost
 
 
 def animate(
@@ -31,15 +31,18 @@ def animate(
     body: BodiesOption = None,
     limits: LimitsOption = None,
     arrows: ArrowsOption = False,
+    force: ReplaceOption = False,
 ) -> None:
     """Write a moving picture of a field (default von_mises) of the run in FILE, a frame for each output.
 
     Several FILEs stand side by side, at the times of the first. The ending of the output, .gif or .mp4, chooses
     the format; .mp4 needs ffmpeg. By default a .gif named as the first FILE.
     """
+    from mpmfw.results.replacing import check_new
+
     check_files(file)
     path = check_writable(file[0].with_suffix(".gif") if output is None else output)
-    check_not_lost(path, "film")
+    check_new(path, force)
     scale = limits_of(limits)
 
     from mpmfw.plots.animation import animate as animate_runs

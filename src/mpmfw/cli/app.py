@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import sys
 from typing import Annotated
 
 import typer
@@ -78,4 +80,7 @@ def _options(
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line; the entry point of the script ``mpmfw``, which takes the process's own arguments."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # names of files may be no text
     app(arguments, prog_name="mpmfw")

@@ -24,7 +24,6 @@ from mpmfw.cli.arguments import (
 from mpmfw.cli.errors import check_writable, result_path
 from mpmfw.cli.formats import Format, FormatOption, write_rows
 from mpmfw.cli.progress import campaign_progress
-from mpmfw.marks import check_not_lost
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -65,6 +64,7 @@ def compare(
     A method that fails does not stop the others: its status says why. Finished runs are kept in the folder FILE.runs: a
     comparison that was broken off goes on from there.
     """
+    from mpmfw.results.replacing import check_new
     from mpmfw.scene import load_scene
     from mpmfw.scene.requested import check_compared, check_requested
 
@@ -75,7 +75,7 @@ def compare(
     loaded = load_scene(scene, set=shared, trust=trust)
     path = result_path(output, loaded, "-compare", "compare", "comparison", force, report=report)
     if report is not None:
-        check_not_lost(check_writable(report), "report")
+        check_new(check_writable(report), force)
     # A single body needs no contact; the dimension is there all the same
     contacts = contacts or [loaded.contact.method if loaded.contact else "none"]
     shapes = shapes or [loaded.shape.method]

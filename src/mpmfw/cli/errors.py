@@ -82,13 +82,13 @@ def check_apart(scene: Scene, **files: Path | None) -> None:
     """
     taken = {}
     if scene.source.name is not None and scene.source.directory is not None:
-        taken[Path(scene.source.name).resolve()] = "the scene"
+        taken[os.path.realpath(scene.source.name)] = "the scene"
     for option, path in files.items():
         if path is None:
             continue
-        if path.resolve() in taken:
-            raise SceneError(f"--{option} {path}: is the file of {taken[path.resolve()]}; give another name")
-        taken[path.resolve()] = f"--{option}"
+        if (place := os.path.realpath(path)) in taken:
+            raise SceneError(f"--{option} {path}: is the file of {taken[place]}; give another name")
+        taken[place] = f"--{option}"
 
 
 def check_result(path: Path, kind: str, what: str, force: bool = False) -> Path:
@@ -193,14 +193,16 @@ def figure_path(path: Path) -> Path:
 
 
 def check_writable(path: Path) -> Path:
-    """The path, if a file can be written there; asked before long work.
+    """Return the path, if a file can be written there; checked before long work.
 
     Raises
     ------
     SceneError
-        The folder does not exist or does not let files be written.
+        The folder does not exist or does not let files be written, or the path is none of a file.
     """
     folder = path.parent
+    if os.path.islink(os.path.realpath(path)):
+        raise SceneError(f"{path}: is a link that leads to itself; give the name of a file")
     if path.is_dir():
         raise SceneError(f"{path}: is a folder; give the name of a file")
     if path.exists() and not path.is_file():

@@ -9,7 +9,7 @@ import typer
 
 from mpmfw.cli.errors import check_writable
 from mpmfw.cli.progress import outputs_progress
-from mpmfw.cli.result_files import BodiesOption, EveryOption, check_files
+from mpmfw.cli.result_files import BodiesOption, EveryOption, ReplaceOption, check_files
 from mpmfw.errors import SceneError
 
 
@@ -27,6 +27,7 @@ def export(
     ] = None,
     every: EveryOption = 1,
     body: BodiesOption = None,
+    force: ReplaceOption = False,
 ) -> None:
     """Write the run in FILE for ParaView, by default to a folder named as it.
 
@@ -42,7 +43,7 @@ def export(
 
     check_results(file)
     with outputs_progress("outputs") as progress:
-        written = export_run(file, target, every=every, bodies=body or None, progress=progress)
+        written = export_run(file, target, every=every, bodies=body or None, progress=progress, force=force)
     for path in written:
         typer.echo(str(path))
 

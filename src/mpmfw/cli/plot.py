@@ -14,11 +14,11 @@ from mpmfw.cli.result_files import (
     BodiesOption,
     FieldOption,
     LimitsOption,
+    ReplaceOption,
     check_files,
     limits_of,
 )
 from mpmfw.errors import SceneError
-from mpmfw.marks import check_not_lost
 
 
 def plot(
@@ -43,6 +43,7 @@ def plot(
     axis: Annotated[str | None, typer.Option(metavar="NAME", help="Only this component: x, y or z.")] = None,
     limits: LimitsOption = None,
     arrows: ArrowsOption = False,
+    force: ReplaceOption = False,
 ) -> None:
     """Draw the figures of FILE, by default to PNG files named as it; -o NAME.pdf or NAME.svg draws vectors.
 
@@ -50,15 +51,16 @@ def plot(
     comparison. Several FILEs then stand side by side, fields under one colour scale. Without either, several FILEs
     that are comparisons of a rolling cylinder with slip and without make one figure, a row each.
     """
+    from mpmfw.results import check_results
+    from mpmfw.results.replacing import check_new
+
     check_files(file)
     output = None if output is None else figure_path(output)
     _check_options(field, series, time=time, body=body, pair=pair, axis=axis, limits=limits, arrows=arrows)
     scale = limits_of(limits)
     path = check_writable(_default(file, field, series) if output is None else output)
     if field is not None or series or len(file) > 1:
-        check_not_lost(path, "figure")
-
-    from mpmfw.results import check_results
+        check_new(path, force)
 
     for one in file:
         check_results(one)
@@ -69,7 +71,7 @@ def plot(
     else:
         from mpmfw.plots import plot_file, plot_files
 
-        written = plot_file(file[0], path) if len(file) == 1 else [plot_files(file, path)]
+        written = plot_file(file[0], path, force=force) if len(file) == 1 else [plot_files(file, path)]
     for one in written:
         typer.echo(str(one))
 

@@ -11,7 +11,7 @@ import typer
 from mpmfw.cli.arguments import OutputOption
 from mpmfw.cli.errors import check_writable, figure_path
 from mpmfw.cli.formats import Format, FormatOption, write_rows
-from mpmfw.marks import check_not_lost
+from mpmfw.cli.result_files import ReplaceOption
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,14 +35,17 @@ def rank(
     ] = "10%,5%,2%,1%,0.5%",
     output: OutputOption = None,
     form: FormatOption = Format.table,
+    force: ReplaceOption = False,
 ) -> None:
     """Rank the methods of studies by the problems that they solve, and by what that costs over the cheapest.
 
     Every method counts at its best settings: of its options, shape functions and cell sizes the cheapest run that reaches a
     level. With --output a figure (PNG, PDF or SVG): the share of problems and levels that each method solves within a cost.
     """
-    output = None if output is None else check_not_lost(check_writable(figure_path(output)), "figure")
+    from mpmfw.results.replacing import check_new
     from mpmfw.studies import ranking
+
+    output = None if output is None else check_new(check_writable(figure_path(output)), force)
 
     found = ranking.rank(results, by, _levels(levels))
     known = [name for name in ranking.QUANTITIES if found["over_best"].sel(quantity=name).notnull().any()]

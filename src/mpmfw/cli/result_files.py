@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, TypeAlias
@@ -33,6 +34,7 @@ LimitsOption: TypeAlias = Annotated[
         "--limits", metavar="LOW,HIGH", help="Ends of the colour scale, in SI units.", show_default=False
     ),
 ]
+ReplaceOption: TypeAlias = Annotated[bool, typer.Option("--force", help="Replace files that exist.")]
 ArrowsOption: TypeAlias = Annotated[
     bool, typer.Option("--arrows", help="Draw contact forces on surface nodes as arrows.")
 ]
@@ -49,7 +51,7 @@ def check_files(files: Sequence[Path]) -> None:
     for k, one in enumerate(files):
         if one.is_dir():
             raise SceneError(f"{one}: is a folder; give the name of a file")
-        if one.resolve() in [other.resolve() for other in files[:k]]:
+        if os.path.realpath(one) in [os.path.realpath(other) for other in files[:k]]:
             raise SceneError(f"{one}: given twice")
         if not one.is_file():
             raise SceneError(f"{one}: no such file")

@@ -61,8 +61,11 @@ def stability(
     The map is written to a file, by default named as the scene, with the figure beside it. One that was broken off goes on
     where it stopped.
     """
+    from mpmfw.results.replacing import check_new
+
     loaded = chosen_scene(scene, contact, shape, set_, trust)
     path = result_path(output, loaded, "-stability", "stability", "map of stability", force)
+    check_new(path.with_suffix(".png"), force)
     numbers = {
         name: _numbers(name, text) for name, text in (("kappa", kappa), ("ratio", ratio), ("cfl", cfl))
     }
@@ -83,7 +86,7 @@ def stability(
         )
     _print(dataset)
     typer.echo(str(path))
-    for written in plot_file(path):
+    for written in plot_file(path, force=True):
         typer.echo(str(written))
 
 

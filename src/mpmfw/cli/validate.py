@@ -12,7 +12,6 @@ from mpmfw.cli.arguments import SchedulerOption, jobs_of
 from mpmfw.cli.errors import check_writable
 from mpmfw.cli.progress import campaign_progress
 from mpmfw.errors import MpmfwError, SceneError
-from mpmfw.marks import check_not_lost
 
 #: Terminal width below which the table would be cut.
 WIDTH = 170
@@ -78,7 +77,7 @@ def validate(
     folder = suite_of(suite)
     found = find_cases(folder, cases or ())
     known = read_known_red(known_red) if known_red is not None else []
-    _check_places(found, output, document)
+    _check_places(found, output, document, force)
     with campaign_progress("cases") as (progress, _):
         outcomes = run_cases(
             found,
@@ -109,9 +108,10 @@ def validate(
         raise typer.Exit(1)
 
 
-def _check_places(cases: Sequence[Path], output: Path, document: Path | None) -> None:
-    """Ask that tables, figures and the page take the place of nothing that no validation wrote."""
-    from mpmfw.validation.report import COLUMNS_LINE, PAGE_MARK
+def _check_places(cases: Sequence[Path], output: Path, document: Path | None, force: bool) -> None:
+    """Check that the folder and the page can be written without loss of a file."""
+    from mpmfw.campaigns.own_files import own_files
+    from mpmfw.results.replacing import check_new
 
     if output.exists() and not output.is_dir():
         raise SceneError(f"--output {output}: is a file; give the name of a folder")
@@ -120,15 +120,14 @@ def _check_places(cases: Sequence[Path], output: Path, document: Path | None) ->
     except OSError as error:
         raise MpmfwError(f"cannot make '{output}': {error.strerror or error}") from error
     check_writable(output / "validation.csv")
-    check_not_lost(output / "validation.csv", "table of a validation", head=COLUMNS_LINE, mark="")
-    for case in cases:
-        for figure in (output / f"{case.name}.png", *sorted(output.glob(f"{case.name}-*.png"))):
-            check_not_lost(figure, "figure of a validation")
+    if not (output / "runs").is_dir() or not own_files(output / "runs"):  # the folder of no validation yet
+        for file in (output / "validation.csv", *(output / f"{case.name}.png" for case in cases)):
+            check_new(file, force)
     if document is None:
         return
     if document.suffix != ".md":
         raise SceneError(f"--document {document}: expected a name that ends in .md")
-    check_not_lost(check_writable(document), "page of a validation", mark=PAGE_MARK)
+    check_new(check_writable(document), force)
 
 
 def _command(

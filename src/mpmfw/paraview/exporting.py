@@ -5,18 +5,19 @@ from __future__ import annotations
 import json
 import os
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import xarray as xr
 
 from mpmfw.domains import domains_of
-from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
+from mpmfw.errors import MpmfwError, ResultsWarning
 from mpmfw.outputs import Results, attribute, bodies_of, chosen_frames, opened_run, times_of
-from mpmfw.paraview.files import Mesh, is_own, write_collection, write_mesh
+from mpmfw.paraview.files import Mesh, write_collection, write_mesh
 from mpmfw.paraview.meshes import left_out, points_mesh, surface_mesh, surfaces_of, unit_of
 from mpmfw.paraview.table import write_series
+from mpmfw.results.replacing import check_new
 
 #: Root attributes of a run that go into every file.
 _ABOUT = ("title", "scene", "contact", "shape", "status", "commit", "versions")
@@ -50,6 +51,7 @@ def export(
     every: int = 1,
     bodies: Sequence[str] | None = None,
     progress: Callable[[int, int], None] | None = None,
+    force: bool = False,
 ) -> list[Path]:
     """Write a run for ParaView: VTK XML files of every output, and collections with their times.
 
@@ -66,6 +68,8 @@ def export(
         Only these bodies.
     progress
         Called with the number of outputs written and that of all.
+    force
+        Replace an export that exists.
 
     Returns
     -------
@@ -75,14 +79,13 @@ def export(
     Raises
     ------
     SceneError
-        The results are not those of a run, hold no material points, have no such body, or would take the place of a file that
-        no export wrote.
+        The results are not those of a run, hold no material points, have no such body, or a file to write exists.
     MpmfwError
         The file cannot be read, or a file cannot be written.
     """
     try:
         with opened_run(results) as tree:
-            return _export(tree, _target(results, target), every, bodies, progress)
+            return _export(tree, _target(results, target), every, bodies, progress, force)
     except OSError as error:
         raise MpmfwError(f"cannot write '{error.filename or target}': {error.strerror or error}") from error
 
@@ -100,6 +103,7 @@ def _export(
     every: int,
     selection: Sequence[str] | None,
     progress: Callable[[int, int], None] | None,
+    force: bool,
 ) -> list[Path]:
     chosen, frames = bodies_of(tree, selection), chosen_frames(tree, every)
     indices = {body: k for k, body in enumerate(bodies_of(tree)) if body in chosen}
@@ -114,9 +118,13 @@ def _export(
     places = {"points": f"particles/{chosen[0]}", "surfaces": f"surface/{outlined[0]}" if outlined else ""}
     times = times_of(tree).tolist()
     has_series = "series" in tree.children and bool(tree["series"].data_vars)
-    _check_own(target, kinds, frames, has_series=has_series)
+    for file in [target.collection(kind) for kind in kinds] + [target.series] * has_series:
+        check_new(file, force)
     for kind in kinds:
-        target.frame(kind, 0).parent.mkdir(parents=True, exist_ok=True)
+        folder = target.frame(kind, 0).parent
+        folder.mkdir(parents=True, exist_ok=True)
+        for frame in sorted(folder.glob("[0-9][0-9][0-9][0-9][0-9].vtu")):  # of an export of more outputs
+            check_new(frame, force).unlink()
     for done, index in enumerate(frames):
         for kind, mesh_of in kinds.items():
             mesh = mesh_of(index)
@@ -128,31 +136,12 @@ def _export(
     for kind in kinds:
         files = [target.frame(kind, index) for index in frames]
         write_collection(target.collection(kind), [times[index] for index in frames], files)
-        _forget_others(files)
     written = [target.collection(kind) for kind in kinds]
     if has_series:
         written.append(target.series)
         series = tree["series"].to_dataset().load()
         write_series(written[-1], series, range(0, series.sizes["time"], every))
     return written
-
-
-def _check_own(target: Target, kinds: Iterable[str], frames: Sequence[int], *, has_series: bool) -> None:
-    """Refuse, before the first is written, to put a file in the place of one that no export wrote."""
-    files = [target.frame(kind, index) for kind in kinds for index in frames]
-    files += [target.collection(kind) for kind in kinds] + [target.series] * has_series
-    for file in files:
-        if file.exists() and not is_own(file) and (file.is_dir() or file.stat().st_size):
-            raise SceneError(
-                f"{file}: is there already and was written by no export, so it is not replaced; give another folder or name"
-            )
-
-
-def _forget_others(files: Sequence[Path]) -> None:
-    """Remove what an earlier export of more outputs to the same place left, which no collection lists any more."""
-    for file in files[0].parent.glob("[0-9][0-9][0-9][0-9][0-9].vtu"):
-        if file not in files and is_own(file):
-            file.unlink()
 
 
 def _about(tree: xr.DataTree, indices: dict[str, int], units: dict[str, str]) -> dict[str, str]:

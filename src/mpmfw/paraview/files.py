@@ -14,6 +14,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from mpmfw.fields import AnyArray, FloatArray, IntArray
+from mpmfw.results.replacing import replace_bytes
 
 #: VTK's numbers of the kinds of cells, by the number of nodes.
 _KINDS = {1: 1, 2: 3, 3: 5, 4: 9}
@@ -46,25 +47,6 @@ _HEAD = (
     'header_type="UInt64" compressor="vtkZLibDataCompressor">\n<UnstructuredGrid>'
 )
 _FIELDS = '\n<FieldData>\n<DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">'
-_COLLECTION = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n    <DataSet timestep="'
-
-#: How those begin that mpmfw wrote, by ending.
-HEADS = {".vtu": _HEAD + _FIELDS, ".pvd": _COLLECTION, ".csv": "time [s]"}
-
-
-def is_own(path: Path) -> bool:
-    """Whether a file is a mesh, a collection or a table of an export, and no link to one.
-
-    Raises
-    ------
-    OSError
-        It cannot be read.
-    """
-    head = HEADS[path.suffix].encode()
-    if path.is_symlink() or not path.is_file():
-        return False
-    with path.open("rb") as file:
-        return file.read(len(head)) == head
 
 
 def write_mesh(path: Path, mesh: Mesh, time: float, about: Mapping[str, str]) -> None:
@@ -95,7 +77,7 @@ def write_mesh(path: Path, mesh: Mesh, time: float, about: Mapping[str, str]) ->
         *_section("CellData", mesh.cell_data),
         "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n",
     ]
-    path.write_text("".join(parts), encoding="utf-8")
+    replace_bytes("".join(parts).encode(), path)
 
 
 def _section(name: str, arrays: Mapping[str, AnyArray]) -> list[str]:
@@ -131,12 +113,8 @@ def write_collection(path: Path, times: Sequence[float], files: Sequence[Path]) 
         f'    <DataSet timestep="{float(time)!r}" part="0" file={quoteattr(_relative(file, folder))}/>\n'
         for time, file in zip(times, files, strict=True)
     ]
-    path.write_text(
-        '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n'
-        + "".join(lines)
-        + "  </Collection>\n</VTKFile>\n",
-        encoding="utf-8",
-    )
+    head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n'
+    replace_bytes(f"{head}{''.join(lines)}  </Collection>\n</VTKFile>\n".encode(), path)
 
 
 def _relative(file: Path, folder: Path) -> str:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import csv
+import io
 import itertools
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
+
+from mpmfw.results.replacing import replace_bytes
 
 
 def write_series(path: Path, series: xr.Dataset, frames: Sequence[int]) -> None:
@@ -31,10 +34,11 @@ def write_series(path: Path, series: xr.Dataset, frames: Sequence[int]) -> None:
     for name, array in series.data_vars.items():
         if "time" in array.dims:
             columns |= _columns(str(name), array.isel(time=list(frames)).transpose("time", ...))
-    with path.open("w", encoding="utf-8", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(columns)
-        table.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
+    text = io.StringIO(newline="")
+    table = csv.writer(text)
+    table.writerow(columns)
+    table.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
+    replace_bytes(text.getvalue().encode(), path)
 
 
 def _columns(name: str, array: xr.DataArray) -> dict[str, np.ndarray[tuple[int, ...], np.dtype[np.float64]]]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,10 +12,10 @@ import matplotlib as mpl
 import xarray as xr
 from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
 
-from mpmfw.errors import MpmfwError, SceneError
-from mpmfw.marks import MARK
+from mpmfw.errors import SceneError
 from mpmfw.outputs import Results, chosen_frames, frame_at, times_of
 from mpmfw.plots.field_figure import Drawing, labelled, panels_of
+from mpmfw.results.replacing import replacement
 
 #: Pixels an inch: a column of 85 mm is 502 wide.
 _DPI = 150
@@ -116,20 +115,12 @@ def animate(
     ffmpeg = check_movie(target)
     single = isinstance(results, xr.DataTree | str | os.PathLike)
     runs: Any = {"": results} if single else results
-    try:
-        with (
-            labelled(runs) as trees,
-            tempfile.TemporaryDirectory(dir=target.parent) as folder,
-            mpl.rc_context(),
-        ):
-            movie = Movie(trees, field, every=every, bodies=bodies, limits=limits, arrows=arrows)
-            if ffmpeg is not None:
-                mpl.rcParams["animation.ffmpeg_path"] = ffmpeg
-            unfinished = Path(folder) / f"movie{target.suffix}"
-            _write(movie, unfinished, fps, progress)
-            unfinished.replace(target)
-    except OSError as error:
-        raise MpmfwError(f"cannot write '{target}': {error.strerror or error}") from error
+    with labelled(runs) as trees, mpl.rc_context():
+        movie = Movie(trees, field, every=every, bodies=bodies, limits=limits, arrows=arrows)
+        if ffmpeg is not None:
+            mpl.rcParams["animation.ffmpeg_path"] = ffmpeg
+        with replacement(target) as growing:
+            _write(movie, growing, fps, progress)
     return target
 
 
@@ -167,20 +158,13 @@ def _packaged_ffmpeg() -> str | None:
 
 
 def _write(movie: Movie, path: Path, fps: int, progress: Callable[[int, int], None] | None) -> None:
-    is_gif = path.suffix == ".gif"
-    writer: AbstractMovieWriter = (
-        PillowWriter(fps) if is_gif else FFMpegWriter(fps, "libx264", metadata={"comment": MARK})
-    )
+    writer: AbstractMovieWriter = PillowWriter(fps) if path.suffix == ".gif" else FFMpegWriter(fps, "libx264")
     with writer.saving(movie.figure, str(path), _DPI):
         for index in range(len(movie)):
             movie.show(index)
             writer.grab_frame()
             if progress is not None:
                 progress(index + 1, len(movie))
-    if is_gif:
-        # The block of a comment before the last byte, since Pillow keeps none of several frames
-        block = b"\x21\xfe" + bytes([len(MARK)]) + MARK.encode() + b"\0"
-        path.write_bytes(path.read_bytes().removesuffix(b";") + block + b";")
 
 
 def _within(tree: xr.DataTree, time: float) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,7 +12,6 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from mpmfw.errors import MpmfwError, SceneError
-from mpmfw.marks import FIGURE, check_not_lost
 from mpmfw.plots.costs import cost_bars
 from mpmfw.plots.generic import gap_history, series_overview
 from mpmfw.plots.rings import contact_force
@@ -31,6 +31,10 @@ from mpmfw.plots.study import study_figures
 from mpmfw.plots.style import at_last, drawn_reference, drawn_values, journal_style
 from mpmfw.references import RingsReference, RollingReference
 from mpmfw.results import open as open_results
+from mpmfw.results.replacing import check_new, replace_bytes
+
+#: Metadata by format without which two drawings of the same figure would differ.
+_UNDATED = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
 
 
 def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
@@ -121,7 +125,9 @@ def _rolling(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     return figures
 
 
-def plot_file(path: str | os.PathLike[str], output: str | os.PathLike[str] | None = None) -> list[Path]:
+def plot_file(
+    path: str | os.PathLike[str], output: str | os.PathLike[str] | None = None, *, force: bool = False
+) -> list[Path]:
     """Draw the figures of a run, a comparison or a study.
 
     Parameters
@@ -131,6 +137,8 @@ def plot_file(path: str | os.PathLike[str], output: str | os.PathLike[str] | Non
     output
         Name of the figure, or of all where there are several, whose ending says the format, PNG without one; next to ``path``
         by default.
+    force
+        Replace figures that exist.
 
     Returns
     -------
@@ -140,7 +148,7 @@ def plot_file(path: str | os.PathLike[str], output: str | os.PathLike[str] | Non
     Raises
     ------
     SceneError
-        The file holds nothing to draw, or a figure would take the place of a file that mpmfw did not write.
+        The file holds nothing to draw, or a figure exists.
     MpmfwError
         The file cannot be read, or a figure cannot be written.
     """
@@ -160,7 +168,7 @@ def plot_file(path: str | os.PathLike[str], output: str | os.PathLike[str] | Non
     first = Path(path).with_suffix(".png") if output is None else Path(output)
     names = {name: first if len(drawn) == 1 else first.with_stem(f"{first.stem}-{name}") for name in drawn}
     for target in names.values():
-        check_not_lost(target, "figure")
+        check_new(target, force)
     return [write_figure(figure, names[name]) for name, figure in drawn.items()]
 
 
@@ -207,9 +215,11 @@ def write_figure(figure: Figure, path: Path) -> Path:
         The file cannot be written; the message names it.
     """
     path = path if path.suffix else path.with_suffix(".png")
+    form, content = path.suffix.lower(), io.BytesIO()
     try:
         with journal_style():
-            figure.savefig(path, metadata=FIGURE.get(path.suffix.lower(), {}))
-    except (OSError, ValueError) as error:
-        raise MpmfwError(f"cannot write '{path}': {getattr(error, 'strerror', None) or error}") from error
+            figure.savefig(content, format=form[1:], metadata=_UNDATED.get(form))
+    except ValueError as error:
+        raise MpmfwError(f"cannot write '{path}': {error}") from error
+    replace_bytes(content.getbuffer(), path)
     return path

@@ -14,14 +14,13 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from mpmfw.errors import MpmfwError
-from mpmfw.marks import MARK
 from mpmfw.plots import figures_of
 from mpmfw.plots.style import journal_style
 from mpmfw.references import described
 from mpmfw.report.columns import CHOICES, COLUMNS, COSTS, column_of
 from mpmfw.report.differences import differences, refinement
 from mpmfw.report.table import method_dims, shown, table
+from mpmfw.results.replacing import replace_bytes
 
 _STYLE = """body{font:15px/1.5 system-ui,sans-serif;max-width:75em;margin:2em auto;padding:0 1em;color:#222}
 table{border-collapse:collapse;font-size:13px}th,td{padding:.25em .6em;white-space:nowrap;
@@ -76,13 +75,9 @@ def write_report(
         )
     page = (
         f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
-        f'<meta name="generator" content="{MARK}"><style>{_STYLE}</style></head><body>{"".join(parts)}</body></html>\n'
+        f"<style>{_STYLE}</style></head><body>{''.join(parts)}</body></html>\n"
     )
-    try:
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(page)
-    except OSError as error:
-        raise MpmfwError(f"cannot write '{os.fspath(path)}': {error.strerror}") from error
+    replace_bytes(page.encode("utf-8", "replace"), path)
 
 
 def _reference(dataset: xr.Dataset) -> str:

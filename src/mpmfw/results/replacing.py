@@ -1,12 +1,14 @@
-"""Write a file that holds one dataset: never in place of another kind of file, and never by halves."""
+"""Write a file: whole or not at all, and a results' file or a checkpoint in place of its own kind alone."""
 
 from __future__ import annotations
 
 import contextlib
 import os
+import re
 import uuid
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import netCDF4
 
@@ -15,9 +17,12 @@ from mpmfw.errors import MpmfwError, SceneError
 if TYPE_CHECKING:
     import xarray as xr
 
+#: Characters of a file's name that the name of its unfinished successor repeats: names have at most 255 bytes.
+_REPEATED = 50
+
 
 def check_replaceable(path: str | os.PathLike[str], kind: str, what: str) -> None:
-    """Ask, before long work, that a file can be written and takes the place of none, of an empty one, or of one of its own kind.
+    """Check, before long work, that a file can be written and replaces no file but an empty one or one of its own kind.
 
     Parameters
     ----------
@@ -29,11 +34,17 @@ def check_replaceable(path: str | os.PathLike[str], kind: str, what: str) -> Non
     Raises
     ------
     SceneError
-        There is another file.
+        There is another file, or NetCDF cannot write a file of this name.
     MpmfwError
-        None can be written there.
+        No file can be written there.
     """
-    path = Path(path)
+    try:
+        os.fspath(path).encode()
+    except UnicodeEncodeError as error:
+        raise SceneError(
+            f"{os.fspath(path)!r}: is not UTF-8, as the name of a NetCDF file must be; give another name"
+        ) from error
+    path = Path(os.path.realpath(path))
     if not path.parent.is_dir():
         raise MpmfwError(f"cannot create '{path}': there is no folder '{path.parent}'")
     if not os.access(path.parent, os.W_OK) or path.is_dir():
@@ -44,55 +55,93 @@ def check_replaceable(path: str | os.PathLike[str], kind: str, what: str) -> Non
         )
 
 
+def check_new(path: Path, force: bool = False) -> Path:
+    """Return the path of a figure, a page or an export, if no file is lost there: none exists, or ``force`` is true.
+
+    Raises
+    ------
+    SceneError
+        There is a file that is not empty.
+    """
+    if not force and path.is_file() and path.stat().st_size:
+        raise SceneError(f"{path}: is there already; give another name, or --force to replace it")
+    return path
+
+
 def kind_of_file(path: Path) -> str | None:
-    """What a results' file says that it is; None of any other file."""
+    """Return the kind that a results' file names; None for any other file."""
     try:
         with netCDF4.Dataset(os.fspath(path)) as dataset:
             return str(getattr(dataset, "kind", ""))
-    except OSError:
+    except (OSError, RuntimeError, UnicodeError):
         return None
 
 
-def replace_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Write a dataset as NetCDF in one step: readers see the old file or the new one, whole.
+def unfinished(path: str | os.PathLike[str]) -> Path:
+    """Return a new name beside a file, for the file that will replace it; a link leads to the file that it names."""
+    target = Path(os.path.realpath(path))
+    return target.with_name(f".{target.stem[:_REPEATED]}.{uuid.uuid4().hex}.part{target.suffix[:_REPEATED]}")
+
+
+def abandoned(path: str | os.PathLike[str]) -> list[Path]:
+    """Return the unfinished files of a file that processes left which were killed while they wrote."""
+    target = Path(os.path.realpath(path))
+    stem, suffix = re.escape(target.stem[:_REPEATED]), re.escape(target.suffix[:_REPEATED])
+    name = re.compile(rf"\.{stem}\.[0-9a-f]{{32}}\.part{suffix}")
+    try:
+        return [one for one in target.parent.iterdir() if name.fullmatch(one.name) and not one.is_dir()]
+    except OSError:
+        return []
+
+
+@contextlib.contextmanager
+def replacement(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Context that gives the name of a file to write, which then replaces ``path`` in one step.
+
+    Readers see the old file or the new one, whole. After any error the old file is there and the new one is not.
 
     Raises
     ------
     MpmfwError
-        It cannot be written.
+        The file cannot be written.
     """
-    growing = _growing(Path(path))
+    growing = unfinished(path)
     try:
-        dataset.to_netcdf(growing, engine="netcdf4")
-        os.replace(growing, path)
+        yield growing
+        with open(growing, "rb+") as file:
+            os.fsync(file.fileno())
+        os.replace(growing, os.path.realpath(path))
     except OSError as error:
+        raise MpmfwError(f"cannot write '{os.fspath(path)}': {error.strerror or error}") from error
+    finally:
         with contextlib.suppress(OSError):
             growing.unlink()
-        raise MpmfwError(f"cannot write '{os.fspath(path)}': {error.strerror or error}") from error
 
 
-def _growing(path: Path) -> Path:
-    """What a file is called until it is whole: as no other is."""
-    return path.with_name(f".{path.name}.{uuid.uuid4().hex}.part")
-
-
-def replace_bytes(content: bytes, path: Path) -> None:
-    """Write bytes in one step, with the rights that the umask leaves; the folder is made if it is not there.
+def replace_bytes(content: bytes | memoryview, path: str | os.PathLike[str]) -> None:
+    """Write bytes as :func:`replacement` does, with the rights that the umask leaves.
 
     Raises
     ------
     MpmfwError
         They cannot be written.
     """
-    growing = _growing(path)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with open(growing, "xb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(growing, path)
-    except OSError as error:
-        with contextlib.suppress(OSError):
-            growing.unlink()
-        raise MpmfwError(f"cannot write '{path}': {error.strerror or error}") from error
+    with replacement(path) as growing, open(growing, "xb") as file:
+        file.write(content)
+
+
+def replace_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
+    """Write a dataset as NetCDF, as :func:`replacement` does.
+
+    The file is made in memory: HDF5 cannot close a file that finds no room on its disk.
+
+    Raises
+    ------
+    MpmfwError
+        It cannot be written.
+    """
+    from xarray.backends import NetCDF4DataStore
+
+    file: Any = netCDF4.Dataset("memory", "w", memory=1)
+    dataset.dump_to_store(NetCDF4DataStore(file))  # type: ignore[no-untyped-call]
+    replace_bytes(file.close(), path)

@@ -287,6 +287,8 @@ def _labels(dataset: netCDF4.Dataset, name: str, labels: tuple[str, ...], *, gro
 def _storable(value: Any) -> Any:
     if isinstance(value, bool):
         return int(value)
+    if isinstance(value, str):
+        return value.encode("utf-8", "replace").decode()  # names of files may be no text
     if isinstance(value, Mapping | list | tuple | set | frozenset):
         return json.dumps(sorted(value) if isinstance(value, set | frozenset) else value, default=str)
     return value

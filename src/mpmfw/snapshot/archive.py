@@ -15,6 +15,7 @@ import numpy as np
 
 from mpmfw.errors import MpmfwError
 from mpmfw.fields import AnyArray
+from mpmfw.results.replacing import replacement
 
 #: Name in the archive of the file that lay beside.
 _BESIDE = "beside"
@@ -88,17 +89,8 @@ def write_snapshot(
     MpmfwError
         It cannot be written.
     """
-    growing = f"{os.fspath(path)}.part"
-    try:
-        with open(growing, "wb") as file:
-            snapshot.write(file, facts, beside)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(growing, path)
-    except OSError as error:
-        with contextlib.suppress(OSError):
-            os.unlink(growing)
-        raise MpmfwError(f"cannot write '{os.fspath(path)}': {error.strerror or error}") from error
+    with replacement(path) as growing, open(growing, "xb") as file:
+        snapshot.write(file, facts, beside)
 
 
 def read_snapshot(path: str | os.PathLike[str]) -> tuple[Snapshot, dict[str, Any]]:

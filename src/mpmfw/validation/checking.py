@@ -12,7 +12,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from mpmfw.campaigns.outcome import Finished, Outcome
-from mpmfw.marks import FIGURE
 from mpmfw.validation.case import Case
 from mpmfw.validation.measuring import check_tables
 from mpmfw.validation.reading import load_case
@@ -35,9 +34,8 @@ class CaseTask:
 
 def check_once(task: CaseTask) -> Finished:
     """Check a case and save its figures; an error in it is part of the outcome, beside the rows before it."""
-    from mpmfw.plots.style import (
-        journal_style,  # matplotlib, which the process that only starts cases does without
-    )
+    from mpmfw.plots import write_figure  # matplotlib, which the process that only starts cases does without
+    from mpmfw.plots.style import journal_style
 
     start = time.perf_counter()
     case, error = Case(task.folder, task.quick), ""
@@ -45,7 +43,7 @@ def check_once(task: CaseTask) -> Finished:
         with journal_style():
             check_case(case)
         for name, figure in case.figures.items():
-            figure.savefig(task.output / f"{name}.png", metadata=FIGURE[".png"])
+            write_figure(figure, task.output / f"{name}.png")
     except (Exception, SystemExit):
         case.figures.clear()
         error = traceback.format_exc()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
 import platform
 import shutil
@@ -14,6 +15,7 @@ from pathlib import Path
 from rich.table import Table
 
 from mpmfw.campaigns.machine import processor
+from mpmfw.results.replacing import replace_bytes
 from mpmfw.validation.case import CONTACTS, RECOMMENDED, SHAPES, Method
 from mpmfw.validation.known import KnownRed
 from mpmfw.validation.rows import Row, Verdict
@@ -87,17 +89,13 @@ _COLUMNS = (
 )
 
 
-#: By which a table and a page of documentation are known again.
-COLUMNS_LINE = ",".join(_COLUMNS).replace("cpu_time", "cpu_s")
-PAGE_MARK = "A *gate* decides whether the suite passes; it binds the recommended combination"
-
-
 def write_csv(outcomes: Iterable[CaseResult], path: Path) -> None:
     """Write every row with its full digits."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(name.replace("cpu_time", "cpu_s") for name in _COLUMNS)
-        writer.writerows([getattr(row, name) for name in _COLUMNS] for one in outcomes for row in one.rows)
+    text = io.StringIO(newline="")
+    writer = csv.writer(text)
+    writer.writerow(name.replace("cpu_time", "cpu_s") for name in _COLUMNS)
+    writer.writerows([getattr(row, name) for name in _COLUMNS] for one in outcomes for row in one.rows)
+    replace_bytes(text.getvalue().encode(), path)
 
 
 def write_page(
@@ -118,7 +116,7 @@ def write_page(
     pictures = path.with_suffix("")
     pictures.mkdir(parents=True, exist_ok=True)
     parts = [_head(outcomes, known), *(_section(one, pictures, repository) for one in outcomes)]
-    path.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
+    replace_bytes(("\n\n".join(parts) + "\n").encode(), path)
 
 
 def _head(outcomes: Sequence[CaseResult], known: Sequence[KnownRed]) -> str:
@@ -131,7 +129,7 @@ def _head(outcomes: Sequence[CaseResult], known: Sequence[KnownRed]) -> str:
             f"same. {summary(outcomes)}.",
             f"Conditions: Python {platform.python_version()}, {packages}; {processor()}. CPU times are of the steps and of "
             "settling, without compilation; where several processes ran, they shared the machine.",
-            f"{PAGE_MARK}, penalty contact with CPDI "
+            "A *gate* decides whether the suite passes; it binds the recommended combination, penalty contact with CPDI "
             "or CPDI2 and the scene's defaults, and what a case names beside it (`binds`). Other methods are shown at the "
             "same limits: *within* or *outside*, and so are these where their case says that a limit is not kept yet, and "
             "why (`open`). A method that failed keeps its row.",
