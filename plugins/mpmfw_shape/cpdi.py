@@ -1,4 +1,7 @@
-"""CPDI: convected particle domains, parallelograms that follow F (Sadeghirad, Brannon & Burghardt 2011)."""
+"""CPDI: convected particle domains, parallelograms that follow F (Sadeghirad, Brannon & Burghardt 2011).
+
+A domain that plastic flow makes degenerate is replaced by a rectangle (:mod:`._degenerate_domains`).
+"""
 
 from __future__ import annotations
 
@@ -7,16 +10,45 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mpmfw.api import FloatArray, Grid, IntArray, Particles, Setup, Stencil, hookimpl
-from mpmfw.kernels import kernel, scratch
+from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.packed import CORNERS, FULL, OUTSIDE, fill_domain
 from mpmfw.kernels.small_matrix import invert
 from mpmfw.kernels.stencil import read_window
 from mpmfw.kernels.types import Floats, Indices, Ints
 from mpmfw_shape._at_points import LinearSurface
+from mpmfw_shape._degenerate_domains import is_degenerate, make_rectangle
 from mpmfw_shape._packed_rows import empty_rows, fill_rows
 
 if TYPE_CHECKING:
     from mpmfw_shape._rectangles import Rectangles
+
+
+@device
+def deformed_edges(f: Floats, start: Floats, r: Floats, spacing: tuple[float, ...]) -> None:
+    """Write R = F R_0 [m] to ``r``; a degenerate domain becomes a rectangle (:mod:`._degenerate_domains`)."""
+    dim = len(spacing)
+    for d in range(dim):
+        for e in range(dim):
+            r[d, e] = 0.0
+            for a in range(dim):
+                r[d, e] += f[d, a] * start[a, e]
+    if is_degenerate(r, start, spacing):
+        make_rectangle(r, start, spacing)
+
+
+@kernel
+def reach_of_domains(
+    deformation_gradient: Floats, half_edges: Floats, reach: Floats, spacing: tuple[float, ...]
+) -> None:
+    """Write the extent of every domain along every axis, Σ_a |R_da| [m], to ``reach`` (n, dim)."""
+    dim = len(spacing)
+    r = scratch.matrix(spacing, spacing)
+    for p in range(len(reach)):
+        deformed_edges(deformation_gradient[p], half_edges[p], r, spacing)
+        for d in range(dim):
+            reach[p, d] = 0.0
+            for e in range(dim):
+                reach[p, d] += abs(r[d, e])
 
 
 @kernel
@@ -38,8 +70,8 @@ def fill_cpdi(
 ) -> int:
     """CPDI functions; up to 4**dim entries each, about 5 in 2D and 16 in 3D (:func:`mpmfw.kernels.fill_domain`).
 
-    The domain is x_p + R ξ, ξ in [−1, 1]^dim, R = F R_0. With the corners x_c at signs s_c, φ_i = 2^−dim Σ_c
-    N_i(x_c) and ∇φ_i = 2^−dim Σ_c R^−T s_c N_i(x_c): mean and mean gradient over the domain of the function
+    The domain is x_p + R ξ, ξ in [−1, 1]^dim, R = F R_0 (:func:`deformed_edges`). With the corners x_c at signs
+    s_c, φ_i = 2^−dim Σ_c N_i(x_c) and ∇φ_i = 2^−dim Σ_c R^−T s_c N_i(x_c): mean and mean gradient over the domain of the function
     that interpolates N_i linearly between the corners. Return the first point outside its window, −1, or −2 if the table
     is too short.
     """
@@ -65,10 +97,7 @@ def fill_cpdi(
         for p in range(first[f], first[f + 1]):
             for d in range(dim):
                 centre[d] = (position[p, d] - origin[d]) * inverse_h
-                for e in range(dim):
-                    r[d, e] = 0.0
-                    for a in range(dim):
-                        r[d, e] += deformation_gradient[p, d, a] * half_edges[p, a, e]
+            deformed_edges(deformation_gradient[p], half_edges[p], r, spacing)
             invert(r, inverse, spacing)
             for c in range(n_corners):
                 for d in range(dim):
@@ -92,7 +121,7 @@ class Cpdi(LinearSurface):
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Take the domains at the start; the deformed ones are F R_0 and are not stored."""
+        """Take the domains at the start; the deformed ones follow from F and are not stored."""
         self.half_edges = setup.half_edges
         self.room = empty_rows(setup.state.particles.count, setup.dim)
         self.rectangles: Rectangles | None = None
@@ -104,8 +133,10 @@ class Cpdi(LinearSurface):
 
     @hookimpl
     def particle_reach(self, particles: Particles) -> FloatArray:
-        """Extent of the deformed parallelogram along every axis, Σ_a |(F R_0)_da|."""
-        reach: FloatArray = np.abs(particles.deformation_gradient @ self.half_edges).sum(axis=2)
+        """Return the extent of the deformed domains along every axis [m], (n, dim)."""
+        reach = np.empty_like(particles.position)
+        spacing = (0.0,) * particles.dim
+        reach_of_domains(particles.deformation_gradient, self.half_edges, reach, spacing)
         return reach
 
     @hookimpl

@@ -23,6 +23,7 @@ from mpmfw.kernels.packed import FULL, OUTSIDE, fill_domain
 from mpmfw.kernels.stencil import read_window
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 from mpmfw_shape._at_points import LinearSurface
+from mpmfw_shape._degenerate_domains import is_degenerate, make_rectangle
 from mpmfw_shape._packed_rows import empty_rows, fill_rows
 
 CORNERS = Field(
@@ -46,22 +47,48 @@ def area_of(corners: Floats) -> Float:
 
 
 @device
+def corner_jacobian(corners: Floats, c: int) -> Float:
+    """Jacobian at corner ``c`` of the map from the unit square [m^2]: the area of its parallelogram."""
+    after, before = (c + 1) % 4, (c + 3) % 4
+    return (corners[after, 0] - corners[c, 0]) * (corners[before, 1] - corners[c, 1]) - (
+        corners[before, 0] - corners[c, 0]
+    ) * (corners[after, 1] - corners[c, 1])
+
+
+@device
 def corner_share(corners: Floats, c: int, area: Float) -> Float:
     """1/V ∫ M_c dV of the corner's bilinear function M_c; 1/4 for a parallelogram.
 
     The Jacobian of the map from the unit square is linear along its edges; the integral of M_c over the
-    domain is (4 a_c + 2 a_{c−1} + 2 a_{c+1} + a_{c+2}) / 36, a_c being the Jacobian at corner c (area of its
-    parallelogram).
+    domain is (4 a_c + 2 a_{c−1} + 2 a_{c+1} + a_{c+2}) / 36, a_c being the Jacobian at corner c.
     """
     total = 0.0
     for other in range(4):
-        after, before = (other + 1) % 4, (other + 3) % 4
-        jacobian = (corners[after, 0] - corners[other, 0]) * (corners[before, 1] - corners[other, 1]) - (
-            corners[before, 0] - corners[other, 0]
-        ) * (corners[after, 1] - corners[other, 1])
         distance = (other - c + 4) % 4
-        total += jacobian * (4.0 if distance == 0 else 1.0 if distance == 2 else 2.0)
+        total += corner_jacobian(corners, other) * (4.0 if distance == 0 else 1.0 if distance == 2 else 2.0)
     return total / (36.0 * area)
+
+
+@device
+def replace_degenerate(corners: Floats, centre: Floats, start: Floats, spacing: tuple[float, ...]) -> None:
+    """Replace a degenerate quadrilateral by a rectangle round ``centre`` (:mod:`._degenerate_domains`).
+
+    It is degenerate if the parallelogram of its midlines r_1, r_2 is, or if the Jacobian at a corner is below a quarter of
+    its mean. ``corners`` (4, 2) are written [m]. The domain overlaps its neighbours, or has gaps to them, from then on.
+    """
+    r = scratch.matrix(spacing, spacing)
+    for d in range(len(spacing)):
+        r[d, 0] = 0.25 * (corners[1, d] + corners[2, d] - corners[0, d] - corners[3, d])
+        r[d, 1] = 0.25 * (corners[2, d] + corners[3, d] - corners[0, d] - corners[1, d])
+    degenerate = is_degenerate(r, start, spacing)
+    for c in range(4):
+        degenerate = degenerate or not corner_jacobian(corners, c) > 0.25 * area_of(corners)
+    if degenerate:
+        make_rectangle(r, start, spacing)
+        for c in range(4):
+            first, second = 1.0 if c == 1 or c == 2 else -1.0, 1.0 if c > 1 else -1.0
+            for d in range(len(spacing)):
+                corners[c, d] = centre[d] + first * r[d, 0] + second * r[d, 1]
 
 
 @kernel
@@ -119,10 +146,11 @@ def move_corners(
     node_velocity: Floats,
     corners: Floats,
     position: Floats,
+    half_edges: Floats,
     dt: float,
     spacing: tuple[float, ...],
 ) -> None:
-    """x_c += Δt Σ N_i(x_c) v_i, and x_p = Σ_c w_c x_c with the weights of the moved domain.
+    """x_c += Δt Σ N_i(x_c) v_i, and x_p = Σ_c w_c x_c with the weights of the moved domain; degenerate ones are replaced.
 
     Points are set to Σ S_i x_i, since otherwise the affine transfer, which turns about x_p, lets linear momentum drift.
     """
@@ -150,6 +178,7 @@ def move_corners(
                 position[p, d] = 0.0
                 for c in range(4):
                     position[p, d] += corner_share(corners[p], c, area) * corners[p, c, d]
+            replace_degenerate(corners[p], position[p], half_edges[p], spacing)
 
 
 class Cpdi2(LinearSurface):
@@ -171,6 +200,7 @@ class Cpdi2(LinearSurface):
         particles = setup.state.particles
         self.corners = setup.allocate(self.name, CORNERS, corner=4)
         self.corners[:] = setup.corners
+        self.half_edges = setup.half_edges  # at the start; degenerate domains are compared with them
         self.room = empty_rows(particles.count, setup.dim)
 
     @hookimpl
@@ -209,6 +239,7 @@ class Cpdi2(LinearSurface):
             grid.velocity,
             self.corners,
             particles.position,
+            self.half_edges,
             dt,
             grid.spacing,
         )

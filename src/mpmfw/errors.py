@@ -54,6 +54,16 @@ class SimulationError(MpmfwError):
         super().__init__(message + (f". Try: {advice}" if advice else ""))
 
 
+class Diverged(SimulationError):
+    """A point inverted, or a value became NaN; the simulation adds the advice, which depends on the methods."""
+
+    def with_advice(self, advice: str) -> SimulationError:
+        """Return the same error with ``advice``."""
+        return SimulationError(
+            self.what, body=self.body, index=self.index, position=self.position, time=self.time, advice=advice
+        )
+
+
 class PluginError(SimulationError):
     """A plug-in failed while the run went on: what it did is named with plug-in, distribution and hook.
 

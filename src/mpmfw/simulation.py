@@ -16,7 +16,7 @@ from mpmfw.clock import STAGES, STEP_STAGES, Clock
 from mpmfw.compilation import CompileTimer, import_numba_without_scipy
 from mpmfw.dead_hooks import refuse_dead_hooks
 from mpmfw.effect import Effect
-from mpmfw.errors import PluginError, SceneError, SimulationError
+from mpmfw.errors import Diverged, PluginError, SceneError, SimulationError
 from mpmfw.fields import Field
 from mpmfw.frames import Recorder
 from mpmfw.guard import Guard
@@ -24,6 +24,7 @@ from mpmfw.hooks import BoundHooks, hook_names, make_manager
 from mpmfw.initial_motion import initial_velocity
 from mpmfw.pairs import list_near
 from mpmfw.plan import plan_effects
+from mpmfw.remedies import remedies
 from mpmfw.results import Frame, RunHeader
 from mpmfw.settling import Settling
 from mpmfw.setup import make_setup
@@ -102,6 +103,7 @@ class Simulation:
         self.state, self.contact, self.shape = made.state, made.contact, made.shape
         self.scheme, self.transfer = made.scheme, made.transfer
         self.effects: tuple[Effect, ...] = tuple(plan.effects)
+        self.remedies = remedies(made)
         self.threads = threads
         if threads > 1:
             from mpmfw.threads import Threads
@@ -220,7 +222,10 @@ class Simulation:
         """One time step; ``length`` is asked for it when the limits are known."""
         state = self.state
         time, steps = state.time, state.steps
-        state.dt = self._step(state, self.hook, self.transfer, self.clock, length)
+        try:
+            state.dt = self._step(state, self.hook, self.transfer, self.clock, length)
+        except Diverged as error:
+            raise error.with_advice("; ".join(self.remedies.values())) from None
         state.time, state.steps = time + state.dt, steps + 1
 
     def detect(self) -> None:

@@ -231,7 +231,9 @@ def unstable():
 def stopped(mapping):
     """What stops a run past the stability limit, which is let run so far."""
     simulation = Simulation({**mapping, "output": {"ledger": True}, "allow_unstable": True})
-    simulation.manager.get_plugin("energy_ledger").guard = EnergyGuard.of(simulation.state)
+    simulation.manager.get_plugin("energy_ledger").guard = EnergyGuard.of(
+        simulation.state, simulation.remedies
+    )
     with pytest.raises(SimulationError, match="energy grew by") as caught:
         simulation.run()
     return caught.value
@@ -271,7 +273,7 @@ def test_growth_is_seen_in_between_outputs():
 
 
 def test_the_guard_allows_what_there_was_what_springs_held_and_what_loads_gave():
-    guard = EnergyGuard(nothing=0.0)
+    guard = EnergyGuard(nothing=0.0, remedies={})
     guard.restart(10.0)
     guard.loaded = 4.0
     guard.give(6.0)
@@ -284,7 +286,7 @@ def test_the_guard_allows_what_there_was_what_springs_held_and_what_loads_gave()
 
 def test_the_guard_counts_what_adhesion_gave_and_no_more():
     """Bodies at rest that hold −3 J/m at the start and −5 J/m soon after: 2 J/m of motion are theirs."""
-    guard = EnergyGuard(nothing=0.0)
+    guard = EnergyGuard(nothing=0.0, remedies={})
     guard.restart(0.0)
     guard.loaded = -3.0
     guard.hold(-3.0, 0.0)

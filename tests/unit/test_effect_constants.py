@@ -208,7 +208,7 @@ def test_rounding_is_no_growth_of_energy_and_a_slow_impact_s_is(monkeypatch: pyt
     def stops(energy: float) -> bool:
         body = state.bodies[0]
         stiffness = float(state.particles.volume.sum()) * (body.bulk_modulus + body.shear_modulus)
-        return energy_guard.EnergyGuard.of(state).grown(energy * stiffness)
+        return energy_guard.EnergyGuard.of(state, {}).grown(energy * stiffness)
 
     assert not stops(1e-24)
     assert stops(1e-8)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from mpmfw.errors import SimulationError
@@ -13,12 +15,12 @@ GROWTH_LIMIT = 0.5
 #: Energy per stiffness and volume that counts as nothing: rounding in bodies at rest is no growth.
 NOTHING = 1e-12
 
-#: Where energy may come from: what it is called, and what helps.
+#: Where energy may come from: its name, and what helps, by the names of :mod:`mpmfw.remedies` or in words.
 CAUSES = {
-    "contact": ("contact", "a smaller time.safety, or a softer contact"),
-    "inertia": ("the inertia correction", "a smaller time.safety, or rotation = 'lumped'"),
-    "transfer": ("the transfer between points and grid", "another stepping.transfer or shape"),
-    "strain": ("the strain's integration in time", "a smaller time.safety, or scheme 'usl'"),
+    "contact": ("contact", ("step", "contact")),
+    "inertia": ("the inertia correction", ("step", "rotation = 'lumped'")),
+    "transfer": ("the transfer between points and grid", ("another stepping.transfer", "shape")),
+    "strain": ("the strain's integration in time", ("step", "scheme")),
 }
 
 
@@ -29,21 +31,21 @@ class EnergyGuard:
     ----------
     nothing
         Energy that counts as nothing [J/m].
-    softer_by
-        Key of the scene that makes contact softer, for advice.
+    remedies
+        What may help (:func:`mpmfw.remedies.remedies`).
     """
 
-    def __init__(self, nothing: float, softer_by: str | None = None) -> None:
-        self.nothing, self.softer_by = nothing, softer_by
+    def __init__(self, nothing: float, remedies: Mapping[str, str]) -> None:
+        self.nothing, self.remedies = nothing, remedies
         self.restart(0.0)
 
     @classmethod
-    def of(cls, state: State, softer_by: str | None = None) -> EnergyGuard:
+    def of(cls, state: State, remedies: Mapping[str, str]) -> EnergyGuard:
         """The guard of these bodies: nothing is a share of the stiffness that they have."""
         volume = state.particles.through(state.particles.initial_volume)
         volumes = [volume[body.particles].sum() for body in state.bodies]
         stiffness = [body.bulk_modulus + body.shear_modulus for body in state.bodies]
-        return cls(NOTHING * float(np.dot(volumes, stiffness)), softer_by)
+        return cls(NOTHING * float(np.dot(volumes, stiffness)), remedies)
 
     def restart(self, start: float) -> None:
         """Begin with bodies that have the energy ``start`` [J/m]."""
@@ -100,9 +102,9 @@ class EnergyGuard:
         """
         amounts = {**terms, "contact": terms["contact"] - self.released}
         largest = max(amounts, key=lambda term: amounts[term])
-        cause, advice = CAUSES[largest]
-        if largest == "contact" and self.softer_by is not None:
-            advice += f" ({self.softer_by})"
+        cause, ways = CAUSES[largest]
+        absent = {"step", "scheme", "contact", "shape"} - self.remedies.keys()
+        advice = ", or ".join(self.remedies.get(way, way) for way in ways if way not in absent)
         return SimulationError(
             f"the energy grew by {self.growth(energy):.4g} J/m without reason, past {GROWTH_LIMIT:g} of the "
             f"{self.allowed:.4g} J/m that there were and were put in; likely cause: {cause}, which added "

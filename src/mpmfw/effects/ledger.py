@@ -21,6 +21,7 @@ from mpmfw.effects.ledger_energies import add_change, grid_energy, impulse_work,
 from mpmfw.effects.ledger_half_step import HalfStep
 from mpmfw.fields import AnyArray, Field, FloatArray
 from mpmfw.hookspecs import hookimpl
+from mpmfw.remedies import remedies
 from mpmfw.series import StrainEnergies
 from mpmfw.state import Grid, State
 
@@ -262,7 +263,6 @@ def planned(made: Build, plan: Plan, strain: StrainEnergies) -> tuple[EnergyLedg
 
     contact = made.contact
     declared = [] if contact is None or not hasattr(contact, "declare_fields") else contact.declare_fields()
-    softer_by = getattr(contact, "softer_by", None)
     ledger = EnergyLedger(
         strain,
         made.state,
@@ -270,7 +270,7 @@ def planned(made: Build, plan: Plan, strain: StrainEnergies) -> tuple[EnergyLedg
         contact,
         accounted="spring_work" in [field.name for field in declared],
         half_steps=made.scheme == "usl",
-        guard=None if made.scene.allow_unstable else EnergyGuard.of(made.state, softer_by),
+        guard=None if made.scene.allow_unstable else EnergyGuard.of(made.state, remedies(made)),
     )
     measured: list[Any] = []
     for plugin in plan.plugins:

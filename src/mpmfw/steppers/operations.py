@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from mpmfw.clock import Clock
-from mpmfw.errors import SimulationError
+from mpmfw.errors import Diverged, SimulationError
 from mpmfw.fields import FloatArray
 from mpmfw.kernels import gather as from_grid
 from mpmfw.kernels import nodal
@@ -256,7 +256,7 @@ def update_deformation(state: State, dt: float) -> None:
 
     Raises
     ------
-    SimulationError
+    Diverged
         det F is not positive, or not a number.
     """
     p = state.particles
@@ -269,13 +269,12 @@ def update_deformation(state: State, dt: float) -> None:
             if jacobian != jacobian
             else f"a material point inverted (det F = {jacobian:.3g})"
         )
-        raise SimulationError(
+        raise Diverged(
             what,
             body=body.name,
             index=bad - body.particles.start,
             position=p.position[bad].tolist(),
             time=state.time,
-            advice="a smaller time.safety; shape 'cpdi' with scheme 'usl'; a softer contact",
         )
 
 

@@ -1,0 +1,88 @@
+"""CPDI domains under large plastic flow: a soft metal that is struck runs at the default step, and keeps its momentum."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mpmfw import run
+from mpmfw.errors import SimulationError
+from mpmfw.simulation import Simulation
+
+#: A copper disc of ten cells on a free copper block, at 500 m/s, until the jets at the rim are drawn out.
+SPRAY: dict[str, Any] = {
+    "grid": {"cell_size": 1e-6, "lower": [-26e-6, -24e-6], "upper": [26e-6, 24e-6]},
+    "time": {"end": 14e-9, "output_interval": 1e-9},
+    "contact": {"method": "penalty", "friction": 0.2},
+    "materials": {
+        "copper": {
+            "model": "j2",
+            "density": 8960,
+            "youngs_modulus": 124e9,
+            "poissons_ratio": 0.34,
+            "yield_stress": 120e6,
+            "hardening_modulus": 300e6,
+        }
+    },
+    "bodies": {
+        "ball": {
+            "material": "copper",
+            "geometry": {"type": "disc", "centre": [0, 8.2e-6], "radius": 8e-6},
+            "particles": {"size": "0.5 cells"},
+            "velocity": [0, -500],
+        },
+        "block": {
+            "material": "copper",
+            "geometry": {"type": "rectangle", "lower": [-18e-6, -12e-6], "upper": [18e-6, 0]},
+            "particles": {"size": "0.5 cells"},
+        },
+    },
+    "output": {"ledger": True, "gap": False},
+}
+
+CONTACTS = (
+    "penalty",
+    "lcp",
+    "bardenhagen",
+    "bardenhagen(criterion=position, normal=master)",
+    "surfaces+impulse",
+)
+
+
+@pytest.mark.parametrize("shape", ["cpdi", "cpdi2"])
+@pytest.mark.parametrize("contact", CONTACTS)
+def test_plastic_flow_keeps_momentum_and_makes_no_energy(contact: str, shape: str) -> None:
+    series = run(SPRAY, contact=contact, shape=shape)["series"]
+    momentum = series["linear_momentum"].sum("body").values
+    assert np.abs(momentum - momentum[0]).max() < 1e-10 * np.abs(momentum[0]).max()
+    energy = series["kinetic_energy"] + series["strain_energy"] + series["affine_energy"]
+    total = (energy + series["material_dissipation"]).sum("body").values
+    assert 0.85 * total[0] < total[-1] < 1.001 * total[0]
+    assert total.max() < 1.001 * total[0]
+
+
+@pytest.mark.parametrize(
+    ("shape", "scheme", "contact", "recommended", "running"),
+    [
+        ("cpdi", "usl", "penalty", ["contact.penalty.kappa", "another shape than 'cpdi'"], ["scheme"]),
+        ("gimp", "musl", "bardenhagen", ["scheme 'usl'", "another contact"], ["softer"]),
+        ("linear", "musl", None, ["time.safety"], ["scheme", "contact"]),
+    ],
+)
+def test_advice_names_nothing_that_runs_already(
+    shape: str, scheme: str, contact: str | None, recommended: list[str], running: list[str]
+) -> None:
+    bodies = SPRAY["bodies"] if contact else {"ball": SPRAY["bodies"]["ball"]}
+    scene = {**SPRAY, "bodies": bodies, "stepping": {"scheme": scheme}, "output": {}}
+    if contact is None:
+        del scene["contact"]
+    simulation = Simulation(scene, contact=contact, shape=shape)
+    simulation.start()
+    simulation.state.particles.deformation_gradient[0, 0, 0] = -1.0
+    with pytest.raises(SimulationError, match="inverted") as failed:
+        simulation.step()
+    assert failed.value.advice is not None
+    assert all(text in failed.value.advice for text in recommended)
+    assert not any(text in failed.value.advice for text in running)
