@@ -22,12 +22,14 @@ if TYPE_CHECKING:
     from mpmfw.resuming import resume
     from mpmfw.runs import run
     from mpmfw.scene import load_scene
+    from mpmfw.simulation import Simulation
     from mpmfw.studies.choosing import choose
     from mpmfw.studies.ranking import rank
     from mpmfw.studies.study import study
     from mpmfw_testing.parametrised import check_plugin
 
 _MODULES = {
+    "Simulation": "mpmfw.simulation",
     "animate": "mpmfw.plots",
     "check_plugin": "mpmfw_testing.parametrised",
     "campaign": "mpmfw.campaigns.campaign",
@@ -48,6 +50,7 @@ _MODULES = {
 }
 
 __all__ = [
+    "Simulation",
     "__version__",
     "animate",
     "campaign",

@@ -66,6 +66,8 @@ class Simulation:
     ------
     SceneError
         The scene cannot be built or run by the chosen methods.
+    PluginError
+        A plug-in does something that it must not.
     """
 
     def __init__(
