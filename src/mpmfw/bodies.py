@@ -17,7 +17,7 @@ from mpmfw.state import Body, Particles
 from mpmfw.transfer import Transfer
 
 if TYPE_CHECKING:
-    from mpmfw.api import Material
+    from mpmfw.material import Material
     from mpmfw.scene import Scene
 
 
@@ -115,7 +115,7 @@ def check_overlap(bodies: tuple[Body, ...]) -> None:
 
 def _check_depth(bodies: tuple[Body, ...], first: IntArray, second: IntArray) -> None:
     """Refuse bodies in space that have nodes inside each other, by more than 1e-6 of the smaller body's size."""
-    from mpmfw.effects.surface import least_gaps, make_surface
+    from mpmfw.surface import least_gaps, make_surface
 
     gaps = least_gaps(make_surface(bodies, 1, "gap"), first, second, (1.0, 1.0, 1.0))
     size = [min(np.subtract(body.upper, body.lower)) for body in bodies]

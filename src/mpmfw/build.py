@@ -9,21 +9,25 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mpmfw.api import ContactStrategy, FrictionLaw, Material, ShapeFunction
 from mpmfw.blame import distribution_text, refusing
 from mpmfw.bodies import check_inside, check_overlap, lay_out, make_bodies, make_particles
 from mpmfw.boundary import Boundary
+from mpmfw.contact.friction import FrictionLaw
+from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.dead_hooks import refuse_dead_hooks
 from mpmfw.discovery import Kind, full_name, load, object_of, refuse_nameless
 from mpmfw.errors import SceneError
 from mpmfw.geometry import BodyGeometry, Layout
 from mpmfw.hookspecs import HookSpecs
 from mpmfw.load import Load
+from mpmfw.material import Material
 from mpmfw.measure import Measure, Reference
 from mpmfw.named import NamedPlugIn
 from mpmfw.output_series import OutputSeries
 from mpmfw.pairs import FEW, NearPairs
 from mpmfw.scene.options import NAMED
+from mpmfw.setup import Setup
+from mpmfw.shape_function import ShapeFunction
 from mpmfw.sizing import check_memory
 from mpmfw.state import Body, State, joined
 from mpmfw.timestep import stable_length
@@ -285,3 +289,22 @@ def _check_methods(scene: Scene, shape: ShapeFunction, contact: ContactStrategy 
             raise SceneError(
                 f"{kind} '{plugin.name}' works in {works}{note}; the scene's grid is {scene.dim}D"
             )
+
+
+def make_setup(made: Build) -> Setup:
+    """Return what plug-ins are told of what was built."""
+    return Setup(
+        state=made.state,
+        layouts=made.layouts,
+        cell_size=made.state.grid.cell_size,
+        shape=made.shape.name,
+        massless_boundary=made.shape.massless_boundary,
+        scheme=made.scheme,
+        transfer=made.transfer.name,
+        flip=made.transfer.flip,
+        bulk_frequency=made.bulk_frequency,
+        safety=made.scene.time.safety,
+        allow_unstable=made.scene.allow_unstable,
+        friction_law=made.friction_law,
+        whole=None if made.whole is None else make_setup(made.whole),
+    )

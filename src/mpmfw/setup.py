@@ -12,7 +12,6 @@ from mpmfw.fields import AnyArray, Field, FloatArray
 from mpmfw.state import Body, Pair, State
 
 if TYPE_CHECKING:
-    from mpmfw.build import Build
     from mpmfw.contact.friction import FrictionLaw
     from mpmfw.geometry import Layout
 
@@ -116,22 +115,3 @@ class Setup:
         state.arrays[f"{owner}/{declaration.name}"] = array
         state.dims[f"{owner}/{declaration.name}"] = declaration.dims
         return array
-
-
-def make_setup(made: Build) -> Setup:
-    """What plug-ins are told of what was built."""
-    return Setup(
-        state=made.state,
-        layouts=made.layouts,
-        cell_size=made.state.grid.cell_size,
-        shape=made.shape.name,
-        massless_boundary=made.shape.massless_boundary,
-        scheme=made.scheme,
-        transfer=made.transfer.name,
-        flip=made.transfer.flip,
-        bulk_frequency=made.bulk_frequency,
-        safety=made.scene.time.safety,
-        allow_unstable=made.scene.allow_unstable,
-        friction_law=made.friction_law,
-        whole=None if made.whole is None else make_setup(made.whole),
-    )

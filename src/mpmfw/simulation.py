@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from mpmfw.answers import declared_fields
 from mpmfw.blame import blaming, bundled, described
-from mpmfw.build import Build, build, strategy
+from mpmfw.build import Build, build, make_setup, strategy
 from mpmfw.clock import STAGES, STEP_STAGES, Clock
 from mpmfw.compilation import CompileTimer, import_numba_without_scipy
 from mpmfw.dead_hooks import refuse_dead_hooks
@@ -27,7 +27,6 @@ from mpmfw.plan import plan_effects
 from mpmfw.remedies import remedies
 from mpmfw.results import Frame, RunHeader
 from mpmfw.settling import Settling
-from mpmfw.setup import make_setup
 from mpmfw.sizing import warnings_about
 from mpmfw.snapshot import Snapshot, put, read_snapshot, take, write_snapshot
 from mpmfw.state import State

@@ -166,7 +166,7 @@ def test_shipped_scenes_are_valid(name):
         ("velocity = [1, 0]", "angular_velocity = [0, 0, 1]", "s.toml:33: bodies.block.angular_velocity: expected a number "
          "in rad/s, because the grid is 2D"),
         ("velocity = [1, 0]", 'rotation = "exakt"', "s.toml:33: bodies.block.rotation: 'exakt' is unknown; did you mean "
-         "'exact'? (one of spin, exact, lumped, local)"),
+         "'exact'? (one of spin, exact, lumped)"),
         ("fixed = true", "fixed = false", "s.toml:43: bodies.floor.sides[0].fixed: false is a boolean; expected true, or an array of 1 to 3 of 'x', 'y', 'z'"),
         ("fixed = true", 'fixed = "xy"', "s.toml:43: bodies.floor.sides[0].fixed: 'xy' is a string; expected true, or an array of 1 to 3 of 'x', 'y', 'z'"),
         ("fixed = true", 'fixed = ["w"]', "s.toml:43: bodies.floor.sides[0].fixed[0]: 'w' is unknown; expected one of x, "
