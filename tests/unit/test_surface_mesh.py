@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import os
+import random
+import re
+import signal
+
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from mpmfw.errors import SceneError
 from mpmfw.geometry import Ball, Box, SurfaceMesh
@@ -222,3 +228,121 @@ def test_triangles_far_below_a_cell_are_refused(tmp_path):
     scene["grid"] = {"cell_size": 2.0, "lower": [-20] * 3, "upper": [20] * 3}
     with pytest.raises(SceneError, match=r"sides of the triangles are 0\.01\d* cells long on the mean"):
         load_scene(scene)
+
+
+def rounded_stl(path, scale):
+    """An STL of text whose numbers differ in the last digit of single precision from triangle to triangle."""
+    rng = np.random.default_rng(1)
+    noise = (
+        scale * np.finfo(np.float32).eps * np.abs(NODES).max() * rng.uniform(-1.0, 1.0, (len(FACETS), 3, 3))
+    )
+    lines = ["solid ball"]
+    for corners in NODES[FACETS] + noise / np.sqrt(3.0):
+        lines += [
+            "facet normal 0 0 0",
+            "outer loop",
+            *(f"vertex {x:.12g} {y:.12g} {z:.12g}" for x, y, z in corners),
+        ]
+        lines += ["endloop", "endfacet"]
+    path.write_text("\n".join([*lines, "endsolid ball", ""]))
+    return path
+
+
+def test_nodes_of_an_stl_that_are_equal_in_single_precision_are_one(tmp_path):
+    body = SurfaceMesh(path=rounded_stl(tmp_path / "ball.stl", 2.0))
+    assert len(body.fine_surface[0]) == len(NODES)
+    assert body.exact_volume == pytest.approx(volume_of(NODES, FACETS), rel=1e-5)
+    message = r"the surface has a hole.*; nodes within 4\.8e-07 of the largest coordinate are one"
+    with pytest.raises(ValueError, match=message):
+        SurfaceMesh(path=rounded_stl(tmp_path / "open.stl", 100.0))
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes of POSIX")
+def test_no_file_beside_a_mesh_is_opened(tmp_path, monkeypatch):
+    """A library of materials or a texture may be a pipe, which nobody writes to."""
+    monkeypatch.chdir(tmp_path)
+    os.mkfifo("library.mtl")
+    written(tmp_path / "plain.obj")
+    text = (tmp_path / "plain.obj").read_text()
+    (tmp_path / "ball.obj").write_text(f"mtllib library.mtl\nusemtl steel\n{text}")
+    text = trimesh.Trimesh(NODES, FACETS, process=False).export(file_type="ply", encoding="ascii").decode()
+    (tmp_path / "ball.ply").write_text(text.replace("1.0\n", "1.0\ncomment TextureFile library.mtl\n", 1))
+    for kind in ("obj", "ply"):
+        signal.alarm(20)  # of a test that hangs
+        try:
+            assert SurfaceMesh(path=tmp_path / f"ball.{kind}").is_connected
+        finally:
+            signal.alarm(0)
+
+
+@pytest.mark.parametrize("number", [len(NODES), 65547, -1])
+def test_a_node_that_is_not_there_is_said(tmp_path, number):
+    facets = FACETS.copy()
+    facets[5, 1] = number
+    text = f"ply\nformat ascii 1.0\nelement vertex {len(NODES)}\n"
+    text += "property double x\nproperty double y\nproperty double z\n"
+    text += f"element face {len(FACETS)}\nproperty list uchar int vertex_indices\nend_header\n"
+    rows = [*NODES.tolist(), *([3, *facet] for facet in facets.tolist())]
+    (tmp_path / "ball.ply").write_text(text + "".join(" ".join(map(repr, row)) + "\n" for row in rows))
+    with pytest.raises(
+        ValueError, match=rf"ball\.ply has 1 triangles with nodes that are not among its {len(NODES)}, .* 5, "
+    ):
+        SurfaceMesh(path=tmp_path / "ball.ply")
+
+
+def test_a_gmsh_file_that_announces_more_than_it_holds_is_refused(tmp_path):
+    pytest.importorskip("gmsh")
+    text = write_msh(tmp_path / "ball.msh", NODES, {"triangle": FACETS}).read_text()
+    for count in (len(NODES), len(FACETS)):
+        (tmp_path / "more.msh").write_text(text.replace(f"\n{count}\n", "\n1000000000\n", 1))
+        with pytest.raises(ValueError, match=r"more\.msh is not a gmsh mesh .* announces more than it holds"):
+            SurfaceMesh(path=tmp_path / "more.msh")
+
+
+def mutated(content, draw):
+    """A file after one to three of the things that befall files."""
+    for _ in range(draw.choice((1, 1, 2, 3))):
+        what = draw.choice(("cut", "byte", "byte", "number", "lose", "repeat"))
+        lines, at = content.splitlines(keepends=True), draw.randrange(len(content))
+        numbers = list(re.finditer(rb"-?\d+(\.\d+)?", content))[: draw.choice((5, 10**9))]
+        if what == "cut":
+            content = content[: at + 1]
+        elif what == "byte":
+            content = content[:at] + bytes([draw.randrange(256)]) + content[at + 1 :]
+        elif what == "number" and numbers:
+            found = draw.choice(numbers)
+            value = draw.choice((b"999", b"0", b"-1", b"1000000000", b"9" * 20, b"nan", b"1e300", b"1e-300"))
+            content = content[: found.start()] + value + content[found.end() :]
+        else:
+            line = draw.randrange(len(lines))
+            content = b"".join([*lines[:line], *[lines[line]] * (2 * (what == "repeat")), *lines[line + 1 :]])
+        if not content:
+            return b" "
+    return content
+
+
+@pytest.mark.parametrize("kind", ["stl", "stl_ascii", "obj", "ply", "ply_ascii", "off", "msh"])
+def test_a_damaged_file_is_read_or_refused_in_one_message(tmp_path, kind, capfd):
+    ((nodes, facets),) = BALL.surfaces(0.4)
+    mesh, ending = trimesh.Trimesh(nodes, facets, process=False), kind.partition("_")[0]
+    path = tmp_path / f"ball.{ending}"
+    if kind == "msh":
+        pytest.importorskip("gmsh")
+        content = write_msh(path, nodes, {"triangle": facets}).read_bytes()
+    elif kind == "ply_ascii":
+        content = mesh.export(file_type="ply", encoding="ascii")
+    else:
+        content = mesh.export(file_type=kind)
+    content = content if isinstance(content, bytes) else content.encode()
+    refused = 0
+    for number in range(60):
+        path.write_bytes(mutated(content, random.Random(f"{kind} {number}")))
+        try:
+            SurfaceMesh(path=path)
+        except ValidationError as error:
+            (problem,) = error.errors()
+            refused += 1
+            assert path.name in problem["msg"], number
+            assert len(problem["msg"]) < 1000 + len(str(path)), number
+    assert refused > 10
+    assert "Traceback" not in capfd.readouterr().err

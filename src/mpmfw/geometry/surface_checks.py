@@ -15,13 +15,15 @@ FLAT = 1e-7
 INSIDE = 1e-7
 
 
-def check_surface(nodes: FloatArray, facets: IntArray) -> None:
+def check_surface(nodes: FloatArray, facets: IntArray, merging: str = "") -> None:
     """Refuse what is no closed, outward surface without crossings.
 
     Parameters
     ----------
     nodes, facets : (n, 3), (k, 3)
         Positions [m], and the nodes of the triangles.
+    merging
+        Which nodes were taken as one, for the message about a hole.
 
     Raises
     ------
@@ -30,7 +32,7 @@ def check_surface(nodes: FloatArray, facets: IntArray) -> None:
     """
     _check_areas(nodes, facets)
     _check_copies(nodes, facets)
-    _check_sides(nodes, facets)
+    _check_sides(nodes, facets, merging)
     _check_crossings(nodes, facets)
     for shell in shells_of(facets, len(nodes)):
         _check_outward(nodes, facets, shell)
@@ -87,7 +89,7 @@ def _check_copies(nodes: FloatArray, facets: IntArray) -> None:
         )
 
 
-def _check_sides(nodes: FloatArray, facets: IntArray) -> None:
+def _check_sides(nodes: FloatArray, facets: IntArray, merging: str) -> None:
     """Every side has one other triangle, which runs it the other way."""
     sides = np.concatenate([facets[:, [a, (a + 1) % 3]] for a in range(3)])
     facet = np.tile(np.arange(len(facets)), 3)
@@ -101,7 +103,8 @@ def _check_sides(nodes: FloatArray, facets: IntArray) -> None:
         if wrong.any():
             own = np.unique(facet[wrong[which]])
             raise ValueError(
-                f"not closed: {np.count_nonzero(wrong)} {text}, the first at {_at(middle[wrong][0])} (facets {_listed(own)})"
+                f"not closed: {np.count_nonzero(wrong)} {text}, the first at {_at(middle[wrong][0])} "
+                f"(facets {_listed(own)}){merging}"
             )
     forward = np.bincount(which, weights=sides[:, 0] < sides[:, 1], minlength=len(pairs))
     alike = forward != 1.0

@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
+import io
+import logging
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from mpmfw.geometry.layout import FloatArray, IntArray
+from mpmfw.units import LARGEST
 
 #: Endings of files that trimesh reads, and that of gmsh's own.
 BY_TRIMESH = (".stl", ".obj", ".ply", ".off")
 BY_GMSH = ".msh"
 
+#: Distance of two nodes of an STL, over its largest coordinate, up to which they are one: four units of single precision.
+SINGLE = float(4.0 * np.finfo(np.float32).eps)
+
 
 def read_surface(path: Path) -> tuple[FloatArray, IntArray]:
-    """Nodes (n, 3) in the file's unit and triangles (k, 3); nodes at one place are one, as each triangle of an STL has its own.
+    """Read nodes (n, 3) in the file's unit and triangles (k, 3); nodes at one place are one.
+
+    Each triangle of an STL has its own nodes; those that are equal in single precision are one.
 
     Raises
     ------
@@ -34,15 +42,37 @@ def read_surface(path: Path) -> tuple[FloatArray, IntArray]:
         raise ValueError(f"{path} has the ending '{kind}'; expected one of {kinds}")
     if not len(facets):
         raise ValueError(f"{path} has no triangles")
-    if not np.isfinite(corners).all():
-        wrong = np.flatnonzero(~np.isfinite(corners).all(axis=1))
+    wrong = np.flatnonzero(~(np.abs(corners) <= LARGEST).all(axis=1))
+    if len(wrong):
         raise ValueError(
             f"{path} has coordinates that are no finite numbers: {len(wrong)} nodes, the first number {wrong[0]}, counted from 0"
+        )
+    if facets.min() < 0 or facets.max() >= len(corners):
+        wrong = np.flatnonzero(((facets < 0) | (facets >= len(corners))).any(axis=1))
+        raise ValueError(
+            f"{path} has {len(wrong)} triangles with nodes that are not among its {len(corners)}, the first is triangle "
+            f"{wrong[0]}, counted from 0"
         )
     used, facets = np.unique(facets, return_inverse=True)
     # + 0.0: of −0.0 and 0.0 the same
     nodes, joint = np.unique(corners[used] + 0.0, axis=0, return_inverse=True)
-    return nodes, joint.ravel()[facets].reshape(-1, 3).astype(np.int64)
+    facets = joint.ravel()[facets].reshape(-1, 3)
+    if kind == ".stl":
+        nodes, facets = _merged(nodes, facets)
+    return nodes, facets.astype(np.int64)
+
+
+def _merged(nodes: FloatArray, facets: IntArray) -> tuple[FloatArray, IntArray]:
+    """Take the first of nodes that differ by rounding to single precision."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    pairs = cKDTree(nodes).query_pairs(SINGLE * np.abs(nodes).max(), output_type="ndarray")
+    near = coo_array((np.ones(len(pairs)), pairs.T), shape=(len(nodes), len(nodes)))
+    _, group = connected_components(near, directed=False)
+    _, first = np.unique(group, return_index=True)
+    return nodes[first], group[facets]
 
 
 def _by_trimesh(path: Path) -> tuple[FloatArray, IntArray]:
@@ -50,8 +80,13 @@ def _by_trimesh(path: Path) -> tuple[FloatArray, IntArray]:
         import trimesh
     except ImportError as error:
         raise ValueError(f"reading {path.name} needs trimesh: pip install 'mpmfw[mesh]'") from error
+    logging.getLogger("trimesh").addHandler(
+        logging.NullHandler()
+    )  # it prints tracebacks of what it can do without
     try:
-        mesh: Any = trimesh.load(path, force="mesh", process=False)
+        # of the bytes alone: trimesh then opens no file that they name, such as a library of materials
+        content, kind = io.BytesIO(path.read_bytes()), path.suffix[1:].lower()
+        mesh: Any = trimesh.load(content, file_type=kind, force="mesh", process=False)
         return np.asarray(mesh.vertices, dtype=np.float64).reshape(-1, 3), np.asarray(
             mesh.faces, dtype=np.int64
         )

@@ -15,7 +15,7 @@ from mpmfw.geometry.plane import Point3D
 from mpmfw.geometry.solid import SolidGeometry, Surfaces, Turns, solid_lattice, turning
 from mpmfw.geometry.subdivision import subdivided_triangles
 from mpmfw.geometry.surface_checks import check_surface, shells_of
-from mpmfw.geometry.surface_file import read_surface
+from mpmfw.geometry.surface_file import SINGLE, read_surface
 from mpmfw.units import to_si
 
 
@@ -43,7 +43,10 @@ class SurfaceMesh(SolidGeometry):
         if not isinstance(scale, float | int) or scale <= 0:
             raise ValueError(f"unit '{self.unit}' is no unit of length")
         try:
-            check_surface(*self.fine_surface)
+            single = self.path.suffix.lower() == ".stl"
+            check_surface(
+                *self.fine_surface, f"; nodes within {SINGLE:.2g} of the largest coordinate are one" * single
+            )
         except ValueError as error:
             text = str(error)
             raise ValueError(text if str(self.path) in text else f"{self.path}: {text}") from error
