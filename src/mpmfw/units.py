@@ -18,7 +18,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 LARGEST = 1e60
 
 _NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*")
-_FACTOR = r"[^\W\d_]+[²³]?(?:(?:\^|\*\*)-?[0-9])?"
+_FACTOR = r"[^\W\d]+[²³]?(?:(?:\^|\*\*)-?[0-9])?"
 _UNIT = re.compile(rf"%|°|(?:1?\s*/\s*)?{_FACTOR}(?:\s*[*/·\s]\s*{_FACTOR})*")
 
 #: Units that are read without pint, which takes a second to know them all: the SI unit that each is a multiple of, and the
@@ -37,6 +37,13 @@ _COMMON = {
         "µ": 1e-6,
     }.items()
 } | {"deg": ("rad", math.pi / 180.0), "%": ("1", 0.01)}
+
+#: Units that mean different things to different readers; pint takes the American one.
+_AMBIGUOUS = {
+    r"(?:kilo|mega|[kMG])?tons?": "tonne or short_ton",
+    r"tons?_force|force_tons?": "tf or short_ton_force",
+    r"hundredweights?|cwt": "short_hundredweight or long_hundredweight",
+}
 
 #: Characters of the longest text that is read as a quantity.
 _LONGEST = 80
@@ -101,10 +108,24 @@ def _converted(number: float, given: str, unit: str, text: str) -> float:
         return number * factor
     import pint
 
+    for word in re.findall(r"[^\W\d]+", given):
+        for pattern, choice in _AMBIGUOUS.items():
+            if re.fullmatch(pattern, word):
+                raise ValueError(f"{text!r}: '{word}' is ambiguous: {choice}?")
     try:
         quantity = _registry().Quantity(number, _registry().parse_units(given))
         if quantity.dimensionless and unit not in ("1", "rad"):
             raise ValueError(f"{text!r} has no unit: give a bare number (SI) or a quantity in {unit}")
+        # pint takes an angle for a number, a slope for an angle, and a cycle for a radian
+        is_angle = "radian" in str(quantity.to_base_units().units)
+        if quantity.dimensionless and is_angle != (unit == "rad"):
+            raise ValueError(
+                f"{text!r} is a number, no angle; expected one such as '30 deg'"
+                if unit == "rad"
+                else f"{text!r} is an angle; expected a number"
+            )
+        if unit == "rad/s" and "hertz" in str(quantity.units):
+            raise ValueError(f"{text!r}: of an angular velocity Hz is ambiguous: turn/s or rad/s?")
         return float(quantity.to("dimensionless" if unit == "1" else unit).magnitude)
     except pint.DimensionalityError as error:
         raise ValueError(f"{text!r} is not convertible to {unit}") from error
