@@ -9,8 +9,8 @@ import numpy as np
 import pluggy
 
 from mpmfw.blame import described
-from mpmfw.errors import MpmfwError, SceneError, SimulationError
-from mpmfw.fields import PARTICLE_FIELDS, SURFACE_FIELDS, AnyArray, Field, Group
+from mpmfw.errors import MpmfwError, PluginError, SceneError, SimulationError
+from mpmfw.fields import PARTICLE_FIELDS, SURFACE_FIELDS, AnyArray, Field, FloatArray, Group
 from mpmfw.state import State
 
 
@@ -109,6 +109,22 @@ def values_of(
                 f"the dims {declared[name].dims} that it declared"
             )
     return values
+
+
+def of_points(method: str, material: Any, state: State, own: slice) -> FloatArray:
+    """Return what a method of a material answers for the points ``own``: a number each, of stress a tensor (3, 3).
+
+    Raises
+    ------
+    PluginError
+        The answer has another shape.
+    """
+    answer = getattr(material, method)(state.particles, own)
+    shape = (own.stop - own.start, *((3, 3) if method == "stress_of_points" else ()))
+    if np.shape(answer) != shape:
+        text = f"{described(material)} answered {method} with {_shown(answer)}; expected an array of shape {shape}"
+        raise PluginError(text, step=state.steps, time=state.time)
+    return np.asarray(answer)
 
 
 def check_limits(plugins: Sequence[Any], answers: Sequence[Any], error: Callable[[str], MpmfwError]) -> None:

@@ -14,6 +14,7 @@ import traceback
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from importlib.metadata import packages_distributions
+from operator import itemgetter
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any
@@ -80,10 +81,10 @@ def refusing(said: str) -> Iterator[None]:
 def culprit(error: BaseException, plugins: list[Any]) -> tuple[Any, str] | None:
     """The plug-in that an exception came out of, and the name of its method; None if it came from none.
 
-    The outermost frame counts that is a method of a plug-in, or a call of one that never got as far; a hook's wrapper, which an
-    error of what it wraps passes through, only where there is no other.
+    The outermost frame counts that is a method of a plug-in, or a call of one that never got as far. A method of a bundled one,
+    which may call a stranger's, counts only where there is no other, and so does a hook's wrapper, which errors pass through.
     """
-    wrapper = None
+    found = []
     for frame, line in traceback.walk_tb(error.__traceback__):
         called = _called(frame, line)
         if called is None:
@@ -91,10 +92,9 @@ def culprit(error: BaseException, plugins: list[Any]) -> tuple[Any, str] | None:
             called = (frame.f_locals.get(names[0]) if names else None, frame.f_code.co_name)
         for plugin in plugins:
             if called[0] is plugin:
-                if not frame.f_code.co_flags & inspect.CO_GENERATOR:
-                    return plugin, called[1]
-                wrapper = wrapper or (plugin, called[1])
-    return wrapper
+                rank = 2 if frame.f_code.co_flags & inspect.CO_GENERATOR else int(bundled(type(plugin)))
+                found.append((rank, plugin, called[1]))
+    return min(found, key=itemgetter(0))[1:] if found else None
 
 
 def _called(frame: FrameType, line: int) -> tuple[Any, str] | None:

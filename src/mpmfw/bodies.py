@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mpmfw.blame import blaming, described
 from mpmfw.errors import SceneError
 from mpmfw.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, IntArray
 from mpmfw.geometry import Layout, discretise
@@ -69,8 +70,8 @@ def make_bodies(
                 particles=slice(start, start + count),
                 field=index if per_body else 0,
                 density=scene.materials[model.material].density,
-                bulk_modulus=material.bulk_modulus,
-                shear_modulus=material.shear_modulus,
+                bulk_modulus=_modulus("bulk_modulus", material),
+                shear_modulus=_modulus("shear_modulus", material),
                 lower=tuple(lower.tolist()),
                 upper=tuple(upper.tolist()),
                 outlines=layout.outlines,
@@ -80,6 +81,24 @@ def make_bodies(
         )
         start += count
     return tuple(bodies)
+
+
+def _modulus(name: str, material: Material) -> float:
+    """Return a modulus of a material [Pa].
+
+    Raises
+    ------
+    SceneError
+        It is no positive number; a shear modulus may be 0.
+    """
+    with blaming([material]):
+        value = getattr(material, name)
+    least = 0.0 if name == "shear_modulus" else np.nextafter(0.0, 1.0)
+    if not isinstance(value, int | float | np.number) or not least <= value < np.inf:
+        raise SceneError(
+            f"{described(material)} has {name} {value!r}; expected a number {'from' if least == 0.0 else 'above'} 0 in Pa"
+        )
+    return float(value)
 
 
 def check_inside(scene: Scene, layouts: tuple[Layout, ...], bodies: tuple[Body, ...]) -> None:

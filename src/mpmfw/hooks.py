@@ -122,6 +122,9 @@ def _written_out(
             names[f"other_{index}"] = other
             own = [f"if other_{index}.running:", *(f"    {line}" for line in own)]
         lines += [f"    {line}" for line in own]
+    if first_result and calls:
+        names["unanswered"] = functools.partial(_refuse_none, calls[-1], caller.spec.function)
+        lines.append("    unanswered()")
     lines += [] if first_result else ["    return results"]
     return _defined("\n".join(lines), caller.name, names)
 
@@ -158,18 +161,33 @@ def _around(
                 clock(previous)
 
     def hook(**arguments: Any) -> Any:
+        yields = 0
         generator: Generator[None, Any, Any] = start(*[arguments[name] for name in names])
-        resume(lambda: next(generator))
         try:
+            resume(lambda: next(generator))
+            yields = 1
             result = inner(**arguments)
             resume(lambda: generator.send(result))
         except StopIteration as stop:
-            return stop.value
+            if yields:
+                return stop.value
         except BaseException as error:
+            if not yields:
+                raise
             try:
                 generator.throw(error)
             except StopIteration as stop:
                 return stop.value
-        raise RuntimeError(f"the wrapper of '{impl.plugin_name}' yields more than once")
+        return _refuse_yields(impl, yields)
 
     return hook
+
+
+def _refuse_yields(hook_impl: pluggy.HookImpl, yields: int) -> None:  # noqa: ARG001
+    """Refuse a wrapper; the name of the first argument tells :mod:`mpmfw.blame` whose it is."""
+    raise TypeError(f"a wrapper that yields {'more than once' if yields else 'never'}; expected one yield")
+
+
+def _refuse_none(hook_impl: pluggy.HookImpl, specification: Callable[..., Any]) -> None:  # noqa: ARG001
+    """Refuse None from a hook whose result the step needs; :mod:`mpmfw.blame` finds the plug-in by the first argument."""
+    raise TypeError(f"returned None; expected a {specification.__annotations__['return']}")

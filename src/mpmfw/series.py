@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmfw.answers import of_points
 from mpmfw.fields import AFFINE_ENERGY, MATERIAL_WORK, SERIES_FIELDS, AnyArray, Field, FloatArray, IntArray
 from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels.body_sums import sum_affine_energy, sum_motion
@@ -47,7 +48,7 @@ class StrainEnergies:
 
     def _sums(self, state: State, density: str) -> FloatArray:
         particles, made_of = state.particles, of_one_material(state.bodies, self.materials)
-        each = np.concatenate([getattr(material, density)(particles, own) for own, material in made_of])
+        each = np.concatenate([of_points(density, material, state, own) for own, material in made_of])
         return np.add.reduceat(
             each * particles.through(particles.initial_volume),
             [body.particles.start for body in state.bodies],
@@ -182,7 +183,7 @@ class VonMises:
             return {}
         parts = []
         for own, material in of_one_material(state.bodies, self.materials):
-            stress = material.stress_of_points(state.particles, own)
+            stress = of_points("stress_of_points", material, state, own)
             deviator = stress - np.trace(stress, axis1=1, axis2=2)[:, None, None] / 3.0 * np.eye(3)
             parts.append(np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator)))
         return {"von_mises": np.concatenate(parts)}
