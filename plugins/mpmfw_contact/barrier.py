@@ -64,6 +64,7 @@ class BarrierLaw(Springs):
     Options = BarrierLawOptions
     options: BarrierLawOptions
     needs_facets = True
+    history = ("offset", "placed")
     dimensions = (2,)
     dimensions_note = (
         "in space edges cross edges with no node near a facet, where bodies would interpenetrate"

@@ -52,6 +52,7 @@ class Lcp(ImpulseLaw):
     Options = LcpOptions
     options: LcpOptions
     uses_friction = True
+    history = ("identity", "force", "solutions", "unfinished", "worst")
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002
         """Compliance, allowed approach, velocity, and what the sweeps keep."""

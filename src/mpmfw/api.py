@@ -40,6 +40,7 @@ from mpmfw.geometry.base import BodyGeometry
 from mpmfw.geometry.layout import Layout
 from mpmfw.geometry.plane import PlaneGeometry
 from mpmfw.geometry.solid import SolidGeometry
+from mpmfw.history import NotSaved, check_indices
 from mpmfw.hookspecs import hookimpl
 from mpmfw.load import BodyLoad, Load, LoadedFacets, SurfaceLoad
 from mpmfw.material import Material
@@ -103,6 +104,7 @@ __all__ = [
     "MpmfwError",
     "NamedPlugIn",
     "NoOptions",
+    "NotSaved",
     "Number",
     "OutputSeries",
     "OutsideGrid",
@@ -126,6 +128,7 @@ __all__ = [
     "Time",
     "TimeTable",
     "Velocity",
+    "check_indices",
     "check_inside",
     "empty_stencil",
     "hookimpl",

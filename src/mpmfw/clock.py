@@ -37,6 +37,7 @@ class Clock:
     """
 
     __slots__ = ("_cpu_mark", "_mark", "_stage", "_wall_frame", "cpu", "wall")
+    history = ("cpu", "wall")
 
     def __init__(self) -> None:
         self.wall: dict[str, float] = dict.fromkeys(STAGES, 0.0)
@@ -46,14 +47,11 @@ class Clock:
         self._mark = time.perf_counter()
         self._cpu_mark = time.process_time()
 
-    def __getstate__(self) -> tuple[tuple[float, ...], ...]:
-        """Seconds measured so far by stage, CPU and wall; the time at which this is asked is no part of it."""
-        self.flush()
-        return tuple(self.cpu.values()), tuple(self.wall.values())
-
-    def __setstate__(self, state: tuple[tuple[float, ...], ...]) -> None:
+    def restored(self) -> None:
+        """Go on from the seconds that were saved."""
+        cpu, wall = self.cpu, self.wall
         self.restart()
-        self.cpu, self.wall = (dict(zip(STAGES, seconds, strict=True)) for seconds in state)
+        self.cpu, self.wall = cpu, wall
 
     def __call__(self, stage: str) -> str:
         """Say that ``stage`` begins; return the one that ends."""

@@ -30,6 +30,8 @@ class Recorder:
         Plug-ins that implement ``diagnostics``, in the order of the calls.
     """
 
+    history = ("_intervals",)
+
     def __init__(
         self, scene: Scene, state: State, declared: tuple[Field, ...], hook: Any, recording: Sequence[Any]
     ) -> None:

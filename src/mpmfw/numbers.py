@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmfw.fields import AnyArray, IntArray
-from mpmfw.state import Particles, State, Surface
+from mpmfw.state import OF_BODIES, Particles, State, Surface
 
 
 @dataclass(frozen=True)
@@ -75,12 +75,9 @@ def _arrays(own: State, other: State) -> Iterator[tuple[str, AnyArray, AnyArray]
             if name != "first" and mine is not None and its is not None:
                 yield dim, mine, its
     for key, dims in own.dims.items():
-        if dims and dims[0] in _NUMBERED and key in other.arrays:
+        if dims and dims[0] in OF_BODIES and key in other.arrays:
             yield dims[0], own.arrays[key], other.arrays[key]
 
 
 #: What of the surfaces changes.
 _OF_NODES = ("position", "displacement")
-
-#: Dimensions of declared arrays whose rows belong to bodies.
-_NUMBERED = ("particle", "surface_node", "body", "pair")

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.fields import AnyArray, FloatArray, IntArray
+from mpmfw.history import NotSaved
 from mpmfw.kernels.boxes import sweep_strips
 from mpmfw.kernels.gaps import bounding_boxes
 from mpmfw.state import Pair, State
@@ -121,14 +122,33 @@ class NearPairs:
 
     def add(self, state: State, first: IntArray, second: IntArray) -> bool:
         """List pairs, by the indices of both bodies, that are not listed yet; return whether there are any."""
-        new = np.setdiff1d(first * len(self.names) + second, self._listed)
-        if not len(new):
-            return False
+        return self._list(state, np.setdiff1d(first * len(self.names) + second, self._listed))
+
+    def restore(self, state: State, bodies: IntArray) -> bool:
+        """List the pairs of a state that was saved (n, 2), in their order; return whether any is new.
+
+        Raises
+        ------
+        NotSaved
+            They do not begin with those that are listed, or are no pairs.
+        """
+        listed, count = state.pair_bodies, len(self.names)
+        keys = np.array(bodies) @ np.array([count, 1])
+        if not (
+            np.array_equal(bodies[: len(listed)], listed)
+            and len(np.unique(keys)) == len(keys)
+            and ((bodies[:, 0] >= 0) & (bodies[:, 0] < bodies[:, 1]) & (bodies[:, 1] < count)).all()
+        ):
+            raise NotSaved("the pairs of bodies are not those of the scene")
+        return self._list(state, keys[len(listed) :])
+
+    def _list(self, state: State, new: IntArray) -> bool:
+        """List pairs by the number of the first body times that of all bodies, plus the second's."""
         self._listed = np.union1d(self._listed, new)
         start = len(state.pairs)
         bodies = (divmod(key, len(self.names)) for key in new.tolist())
         state.pairs += tuple(self.pair(start + k, a, b) for k, (a, b) in enumerate(bodies))
-        return True
+        return len(new) > 0
 
 
 def _windows(state: State) -> tuple[AnyArray, AnyArray]:

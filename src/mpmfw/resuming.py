@@ -11,28 +11,24 @@ from typing import TYPE_CHECKING, Any
 
 import netCDF4
 
-from mpmfw.checkpoints import Checkpoints, checkpoint_path, dependencies_of, source_of
 from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.history import NotSaved, Snapshot
 from mpmfw.interruption import interruptible
-from mpmfw.results import RunWriter, check_results
+from mpmfw.restart import RESULTS, Checkpoints, Facts, checkpoint_path, dependencies_of, read_snapshot
+from mpmfw.results import RunHeader, RunWriter, check_results
 from mpmfw.results.memory import restart_peak_memory
 from mpmfw.results.reading import is_hdf5
 from mpmfw.results.replacing import unfinished
-from mpmfw.results.replaying import frames_of
 from mpmfw.results.writers import claim, release
 from mpmfw.runs import run_on
 from mpmfw.scene.loading import refuse_code, scene_from
 from mpmfw.simulation import Simulation
-from mpmfw.snapshot import NotSaved, Snapshot, extract_beside, read_snapshot
 
 if TYPE_CHECKING:
     import xarray as xr
 
 #: Attributes of a results' file that a run which goes on must have as well.
 _SAME = ("scene", "contact", "shape", "scheme", "transfer")
-
-#: What a checkpoint says of its run.
-_FACTS = frozenset({"made_by", "objects", "scene", "frames", "time", "resumed", "every"})
 
 
 def resume(
@@ -111,10 +107,10 @@ def _resuming(
     _check_unfinished(path)
     snapshot, facts = _read(path, trust)
     objects = _objects(facts, contact, shape)
-    simulation = _restored(snapshot, facts, objects, path, force, threads)
-    resumed = [*facts["resumed"], simulation.state.time]
-    every = facts["every"] if checkpoint is None else checkpoint
-    with interruptible() as signals, _rewritten(simulation, path, facts["frames"], resumed) as writer:
+    resumed = [*facts.resumed, facts.time]
+    simulation, header = _restored(snapshot, facts, objects, path, force, threads, resumed)
+    every = facts.every if checkpoint is None else checkpoint
+    with interruptible() as signals, _rewritten(snapshot, path, facts.frames, header) as writer:
         run_on(
             simulation, writer, Checkpoints(simulation, writer, signals, every, objects, resumed), progress
         )
@@ -132,7 +128,7 @@ def last_checkpoint(results: str | os.PathLike[str], trust: bool = False) -> tup
     path = os.path.abspath(results)
     _check_unfinished(path)
     facts = _read(path, trust)[1]
-    return float(facts["time"]), scene_from(source_of(facts), {}).time.end
+    return facts.time, scene_from(facts.source, {}).time.end
 
 
 def _check_unfinished(path: str) -> None:
@@ -158,7 +154,7 @@ def _check_unfinished(path: str) -> None:
         raise SceneError(f"{path}: the run is finished; there is nothing to go on with")
 
 
-def _read(path: str, trust: bool) -> tuple[Snapshot, dict[str, Any]]:
+def _read(path: str, trust: bool) -> tuple[Snapshot, Facts]:
     file = checkpoint_path(path)
     if not os.path.isfile(file):
         raise SceneError(
@@ -169,17 +165,17 @@ def _read(path: str, trust: bool) -> tuple[Snapshot, dict[str, Any]]:
         snapshot, facts = read_snapshot(file)
     except MpmfwError as error:
         raise SceneError(f"{error}; run it again") from error
-    if facts.get("kind") != "checkpoint" or not facts.keys() >= _FACTS:
+    if facts is None:
         raise SceneError(f"{file}: is no checkpoint of a run")
     if not trust:
-        refuse_code(source_of(facts))
+        refuse_code(facts.source)
     return snapshot, facts
 
 
-def _objects(facts: dict[str, Any], contact: Any, shape: Any) -> dict[str, Any]:
+def _objects(facts: Facts, contact: Any, shape: Any) -> dict[str, Any]:
     """The strategy objects, if they are those that the run was given."""
     given = {kind: one for kind, one in (("contact", contact), ("shape", shape)) if one is not None}
-    for kind, label in facts["objects"].items():
+    for kind, label in facts.objects.items():
         if kind not in given:
             raise SceneError(
                 f"the run was given a {kind} object, {label}, which no file holds; give it again: "
@@ -188,17 +184,17 @@ def _objects(facts: dict[str, Any], contact: Any, shape: Any) -> dict[str, Any]:
         if given[kind].label != label:
             raise SceneError(f"{kind}: the run was given {label}, and not {given[kind].label}")
     for kind in given:
-        if kind not in facts["objects"]:
+        if kind not in facts.objects:
             raise SceneError(f"{kind}: the run was given no object; the scene names its {kind}")
     return given
 
 
 def _restored(
-    snapshot: Snapshot, facts: dict[str, Any], objects: dict[str, Any], path: str, force: bool, threads: int | None
-) -> Simulation:  # fmt: skip
-    """The simulation as it was."""
-    scene = scene_from(source_of(facts), {})
-    then, now = facts["made_by"], dependencies_of(scene, objects)
+    snapshot: Snapshot, facts: Facts, objects: dict[str, Any], path: str, force: bool, threads: int | None, resumed: list[float]
+) -> tuple[Simulation, RunHeader]:  # fmt: skip
+    """The simulation as it was, and the header of its results."""
+    scene = scene_from(facts.source, {})
+    then, now = facts.made_by, dependencies_of(scene, objects)
     changed = [
         f"{name} ({_short(then.get(name))} then, {_short(now.get(name))} now)"
         for name in sorted({*then, *now})
@@ -212,13 +208,15 @@ def _restored(
     simulation = Simulation(
         scene, contact=objects.get("contact"), shape=objects.get("shape"), threads=threads
     )
+    header = simulation.header({"resumed": json.dumps(resumed)})  # names the pairs that its first output has
+    _check_same(path, header.attributes)
     try:
         simulation.restore(snapshot)
     except NotSaved as error:
         raise SceneError(
             f"{checkpoint_path(path)}: does not fit what is built from its scene: {error}"
         ) from error
-    return simulation
+    return simulation, header
 
 
 def _short(what: str | None) -> str:
@@ -227,27 +225,24 @@ def _short(what: str | None) -> str:
 
 
 @contextmanager
-def _rewritten(simulation: Simulation, path: str, frames: int, resumed: list[float]) -> Iterator[RunWriter]:
+def _rewritten(snapshot: Snapshot, path: str, frames: int, header: RunHeader) -> Iterator[RunWriter]:
     """The writer of a file that has the frames up to the checkpoint and takes the place of the old one."""
-    header = simulation.header({"resumed": json.dumps(resumed)})
-    part, before = str(unfinished(path)), str(unfinished(checkpoint_path(path)))
+    part, copy = str(unfinished(path)), str(unfinished(checkpoint_path(path)))
     with contextlib.ExitStack() as undo:
-        descriptor = claim(path)
-        undo.callback(release, path, descriptor)
         try:
-            _check_same(path, header.attributes)
-            undo.callback(_unlink, before)
-            extract_beside(checkpoint_path(path), before)
+            descriptor = claim(path)
+            undo.callback(release, path, descriptor)
             undo.callback(_unlink, part)
+            undo.callback(_unlink, copy)
+            snapshot.arrays[RESULTS].tofile(copy)
             writer = RunWriter(part, header)
             undo.callback(writer.close)
-            for frame in frames_of(before, frames, header):
-                writer.write(frame)
-        except MpmfwError as error:
+            writer.repeat(copy, frames)
+        except (MpmfwError, OSError) as error:
             raise SceneError(f"{path}: cannot go on from the checkpoint beside it: {error}") from error
         writer.take_place_of(path, descriptor)
         undo.pop_all()
-        _unlink(before)
+        _unlink(copy)
     with writer:
         yield writer
 
@@ -265,4 +260,6 @@ def _check_same(path: str, attributes: Any) -> None:
     except (OSError, RuntimeError):
         return
     if other:
-        raise MpmfwError(f"'{path}' has another {' and '.join(other)}")
+        raise SceneError(
+            f"{path}: cannot go on from the checkpoint beside it: the file has another {' and '.join(other)}"
+        )

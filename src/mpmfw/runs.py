@@ -10,11 +10,11 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from mpmfw.checkpoints import EVERY, Checkpoints
 from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.interruption import interruptible
 from mpmfw.limits import check_length, remark_on_size, remark_on_threads
 from mpmfw.own_process import run_in_own_process
+from mpmfw.restart import EVERY, Checkpoints
 from mpmfw.results import RunWriter
 from mpmfw.results.memory import peak_memory, restart_peak_memory
 from mpmfw.results.replacing import check_replaceable

@@ -83,6 +83,7 @@ class LocalDamping:
     """The damping as a plug-in that is registered only while a scene settles."""
 
     name = "settling"
+    history = ("impulse", "_integrated")
 
     def __init__(self) -> None:
         self.impulse = 0.0  #: Σ |Δ(m v)_i| of the last step [N s/m]
@@ -122,6 +123,8 @@ class Settling:
     asked
         The scene's table ``settle``.
     """
+
+    history = ("applied", "residual", "below", "elapsed", "damping")
 
     def __init__(self, simulation: Simulation, asked: Settle) -> None:
         self.limit = longest_settling(asked, simulation.state.bodies)

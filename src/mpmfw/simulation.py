@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any
 
-from mpmfw.answers import declared_fields
+from mpmfw.answers import check_state_finite, declared_fields
 from mpmfw.blame import blaming, bundled, described
 from mpmfw.build import Build, build, make_setup, strategy
 from mpmfw.clock import STAGES, STEP_STAGES, Clock
@@ -20,21 +20,22 @@ from mpmfw.errors import Diverged, PluginError, SceneError, SimulationError
 from mpmfw.fields import Field
 from mpmfw.frames import Recorder
 from mpmfw.guard import Guard
+from mpmfw.history import NotSaved, Snapshot, put, take
 from mpmfw.hooks import BoundHooks, hook_names, make_manager
 from mpmfw.initial_motion import initial_velocity
 from mpmfw.pairs import list_near
 from mpmfw.plan import plan_effects
 from mpmfw.remedies import remedies
+from mpmfw.restart import read_snapshot, write_snapshot
 from mpmfw.results import Frame, RunHeader
 from mpmfw.settling import Settling
 from mpmfw.sizing import warnings_about
-from mpmfw.snapshot import Snapshot, put, read_snapshot, take, write_snapshot
 from mpmfw.state import State
 from mpmfw.steppers import SCHEMES
 from mpmfw.steppers.operations import apply_moment, interpolate, project_mass_momentum
 from mpmfw.timestep import TimeStep
 from mpmfw.transfer import Transfer
-from mpmfw.windows import is_cut_off, lay_windows
+from mpmfw.windows import is_cut_off, lay_windows, set_windows
 
 if TYPE_CHECKING:
     from mpmfw.scene import Scene
@@ -68,6 +69,10 @@ class Simulation:
     PluginError
         A plug-in does something that it must not.
     """
+
+    history = (
+        "started", "_next_output", "_last_output", "_settled", "compile_time", "clock", "_recorder", "_settling", "_sleep",
+    )  # fmt: skip
 
     def __init__(
         self,
@@ -373,9 +378,10 @@ class Simulation:
         Raises
         ------
         NotSaved
-            A plug-in holds something that cannot be saved.
+            A plug-in's history names something that cannot be saved.
         """
         self._gather()
+        self.clock.flush()
         return take(self._parts())
 
     def restore(self, snapshot: Snapshot) -> None:
@@ -384,11 +390,36 @@ class Simulation:
         Raises
         ------
         NotSaved
-            It was another scene, or other methods.
+            It was another scene, or other methods, or the values are not those of a simulation.
         """
+        state, saved = self.state, snapshot.arrays
+        if "simulation/_settling" not in snapshot.values and self.scene.settle is not None:
+            self._settling = self._settling or Settling(self, self.scene.settle)
+        try:
+            if state.near is not None and state.near.restore(state, saved["state/pair_bodies"]):
+                self.hook.add_pairs(state=state)
+            lower, shape = (saved[f"state/grid/window_{name}"] for name in ("lower", "shape"))
+            set_windows(state.grid, lower, shape, len(saved["state/grid/mass"]))
+        except (LookupError, ValueError, TypeError) as error:
+            raise NotSaved("it was not saved where the bodies are") from error
         put(snapshot, self._parts())
-        if self._sleep is not None:
-            self._sleep.resume()
+
+    def restored(self) -> None:
+        """Refuse values with which the run would not come to its end.
+
+        Raises
+        ------
+        NotSaved
+            There are some.
+        """
+        state, time = self.state, self.scene.time
+        most = _outputs(time.end, time.output_interval) + 1
+        if not (0.0 <= state.time <= time.end and state.dt >= 0.0 and 0 <= self._next_output <= most):
+            raise NotSaved(f"time {state.time:g} s and output {self._next_output} are not within the run")
+        try:
+            check_state_finite(state)
+        except SimulationError as error:
+            raise NotSaved(str(error)) from error
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write :meth:`snapshot` to a file, in one step.
@@ -400,7 +431,7 @@ class Simulation:
         MpmfwError
             The file cannot be written.
         """
-        write_snapshot(path, self.snapshot(), {})
+        write_snapshot(os.fspath(path), self.snapshot())
 
     def load(self, path: str | os.PathLike[str]) -> None:
         """Take the values that :meth:`save` wrote, of a simulation of the same scene and methods; this one is new.
@@ -412,7 +443,7 @@ class Simulation:
         MpmfwError
             The file cannot be read, or is damaged.
         """
-        self.restore(read_snapshot(path)[0])
+        self.restore(read_snapshot(os.fspath(path))[0])
 
     def _parts(self) -> dict[str, Any]:
         """Everything that has values, by its name in messages: the plug-ins and what is between them."""
@@ -422,7 +453,7 @@ class Simulation:
             for name, plugin in self.manager.list_name_plugin()
             if plugin is not damping
         }
-        return {**plugins, "simulation": self}
+        return {"state": self.state, **plugins, "simulation": self}
 
     # -- what it leaves
     # -----------------------------------------------------------------------------------------------

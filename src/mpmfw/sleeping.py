@@ -17,13 +17,14 @@ from mpmfw.build import Build, build_some
 from mpmfw.clock import Clock
 from mpmfw.errors import SceneError
 from mpmfw.fields import AnyArray, FloatArray, IntArray
+from mpmfw.history import NotSaved
 from mpmfw.load import BodyLoad, LoadedFacets, SurfaceLoad
 from mpmfw.numbers import Numbers, take_over
 from mpmfw.pairs import list_near, overlapping
 from mpmfw.state import Body, State
 from mpmfw.steppers import SCHEMES
 from mpmfw.transfer import Transfer
-from mpmfw.windows import allocate_nodes, lay_windows, windows_round
+from mpmfw.windows import lay_windows, set_windows, windows_round
 
 if TYPE_CHECKING:
     from mpmfw.simulation import Simulation
@@ -34,6 +35,9 @@ LOOK_EVERY = 20
 #: Times that a body which nothing holds takes to fall past the bound, after which it is at rest: one at the top of its flight is
 #: slower than the bound for two of them.
 FALLS = 4.0
+
+#: How many times the nodes that windows have now those of a saved part may have: bodies may have drawn together since.
+SPARE = 16.0
 
 #: Records of pairs that grow with time while bodies rest on each other.
 IMPULSES = ("impulse", "friction_impulse")
@@ -97,6 +101,7 @@ class Sleep:
         self.pulls: dict[int, list[AnyArray]] = {}  #: gravity and loads under which a body fell asleep
         self.rates = {name: np.zeros((0, made.scene.dim)) for name in IMPULSES}
         self.counted = 0.0  #: time up to which impulses of pairs asleep are counted [s]
+        self.slept = np.zeros(len(bodies))  #: when a body fell asleep [s]
         self.seen: tuple[float, dict[str, FloatArray]] | None = None  #: time and impulses of the last look
         self.frame = 0  #: of the windows that were compared last
         self._loads = [
@@ -182,9 +187,13 @@ class Sleep:
             before[: len(last[1][name])] = last[1][name]
             rate[number] = (now[name] - before) / (time - last[0])
             self.rates[name] = self._between_sleepers(rate)
-        for body in which.tolist():
-            self.pulls[body] = self._pull(body, time)[0]
+        self.slept[which] = time
+        self._remember_pulls()
         self._divide()
+
+    def _remember_pulls(self) -> None:
+        """What acted on every body when it fell asleep: it has not moved since."""
+        self.pulls = {b: self._pull(b, float(self.slept[b]))[0] for b in np.flatnonzero(self.asleep).tolist()}
 
     def _between_sleepers(self, rate: FloatArray) -> FloatArray:
         """The rates (n_pairs, dim), zero but for pairs of which both sleep."""
@@ -211,7 +220,7 @@ class Sleep:
         woken[sleepers] = _reached(woken[sleepers], *overlapping(self.lower[sleepers], self.upper[sleepers]))
         self.gather(time)
         self.asleep[woken], self.moved[woken] = False, time
-        self.pulls = {body: pull for body, pull in self.pulls.items() if not woken[body]}
+        self._remember_pulls()
         self.rates = {name: self._between_sleepers(rate) for name, rate in self.rates.items()}
         self._divide()
 
@@ -267,8 +276,8 @@ class Sleep:
         if windows is None:
             lay_windows(grid, running.state.particles, reach, running.state.surface)
         else:
-            grid.window_lower[:], grid.window_shape[:] = windows
-            allocate_nodes(grid)
+            _, shape = windows_round(grid, running.state.particles, reach, running.state.surface)
+            set_windows(grid, *windows, most=SPARE * float(np.prod(shape, axis=1).sum()))
         list_near(running.state, running.hook)
         if self.part is not None:
             _hand_over(whole, self.part)  # once more: now it lists the pairs
@@ -283,32 +292,49 @@ class Sleep:
     # -- how it is kept
     # -----------------------------------------------------------------------------------------------
 
-    _KEPT = ("moved", "asleep", "sleepers", "lower", "upper", "pulls", "rates", "counted", "seen")
+    history = ("moved", "slept", "asleep", "lower", "upper", "counted", "rates", "of_part")
 
-    def __getstate__(self) -> dict[str, Any]:
-        """Its values; those of the part are the whole's once they are gathered, but for its windows."""
+    @property
+    def of_part(self) -> dict[str, AnyArray]:
+        """What is known of the part beside the values of its bodies, which are the whole's once they are gathered."""
         grid = self.running.state.grid
-        windows = None if self.part is None else (grid.window_lower.copy(), grid.window_shape.copy())
+        fields = grid.n_fields if self.part is not None else 0
+        time, impulses = self.seen or (None, {name: np.zeros((0, grid.dim)) for name in IMPULSES})
         return {
-            **{name: getattr(self, name) for name in self._KEPT},
-            "windows": windows,
-            "compared": grid.frame == self.frame,
+            "window_lower": grid.window_lower[:fields],
+            "window_shape": grid.window_shape[:fields],
+            "compared": np.full(min(fields, 1), grid.frame == self.frame),
+            "seen": np.array([] if time is None else [time]),
+            **impulses,
         }
 
-    def __setstate__(self, values: dict[str, Any]) -> None:
-        """Values of a simulation that was saved; :meth:`resume` makes the part of them."""
-        self._resumed = values
+    @of_part.setter
+    def of_part(self, values: dict[str, AnyArray]) -> None:
+        self._saved = values
 
-    def resume(self) -> None:
-        """Go on as the one that was saved, after the values of the whole were restored."""
-        values = self._resumed
-        for name in self._KEPT:
-            setattr(self, name, values[name])
-        if values["windows"] is None:
+    def restored(self) -> None:
+        """Make the part as it was, after the values of the whole were restored.
+
+        Raises
+        ------
+        NotSaved
+            The values are not those of the bodies.
+        """
+        self.sleepers = int(np.count_nonzero(self.asleep))
+        self._remember_pulls()
+        saved = self._saved
+        if any(len(rate) > len(self.whole.state.pairs) for rate in self.rates.values()):
+            raise NotSaved("more pairs slept than there are")
+        if not len(saved["compared"]):
+            self.seen = self._seen_in(saved)
             return
-        self._divide(values["windows"])
-        self.seen = values["seen"]
-        self.frame -= not values["compared"]
+        self._divide((saved["window_lower"], saved["window_shape"]))
+        self.seen = self._seen_in(saved)
+        self.frame -= not saved["compared"][0]
+
+    def _seen_in(self, saved: dict[str, AnyArray]) -> tuple[float, dict[str, FloatArray]] | None:
+        """Time and impulses of the last look."""
+        return (float(saved["seen"][0]), {n: saved[n] for n in IMPULSES}) if len(saved["seen"]) else None
 
 
 def _reached(start: AnyArray, first: IntArray, second: IntArray) -> AnyArray:

@@ -8,7 +8,7 @@ that a thousand bodies do not cost a thousand grids.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -97,8 +97,9 @@ class Pair:
 class Particles:
     """Material points of all bodies, body after body."""
 
-    #: Attributes that stay as they were built when a run goes on.
-    unsaved: ClassVar[tuple[str, ...]] = ("threads",)
+    history = (
+        "position", "velocity", "volume", "deformation_gradient", "velocity_gradient", "stress", "affine", "moment",
+    )  # fmt: skip
 
     position: FloatArray  #: (n, dim) [m]
     velocity: FloatArray  #: (n, dim) [m/s]
@@ -166,6 +167,10 @@ class Grid:
     j) * shape_2 + k``.
     """
 
+    history = (
+        "window_lower", "window_shape", "mass", "momentum", "start_velocity", "force", "velocity",
+    )  # fmt: skip
+
     cell_size: float  #: h [m]
     lower: FloatArray  #: (dim,) position of node (0, 0, …) [m]
     nodes: IntArray  #: (dim,) number of nodes of the background grid
@@ -207,6 +212,8 @@ class Surface:
     """Closed surfaces of all bodies, moved by their own velocity field: two-node segments in the plane, triangles in
     space."""
 
+    history = ("position", "displacement")
+
     position: FloatArray  #: (n_s, dim) x_s [m]
     displacement: FloatArray  #: (n_s, dim) motion over the last step [m]
     tributary: FloatArray  #: (n_s,) [m^(dim−1)]
@@ -235,9 +242,17 @@ class Surface:
         return slice(int(self.facet_first[body]), int(self.facet_first[body + 1]))
 
 
+#: Dimensions of declared arrays whose rows belong to bodies.
+OF_BODIES = ("particle", "surface_node", "body", "pair")
+
+
 @dataclass(slots=True)
 class State:
     """All that changes while a simulation runs."""
+
+    history = (
+        "particles", "grid", "surface", "time", "dt", "steps", "pair_bodies", "kept_arrays",
+    )  # fmt: skip
 
     particles: Particles  #: material points of all bodies
     grid: Grid  #: nodes of all velocity fields
@@ -250,6 +265,16 @@ class State:
     arrays: dict[str, AnyArray] = field(default_factory=dict)  #: plug-ins' own arrays, as ``owner/name``
     dims: dict[str, tuple[str, ...]] = field(default_factory=dict)  #: of the arrays that were declared
     near: NearPairs | None = None  #: lists pairs as bodies come near; None where all pairs are listed
+
+    @property
+    def pair_bodies(self) -> IntArray:
+        """Indices of both bodies of every pair, (n_pairs, 2)."""
+        return np.array([(pair.first, pair.second) for pair in self.pairs], dtype=np.int64).reshape(-1, 2)
+
+    @property
+    def kept_arrays(self) -> dict[str, AnyArray]:
+        """Plug-ins' declared arrays whose rows belong to bodies; others hold nothing from step to step."""
+        return {key: self.arrays[key] for key, dims in self.dims.items() if dims and dims[0] in OF_BODIES}
 
     def lengthen(self, name: str, rows: int) -> AnyArray:
         """A plug-in's array with rows of zeros added to a length of ``rows``; it takes the other's place.

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.fields import GRID_FIELDS, FloatArray, IntArray
+from mpmfw.history import NotSaved
 from mpmfw.state import Grid, Particles, Surface
 
 #: Nodes kept free round a body: room for the supports of smooth shape functions and for motion until the next
@@ -77,6 +78,23 @@ def is_cut_off(grid: Grid) -> bool:
     """Whether a window ends where the background grid does."""
     last = grid.window_lower + grid.window_shape
     return bool((grid.window_lower == 0).any() or (last == grid.nodes).any())
+
+
+def set_windows(grid: Grid, lower: IntArray, shape: IntArray, most: float = np.inf) -> None:
+    """Lay the windows at given nodes, (n_fields, dim) each, of the background grid.
+
+    Raises
+    ------
+    NotSaved
+        They are not within the grid, or have more than ``most`` nodes.
+    """
+    within = lower.shape == shape.shape == grid.window_lower.shape and bool(
+        (lower >= 0).all() and (shape >= 1).all() and (lower <= grid.nodes - shape).all()
+    )
+    if not within or np.prod(shape, axis=1, dtype=float).sum() > most:
+        raise NotSaved("the windows of the velocity fields are not within the grid")
+    grid.window_lower[:], grid.window_shape[:] = lower, shape
+    allocate_nodes(grid)
 
 
 def allocate_nodes(grid: Grid) -> None:

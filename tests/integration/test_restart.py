@@ -18,9 +18,9 @@ import pytest
 from many_discs import many_discs
 from mpmfw.discovery import available, choices
 from mpmfw.errors import MpmfwError
+from mpmfw.history import NotSaved, Snapshot
 from mpmfw.scene import load_scene, shipped_scenes
 from mpmfw.simulation import Simulation
-from mpmfw.snapshot import NotSaved, Snapshot
 from scenes_for_tests import two_blocks, with_changes
 
 pytestmark = pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")  # settling is cut short
@@ -88,29 +88,14 @@ def run(simulation: Simulation, step: int = -1, path: Path | None = None) -> tup
 
 def timeless(snapshot: Snapshot) -> str:
     """All values but seconds."""
-
-    def without(node: Any) -> Any:
-        if isinstance(node, list):
-            return [without(item) for item in node]
-        if isinstance(node, dict):
-            if node.get("of") == "mpmfw.clock:Clock":
-                return "clock"
-            return {name: without(item) for name, item in node.items() if name != "compile_time"}
-        return node
-
-    nodes = [
-        without(
-            {"dict": [item for item in node["dict"] if "settle_" not in str(item[0])]}
-            if "dict" in node
-            else node
-        )
-        for node in snapshot.nodes
-    ]
-    return json.dumps([without(snapshot.roots), nodes])
+    seconds = ("simulation/clock", "simulation/compile_time", "simulation/_settled")
+    return json.dumps(
+        {place: value for place, value in snapshot.values.items() if not place.startswith(seconds)}
+    )
 
 
-def array_bytes(snapshot: Snapshot) -> list[bytes]:
-    return [array.tobytes() for array in snapshot.arrays]
+def array_bytes(snapshot: Snapshot) -> dict[str, bytes]:
+    return {place: array.tobytes() for place, array in snapshot.arrays.items()}
 
 
 def same_frames(frames: list[Any], others: list[Any]) -> None:
@@ -240,12 +225,12 @@ IN_A_NEW_PROCESS = """
 import pickle, sys
 sys.path[:0] = sys.argv[3:]
 from mpmfw.simulation import Simulation
-from test_restart import COARSE, run
+from test_restart import COARSE, array_bytes, run
 from mpmfw.scene import load_scene
 simulation = Simulation(load_scene("rolling-cylinder-slip", set=COARSE["rolling-cylinder-slip"]))
 simulation.load(sys.argv[1])
 frames, _ = run(simulation)
-pickle.dump((frames, [a.tobytes() for a in simulation.snapshot().arrays]), open(sys.argv[2], "wb"))
+pickle.dump((frames, array_bytes(simulation.snapshot())), open(sys.argv[2], "wb"))
 """
 
 
@@ -264,7 +249,7 @@ def test_a_new_process_goes_on_with_the_same_bytes(tmp_path):
     subprocess.run(command, check=True, timeout=300)
     rest, arrays = pickle.loads((tmp_path / "end").read_bytes())
     same_frames(frames[-len(rest) :], rest)
-    assert arrays == [array.tobytes() for array in first.snapshot().arrays]
+    assert arrays == array_bytes(first.snapshot())
 
 
 def test_another_scene_or_method_is_refused(tmp_path):

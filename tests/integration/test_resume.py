@@ -344,7 +344,7 @@ def test_what_cannot_go_on_says_why(tmp_path):
     refused("run.nc.checkpoint: is no checkpoint of a run")
     stopped(with_changes(BLOCKS, contact__friction=0.1), path, 9)
     file.write_bytes(whole)
-    refused("cannot go on from the checkpoint beside it: '.*run.nc' has another scene")
+    refused("cannot go on from the checkpoint beside it: the file has another scene")
     with netCDF4.Dataset(path, "a") as dataset:
         dataset.setncattr("kind", "study")
     refused(
@@ -368,7 +368,7 @@ def test_a_full_disk_loses_the_checkpoint_and_not_the_run(tmp_path, monkeypatch)
     def full(*_: Any) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("mpmfw.snapshot.archive.os.replace", full)
+    monkeypatch.setattr("mpmfw.restart.os.replace", full)
     with pytest.warns(
         ResultsWarning, match="no checkpoints are written: cannot write '.*checkpoint': No space left"
     ) as said:
@@ -393,9 +393,9 @@ def test_none_are_written_where_none_are_wanted(tmp_path):
 
 
 def test_short_runs_write_no_checkpoint(tmp_path, monkeypatch):
-    monkeypatch.setattr("mpmfw.checkpoints.write_snapshot", lambda *_: pytest.fail("a checkpoint"))
-    monkeypatch.setattr("mpmfw.checkpoints.code_of", lambda *_: pytest.fail("sources are read"))
-    monkeypatch.setattr("mpmfw.checkpoints.ASKED_AFTER", 600.0)
+    monkeypatch.setattr("mpmfw.restart.write_snapshot", lambda *_: pytest.fail("a checkpoint"))
+    monkeypatch.setattr("mpmfw.restart.code_of", lambda *_: pytest.fail("sources are read"))
+    monkeypatch.setattr("mpmfw.restart.ASKED_AFTER", 600.0)
     mpmfw.run(BLOCKS, output=tmp_path / "run.nc")
 
 

@@ -1,12 +1,10 @@
 """Requests that are wrong end with one message that says what and where, never with a traceback."""
 
-import json
-import zipfile
-
 import netCDF4
 import pytest
 from typer.testing import CliRunner
 
+from checkpoints_for_tests import LAST, content, header
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
 from mpmfw.scene import load_scene
@@ -55,15 +53,15 @@ def test_limits_of_colours_are_finite(said, tmp_path):
     ("facts", "message"),
     [
         ([], "a.nc.checkpoint' was cut short or is damaged; run it again\n"),
-        ({"kind": "checkpoint"}, "a.nc.checkpoint: is no checkpoint of a run\n"),
+        ({"frames": 1}, "a.nc.checkpoint' was cut short or is damaged; run it again\n"),
+        (None, "a.nc.checkpoint: is no checkpoint of a run\n"),
     ],
 )
 def test_a_checkpoint_that_says_nothing_of_a_run_is_none(said, tmp_path, facts, message):
     with netCDF4.Dataset(tmp_path / "a.nc", "w") as dataset:
         dataset.setncatts({"kind": "run", "status": "interrupted"})
-    with zipfile.ZipFile(tmp_path / "a.nc.checkpoint", "w") as archive:
-        archive.writestr("facts.json", json.dumps(facts))
-        archive.writestr("values.json", "[{}, []]")
+    says = {"parts": [], "values": {}, "facts": facts}
+    (tmp_path / "a.nc.checkpoint").write_bytes(content(header(says, **LAST)))
     assert said("resume", "a.nc").endswith(message)
 
 

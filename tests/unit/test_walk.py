@@ -23,7 +23,7 @@ ROOMS = {
     for name in (
         *(
             "runs.py",
-            "checkpoints.py",
+            "restart.py",
             "simulation.py",
             "build.py",
             "bodies.py",

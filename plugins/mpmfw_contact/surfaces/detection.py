@@ -19,6 +19,7 @@ from mpmfw.api import (
     Setup,
     State,
     Stencil,
+    check_indices,
 )
 from mpmfw.api import Field as ArrayField
 from mpmfw.kernels.pair_table import pair_table
@@ -58,6 +59,7 @@ class Surfaces(Detection):
     gap_option = "search_radius"
     #: Whether a node meets every facet that it penetrates (eq. 10), and not the closest one of a body.
     every_facet: bool = False
+    history = ("was_inside",)
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
@@ -119,7 +121,20 @@ class Surfaces(Detection):
         spins = self.has_friction and dim == 3
         rows = SurfaceRows(dim, couples=self.has_friction, tilts=self.tilts, spins=spins, own=own)
         rows.n_bodies = len(self.state.bodies)
+        rows.limits = {"at/slave": self.surface.count, "at/facet": len(self.surface.facets)}
         return rows
+
+    def restored(self) -> None:
+        """Refuse candidates on facets or bodies that there are not.
+
+        Raises
+        ------
+        NotSaved
+            There are some.
+        """
+        c = self.candidates
+        check_indices(len(self.surface.facets), facet=c.facet, inside_facet=c.inside_facet)
+        check_indices(len(self.state.bodies), master=c.master, inside=c.inside)
 
     def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:  # noqa: ARG002
         """Search at x_s(tⁿ), and write a row for each candidate."""
@@ -260,9 +275,9 @@ class SurfaceRows(ContactRows):
             lean=np.zeros((rows if len(self.tilt) else 0, dim, dim)),
         )
 
-    def history(self) -> dict[str, AnyArray]:
+    def of_rows(self) -> dict[str, AnyArray]:
         """Those, and the places as ``at/NAME``."""
-        return super().history() | {f"at/{name}": array for name, array in self.places.members().items()}
+        return super().of_rows() | {f"at/{name}": array for name, array in self.places.members().items()}
 
     def renumber(self, history: dict[str, AnyArray], own: ContactRows, numbers: Any) -> None:
         """Nodes and facets too, and the identity that is made of node and body."""

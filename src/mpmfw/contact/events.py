@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mpmfw.fields import AnyArray, Field, FloatArray
+from mpmfw.history import NotSaved
 from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels import kernel
 from mpmfw.kernels.contact import Rows
@@ -71,6 +72,7 @@ class ContactEvents:
 
     name = "contact_events"
     stage = "output"
+    history = ("old_age", "old_pair", "fewest", "deepest", "fewest_ever")
 
     def __init__(self, contact: RowContact) -> None:
         self.contact = contact
@@ -84,8 +86,7 @@ class ContactEvents:
     def setup(self, setup: Setup) -> None:
         """Ages of the contacts."""
         self.state, self.cell_size = setup.state, setup.cell_size
-        self.age, self.old_age = np.zeros(0), np.zeros(0)
-        self.old_pair = np.zeros(0, dtype=np.int64)
+        self.old_age, self.old_pair = np.zeros(0), np.zeros(0, dtype=np.int64)
         self.fewest: FloatArray = np.full(len(setup.pairs), np.inf)
         self.deepest: FloatArray = np.zeros(len(setup.pairs))
         self.fewest_ever = self.fewest.copy()
@@ -103,11 +104,21 @@ class ContactEvents:
     def end_step(self) -> None:
         """Follow the contacts of this step."""
         rows = self.contact.last_rows
-        if len(self.age) < rows.count:
-            self.age = np.zeros(2 * rows.count)
-        follow_contacts(rows, rows.count, self.age, self.old_pair, self.old_age, self.fewest, self.deepest)
-        self.age, self.old_age = self.old_age, self.age
-        self.old_pair = rows.pair[: rows.count].copy()
+        age = np.zeros(rows.count)
+        follow_contacts(rows, rows.count, age, self.old_pair, self.old_age, self.fewest, self.deepest)
+        self.old_age, self.old_pair = age, rows.pair[: rows.count].copy()
+
+    def restored(self) -> None:
+        """Refuse ages of other rows than those of the last step.
+
+        Raises
+        ------
+        NotSaved
+            They are.
+        """
+        rows = self.contact.last_rows
+        if len(self.old_age) != rows.count or not np.array_equal(self.old_pair, rows.pair[: rows.count]):
+            raise NotSaved("the ages of contacts are not those of the rows")
 
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:  # noqa: ARG002

@@ -29,6 +29,8 @@ class PairRecords(Records):
     Work and impulse are those since time zero; ``restart`` forgets what happened while the scene settled.
     """
 
+    history = ("_last",)
+
     def __init__(self, setup: Setup, owner: str) -> None:
         super().__init__(**{field.name: setup.allocate(owner, field) for field in _DECLARED})
         self._last = {name: np.zeros_like(self.impulse) for name in _IMPULSES}

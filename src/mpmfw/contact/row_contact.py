@@ -18,6 +18,7 @@ from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.errors import SceneError
 from mpmfw.fields import AnyArray, Field, FloatArray
+from mpmfw.history import check_indices
 from mpmfw.hookspecs import hookimpl
 from mpmfw.setup import Setup
 from mpmfw.state import Grid, Pair, Particles, State, Stencil
@@ -37,6 +38,7 @@ class RowContact(ContactStrategy):
     Law: ClassVar[type[ContactLaw]]  #: what acts on them
     velocity_fields = "per_body"
     stage = "contact"
+    history = ("detection", "law", "friction", "records")
     #: The hook, of laws that have something to say.
     concerns: ClassVar[Any]
 
@@ -178,6 +180,17 @@ class ForceContact(RowContact):
     """
 
     Law: ClassVar[type[ForceLaw]]  #: what acts on the rows
+    history = ("old", "omega_squared", "longest_step")
+
+    def restored(self) -> None:
+        """Refuse rows of pairs that there are not.
+
+        Raises
+        ------
+        NotSaved
+            There are some.
+        """
+        check_indices(len(self.state.pairs), pair=self.old.pair[: self.old.count])
 
     def monitors(self) -> list[Any]:
         """Steps per contact and deepest penetration."""

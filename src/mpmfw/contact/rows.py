@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mpmfw.fields import AnyArray, FloatArray
+from mpmfw.history import NotSaved, check_indices
 from mpmfw.kernels import struct
 from mpmfw.kernels.contact import (
     Records,
@@ -52,8 +53,12 @@ class ContactRows(Rows):
         kernels.
     """
 
+    history = ("kept",)
     count: int  #: rows of the step
     own: Any  #: the law's arrays, a :class:`mpmfw.kernels.Struct` with its names
+    limits: Mapping[
+        str, int
+    ] = {}  #: of what there are how many, by the name of an array that has their indices
 
     def __init__(
         self, dim: int, *, couples: bool, tilts: bool = False, spins: bool = False,
@@ -100,19 +105,37 @@ class ContactRows(Rows):
         """
         kept = np.flatnonzero(~np.isin(self.pair[: self.count], numbers.pair))
         taken = np.flatnonzero(numbers.pair[other.pair[: other.count]] >= 0)
-        ours = {name: array[kept].copy() for name, array in self.history().items() if len(array)}
-        theirs = {name: array[taken].copy() for name, array in other.history().items() if len(array)}
+        ours = {name: array[kept].copy() for name, array in self.of_rows().items() if len(array)}
+        theirs = {name: array[taken].copy() for name, array in other.of_rows().items() if len(array)}
         other.renumber(theirs, self, numbers)
         order = np.argsort(np.concatenate([ours["identity"], theirs["identity"]]), kind="stable")
         if len(order) > len(self.pair):
             self.make_room(2 * len(order), len(self.dof))
         self.count = len(order)
-        for name, array in self.history().items():
+        for name, array in self.of_rows().items():
             if len(array):
                 none = np.zeros((len(taken), *array.shape[1:]), dtype=array.dtype)
                 array[: self.count] = np.concatenate([ours[name], theirs.get(name, none)])[order]
 
-    def history(self) -> dict[str, AnyArray]:
+    @property
+    def kept(self) -> dict[str, AnyArray]:
+        """What the next step may ask of these rows: all arrays that there are but B, as long as there are rows."""
+        return {name: array[: self.count] for name, array in self.of_rows().items() if len(array)}
+
+    @kept.setter
+    def kept(self, arrays: dict[str, AnyArray]) -> None:
+        for name, limit in self.limits.items():
+            check_indices(limit, **{name: arrays[name]})
+        count = len(arrays["pair"])
+        if any(len(array) != count for array in arrays.values()):
+            raise NotSaved("the arrays of the rows are not of one length")
+        if count > len(self.pair):
+            self.make_room(2 * count, len(self.dof))
+        self.count = count
+        for name, array in arrays.items():
+            self.of_rows()[name][:count] = array
+
+    def of_rows(self) -> dict[str, AnyArray]:
         """All arrays with an entry for every row; the law's are called ``own/NAME``."""
         entries = ("start", *_OF_ENTRIES)
         arrays = {name: array for name, array in self.members().items() if name not in entries}

@@ -72,6 +72,7 @@ class Constraint:
 
     name = "constraint"
     ledger_term = ("external", "prescribed sides")
+    history = ("planes",)
 
     def __init__(self, sides: tuple[PrescribedSide, ...], degree: int, *, staggered: bool) -> None:
         self.sides, self.degree, self.grids = sides, degree, 2 if staggered else 1

@@ -63,6 +63,7 @@ class ContactMoment:
 
     name = "contact_moment"
     stage = "output"
+    history = ("running", "impulse")
 
     def __init__(self, about: tuple[float, ...] | None, state: State) -> None:
         self.about, self.state, self.running = about, state, False

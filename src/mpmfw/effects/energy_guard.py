@@ -35,6 +35,8 @@ class EnergyGuard:
         What may help (:func:`mpmfw.remedies.remedies`).
     """
 
+    history = ("start", "given", "input", "loaded", "fallen", "depth")
+
     def __init__(self, nothing: float, remedies: Mapping[str, str]) -> None:
         self.nothing, self.remedies = nothing, remedies
         self.restart(0.0)

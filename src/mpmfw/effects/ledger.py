@@ -99,6 +99,9 @@ class EnergyLedger:
 
     name = "energy_ledger"
     stage = "output"
+    history = (
+        "running", "work", "gained", "dissipated", "contact_before", "loaded", "motion", "start", "lost", "half_step", "guard",
+    )  # fmt: skip
     force: FloatArray  #: (n_nodes, dim) [N/m], as it was at the last look
     internal: FloatArray  #: (n_nodes, dim) [N/m], the internal forces
     momentum: FloatArray  #: (n_nodes, dim) [N s/m], as it was at the last look
@@ -118,14 +121,20 @@ class EnergyLedger:
         self.strategy, self.contact = contact, "" if contact is None else contact.name
         self.tells_motion = half_steps and accounted and hasattr(contact, "work_over_last_step")
         self.half_steps, self.guard, self.running = half_steps, guard, False
+        self.motion = self.start = self.lost = 0.0
+        self._forget()
 
-    def _restart(self, state: State) -> None:
-        self.running = True
+    def _forget(self) -> None:
+        """Begin all sums at zero."""
         self.work = dict.fromkeys(("gravity", "external", "contact", "inertia"), 0.0)
         self.half_step = HalfStep() if self.half_steps else None
         self.gained = self.dissipated = self.contact_before = 0.0
         #: energy of the contact springs at the start; None until a step has told
         self.loaded: float | None = None
+
+    def _restart(self, state: State) -> None:
+        self.running = True
+        self._forget()
         self.motion = motion_energy(state.particles)
         self.start = self.motion + float(self.strain.of(state).sum())
         self.lost = float(self.strain.dissipated(state).sum()) if self.strain.dissipates else 0.0

@@ -66,6 +66,8 @@ class HalfStep:
         Of contact's forces, up to the positions that they were found at, which are a step old.
     """
 
+    history = ("strain", "contact", "_strain", "_contact", "dt", "_power")
+
     def __init__(self) -> None:
         self.strain = self.contact = self._strain = self._contact = 0.0
         self.dt = 0.0

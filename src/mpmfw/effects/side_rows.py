@@ -29,6 +29,8 @@ QUADRATURE = 16
 class PlaneSides(Struct):
     """The sides n·x = place, and the columns that cross them."""
 
+    history = ("place",)
+
     normal: Floats  #: n, (n_sides, dim), outwards
     place: Floats  #: (n_sides,) [m]
     box_lower: Floats  #: columns outside of the box are another body's, (n_sides, dim) [m]

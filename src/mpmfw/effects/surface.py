@@ -178,9 +178,12 @@ class GapDiagnostic:
     name = "gap"
     stage = "gap"
 
+    history = ("deepest", "deepest_at")
+
     def __init__(self, *, watched: bool) -> None:
         self.watched = watched
-        self.deepest: dict[str, tuple[float, float]] = {}  #: by pair: depth over cell size, and time [s]
+        self.deepest: dict[str, float] = {}  #: by pair: depth over cell size
+        self.deepest_at: dict[str, float] = {}  #: and its time [s]
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
@@ -200,17 +203,17 @@ class GapDiagnostic:
         gaps = least_gaps(surface, first, second, state.grid.spacing)
         for pair in np.flatnonzero(-gaps > DEEPEST * state.grid.cell_size):
             label, depth = state.pairs[pair].label, -float(gaps[pair]) / state.grid.cell_size
-            if depth > self.deepest.get(label, (DEEPEST, 0.0))[0]:
-                self.deepest[label] = depth, state.time
+            if depth > self.deepest.get(label, DEEPEST):
+                self.deepest[label], self.deepest_at[label] = depth, state.time
         return {"min_gap": gaps}
 
     @hookimpl
     def concerns(self) -> list[str]:
         """Surfaces that overlapped too far at an output."""
         return [
-            f"{label}: the bodies penetrate by {depth:.2g} cells at time {time:.4g} s, more than {DEEPEST:g}; try a stiffer "
-            "contact, or smaller cells"
-            for label, (depth, time) in self.deepest.items()
+            f"{label}: the bodies penetrate by {depth:.2g} cells at time {self.deepest_at.get(label, 0.0):.4g} s, more than "
+            f"{DEEPEST:g}; try a stiffer contact, or smaller cells"
+            for label, depth in self.deepest.items()
             if self.watched
         ]
 

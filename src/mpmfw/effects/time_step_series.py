@@ -43,6 +43,7 @@ class TimeStepSeries:
 
     name = "time_step_series"
     stage = "output"
+    history = ("owners", "last")
 
     def __init__(self, limits: Callable[[], list[tuple[float, str]]]) -> None:
         self.limits = limits

@@ -104,6 +104,62 @@ class RunWriter:
         ):
             self.flush()
 
+    def repeat(self, path: str, count: int) -> None:
+        """Write the first outputs of another file of the same run.
+
+        Raises
+        ------
+        MpmfwError
+            There are not ``count`` of them, or they are of another run.
+        """
+        try:
+            with netCDF4.Dataset(path) as old:
+                old.set_always_mask(False)
+                old.set_auto_maskandscale(False)
+                self._repeat(old, count, os.path.getsize(path))
+        except (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError) as error:
+            raise MpmfwError(f"'{path}' does not hold the first {count} outputs of the run") from error
+
+    def _repeat(self, old: netCDF4.Dataset, count: int, size: int) -> None:
+        """Write the outputs of a file of some ``size`` [bytes], one after the other."""
+        pairs: Any = old.variables.get("pair", [])
+        points = old["particles"]["time"]
+        if 8 * max(count, len(pairs), len(points)) > size:
+            raise ValueError("the file is shorter than its dimensions say")
+        times, labels, at = old["time"][:count], tuple(map(str, pairs[:])), points[:]
+        if len(times) < count or not np.isfinite(times).all():
+            raise ValueError("outputs are missing")
+        self._add_pairs(labels)
+        places: list[str] = [name for name in ("series", "surface", "grid") if name in old.groups]
+        if "contact" in old.groups:
+            places += [f"contact/{pair}" for pair in old["contact"].groups]
+        outputs = {place: self._columns(old[place], place, size) for place in places}
+        of_points = self._columns(old["particles"], "particles", size)
+        for k in range(count):
+            self._outputs.add(times[k], {place: _frame_of(columns, k) for place, columns in outputs.items()})
+            for own in np.flatnonzero(at == times[k]).tolist():
+                self._points.add(times[k], {"": _frame_of(of_points, own)})
+            if sum(each.waiting_bytes for each in self._timelines) > WRITTEN_AT_ONCE:
+                self.flush()
+        self.flush()
+
+    def _columns(self, group: netCDF4.Dataset, place: str, size: int) -> list[tuple[Field, Any]]:
+        """The declared variables of a group of another file, an output of which is no larger than that file."""
+        found = []
+        for name, variable in group.variables.items():
+            group_of: Any = place.partition("/")[0]
+            field = self._fields.get((group_of, name))
+            if field is None:
+                continue
+            own = variable.shape if layout.is_static(field) else variable.shape[1:]
+            declared = variable.dimensions == layout.dimensions(field) and variable.dtype == np.dtype(
+                field.dtype
+            )
+            if not declared or math.prod(own) * variable.dtype.itemsize > size:
+                raise ValueError(f"{place}/{name} is not as it was declared")
+            found.append((field, variable))
+        return found
+
     def is_due(self, now: float) -> bool:
         """Whether frames have waited long enough at a wall time [s]; those in memory, which nobody else reads, never have."""
         return self.path is not None and self._outputs.waits > 0 and now - self._written >= WRITTEN_EVERY
@@ -273,6 +329,15 @@ def _places(frame: Frame) -> list[tuple[str, str, Mapping[str, AnyArray]]]:
         *((f"contact/{pair}", "contact", arrays) for pair, arrays in frame.contact.items()),
         ("grid", "grid", frame.grid),
     ]
+
+
+def _frame_of(columns: list[tuple[Field, Any]], k: int) -> dict[str, tuple[Field, AnyArray]]:
+    """Arrays of output ``k`` of another file; those without a time come with the first."""
+    return {
+        field.name: (field, variable[...] if layout.is_static(field) else variable[k])
+        for field, variable in columns
+        if k == 0 or not layout.is_static(field)
+    }
 
 
 def _labels(dataset: netCDF4.Dataset, name: str, labels: tuple[str, ...], *, grows: bool = False) -> None:

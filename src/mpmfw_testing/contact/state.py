@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from mpmfw.history import NotSaved
 from mpmfw.simulation import Simulation
-from mpmfw.snapshot import NotSaved
 from mpmfw_testing.check import Picture, Violation
 from mpmfw_testing.contact.bounds import search_meetings, within
 from mpmfw_testing.contact.drawing import histories
@@ -75,8 +75,8 @@ def restart(subject: Subject) -> None:
 def saved(subject: Subject) -> None:
     """A run that is saved in the middle of contact and loaded into a simulation built anew goes on with the same bits.
 
-    Saved is what hangs on the attributes of plug-ins: numbers, arrays, and objects of these. What is kept elsewhere, by the
-    module, the class, a closure or an iterator, is lost.
+    Saved is what the classes of plug-ins name in ``history``, and declared arrays of points, surface nodes, bodies
+    and pairs. What is kept elsewhere is lost.
     """
 
     def trial(meeting: Meeting) -> None:
@@ -100,13 +100,13 @@ def saved(subject: Subject) -> None:
         same_bits(
             motion,
             reference,
-            "what was saved and loaded goes on otherwise: part of the history is no attribute",
+            "what was saved and loaded goes on otherwise: history does not name all that is kept",
         )
         for name in motion.series:
             one, other = (np.array(m.series[name][-AFTER - 1 :]) for m in (motion, reference))
             if not np.array_equal(one, other, equal_nan=True):
                 raise Violation(
-                    f"the series {name} goes on otherwise after loading: part of its history is no attribute"
+                    f"the series {name} goes on otherwise after loading: history does not name all that is kept"
                 )
 
     search_meetings(trial, _SLIDING, examples=3)

@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 
 from mpmfw.fields import AnyArray, FloatArray
+from mpmfw.history import NotSaved, put, take
 from mpmfw.plots.style import dress
-from mpmfw.snapshot import NotSaved, put, take
 from mpmfw.state import Stencil
+from mpmfw.windows import set_windows
 from mpmfw_testing.check import Check, Picture, Violation
 from mpmfw_testing.searching import hypothesis
 from mpmfw_testing.shape.cases import CELLS, MIDDLE, dimensions_of, points, search_dimensions, within
@@ -89,7 +90,7 @@ def repeatable(subject: Subject) -> None:
 def saved(subject: Subject) -> None:
     """Values that are taken in the middle of a motion and put into a fresh object go on with the same bits.
 
-    Taken is what hangs on the object's attributes: numbers, arrays, and objects of these.
+    Taken is what its class names in ``history``, and declared arrays of points and bodies.
     """
 
     def trial(dim: int, case: dict[str, Any]) -> None:
@@ -97,7 +98,9 @@ def saved(subject: Subject) -> None:
         placed, anew = _one_among_three(subject, dim, case), _one_among_three(subject, dim, case)
         centre = placed.particles.position.mean(axis=0)
         placed.deform(turn, centre, steps=2)
+        grid = placed.state.grid
         try:
+            set_windows(anew.state.grid, grid.window_lower, grid.window_shape)
             put(
                 take({"shape": placed.shape, "state": placed.state}),
                 {"shape": anew.shape, "state": anew.state},
@@ -110,7 +113,7 @@ def saved(subject: Subject) -> None:
             tables.append(_copied(each.table()))
         if not all(np.array_equal(a, b) for a, b in zip(*tables, strict=True)):
             raise Violation(
-                "what was saved and loaded goes on otherwise: part of the history is no attribute",
+                "what was saved and loaded goes on otherwise: history does not name all that is kept",
                 {"points [m]": placed.particles.position.tolist()},
                 picture_of(placed, 2),
             )

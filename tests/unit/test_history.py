@@ -1,0 +1,190 @@
+"""Declared history: values by place, of the type and shape of what was built, through a file and back."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from checkpoints_for_tests import LAST, content, entry, header
+from mpmfw.errors import MpmfwError
+from mpmfw.history import NotSaved, check_indices, put, take
+from mpmfw.restart import is_foreign, read_snapshot, write_snapshot
+
+
+class Part:
+    """Keeps one array and what bases name beside it."""
+
+    history: tuple[str, ...] = ("values",)
+
+    def __init__(self, values: Any) -> None:
+        self.values = values
+
+
+class Thing(Part):
+    """Keeps more."""
+
+    history = ("kept", "part")
+
+    def __init__(self, kept: Any, values: Any = 0.0) -> None:
+        super().__init__(values)
+        self.kept, self.part, self.seen = kept, Part(np.zeros(2)), None
+
+    def restored(self) -> None:
+        self.seen = self.kept
+
+
+def through_a_file(thing: Any, other: Any, path: Path) -> Any:
+    write_snapshot(str(path), take({"thing": thing}))
+    put(read_snapshot(str(path))[0], {"thing": other})
+    return other
+
+
+@pytest.mark.parametrize(
+    ("value", "built"),
+    [
+        (True, False),
+        (-7, 0),
+        (0.1 + 0.2, 0.0),
+        (float("inf"), 1.0),
+        ("tëxt\ud800", ""),
+        (None, None),
+        (3.5, None),
+        (["a", "b"], []),
+        ({"a": 1.0, "b": -2}, {"a": 0.0}),
+        ({}, {}),
+    ],
+)
+def test_values_come_back(tmp_path, value, built):
+    back = through_a_file(Thing(value), Thing(built), tmp_path / "file")
+    assert (type(back.kept), back.kept) == (type(value), value)
+    assert back.seen == value  # all values are there when it is called
+
+
+@pytest.mark.parametrize("dtype", ["f8", "f4", "i8", "i4", "i1", "u1", "?"])
+def test_arrays_come_back_to_the_bit_where_they_were(tmp_path, dtype):
+    array = np.array([[3, 0, 1], [1, 2, 7]]).astype(dtype)
+    if array.dtype.kind == "f":
+        array[0] = np.nan, -0.0, np.inf
+    room = np.zeros_like(array)
+    back = through_a_file(Thing(array.T), Thing(room.T), tmp_path / "file")
+    assert room.tobytes() == array.tobytes()
+    assert back.kept.base is room
+
+
+def test_what_is_empty_may_have_any_length(tmp_path):
+    back = through_a_file(Thing(np.eye(3)), Thing(np.zeros((0, 3))), tmp_path / "file")
+    np.testing.assert_array_equal(back.kept, np.eye(3))
+    assert back.kept.flags.writeable
+    back = through_a_file(
+        Thing({"a": np.ones(2), "b/c": np.zeros((1, 2))}),
+        Thing({"a": np.ones(0), "b/c": np.zeros((0, 2))}),
+        tmp_path / "file",
+    )
+    assert {name: array.shape for name, array in back.kept.items()} == {"a": (2,), "b/c": (1, 2)}
+
+
+@pytest.mark.parametrize(
+    ("saved", "built"),
+    [
+        (1.0, 1), (1, 1.0), (True, 1), ("1", 1.0), (None, 1.0), ([], 1.0), ({"a": 1.0}, {"b": 1.0}), ("x", None),
+        ({"a": 1.0}, 2.0),
+        (np.zeros(2), np.zeros(3)), (np.zeros(2), np.zeros((0, 2))), (np.zeros(2), np.zeros(2, dtype="i8")), (1.0, np.zeros(1)),
+        (np.zeros(1), 1.0), ({"a": np.zeros(1)}, {"b": np.zeros(1)}), ({"a": np.zeros(1)}, {"a": np.zeros(1), "b": np.zeros(1)}),
+    ],
+)  # fmt: skip
+def test_what_does_not_fit_is_refused_with_its_place(tmp_path, saved, built):
+    with pytest.raises(NotSaved, match=r"^thing/kept(/b)? (does not fit|was not saved)"):
+        through_a_file(Thing(saved), Thing(built), tmp_path / "file")
+
+
+def test_parts_of_other_names_are_refused():
+    with pytest.raises(NotSaved, match="saved were one; here are other"):
+        put(take({"one": Part(1.0)}), {"other": Part(1.0)})
+
+
+@pytest.mark.parametrize(
+    "value", [object(), 2**63, [1], {"a": "b"}, {1: 2.0}, np.array([object()]), np.zeros(1, dtype="c16"), (1, 2)],
+    ids=lambda value: type(value).__name__,
+)  # fmt: skip
+def test_what_cannot_be_saved_is_named_with_its_place(value):
+    with pytest.raises(NotSaved, match=r"^thing/kept (is a|has numbers of type) .*; expected"):
+        take({"thing": Thing(value)})
+
+
+def test_a_name_without_an_attribute_is_named():
+    part = Part(1.0)
+    del part.values
+    with pytest.raises(NotSaved, match="thing: its history names 'values', which it does not have"):
+        take({"thing": part})
+
+
+def test_indices_are_within_bounds():
+    check_indices(3, first=np.array([-1, 2]), none=np.zeros(0, dtype=int))
+    for wrong in (-2, 3):
+        with pytest.raises(NotSaved, match="first has an index that is not from -1 to 2"):
+            check_indices(3, first=np.array([0, wrong]))
+
+
+# -- the file
+
+
+NOTHING = {"parts": ["thing"], "values": {}, "facts": None}
+
+#: Files that say too much, too little or something else.
+CRAFTED: dict[str, bytes] = {
+    "a shape of 1e12 numbers": content(header(NOTHING, a=entry("F64", [10**12], 0, 8))),
+    "a shape that overflows": content(header(NOTHING, a=entry("F64", [2**32, 2**32], 0, 0), **LAST)),
+    "a shape below zero": content(header(NOTHING, a=entry("F64", [-1, -1], 0, 8))),
+    "a shape of a truth": content(header(NOTHING, a=entry("F64", [True], 0, 8))),
+    "hundred dimensions": content(header(NOTHING, a=entry("F64", [1] * 100, 0, 8))),
+    "arrays on each other": content(header(NOTHING, a=entry("F64", [1], 0, 8), **LAST)),
+    "a gap": content(header(NOTHING, a=entry("F64", [1], 8, 16)), bytes(8)),
+    "an end beyond that of the file": content(header(NOTHING, a=entry("F64", [2], 0, 16))),
+    "bytes that belong to nothing": content(header(NOTHING, **LAST), bytes(8)),
+    "objects": content(header(NOTHING, a=entry("O", [1], 0, 8))),
+    "no type": content(header(NOTHING, a=entry([], [1], 0, 8))),
+    "no entry": content(header(NOTHING, a=None)),
+    "a list": content(b'{"__metadata__": {"mpmfw": "checkpoint 2"' + b"[" * 100_000),
+    "nothing said": content({"__metadata__": {"mpmfw": "checkpoint 2"}, **LAST}),
+    "other facts": content({"__metadata__": {"mpmfw": "checkpoint 2", "said": '{"parts": 1, "values": 2}'}, **LAST}),
+    "a header longer than the file": content(header(NOTHING, **LAST), longer=10**6),
+    "a header of 2**64 bytes": b"\xff" * 8 + content(header(NOTHING, **LAST))[8:],
+    "another checksum": content(header(NOTHING, **LAST), check=1),
+    "a number of a million digits": content(b'{"__metadata__": {"mpmfw": "checkpoint 2", "said": ' + b"9" * 10**6 + b"}}"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CRAFTED)
+def test_a_crafted_file_is_one_message(tmp_path, name):
+    path = tmp_path / "file"
+    path.write_bytes(CRAFTED[name])
+    with pytest.raises(MpmfwError, match=r"^'.*file' was cut short or is damaged$"):
+        put(read_snapshot(str(path))[0], {"thing": Thing(1.0)})
+
+
+def test_each_flipped_bit_and_each_shorter_file_is_one_message(tmp_path):
+    path = tmp_path / "file"
+    write_snapshot(str(path), take({"thing": Thing(np.arange(3.0))}))
+    whole = path.read_bytes()
+    for k in range(len(whole)):
+        for changed in (whole[:k], whole[:k] + bytes([whole[k] ^ (1 << k % 8)]) + whole[k + 1 :]):
+            path.write_bytes(changed)
+            with pytest.raises(
+                MpmfwError, match=r"was cut short or is damaged$|that this version of mpmfw wrote$"
+            ):
+                read_snapshot(str(path))
+
+
+def test_files_of_other_versions_and_of_others_are_no_checkpoints(tmp_path):
+    path = tmp_path / "file"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("values.json", "[]")
+    assert is_foreign(str(path))
+    with pytest.raises(MpmfwError, match="is not a checkpoint that this version of mpmfw wrote"):
+        read_snapshot(str(path))
+    with pytest.raises(MpmfwError, match=r"cannot read '.*nothing': No such file"):
+        read_snapshot(str(tmp_path / "nothing"))
