@@ -23,12 +23,14 @@ import numpy as np
 from llvmlite.binding import get_host_cpu_name  # type: ignore[import-untyped]
 from pydantic import BaseModel, Field
 
-from mpmfw.errors import MpmfwError, ResultsWarning
+from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
 from mpmfw.fields import AnyArray
 from mpmfw.history import Snapshot
 from mpmfw.identity import code_of
 from mpmfw.results.replacing import abandoned, replacement
+from mpmfw.scene.override import parse_value
 from mpmfw.scene.scene import Source
+from mpmfw.units import to_si
 
 #: Seconds of wall time between two checkpoints.
 EVERY = 600.0
@@ -77,6 +79,23 @@ class Facts(BaseModel):
     def source(self) -> Source:
         """Where the scene came from."""
         return Source(**dict(self.scene))
+
+
+def seconds_between(given: float | str) -> float:
+    """Return the wall time between two checkpoints [s] of a number, or of a text such as ``"10 min"``.
+
+    Raises
+    ------
+    SceneError
+        It is no time, or below 0.
+    """
+    with contextlib.suppress(ValueError):
+        seconds = to_si(parse_value(given) if isinstance(given, str) else given, "s")
+        if isinstance(seconds, int | float) and seconds >= 0.0:
+            return float(seconds)
+    raise SceneError(
+        f"checkpoint {given}: expected a time such as 600 or '10 min'; 0 is after every step, inf never"
+    )
 
 
 def checkpoint_path(path: str | os.PathLike[str]) -> str:

@@ -14,7 +14,15 @@ import netCDF4
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.history import NotSaved, Snapshot
 from mpmfw.interruption import interruptible
-from mpmfw.restart import RESULTS, Checkpoints, Facts, checkpoint_path, dependencies_of, read_snapshot
+from mpmfw.restart import (
+    RESULTS,
+    Checkpoints,
+    Facts,
+    checkpoint_path,
+    dependencies_of,
+    read_snapshot,
+    seconds_between,
+)
 from mpmfw.results import RunHeader, RunWriter, check_results
 from mpmfw.results.memory import restart_peak_memory
 from mpmfw.results.reading import is_hdf5
@@ -37,7 +45,7 @@ def resume(
     shape: Any = None,
     progress: Callable[[float, int], None] | None = None,
     force: bool = False,
-    checkpoint: float | None = None,
+    checkpoint: float | str | None = None,
     threads: int | None = None,
     trust: bool = False,
 ) -> xr.DataTree:
@@ -54,7 +62,7 @@ def resume(
     force
         Go on with another version of the code, a library or the interpreter, or on another processor.
     checkpoint
-        Seconds of wall time between two checkpoints; as before by default.
+        Wall time, [s] or as ``"10 min"``, between two checkpoints; as before by default.
     threads
         That share the work of each step, in place of the scene's; the results are the same to the bit.
     trust
@@ -79,7 +87,7 @@ def resume_to_file(
     results: str | os.PathLike[str],
     progress: Callable[[float, int], None] | None = None,
     force: bool = False,
-    checkpoint: float | None = None,
+    checkpoint: float | str | None = None,
     threads: int | None = None,
     trust: bool = False,
 ) -> None:
@@ -95,13 +103,12 @@ def _resuming(
     shape: Any,
     progress: Callable[[float, int], None] | None,
     force: bool,
-    checkpoint: float | None,
+    checkpoint: float | str | None,
     threads: int | None,
     trust: bool,
 ) -> Iterator[RunWriter]:
     """The writer of a run that was taken up and has come to its end."""
-    if checkpoint is not None and not checkpoint >= 0.0:
-        raise SceneError(f"checkpoint {checkpoint:g}: expected seconds, 0 (after every step) or more")
+    every = None if checkpoint is None else seconds_between(checkpoint)
     restart_peak_memory()
     path = os.path.abspath(results)
     _check_unfinished(path)
@@ -109,7 +116,7 @@ def _resuming(
     objects = _objects(facts, contact, shape)
     resumed = [*facts.resumed, facts.time]
     simulation, header = _restored(snapshot, facts, objects, path, force, threads, resumed)
-    every = facts.every if checkpoint is None else checkpoint
+    every = facts.every if every is None else every
     with interruptible() as signals, _rewritten(snapshot, path, facts.frames, header) as writer:
         run_on(
             simulation, writer, Checkpoints(simulation, writer, signals, every, objects, resumed), progress

@@ -14,7 +14,7 @@ from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, Si
 from mpmfw.interruption import interruptible
 from mpmfw.limits import check_length, remark_on_size, remark_on_threads
 from mpmfw.own_process import run_in_own_process
-from mpmfw.restart import EVERY, Checkpoints
+from mpmfw.restart import EVERY, Checkpoints, seconds_between
 from mpmfw.results import RunWriter
 from mpmfw.results.memory import peak_memory, restart_peak_memory
 from mpmfw.results.replacing import check_replaceable
@@ -34,7 +34,7 @@ def run(
     set: Mapping[str, Any] | None = None,
     force: bool = False,
     apart: bool = False,
-    checkpoint: float | None = None,
+    checkpoint: float | str | None = None,
     threads: int | None = None,
 ) -> xr.DataTree:
     """Run a scene.
@@ -56,7 +56,7 @@ def run(
     apart
         Run in a process of its own, so that one that crashes or hangs ends nothing else; plug-ins by name alone.
     checkpoint
-        Seconds of wall time between two checkpoints beside the file, ``OUTPUT.checkpoint``, from which
+        Wall time, [s] or as ``"10 min"``, between two checkpoints beside the file, ``OUTPUT.checkpoint``, from which
         :func:`mpmfw.resume` goes on; ten minutes by default, ``math.inf`` for none.
     threads
         That share the work of each step, in place of the scene's; the results are the same to the bit.
@@ -74,7 +74,8 @@ def run(
     Interrupted
         Ctrl-C or SIGTERM; the outputs before are in the file, whose status is ``interrupted``, and a checkpoint beside it.
     """
-    _check_interval(checkpoint, output)
+    if checkpoint is not None and output is None:
+        raise SceneError("checkpoint: has no effect on results that are kept in memory; give an output")
     if apart:
         if any(method is not None and not isinstance(method, str) for method in (contact, shape)):
             raise SceneError("apart: a run in a process of its own takes plug-ins by name, no objects")
@@ -90,7 +91,7 @@ def run_to_file(
     output: str | os.PathLike[str],
     progress: Callable[[float, int], None] | None = None,
     force: bool = False,
-    checkpoint: float | None = None,
+    checkpoint: float | str | None = None,
 ) -> None:
     """Run a scene and leave its results in the file; the rest is as :func:`run` says.
 
@@ -103,16 +104,6 @@ def run_to_file(
         pass
 
 
-def _check_interval(checkpoint: float | None, output: Any) -> None:
-    """Refuse an interval that is none, or that has no effect."""
-    if checkpoint is None:
-        return
-    if not checkpoint >= 0.0:
-        raise SceneError(f"checkpoint {checkpoint:g}: expected seconds, 0 (after every step) or more")
-    if output is None:
-        raise SceneError("checkpoint: has no effect on results that are kept in memory; give an output")
-
-
 @contextmanager
 def _writing(
     scene: Any,
@@ -122,11 +113,12 @@ def _writing(
     progress: Callable[[float, int], None] | None,
     set: Mapping[str, Any] | None,
     force: bool,
-    checkpoint: float | None,
+    checkpoint: float | str | None,
     threads: int | None,
 ) -> Iterator[RunWriter]:
     """The writer of a run that has come to its end."""
     restart_peak_memory()
+    every = EVERY if checkpoint is None else seconds_between(checkpoint)
     path = None if output is None else os.path.abspath(output)  # a plug-in may change the working folder
     if path is not None:
         check_replaceable(path, "run", "run's results")
@@ -148,7 +140,6 @@ def _writing(
         if method is not None and not isinstance(method, str)
     }
     with interruptible() as signals, RunWriter(path, header) as writer:
-        every = EVERY if checkpoint is None else checkpoint
         checkpoints = Checkpoints(simulation, writer, signals, every, objects, [])
         checkpoints.forget()  # of a run that was here before
         run_on(simulation, writer, checkpoints, progress)

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import re
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
 
 import mpmfw
+from mpmfw.scene.toml_text import toml_text
+from scenes_for_tests import two_blocks
 
 GUIDE = Path(__file__).resolve().parents[2] / "docs" / "guide"
 #: Classes of a page, with a value for each option that has no default; a reference's example is no scene on the page.
@@ -41,6 +44,44 @@ def module(request, tmp_path, monkeypatch):
 def test_classes_of_a_page_pass_their_checks(module, classes):
     for name, options in classes.items():
         mpmfw.check_plugin(getattr(module, name)(**options), pictures=None)
+
+
+def scene_of(tables):
+    """A scene with what a page's table says."""
+    scene = two_blocks("penalty", time__end=0.002, time__output_interval=0.001)
+    first, *others = scene["bodies"]
+    scene["bodies"] = {"block": scene["bodies"][first], **{name: scene["bodies"][name] for name in others}}
+    for kind, table in tables.items():
+        if kind == "materials":
+            scene[kind] = table
+            (name,) = table
+            scene["bodies"] = {body: {**given, "material": name} for body, given in scene["bodies"].items()}
+        elif kind == "bodies":
+            (name,) = table
+            scene[kind] = {name: {**scene["bodies"]["block"], **table[name]}}
+        else:
+            scene[kind] = table
+    return scene
+
+
+@pytest.mark.parametrize("module", PAGES, indirect=True)
+def test_scenes_of_a_page_run_with_its_classes(module, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    page = (GUIDE / f"{module.__name__.replace('_', '-')}.md").read_text(encoding="utf-8")
+    places = {}
+    for name, found in vars(module).items():
+        called = getattr(found, "name", None) or getattr(found, "model_fields", {}).get("type")
+        if isinstance(found, type) and called and found.__module__ == module.__name__:
+            places[getattr(called, "default", called)] = f"{module.__name__}:{name}"
+    texts = re.findall(r"^```toml\n(.*?)^```", page, re.S | re.M)
+    for text in texts:
+        for name, place in places.items():
+            text = re.sub(rf'"{name}"|(?<=\[contact\.){name}(?=\])', f'"{place}"', text)
+        Path("scene.toml").write_text(toml_text(scene_of(tomllib.loads(text))))
+        scene = mpmfw.load_scene("scene.toml", trust=True)
+        assert any(place in scene.text for place in places.values())
+        assert mpmfw.run(scene).attrs["status"] == "ok"
+    assert texts or module.__name__ == "write_a_measure"
 
 
 def test_every_class_of_the_guide_is_here():

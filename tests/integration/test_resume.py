@@ -25,6 +25,7 @@ from typer.testing import CliRunner
 import mpmfw
 from mpmfw.cli import app
 from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, SimulationError
+from mpmfw.restart import seconds_between
 from mpmfw.results.reading import read
 from mpmfw.resuming import resume
 from mpmfw.scene import load_scene
@@ -378,13 +379,41 @@ def test_a_full_disk_loses_the_checkpoint_and_not_the_run(tmp_path, monkeypatch)
 
 
 def test_the_option_is_judged(tmp_path):
-    with pytest.raises(SceneError, match="checkpoint -1: expected seconds, 0"):
+    with pytest.raises(SceneError, match=r"checkpoint -1\.0: expected a time such as 600"):
         mpmfw.run(BLOCKS, output=tmp_path / "run.nc", checkpoint=-1.0)
     with pytest.raises(SceneError, match="checkpoint: has no effect on results that are kept in memory"):
         mpmfw.run(BLOCKS, checkpoint=60.0)
+    for wrong in ("5 m", "often"):
+        with pytest.raises(SceneError, match=f"checkpoint {wrong}: expected a time such as 600 or '10 min'"):
+            mpmfw.run(BLOCKS, output=tmp_path / "run.nc", checkpoint=wrong)
     stopped(BLOCKS, tmp_path / "run.nc", 9)
-    with pytest.raises(SceneError, match="checkpoint nan: expected seconds, 0"):
+    with pytest.raises(SceneError, match="checkpoint nan: expected a time such as 600"):
         resume(tmp_path / "run.nc", checkpoint=math.nan)
+
+
+@pytest.mark.parametrize(
+    ("given", "seconds"),
+    [("10 min", 600.0), ("0.5 h", 1800.0), ("30", 30.0), ("inf", math.inf), (0, 0.0), (2.5, 2.5)],
+)
+def test_a_time_is_a_number_or_has_a_unit(given, seconds):
+    assert seconds_between(given) == seconds
+
+
+def test_the_command_takes_a_unit(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    settings = ["--set", "grid.cell_size=0.8", "--set", "time.end=0.02", "--set", "time.output_interval=0.01"]
+    for given in ("10 min", "600", "inf"):
+        command = [
+            "run",
+            "rolling-cylinder-slip",
+            *settings,
+            "--checkpoint",
+            given,
+            "-o",
+            "run.nc",
+            "--force",
+        ]
+        assert CliRunner().invoke(app, command).exit_code == 0
 
 
 def test_none_are_written_where_none_are_wanted(tmp_path):

@@ -75,8 +75,8 @@ def test_in_three_dimensions_the_pressure_is_the_pressure():
     stress = tree["particles/solid/stress"].values[-1]
     pressure = values_at(tree, point_field(tree, "pressure"), "solid", 1)
     np.testing.assert_allclose(pressure, -np.trace(stress, axis1=1, axis2=2) / 3)
-    with pytest.raises(SceneError, match="runs in 2D; mpmfw export shows those in 3D"):
-        mpmfw.plots.field(tree)
+    with pytest.raises(SceneError, match="runs in 3D are drawn one at a time, on a plane"):
+        mpmfw.plots.side_by_side([tree, tree])
 
 
 def test_a_field_is_drawn_at_its_time_on_the_domains(a):

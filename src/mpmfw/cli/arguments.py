@@ -54,11 +54,11 @@ ForceOption: TypeAlias = Annotated[
 
 
 CheckpointOption: TypeAlias = Annotated[
-    float | None,
+    str | None,
     typer.Option(
         "--checkpoint",
-        metavar="SECONDS",
-        help="Wall time between two checkpoints, from which 'mpmfw resume' goes on; 600 by default, inf for none.",
+        metavar="TIME",
+        help="Wall time between two checkpoints, from which 'mpmfw resume' goes on; '10 min' by default, inf for none.",
         show_default=False,
     ),
 ]

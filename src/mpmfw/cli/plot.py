@@ -43,11 +43,20 @@ def plot(
     axis: Annotated[str | None, typer.Option(metavar="NAME", help="Only this component: x, y or z.")] = None,
     limits: LimitsOption = None,
     arrows: ArrowsOption = False,
+    plane: Annotated[
+        str | None,
+        typer.Option(
+            "--plane",
+            metavar="AXIS[=AT]",
+            help="Of a field in 3D: axis across the plane that is drawn, and its place [m]; the middle along z by default.",
+            show_default=False,
+        ),
+    ] = None,
     force: ReplaceOption = False,
 ) -> None:
     """Draw the figures of FILE, by default to PNG files named as it; -o NAME.pdf or NAME.svg draws vectors.
 
-    With --field, a field on the material points of a run; with --series, series over time of a run or a
+    With --field, a field on the material points of a run, in 3D on a plane; with --series, series over time of a run or a
     comparison. Several FILEs then stand side by side, fields under one colour scale. Without either, several FILEs
     that are comparisons of a rolling cylinder with slip and without make one figure, a row each.
     """
@@ -56,7 +65,9 @@ def plot(
 
     check_files(file)
     output = None if output is None else figure_path(output)
-    _check_options(field, series, time=time, body=body, pair=pair, axis=axis, limits=limits, arrows=arrows)
+    _check_options(
+        field, series, time=time, body=body, pair=pair, axis=axis, limits=limits, arrows=arrows, plane=plane
+    )
     scale = limits_of(limits)
     path = check_writable(_default(file, field, series) if output is None else output)
     if field is not None or series or len(file) > 1:
@@ -65,7 +76,7 @@ def plot(
     for one in file:
         check_results(one)
     if field is not None:
-        written = [_draw_field(file, path, field, time, body, scale, arrows)]
+        written = [_draw_field(file, path, field, time, body, scale, arrows, _plane_of(plane))]
     elif series:
         written = [_draw_series(file, path, series, body, pair, axis)]
     else:
@@ -89,7 +100,7 @@ def _check_options(field: str | None, series: list[str] | None, **given: object)
     if field is not None and series:
         raise SceneError(f"--series {series[0]}: --field {field} draws another figure; leave one of them out")
     needed = {
-        "time": "--field", "limits": "--field", "arrows": "--field", "pair": "--series", "axis": "--series",
+        "time": "--field", "limits": "--field", "arrows": "--field", "plane": "--field", "pair": "--series", "axis": "--series",
     }  # fmt: skip
     chosen = {"--field": field is not None, "--series": bool(series)}
     for name, option in needed.items():
@@ -107,14 +118,28 @@ def _draw_field(
     bodies: list[str] | None,
     limits: tuple[float, float] | None,
     arrows: bool,
+    plane: tuple[str, float | None] | None,
 ) -> Path:
     from mpmfw.plots import field, side_by_side, write_figure
 
     if len(file) == 1:
-        figure = field(file[0], name, time, bodies=bodies or None, limits=limits, arrows=arrows)
+        figure = field(file[0], name, time, bodies=bodies or None, limits=limits, arrows=arrows, plane=plane)
+    elif plane is not None:
+        raise SceneError(f"--plane {plane[0]}: takes one FILE")
     else:
         figure = side_by_side(file, name, time, bodies=bodies or None, limits=limits, arrows=arrows)
     return write_figure(figure, path)
+
+
+def _plane_of(text: str | None) -> tuple[str, float | None] | None:
+    """Read ``y`` or ``y=0.3``."""
+    if text is None:
+        return None
+    axis, given, place = text.partition("=")
+    try:
+        return axis.strip(), float(place) if given else None
+    except ValueError as error:
+        raise SceneError(f"--plane {text}: expected AXIS or AXIS=AT, such as y=0.3") from error
 
 
 def _draw_series(

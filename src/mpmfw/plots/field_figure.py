@@ -18,6 +18,7 @@ from mpmfw.errors import SceneError
 from mpmfw.fields import FloatArray
 from mpmfw.outputs import Results, attribute, frame_at, opened_run
 from mpmfw.plots.field_panel import Box, FieldPanel, Scales
+from mpmfw.plots.plane_cut import plane_cut
 from mpmfw.plots.style import PANEL, dress, journal_style, new_figure
 from mpmfw.plots.units import in_brackets, length_scale, readable, with_prefix
 
@@ -35,8 +36,9 @@ def field(
     bodies: Sequence[str] | None = None,
     limits: tuple[float, float] | None = None,
     arrows: bool = False,
+    plane: tuple[str, float | None] | None = None,
 ) -> Figure:
-    """Draw a field on the material points of a run at one output (2D).
+    """Draw a field on the material points of a run at one output; of a run in 3D on a plane, by :func:`plane_cut`.
 
     Parameters
     ----------
@@ -53,7 +55,9 @@ def field(
         Ends of the colour scale [SI]; the least and the largest value by default. An end that values lie beyond is
         a point on the colour bar.
     arrows
-        Draw the contact force on every surface node.
+        Draw the contact force on every surface node (2D).
+    plane
+        Axis across the plane, and its place along the axis [m]; ``("z", None)`` by default, the middle (3D).
 
     Returns
     -------
@@ -65,7 +69,15 @@ def field(
     SceneError
         There is no such field, body or time, or the run keeps no material points.
     """
-    return side_by_side({"": results}, name, time, bodies=bodies, limits=limits, arrows=arrows)
+    with opened_run(results) as tree:
+        if tree.sizes.get("axis") != 3:
+            if plane is not None:
+                raise SceneError("plane: has no effect on a run in 2D")
+            return side_by_side({"": tree}, name, time, bodies=bodies, limits=limits, arrows=arrows)
+        if arrows:
+            raise SceneError("arrows: drawn of runs in 2D alone; mpmfw export shows forces in 3D in ParaView")
+        normal, at = plane or ("z", None)
+        return plane_cut(tree, name, time, normal=normal, at=at, bodies=bodies, limits=limits)
 
 
 def side_by_side(

@@ -68,7 +68,9 @@ class FieldPanel:
 
     def __init__(self, tree: xr.DataTree, name: str, bodies: Sequence[str] | None = None) -> None:
         if tree.sizes.get("axis") != 2:
-            raise SceneError("fields are drawn of runs in 2D; mpmfw export shows those in 3D in ParaView")
+            raise SceneError(
+                "runs in 3D are drawn one at a time, on a plane; mpmfw export shows them in ParaView"
+            )
         self.tree = tree
         self.bodies = bodies_of(tree, bodies)
         self.field: PointField = point_field(tree, name, self.bodies[0])

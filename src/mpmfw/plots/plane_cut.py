@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -25,9 +24,10 @@ def plane_cut(
     name: str = "von_mises",
     time: float | None = None,
     *,
-    normal: Literal["x", "y", "z"] = "z",
+    normal: str = "z",
     at: float | None = None,
     bodies: Sequence[str] | None = None,
+    limits: tuple[float, float] | None = None,
 ) -> Figure:
     """Draw a field of a run in space on a plane across an axis.
 
@@ -45,6 +45,8 @@ def plane_cut(
         Its place along that axis [m]; the middle of the bodies' material points by default.
     bodies
         Only these bodies.
+    limits
+        Ends of the colour scale [SI]; the least and the largest value by default.
 
     Returns
     -------
@@ -54,13 +56,15 @@ def plane_cut(
     Raises
     ------
     SceneError
-        The run is in the plane, has no such field, body or time, keeps no material points, or none of them is on the plane.
+        The run is in the plane, has no such field, body, time or axis, keeps no material points, or none is on the plane.
     """
     with opened_run(results) as tree:
         own, frame = bodies_of(tree, bodies), frame_at(tree, time)
         axes = [str(axis) for axis in tree.coords["axis"].values]
         if len(axes) != 3:
             raise SceneError("plane_cut draws runs in three dimensions; field draws those in two")
+        if normal not in axes:
+            raise SceneError(f"plane {normal}: expected one of {', '.join(axes)}")
         across = axes.index(normal)
         shown = [k for k in range(3) if k != across]
         frames = {body: frame_of(tree, f"particles/{body}", frame) for body in own}
@@ -92,6 +96,8 @@ def plane_cut(
         colour = with_prefix(unit, float(np.abs(values[met]).max()))
         label = in_brackets(fields[0].label, colour[1])
         figure, panel = _drawn(position[met][:, shown], size[met], values[met] / colour[0], lines, label)
+        if limits is not None:
+            panel.collections[0].set_clim(*(end / colour[0] for end in limits))
         panel.set_xlabel(f"{axes[shown[0]]} [m]")
         panel.set_ylabel(f"{axes[shown[1]]} [m]")
         panel.set_title(f"{normal} = {place:.4g} m, t = {times_of(tree)[frame]:.4g} s")
