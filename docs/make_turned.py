@@ -159,6 +159,7 @@ def measured(name: str, contact: str) -> list[dict[str, Any]]:
             found["cpu"] = float(run.attrs["cpu_time"])
         except MpmfwError as error:
             found = {"failed": str(error)}
+        found = {key: float(f"{value:.4g}") if key != "failed" else value for key, value in found.items()}
         rows.append({"layout": layout, "angle": angle, **found})
         print(name, contact, rows[-1], flush=True)
     return rows
@@ -202,9 +203,10 @@ HEAD = """\
 <!-- Made by docs/make_turned.py: edit that. -->
 
 The shipped scenes lie along grid lines, which flatters contact at grid nodes. Here bodies, velocities and gravity
-are turned together by 0, 0.35 and 0.6 rad. Points have fitted and lattice layouts; shape functions are CPDI, cells
-those of the README. The tables show the best and the worst of six. `lost` is the
-[dissipation](guide/studies.md#the-error). Take a method by its worst column, unless your scene lies along the grid.
+are turned together by 0, 0.35 and 0.6 rad. Points have fitted and lattice layouts; shape functions are CPDI. Cells are
+coarse: the cylinder has two in its radius, and its plane is one cell thick. The tables show the best and the worst of
+six. `lost` is the [dissipation](guide/studies.md#the-error). Take a method by its worst column, unless your scene lies
+along the grid.
 """
 
 

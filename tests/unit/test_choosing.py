@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from collections.abc import Iterable
@@ -146,6 +147,20 @@ GIVEN = "bardenhagen(direction=[0.0, 1.0], normal=specified)"
 CENTRES = ("gimp", "cpdi", "cpdi2")
 HATS = ("linear", "gimp", "cpdi", "cpdi2")
 
+
+def turned(scene: str, *measured: tuple[str, str], layout: str | None = None) -> tuple[float, ...]:
+    """The worst error of all orientations and layouts, or of one layout, for each contact and quantity."""
+    found = json.loads(text("turned.json"))[scene]
+    worst = []
+    for contact, quantity in measured:
+        rows = [row for row in found[contact] if layout in (None, row["layout"])]
+        worst.append(max(abs(row[quantity]) for row in rows))
+    return tuple(worst)
+
+
+SOFT_SPRINGS = "penalty(kappa=1)"
+ROLLS = ("rolling-cylinder-slip", "rolling-cylinder-no-slip")
+
 #: Sentences with their numbers, what the tables have for each, and how they are compared: e errors, in the last digit
 #: that is stated; c costs, within ``COST``; m at most what is stated, and no less than a quarter of it.
 CLAIMS = [
@@ -167,6 +182,14 @@ CLAIMS = [
     ("interface's normal given {} to {} %", errors(**STRESS, contact=GIVEN), "ee"),
     ("rings take {} to {} of the time of `penalty`", cost({"contact": "penalty"}, **RINGS, contact="bardenhagen"), "cc"),
     ("linear functions too slowly by {} to {} %", errors(**BLOCK, contact="bardenhagen", shape="linear"), "ee"),
+    ("`penalty` is off by at most {} %, `lcp` by {} %, the strongest classical form by {} %, `nairn` by {} %",
+     turned("sliding-block", *((c, "acceleration") for c in (SOFT_SPRINGS, "lcp", STRONG, "nairn"))), "eeee"),
+    ("strongest form has at most {} %; a lattice", turned("sliding-block", (STRONG, "acceleration"), layout="fitted"), "e"),
+    ("`penalty` has at most {} and {} %, the strongest classical form {} and {} %, `nairn` {} and {} %",
+     tuple(turned(scene, (c, "displacement"))[0] for c in (SOFT_SPRINGS, STRONG, "nairn") for scene in ROLLS), "eeeeee"),
+    ("Impulses between surfaces have {} and {} %, `lcp` {} and {} %",
+     tuple(turned(scene, (c, "displacement"))[0] for c in ("surfaces+impulse", "lcp") for scene in ROLLS), "eeee"),
+    ("form has at most {} %, `penalty` {} %", turned("colliding-rings", (STRONG, "impulse"), (SOFT_SPRINGS, "impulse")), "ee"),
     ("With `penalty` every shape function has {} to {} %", errors(**SLIP, contact="penalty"), "ee"),
     ("classical form has {} to {} % with all but B-splines ({}, {}, {} %)",
      (*errors(**SLIP, contact=STRONG, shape=HATS), *error(**SLIP, contact=STRONG, shape="bspline")), "eeeee"),
