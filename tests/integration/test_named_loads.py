@@ -225,6 +225,42 @@ def test_every_energy_goes_with_the_thickness(contact: str) -> None:
         np.testing.assert_array_equal(thin[name], 0.25 * whole[name], err_msg=name)
 
 
+@pytest.mark.parametrize("contact", ["penalty", "surfaces+lcp", "barrier", "midplane", "nodes+penalty"])
+@pytest.mark.parametrize(("left", "right"), [(1.0, 0.25), (0.25, 1.0), (2.0, 0.25)])
+def test_two_bodies_touch_over_the_lesser_thickness(contact: str, left: float, right: float) -> None:
+    """Squares with sides of 0.5 m: the rows have 0.5 m times the lesser thickness, whichever body comes first."""
+
+    def area(*thicknesses: float) -> float:
+        scene = two_blocks(contact)
+        for body, thickness in zip(scene["bodies"].values(), thicknesses, strict=True):
+            body["thickness"] = thickness
+        sim = Simulation(scene)
+        sim.advance(3)
+        rows = sim.contact.last_rows  # type: ignore[union-attr]
+        assert rows.count > 0
+        return float(rows.area[: rows.count].sum())
+
+    assert area(left, right) == pytest.approx(0.25 * area(1.0, 1.0), rel=1e-2)
+    assert area(1.0, 1.0) == pytest.approx(0.5, rel=0.07)  # the squares' corners are no whole rows
+
+
+def test_a_spring_acts_over_the_lesser_thickness() -> None:
+    """A strip of 0.25 m and a plate overlap as two strips do, at rest: the force of their springs is the same."""
+
+    def force(left: float, right: float) -> float:
+        scene = with_no_velocity(two_blocks("penalty", time__end=1e-5, time__output_interval=1e-5))
+        scene["allow_overlap"] = True
+        scene["bodies"]["left"]["thickness"], scene["bodies"]["right"]["thickness"] = left, right
+        scene["bodies"]["right"]["geometry"] |= {"lower": [-0.006, -0.25], "upper": [0.494, 0.25]}
+        series = mpmfw.run(scene)["series"]
+        return float(np.abs(series["contact_force"].sel(axis="x")).max())
+
+    alike = force(0.25, 0.25)
+    assert alike > 0.0
+    assert force(1.0, 0.25) == pytest.approx(alike, rel=0.02)
+    assert force(0.25, 1.0) == pytest.approx(alike, rel=0.02)
+
+
 def test_traction_acts_on_the_area_of_its_own_body() -> None:
     """Two blocks apart, of two thicknesses: F = τ L t of each."""
     scene = with_no_velocity(two_blocks("separate", time__step=1e-5))
