@@ -151,8 +151,14 @@ class EveryFacet(Surfaces):
 
 
 class Hamad2017Options(Hamad2017LawOptions, FacetOptions):
-    """Springs between surfaces, with [H17]'s layer, and the reading of its friction: options of the law and of detection."""
+    """Springs between surfaces, with [H17]'s layer, and the reading of its friction: options of the law and of detection.
 
+    The stiffness "can be the same as the elastic stiffness" ([H17] 3.1): κ = 1.
+    """
+
+    kappa: float = Field(
+        1.0, gt=0, description="stiffness factor: k = kappa M area / h, M the softer K + 4 G / 3"
+    )
     interface_thickness: Length = Field(
         0.001, ge=0, description="thickness of the surface layer that carries mass ([H17] 3.1)"
     )

@@ -47,7 +47,7 @@ class SpringOptions(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     kappa: float = Field(
-        1.0, gt=0, description="stiffness factor: k = kappa M area / h, M the softer K + 4 G / 3"
+        4.0, gt=0, description="stiffness factor: k = kappa M area / h, M the softer K + 4 G / 3"
     )
     tangential_ratio: float = Field(1.0, gt=0, description="k_t / k_n")
 

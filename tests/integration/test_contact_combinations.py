@@ -172,7 +172,7 @@ def test_a_joined_contact_goes_to_another_process():
             r"to 0\.05 m; expected at least 0\.5",
         ),
         (
-            "adhesion(traction=3e4, search_radius=0.2)",
+            "adhesion(traction=1.2e5, search_radius=0.2)",
             r"up to 0\.02 m, and law 'adhesion' .* up to 0\.03 m",
         ),
         (

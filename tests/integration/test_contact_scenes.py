@@ -128,7 +128,7 @@ def test_stack_of_three_stays_at_rest():
         assert np.abs(travel(result, name)).max() < 1e-3 * HEIGHT
 
 
-def limit(kind="soft", kappa=1.0):
+def limit(kind="soft", kappa=4.0):
     """2 / sqrt(ω_bulk² (1 + κ)) of equal bodies [s]."""
     return CELL / wave_speed(kind) / math.sqrt(1.0 + kappa)
 

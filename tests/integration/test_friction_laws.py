@@ -44,7 +44,11 @@ def slide(contact: str, law: str, speed: float = 0.0, **settings: Any) -> np.nda
 
 @pytest.mark.parametrize("contact", CONTACTS)
 def test_a_block_sticks_below_the_static_angle_and_slides_on_above_the_kinetic_one(contact: str) -> None:
-    """μ = 0.3 in slip and 0.75 at rest, tan 30° = 0.58 in between."""
+    """μ = 0.3 in slip and 0.75 at rest, tan 30° = 0.58 in between.
+
+    Softer springs than κ = 8 let the block creep after the sudden tilt, as places slip in turn.
+    """
+    contact = contact.replace("penalty", "penalty(kappa=8)")
     options = {"stribeck.static_ratio": 2.5, "stribeck.velocity": 0.5}
     at_rest = slide(contact, "stribeck", **options)
     assert np.abs(at_rest).max() < 0.1

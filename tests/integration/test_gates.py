@@ -46,7 +46,7 @@ def rings():
 
 @pytest.fixture(scope="module")
 def stiff_rings():
-    """The rings with springs of the default stiffness instead of the scene's quarter of it."""
+    """The rings with springs four times as stiff as the scene's."""
     return measured("colliding-rings", "penalty", contact__penalty__kappa=1.0)
 
 

@@ -177,7 +177,7 @@ def test_the_residual_falls_with_the_time_step():
 def test_work_of_penalty_contact_is_in_springs_and_friction(safety, share):
     """To the error of the springs' integration in time."""
     mapping = impact(speed=2.0, slide=0.5)
-    mapping["contact"]["method"] = "penalty"
+    mapping["contact"] |= {"method": "penalty", "penalty": {"kappa": 1.0}}
     mapping["time"] = {"end": 0.08, "output_interval": 0.002}
     series = ledger(mapping, time__safety=safety)
     done = series["contact_work"]
@@ -193,7 +193,7 @@ def test_residuals_are_the_half_step_by_which_velocities_are_behind():
     Of strain a fifth is left if the last step's velocity is taken at the nodes of this one, where the material no longer is.
     """
     mapping = impact(speed=0.4, slide=0.1)
-    mapping["contact"]["method"] = "penalty"
+    mapping["contact"] |= {"method": "penalty", "penalty": {"kappa": 1.0}}
     mapping["time"] = {"end": 0.08, "output_interval": 0.002}
     series = ledger(mapping)
     for residual, half, left in (

@@ -181,9 +181,11 @@ def test_bodies_that_cross_end_the_run_with_pair_place_and_time() -> None:
 def test_with_a_smaller_distance_bodies_that_hold_are_taken_for_crossed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Flush blocks at a fifth of the wave speed: corners bulge past each other's sides."""
+    """Flush blocks with springs of κ = 1 at a fifth of the wave speed: corners bulge past each other's sides."""
     monkeypatch.setattr(detection, "CROSSED", 0.0)
-    assert "have crossed" in fate(SCENES["flat"](0.2)).message
+    soft = SCENES["flat"](0.2)
+    soft["contact"]["penalty"] = {"kappa": 1.0}
+    assert "have crossed" in fate(soft).message
 
 
 def test_with_a_larger_distance_bodies_cross_without_a_word(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -199,9 +201,11 @@ def test_with_a_longer_way_in_a_step_discs_at_the_speed_of_waves_are_torn(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A shorter one would only take more steps."""
-    assert not fate(SCENES["head-on"](1.0)).message
+    soft = SCENES["head-on"](1.0)
+    soft["contact"]["penalty"] = {"kappa": 1.0}
+    assert not fate(soft).message
     monkeypatch.setattr(travel, "SHARE", 100.0)
-    assert "inverted" in fate(SCENES["head-on"](1.0)).message
+    assert "inverted" in fate(soft).message
 
 
 def pressed(angle: float, cell: float = CELL) -> dict[str, Any]:
@@ -224,11 +228,13 @@ def pressed(angle: float, cell: float = CELL) -> dict[str, Any]:
 @pytest.mark.parametrize("angle", [30.0, 60.0])
 def test_a_wedge_under_load_is_held_and_deep_penetration_is_reported(angle: float) -> None:
     """It went 3 to 4 cells deep, and its force fell to a hundredth, as nodes deeper than the search radius were dropped."""
+    mapping = pressed(angle)
+    mapping["contact"]["penalty"] = {"kappa": 1.0}
     with pytest.warns(
         ResultsWarning,
         match=rf"wedge-block: the bodies penetrate by 0\.7\d? cells at time .*, more than {DEEPEST:g}",
     ):
-        tree = run(pressed(angle))
+        tree = run(mapping)
     series = tree["series"].to_dataset()
     force = series["contact_force"].sel(axis="y").isel(pair=0).values
     assert (np.diff(force[2:]) > 0.0).all()  # it grows throughout

@@ -152,7 +152,7 @@ def test_two_discs_that_meet_head_on_stay_mirror_images(nodes, along):
         | {"segment": 2.0 * np.pi * radius / nodes}
         for name, side in (("left", -1.0), ("right", 1.0))
     }
-    sim = simulation("penalty", scene(bodies))
+    sim = simulation("penalty", scene(bodies), kappa=1.0)  # stiffer springs shake the discs: rounding grows
     motion = run(sim, 120)
     x, v = sim.state.particles.position, sim.state.particles.velocity
     assert np.abs(motion.impulse.sum(axis=0)).max() > 100.0

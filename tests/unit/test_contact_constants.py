@@ -251,7 +251,7 @@ def on_shared_nodes(monkeypatch, least_mass):
     mapping = impact(gap=0.0481, speed=0.1 * wave_speed("soft"), slide=0.0, friction=0.0)
     for each in mapping["bodies"].values():  # to where splines reach some nodes by next to nothing
         each["geometry"] |= {end: [x + 0.2 * CELL, y] for end, (x, y) in list(each["geometry"].items())[1:]}
-    simulation, steps, gaps = Simulation(mapping, contact="nodes+penalty", shape="bspline"), [], []
+    simulation, steps, gaps = Simulation(mapping, contact="nodes+penalty(kappa=1)", shape="bspline"), [], []
     bulk = simulation.limits()[0][0]
     for _ in range(60):
         simulation.advance(1)
