@@ -62,7 +62,7 @@ def test_steps_per_contact_fall_with_the_step():
 def test_ratio_of_stiffness_lowers_the_share_of_the_springs():
     made = stability_map(blocks(), ratio=[1.0, 100.0], cfl=[0.3], steps=10)
     assert made["class"].dims == ("ratio", "cfl")
-    assert made["closed_form"].values == pytest.approx([1.0 / np.sqrt(2.0), 1.0 / np.sqrt(1.01)], rel=1e-6)
+    assert made["closed_form"].values == pytest.approx([1.0 / np.sqrt(5.0), 1.0 / np.sqrt(1.04)], rel=1e-6)
 
 
 def test_file_and_figure(chart, tmp_path):

@@ -161,7 +161,10 @@ def test_what_friction_has_stored_turns_with_a_table_and_what_rests_on_it(contac
         "guest": box((0.6, 0.6, 1.99), (3.4, 3.4, 4), 0.5, angular_velocity=[0.0, 0.0, spin]),
     }
     mapping = scene(
-        bodies, upper=(4.0, 4.0, 5.0), contact={"method": contact, "friction": 5.0}, allow_overlap=True
+        bodies,
+        upper=(4.0, 4.0, 5.0),
+        contact={"method": contact, "friction": 5.0, contact: {"kappa": 1.0}},
+        allow_overlap=True,
     )
     for pull in (0.0, 1e-3):
         sim = Simulation(mapping)

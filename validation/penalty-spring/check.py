@@ -20,13 +20,14 @@ from mpmfw.validation import SHAPES, Case
 STATED = {3: 0.18, 5: 0.033, 10: 0.004}
 #: Pairs of :func:`spring.realistic`: stiffness of the springs, and of the right block over the left one's.
 PAIRS: dict[str, dict[str, Any]] = {
-    "κ = 1, equal": {},
+    "κ = 1, equal": {"contact.penalty.kappa": 1.0},
     "κ = 10, equal": {"contact.penalty.kappa": 10.0},
     "κ = 1, stiffness 1 : 100": {
+        "contact.penalty.kappa": 1.0,
         "materials.right.bulk_modulus": 61.9,
         "materials.right.shear_modulus": 28.6,
     },
-    "κ = 1, density 1 : 100": {"materials.right.density": 100.0},
+    "κ = 1, density 1 : 100": {"contact.penalty.kappa": 1.0, "materials.right.density": 100.0},
 }
 
 
