@@ -183,7 +183,7 @@ def held_block(shift: float) -> dict[str, Any]:
         "grid": {"cell_size": 0.25, "lower": [-1.0, -1.0], "upper": [3.0, 3.0]},
         "time": {"end": 6.4, "output_interval": 0.8},
         "shape": {"method": "cpdi"},
-        "contact": {"method": "penalty", "friction": 0.5},
+        "contact": {"method": "penalty", "friction": 0.5, "penalty": {"kappa": 1.0}},
         "materials": {"stiff": stiff},
         "bodies": {
             "block": body([0.5, 0.537], [1.25, 0.912]),
