@@ -11,16 +11,25 @@ import numpy as np
 import xarray as xr
 
 from mpmfw.errors import SceneError
-from mpmfw.outputs import Results, bodies_of, checked_name, frame_at, frame_of, opened, opened_run, times_of
+from mpmfw.outputs import (
+    Results,
+    bodies_of,
+    checked_name,
+    frame_at,
+    frame_of,
+    opened,
+    opened_run,
+    series_of,
+    times_of,
+)
 from mpmfw.point_fields import point_field
-from mpmfw.results import open as open_results
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
 def history(
-    results: Results | xr.Dataset,
+    results: Results,
     name: str,
     *,
     body: str | None = None,
@@ -61,7 +70,7 @@ def history(
     return array.squeeze("pair") if pair is None and array.sizes.get("pair") == 1 else array
 
 
-def gap(results: Results | xr.Dataset, pair: str | None = None) -> xr.DataArray:
+def gap(results: Results, pair: str | None = None) -> xr.DataArray:
     """Least distance between the surfaces of a pair over time [m]; negative where they penetrate.
 
     Parameters
@@ -129,7 +138,7 @@ def _field(tree: xr.DataTree, name: str, index: int, body: str | None) -> xr.Dat
     return joined.assign_coords(time=times_of(tree)[index])
 
 
-def table(comparison: xr.Dataset | Results) -> pd.DataFrame:
+def table(comparison: Results) -> pd.DataFrame:
     """The table of a comparison: a row for each method, with errors, gaps and costs.
 
     Parameters
@@ -150,7 +159,7 @@ def table(comparison: xr.Dataset | Results) -> pd.DataFrame:
     from mpmfw.report import method_dims
     from mpmfw.report import table as rows_of
 
-    dataset = _dataset(comparison)
+    dataset = _series(comparison)
     if "status" not in dataset or dataset.attrs.get("kind") != "compare":
         raise SceneError("these are no results of a comparison (mpmfw.compare)")
     rows = rows_of(dataset)
@@ -159,7 +168,7 @@ def table(comparison: xr.Dataset | Results) -> pd.DataFrame:
     return xr.Dataset(columns).to_dataframe().set_index([str(dim) for dim in method_dims(dataset)])
 
 
-def pareto(study: xr.Dataset | Results) -> pd.DataFrame:
+def pareto(study: Results) -> pd.DataFrame:
     """The runs of a study that no other one beats in error and in cost, the cheapest first.
 
     Parameters
@@ -177,7 +186,7 @@ def pareto(study: xr.Dataset | Results) -> pd.DataFrame:
     SceneError
         The dataset is none of a study.
     """
-    dataset = _dataset(study)
+    dataset = _series(study)
     if not {"error", "cpu_time", "pareto"} <= set(dataset.data_vars):
         raise SceneError("these are no results of a study (mpmfw.study)")
     rows = dataset[["error", "cpu_time", "pareto"]].to_dataframe()
@@ -185,15 +194,7 @@ def pareto(study: xr.Dataset | Results) -> pd.DataFrame:
     return front[["error", "cpu_time"]].sort_values("cpu_time")
 
 
-def _series(results: Results | xr.Dataset) -> xr.Dataset:
-    """Series of a run, or of a comparison."""
-    if isinstance(results, xr.Dataset):
-        return results
-    with opened(results) as tree:  # the series alone, not the frames
-        return (tree["series"] if "series" in tree.children else tree).to_dataset().load()
-
-
-def _dataset(results: xr.Dataset | Results) -> xr.Dataset:
-    if isinstance(results, xr.Dataset):
-        return results
-    return (results if isinstance(results, xr.DataTree) else open_results(results)).to_dataset()
+def _series(results: Results) -> xr.Dataset:
+    """Return the series of a run or a comparison; of a file not the frames."""
+    with opened(results) as found:
+        return series_of(found).load()

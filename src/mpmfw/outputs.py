@@ -17,27 +17,27 @@ from mpmfw.fields import FloatArray
 from mpmfw.results import open as open_results
 from mpmfw.results.reading import output_times
 
-#: A tree as ``mpmfw.run`` and ``mpmfw.open`` return it, or the name of a file.
-Results = xr.DataTree | str | os.PathLike[str]
+#: A run's tree or a comparison's dataset, or the name of its file.
+Results = xr.DataTree | xr.Dataset | str | os.PathLike[str]
 
 
 @contextmanager
-def opened(results: Results) -> Iterator[xr.DataTree]:
-    """The tree of any results; a file is read as it is asked for, and closed at the end.
+def opened(results: Results) -> Iterator[xr.DataTree | xr.Dataset]:
+    """Context with results; a file is read as it is asked for, and closed at the end.
 
     Raises
     ------
     MpmfwError
         The file cannot be read.
     """
-    if isinstance(results, xr.DataTree):
+    if isinstance(results, xr.DataTree | xr.Dataset):
         yield results
         return
-    tree = open_results(results, lazy=True)
+    found = open_results(results, lazy=True)
     try:
-        yield tree
+        yield found
     finally:
-        tree.close()
+        found.close()
 
 
 @contextmanager
@@ -51,14 +51,21 @@ def opened_run(results: Results) -> Iterator[xr.DataTree]:
     MpmfwError
         The file cannot be read.
     """
-    with opened(results) as tree:
-        if "particles" not in tree.children and "series" not in tree.children:
-            where = "" if isinstance(results, xr.DataTree) else f"{os.fspath(results)}: "
-            kind = str(tree.attrs.get("kind", "")) or "unknown"
+    with opened(results) as found:
+        if not isinstance(found, xr.DataTree):
+            where = f"{os.fspath(results)}: " if isinstance(results, str | os.PathLike) else ""
+            kind = str(found.attrs.get("kind", "")) or "unknown"
             raise SceneError(
                 f"{where}results of kind '{kind}' keep no frames; expected those of a run (mpmfw run)"
             )
-        yield tree
+        yield found
+
+
+def series_of(results: xr.DataTree | xr.Dataset) -> xr.Dataset:
+    """Return the series of a run, or the dataset of a comparison."""
+    if isinstance(results, xr.Dataset):
+        return results
+    return results["series"].to_dataset() if "series" in results.children else xr.Dataset()
 
 
 def bodies_of(tree: xr.DataTree, selection: Sequence[str] | None = None) -> list[str]:
@@ -90,7 +97,7 @@ def times_of(tree: xr.DataTree) -> FloatArray:
     points = tree["particles"].children.values() if "particles" in tree.children else ()
     group = next((points for points in points if "time" in points.coords), None)
     times = output_times(tree) if group is None else group.coords["time"]
-    return np.empty(0) if times is None else np.asarray(times.values, dtype=float)
+    return np.asarray(times.values, dtype=float)
 
 
 def frame_at(tree: xr.DataTree, time: float | None = None) -> int:

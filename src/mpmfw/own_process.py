@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.interruption import interruptible
-from mpmfw.results.reading import read
+from mpmfw.results.reading import read_run
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -71,7 +71,7 @@ def run_in_own_process(
         for text in end.get("notes", ()):
             warnings.warn(text, ResultsWarning, stacklevel=3)
         if "error" not in end:
-            return read(path)
+            return read_run(path)
         kinds = {"SceneError": SceneError, "SimulationError": SimulationError, "MpmfwError": MpmfwError}
         error: MpmfwError = kinds[end["kind"]](end["error"])
         if isinstance(error, SimulationError):
@@ -82,7 +82,7 @@ def run_in_own_process(
 def _reached(path: str) -> xr.DataTree | None:
     """What a run that failed has written, or None."""
     try:
-        return read(path) if Path(path).is_file() else None
+        return read_run(path) if Path(path).is_file() else None
     except MpmfwError:
         return None
 

@@ -60,7 +60,7 @@ def test_no_room_is_named_and_what_was_written_is_readable(tmp_path, limit):
         ResultsWarning, match=r"is not complete: failed: cannot write frame \d+ to .*; it holds \d+ outputs"
     ):
         tree = mpmfw.open(path)
-    count = tree.sizes["time"]
+    count = tree["series"].sizes["time"]
     assert count > 3
     np.testing.assert_array_equal(tree["series/kinetic_energy"][:, 0], np.arange(count))
     for k in range(count):
@@ -81,7 +81,7 @@ def test_a_full_disk_stops_the_run_and_keeps_its_outputs(tmp_path, monkeypatch):
         MpmfwError, match=r"cannot write frame 2 to .*run.nc': No space left on device; what was written"
     ):
         mpmfw.run(scene, output=path)
-    assert read(path).sizes["time"] == 2
+    assert read(path)["series"].sizes["time"] == 2
     assert read(path).attrs["status"].startswith("failed: cannot write frame 2")
 
 
@@ -97,7 +97,7 @@ def test_no_room_at_the_start_leaves_the_old_file(tmp_path, monkeypatch):
     monkeypatch.setattr(os, "posix_fallocate", full, raising=False)
     with pytest.raises(MpmfwError, match=r"cannot write results to .*run.nc': Disk quota exceeded$"):
         RunWriter(path, HEADER)
-    assert mpmfw.open(path).sizes["time"] == 1
+    assert mpmfw.open(path)["series"].sizes["time"] == 1
 
 
 def test_a_second_writer_is_refused_and_the_first_goes_on(tmp_path):
@@ -114,10 +114,10 @@ def test_a_second_writer_is_refused_and_the_first_goes_on(tmp_path):
             mpmfw.open(path)
         first.write(frame(1))
         first.finish({})
-    assert mpmfw.open(path).sizes["time"] == 2
+    assert mpmfw.open(path)["series"].sizes["time"] == 2
     with RunWriter(path, HEADER) as again:  # afterwards it may be replaced
         again.finish({})
-    assert mpmfw.open(path).sizes["time"] == 0
+    assert mpmfw.open(path)["series"].sizes["time"] == 0
 
 
 @pytest.mark.filterwarnings("default::mpmfw.errors.ResultsWarning")
@@ -137,7 +137,7 @@ def test_a_file_that_was_broken_off_says_so_at_a_glance(tmp_path):
         ["plot", str(path), "--series", "kinetic_energy"],
         ["plot", str(path), "--field", "von_mises"],
     ):
-        said = CliRunner().invoke(app, [*arguments, "-o", str(tmp_path / "a.png")])
+        said = CliRunner().invoke(app, [*arguments, "--force", "-o", str(tmp_path / "a.png")])
         assert said.exit_code == 0
         assert said.stderr.count("note: ") == 1
         assert "run.nc was broken off: its run did not come to its end" in said.stderr
@@ -199,7 +199,10 @@ def test_a_signal_stops_a_run_between_frames(tmp_path, number):
     tree = read(path)
     assert tree.attrs["status"] == "interrupted"
     assert tree.attrs["cpu_time"] > 0.0
-    assert f"keeps the {tree.sizes['time']} outputs that it reached; mpmfw resume {path} goes on" in said
+    assert (
+        f"keeps the {tree['series'].sizes['time']} outputs that it reached; mpmfw resume {path} goes on"
+        in said
+    )
     assert "Traceback" not in said
     for name, values in tree["series"].data_vars.items():
         assert np.isfinite(values).all(), name
@@ -208,6 +211,6 @@ def test_a_signal_stops_a_run_between_frames(tmp_path, number):
 
 def _outputs(path):
     try:
-        return read(path).sizes.get("time", 0)
+        return read(path)["series"].sizes["time"]
     except MpmfwError:
         return 0

@@ -49,7 +49,7 @@ def test_the_force_at_the_nearest_steps_integrates_to_the_impulse():
 
 def test_outputs_denser_than_steps_are_one_a_step():
     tree = run(time={"end": 0.005, "output_interval": 1e-5, "outputs": "nearest"})
-    assert tree.sizes["time"] == tree.attrs["steps"] + 1
+    assert tree["series"].sizes["time"] == tree.attrs["steps"] + 1
 
 
 def test_a_comparison_has_runs_of_other_steps_at_the_times_that_were_asked_for():
@@ -105,7 +105,7 @@ def test_the_command_does_not_read_its_file_back(tmp_path, monkeypatch):
     def refuse(*_, **__):
         raise AssertionError("read")
 
-    monkeypatch.setattr("mpmfw.results.writing.read", refuse)
+    monkeypatch.setattr("mpmfw.results.writing.read_run", refuse)
     path = tmp_path / "run.nc"
     done = CliRunner().invoke(app, ["run", "rolling-cylinder-slip", "--set", "time.end=0.01", "--set", "grid.cell_size=0.4",
                                     "--set", "time.output_interval=0.01", "-o", str(path)])  # fmt: skip

@@ -68,7 +68,7 @@ def test_ratio_of_stiffness_lowers_the_share_of_the_springs():
 def test_file_and_figure(chart, tmp_path):
     path = tmp_path / "map.nc"
     chart.to_netcdf(path)
-    read = open_results(path).to_dataset()
+    read = open_results(path)
     figure, _ = figures_of(read)["stability"]
     (legend,) = figure.legends
     named = {text.get_text() for text in legend.get_texts()} - {""}
@@ -186,7 +186,7 @@ def test_a_map_that_is_broken_off_goes_on_where_it_stopped(tmp_path, chart):
     made = stability_map(blocks(), progress=events.append, **request)
     assert events[-1].total == 1
     xr.testing.assert_identical(made, chart)
-    xr.testing.assert_equal(open_results(tmp_path / "map.nc").to_dataset(), chart)
+    xr.testing.assert_equal(open_results(tmp_path / "map.nc"), chart)
     other = stability_map(blocks(), progress=events.append, **{**request, "steps": 5, "kappa": [0.5]})
     assert events[-1].total == 2  # points of other steps are not taken
     assert other.attrs["steps_asked"] == 5

@@ -41,7 +41,7 @@ def pixels(movie):
 
 
 def test_there_is_a_frame_for_each_output_and_they_differ(run, gif):
-    assert len(gif) == run.sizes["time"]
+    assert len(gif) == run["series"].sizes["time"]
     for one, other in itertools.pairwise(gif):
         assert np.abs(one - other).mean() > 0.5
 

@@ -196,7 +196,7 @@ def test_every_row_is_judged_by_its_own_closed_form(tmp_path, capsys):
     key = "contact.pairs[0].friction"
     data = compare("any", ["penalty"], ["cpdi"], {key: [0.0, 0.286, 0.1]}, runner=Cylinder())
     data.to_netcdf(tmp_path / "c.nc")
-    data = open_results(tmp_path / "c.nc").to_dataset()
+    data = open_results(tmp_path / "c.nc")
     assert data.attrs["varied"] == '{"friction": "contact.pairs[0].friction"}'
     for row in table(data):
         assert row["displacement_error"] == pytest.approx(1.0)
@@ -219,7 +219,7 @@ def test_values_that_are_arrays_are_labelled_by_their_text(tmp_path):
     )
     assert data["velocity"].values.tolist() == ["[1, 0]", "[0, 0]"]
     assert [call[2][key] for call in runner.calls] == [[1, 0], [0, 0]]
-    first, second = table(open_results(tmp_path / "c.nc").to_dataset())
+    first, second = table(open_results(tmp_path / "c.nc"))
     assert "displacement_error" not in first  # no closed form for a cylinder that is thrown
     assert "displacement_error" in second
     assert labels_of([0.5, "2 mm", True]) == ["0.5", "2 mm", "true"]
@@ -248,7 +248,7 @@ def test_requests_that_contradict_themselves_are_refused(contact, varied, shared
 
 def test_saved_and_opened(tmp_path):
     saved = compare("any", ["penalty", "none"], ["cpdi"], runner=Cylinder(), output=tmp_path / "c.nc")
-    opened = open_results(tmp_path / "c.nc").to_dataset()
+    opened = open_results(tmp_path / "c.nc")
     xr.testing.assert_equal(saved, opened)
     assert opened["min_gap"].sel(contact="none").isnull().all()  # a series that one method lacks
     assert sorted(path.name for path in tmp_path.iterdir()) == ["c.nc", "c.nc.runs"]

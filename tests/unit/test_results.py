@@ -8,6 +8,7 @@ import time
 import netCDF4
 import numpy as np
 import pytest
+import xarray as xr
 
 from mpmfw.errors import MpmfwError
 from mpmfw.fields import CONTACT_SERIES, PARTICLE_FIELDS, SERIES_FIELDS, SURFACE_FIELDS, Field
@@ -114,7 +115,7 @@ def test_a_file_can_be_read_while_it_is_written(tmp_path):
     with RunWriter(tmp_path / "run.nc", header()) as writer:
         writer.write(frame(0.0))
         tree = open_results(tmp_path / "run.nc")
-        assert tree.sizes["time"] == 1
+        assert tree["series"].sizes["time"] == 1
         assert tree.attrs["status"] == "running"
 
 
@@ -135,7 +136,7 @@ def test_an_exception_says_why_in_the_status(tmp_path):
         writer.write(broken)
     tree = writer.results()
     assert tree.attrs["status"].startswith("failed: field 'series/kinetic_energy'")
-    assert tree.sizes["time"] == 1
+    assert tree["series"].sizes["time"] == 1
 
 
 def test_lazy_reading_leaves_the_file_open_until_closed(tmp_path):
@@ -282,16 +283,49 @@ def test_an_output_of_other_arrays_is_in_its_own_variables(tmp_path):
         np.testing.assert_array_equal(tree["series/total_energy"][:, 0], [np.nan, np.nan, 1.0, np.nan])
 
 
-def test_the_file_has_one_group_for_all_bodies(tmp_path):
-    with RunWriter(tmp_path / "run.nc", header()) as writer:
-        writer.write(frame(0.0))
-    with netCDF4.Dataset(tmp_path / "run.nc") as dataset:
-        assert dataset["particles"].groups == {}
-        assert dataset["particles/position"].shape == (1, 10, 2)
-        assert dataset["particles/particle_count"][:].tolist() == [4, 6]
-        assert dataset["particles/particle_count"].sample_dimension == "particle"
-        assert dataset["surface/surface_node_count"][:].tolist() == [3, 0]
-        assert dataset["particles/position"].filters()["zlib"] is False
+@pytest.mark.parametrize("interval", [1, 3])
+def test_plain_xarray_opens_every_run(tmp_path, interval):
+    """With and without points at every output, surfaces and contact, also while it is written; the tree is the same."""
+    path = tmp_path / "run.nc"
+    with RunWriter(path, header(surface_count={"ball": 3, "floor": 5})) as writer:
+        for k in range(7):
+            one = frame(0.1 * k)
+            one.surface = {
+                name: np.concatenate([each, each])[:8] for name, each in (one.surface | {}).items()
+            }
+            one.surface = {name: np.resize(each, (8, *each.shape[1:])) for name, each in one.surface.items()}
+            one.contact = {} if k < 2 else one.contact
+            writer.write(one if k % interval == 0 else dataclasses.replace(one, particles={}))
+            writer.flush()
+            xr.open_datatree(path).close()
+        writer.finish({})
+    with xr.open_datatree(path) as plain:
+        xr.testing.assert_identical(plain.load(), open_results(path))
+        assert set(plain.groups) == {
+            "/", "/series", "/particles", "/particles/ball", "/particles/floor", "/surface", "/surface/ball",
+            "/surface/floor", "/contact", "/contact/ball-floor",
+        }  # fmt: skip
+        assert plain["particles/floor/position"].dims == ("time", "particle", "axis")
+        assert plain["particles/floor/position"].shape == (7 if interval == 1 else 3, 6, 2)
+        assert plain["series/time"].size == plain["time"].size == plain["contact/ball-floor/time"].size == 7
+        assert np.isnan(plain["contact/ball-floor/pressure"][:2]).all()
+    with netCDF4.Dataset(path) as dataset:
+        assert dataset["particles/ball/position"].filters()["zlib"] is False
+
+
+def test_a_file_is_repeated_to_the_bit(tmp_path):
+    with RunWriter(tmp_path / "a.nc", header()) as writer:
+        for k in range(5):
+            one = frame(0.1 * k)
+            one.contact = {} if k < 2 else one.contact
+            writer.write(one if k % 2 == 0 else dataclasses.replace(one, particles={}))
+    with RunWriter(tmp_path / "b.nc", header()) as writer:
+        writer.repeat(tmp_path / "a.nc", 3)
+        writer.write(dataclasses.replace(frame(0.1 * 3), particles={}))
+        writer.write(frame(0.1 * 4))
+        with pytest.raises(MpmfwError, match="does not hold the first 6 outputs"):
+            writer.repeat(tmp_path / "a.nc", 6)
+    xr.testing.assert_identical(open_results(tmp_path / "b.nc"), open_results(tmp_path / "a.nc"))
 
 
 def test_series_at_nearest_steps_are_had_at_the_times_asked_for():
@@ -326,3 +360,25 @@ def test_series_at_nearest_steps_are_had_at_the_times_asked_for():
         writer.write(frame(0.0))
         writer.write(frame(0.9))
     assert series_at_outputs(writer.results())["time"].values.tolist() == [0.0, 0.9]
+
+
+def test_a_body_whose_name_is_a_path_is_refused(tmp_path):
+    with RunWriter(tmp_path / "run.nc", header()) as writer:
+        writer.write(frame(0.0))
+    with netCDF4.Dataset(tmp_path / "run.nc", "a") as dataset:
+        dataset["body"][0] = "../../x"
+    with pytest.raises(MpmfwError, match=r"run\.nc': the file was cut short or is damaged"):
+        open_results(tmp_path / "run.nc")
+
+
+def test_many_groups_are_written_seldom(tmp_path, monkeypatch):
+    """Where a writing takes long, frames wait longer for the next, in proportion."""
+    clock = iter(np.arange(0.0, 1000.0, 0.5))
+    monkeypatch.setattr("mpmfw.results.writing.time.monotonic", lambda: next(clock))
+    with RunWriter(tmp_path / "run.nc", header()) as writer:
+        writer.write(frame(0.0))
+        writer.flush()
+        writer.write(frame(0.1))
+        now = time.monotonic()
+        assert not writer.is_due(now + 3.0)
+        assert writer.is_due(now + 6.0)

@@ -119,7 +119,7 @@ def partial_slip_by_stress(tree: xr.DataTree) -> dict[str, float]:
 
 def sliding(tree: xr.DataTree) -> float:
     """Q over μ P in the last eighth of the time, less one [%]."""
-    last = tree["series"]["contact_force"].isel(pair=0).values[-(tree.sizes["time"] // 8) :]
+    last = tree["series"]["contact_force"].isel(pair=0).values[-(tree["series"].sizes["time"] // 8) :]
     return float(100.0 * (-last[:, 0].sum() / (FRICTION * last[:, 1].sum()) - 1.0))
 
 

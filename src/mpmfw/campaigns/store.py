@@ -19,7 +19,7 @@ import xarray as xr
 from mpmfw.campaigns.outcome import Cost, Outcome
 from mpmfw.campaigns.own_files import key_in, own_files
 from mpmfw.errors import MpmfwError, SceneError
-from mpmfw.results.reading import read as open_results
+from mpmfw.results.reading import read_run
 from mpmfw.results.replacing import replace_bytes
 
 #: Seconds after which a file that is still being written is taken to be left by a process that was killed.
@@ -61,7 +61,7 @@ class Store:
     def results(self, key: str) -> xr.DataTree | None:
         """What a run wrote; None if it wrote nothing."""
         path = self._path(key, "nc")
-        return open_results(path) if path.is_file() else None
+        return read_run(path) if path.is_file() else None
 
     def put(self, outcome: Outcome, results: bytes | None = None) -> None:
         """Keep an outcome, and the file that the run wrote if it is new; what would not last is kept in memory."""

@@ -113,7 +113,7 @@ def animate(
     if fps < 1:
         raise SceneError(f"fps {fps}: expected 1 or more")
     ffmpeg = check_movie(target)
-    single = isinstance(results, xr.DataTree | str | os.PathLike)
+    single = isinstance(results, xr.DataTree | xr.Dataset | str | os.PathLike)
     runs: Any = {"": results} if single else results
     with labelled(runs) as trees, mpl.rc_context():
         movie = Movie(trees, field, every=every, bodies=bodies, limits=limits, arrows=arrows)

@@ -198,7 +198,8 @@ def _labels(results: Sequence[Results], trees: Sequence[xr.DataTree]) -> list[st
     if len(set(methods)) == len(trees):
         return methods
     names = [
-        f"run {k + 1}" if isinstance(one, xr.DataTree) else Path(one).stem for k, one in enumerate(results)
+        f"run {k + 1}" if isinstance(one, xr.DataTree | xr.Dataset) else Path(one).stem
+        for k, one in enumerate(results)
     ]
     return names if len(set(names)) == len(names) else [f"{k + 1}: {name}" for k, name in enumerate(names)]
 

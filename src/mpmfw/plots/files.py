@@ -12,6 +12,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.outputs import series_of
 from mpmfw.plots.costs import cost_bars
 from mpmfw.plots.generic import gap_history, series_overview
 from mpmfw.plots.rings import contact_force
@@ -152,12 +153,11 @@ def plot_file(
     MpmfwError
         The file cannot be read, or a figure cannot be written.
     """
-    tree = open_results(path)
-    if "series" in tree.children:
-        dataset = tree["series"].to_dataset()
+    results = open_results(path)
+    dataset = series_of(results)
+    if isinstance(results, xr.DataTree):
         drawn = {"series": series_overview(dataset)} if dataset.sizes.get("time", 0) > 1 else {}
     else:
-        dataset = tree.to_dataset()
         drawn = (
             {name: figure for name, (figure, _) in figures_of(dataset).items()}
             if "status" in dataset or "class" in dataset
@@ -189,7 +189,7 @@ def plot_files(paths: Sequence[str | os.PathLike[str]], output: str | os.PathLik
     MpmfwError
         A file cannot be read, or the figure cannot be written.
     """
-    datasets = [open_results(path).to_dataset() for path in paths]
+    datasets = [series_of(open_results(path)) for path in paths]
     for path, dataset in zip(paths, datasets, strict=True):
         if "status" not in dataset or not isinstance(drawn_reference(dataset), RollingReference):
             raise SceneError(

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from mpmfw.errors import SceneError
-from mpmfw.outputs import Results, checked_name, opened
+from mpmfw.outputs import Results, checked_name, opened, series_of
 from mpmfw.plots.field_figure import labelled
 from mpmfw.plots.style import PANEL, Look, combinations, dress, head, journal_style, legend_below, new_figure
 from mpmfw.plots.units import count_in, scaled_label, time_scale
@@ -62,7 +62,7 @@ class Curve:
 
 @journal_style()
 def history(
-    results: Results | xr.Dataset | Mapping[str, Results] | Sequence[Results],
+    results: Results | Mapping[str, Results] | Sequence[Results],
     names: str | Sequence[str],
     *,
     body: str | None = None,
@@ -87,9 +87,9 @@ def history(
         There is no such series, body, pair or axis, or too many panels would be needed.
     """
     if isinstance(results, str | os.PathLike):
-        with opened(results) as tree:  # the series alone, not the frames
-            results = (tree["series"] if "series" in tree.children else tree).to_dataset().load()
-            results = xr.DataTree.from_dict({"series": results}) if "series" in tree.children else results
+        with opened(results) as read:  # the series alone, not the frames
+            series = series_of(read).load()
+            results = series if isinstance(read, xr.Dataset) else xr.DataTree.from_dict({"series": series})
     found, key, compared = _sources(results)
     selection = [names] if isinstance(names, str) else list(names)
     curves = _curves(
@@ -193,12 +193,10 @@ def _dress(axes: Any, sources: Sequence[RunSeries], name: str, label: str) -> No
 
 def _sources(results: Any) -> tuple[list[RunSeries], list[list[Artist]], xr.Dataset | None]:
     """The runs to draw, the rows of their legend, and the comparison that they are of."""
-    if isinstance(results, xr.DataTree) and "series" not in results.children:
-        results = results.to_dataset()
     if isinstance(results, xr.Dataset):
         return _compared(results)
     with labelled({"": results} if isinstance(results, xr.DataTree) else results) as trees:
-        series = {label: tree["series"].to_dataset().load() for label, tree in trees.items()}
+        series = {label: series_of(tree).load() for label, tree in trees.items()}
     found = []
     for k, (label, data) in enumerate(series.items()):
         if data.sizes.get("time", 0) < 2:

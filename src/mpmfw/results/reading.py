@@ -25,8 +25,8 @@ _DAMAGED = "the file was cut short or is damaged"
 _OPEN: set[netCDF4.Dataset] = set()
 
 
-def open(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree:
-    """Open the file of a run, a comparison or a study.
+def open(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree | xr.Dataset:
+    """Open a results' file: what the function returned that made it.
 
     Parameters
     ----------
@@ -38,10 +38,10 @@ def open(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree:
 
     Returns
     -------
-    xarray.DataTree
-        Of a run: groups ``series``, ``particles/<body>``, ``surface/<body>``, ``contact/<pair>``, each with its ``time``,
-        which is at the root where all have the same. Of a comparison or a study: the root alone, whose ``.dataset`` holds
-        the variables.
+    xarray.DataTree or xarray.Dataset
+        Of a run a tree with the groups ``series``, ``particles/<body>``, ``surface/<body>`` and ``contact/<pair>``, each with
+        its ``time``; of a comparison, a study, a campaign or a map a dataset. They are those of ``xarray.open_datatree`` and
+        ``xarray.open_dataset``, without an output that is not complete.
 
     Raises
     ------
@@ -53,10 +53,12 @@ def open(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree:
     ResultsWarning
         The run that wrote it is not finished: it goes on, was killed or interrupted, or failed.
     """
-    tree = read(path, lazy=lazy)
-    if text := unfinished(tree, path):
+    import xarray as xr
+
+    results = read(path, lazy=lazy)
+    if isinstance(results, xr.DataTree) and (text := unfinished(results, path)):
         warnings.warn(text, ResultsWarning, stacklevel=2)
-    return tree
+    return results
 
 
 def unfinished(tree: xr.DataTree, path: str | os.PathLike[str]) -> str:
@@ -72,22 +74,20 @@ def unfinished(tree: xr.DataTree, path: str | os.PathLike[str]) -> str:
         )
     else:
         status = f"is not complete: {status}"
-    time = output_times(tree)
-    count = 0 if time is None else time.size
-    last = "" if time is None or not count else f", the last at {float(time[-1]):.6g} s"
+    time = output_times(tree).values
+    last = f", the last at {float(time[-1]):.6g} s" if time.size else ""
     goes_on = tree.attrs["status"] == "running" and is_written(path)
     how = "" if goes_on else _how_to_go_on(os.fspath(path))
-    return f"{os.fspath(path)} {status}; it holds {count} outputs{last}{how}"
+    return f"{os.fspath(path)} {status}; it holds {time.size} outputs{last}{how}"
 
 
-def output_times(tree: xr.DataTree) -> xr.DataArray | None:
-    """Times of a run's outputs [s]; None of what has none."""
-    times: xr.DataArray | None = (tree["series"] if "series" in tree.children else tree).coords.get("time")
-    return times
+def output_times(tree: xr.DataTree) -> xr.DataArray:
+    """Return the times of a run's outputs [s]."""
+    return (tree["series"] if "series" in tree.children else tree).to_dataset()["time"]
 
 
-def read(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree:
-    """The same as :func:`open`, without a word on results that are not complete.
+def read(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree | xr.Dataset:
+    """Return the same as :func:`open`, without a warning of results that are not complete.
 
     Raises
     ------
@@ -97,24 +97,41 @@ def read(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree:
     name = os.fspath(path)
     try:
         dataset = netCDF4.Dataset(name)
-    except OSError as error:
+    except (OSError, UnicodeError) as error:
         raise MpmfwError(f"cannot read '{name}': {_reason(name, error)}{_how_to_go_on(name)}") from error
-    if lazy:
-        tree = tree_of(dataset, load=False)
-        _OPEN.add(dataset)
-        tree.set_close(lambda: _close(dataset))
-        return tree
     try:
-        return tree_of(dataset)
-    except RuntimeError as error:
-        raise MpmfwError(f"cannot read '{name}': {_DAMAGED}{_how_to_go_on(name)}") from error
-    finally:
+        tree = tree_of(dataset, load=not lazy)
+    except MpmfwError as error:
         dataset.close()
+        raise MpmfwError(f"cannot read '{name}': {error}{_how_to_go_on(name)}") from error
+    results = tree if tree.children or tree.attrs.get("kind") == "run" else tree.to_dataset()
+    if lazy:
+        _OPEN.add(dataset)
+        results.set_close(lambda: _close(dataset))
+    else:
+        dataset.close()
+    return results
 
 
-def _reason(name: str, error: OSError) -> str:
+def read_run(path: str | os.PathLike[str]) -> xr.DataTree:
+    """Return the tree of a run's file, as :func:`read` does.
+
+    Raises
+    ------
+    MpmfwError
+        The file does not exist, is no run's file, or was cut short.
+    """
+    import xarray as xr
+
+    tree = read(path)
+    if not isinstance(tree, xr.DataTree):
+        raise MpmfwError(f"cannot read '{os.fspath(path)}': it is no run's file")
+    return tree
+
+
+def _reason(name: str, error: OSError | UnicodeError) -> str:
     """Why a file cannot be read: of an HDF5 file that is not whole, the library says nothing of use."""
-    return _DAMAGED if is_hdf5(name) else str(error.strerror or error)
+    return _DAMAGED if is_hdf5(name) else str(getattr(error, "strerror", None) or error)
 
 
 def is_hdf5(path: str) -> bool:
@@ -148,79 +165,42 @@ def check_results(path: str | os.PathLike[str]) -> None:
 
 
 def tree_of(dataset: netCDF4.Dataset, *, load: bool = True) -> xr.DataTree:
-    """Return the groups of an open file as a tree, without a last frame that was cut short.
+    """Return the groups of an open file as a tree, without outputs that are not complete.
 
-    The time of an output is written after its arrays: one without a time is incomplete.
+    Raises
+    ------
+    MpmfwError
+        The file is damaged.
     """
     import xarray as xr
 
-    groups = {name: xr.open_dataset(_store(group), decode_times=False) for name, group in _groups(dataset)}
-    groups = _with_times(_complete(groups))
-    if load:
-        groups = {name: group.load() for name, group in groups.items()}
-    for name in [name for name, group in groups.items() if _count_of(group) is not None]:
-        groups |= by_body(name, groups.pop(name), groups["/"]["body"].values.tolist())
-    return xr.DataTree.from_dict(groups)
+    try:
+        groups = {name: xr.open_dataset(_store(group)) for name, group in _groups(dataset)}
+        bodies = groups["/"]["body"].values.tolist() if "body" in groups["/"] else []
+        if any("/" in str(body) for body in bodies):
+            raise ValueError("the name of a body is a path")
+        groups = _complete(groups)
+        if load:
+            groups = {name: group.load() for name, group in groups.items()}
+        return xr.DataTree.from_dict(groups)
+    except (RuntimeError, OSError, ValueError, TypeError, LookupError, AttributeError, MemoryError) as error:
+        raise MpmfwError(_DAMAGED) from error
 
 
 def _complete(groups: dict[str, xr.Dataset]) -> dict[str, xr.Dataset]:
-    """The groups without what was written of an output before its time was."""
-    time = groups["/"].coords.get("time")
-    if time is None:
+    """Return the groups without outputs whose time is not at the root, which is written last."""
+    root = groups["/"]
+    if "output" not in root.dims:
         return groups
-    count = int(np.isfinite(time.values).sum())
-    end = float(time.values[count - 1]) if count else -np.inf
-    return {
-        name: group.isel(
-            time=slice(int((group["time"].values <= end).sum()) if "time" in group.coords else count)
-        )
+    count = int(np.isfinite(root["time"].values).sum())
+    end = float(root["time"].values[count - 1]) if count else -np.inf
+    groups = {
+        name: group.isel(time=slice(int((group["time"].values <= end).sum())))
         if "time" in group.sizes
         else group
         for name, group in groups.items()
     }
-
-
-def _with_times(groups: dict[str, xr.Dataset]) -> dict[str, xr.Dataset]:
-    """The groups with their time at the root if all have the same, and else at each."""
-    times = groups["/"].coords.get("time")
-    own = groups["/particles"].coords.get("time") if "/particles" in groups else None
-    if times is None or own is None:
-        return groups
-    if not own.size or np.array_equal(own.values, times.values):
-        return groups | {"/particles": groups["/particles"].drop_vars("time")}
-    at_each = {
-        name: group.assign_coords(time=times) if "time" in group.sizes and name != "/particles" else group
-        for name, group in groups.items()
-    }
-    return at_each | {"/": groups["/"].drop_vars("time")}
-
-
-def by_body(place: str, ragged: xr.Dataset, bodies: list[str]) -> dict[str, xr.Dataset]:
-    """A group of its own for every body that has points in a ragged one, by path; bodies that have none are left out.
-
-    Parameters
-    ----------
-    place
-        Path of the ragged group, whose count of each body's points names their dimension.
-    """
-    count = _count_of(ragged)
-    if count is None:
-        return {place: ragged}
-    dim, points = (
-        str(count.attrs["sample_dimension"]),
-        ragged.drop_vars([str(count.name), "body"], errors="ignore"),
-    )
-    stops = np.cumsum(count.values)
-    return {
-        f"{place}/{body}": points.isel({dim: slice(stop - size, stop)}, missing_dims="ignore")
-        for body, size, stop in zip(bodies, count.values.tolist(), stops.tolist(), strict=True)
-        if size
-    }
-
-
-def _count_of(group: xr.Dataset) -> xr.DataArray | None:
-    """How many points of each body a ragged group has; None of any other group."""
-    return next((array for array in group.data_vars.values() if "sample_dimension" in array.attrs), None)
+    return {**groups, "/": root.isel(output=slice(count))}
 
 
 def _groups(group: netCDF4.Dataset) -> Iterator[tuple[str, netCDF4.Dataset]]:

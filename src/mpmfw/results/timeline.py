@@ -1,10 +1,10 @@
-"""Variables of a results' file that share their times: arrays of frames wait, and are written before the times."""
+"""A group of a results' file whose variables share their times: arrays of frames wait, and are written before the times."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import netCDF4
@@ -26,44 +26,60 @@ class _Column:
 
 
 class Timeline:
-    """The times of a group and the variables that have them, in that group and in those below it.
+    """The times of a group and the variables that have them.
 
     Parameters
     ----------
     group
-        Of the file; gets the dimension and the variable ``time``.
+        Of the file; gets the variable ``time``.
     dim
         Number of space dimensions, 2 or 3.
     more_pairs
         Whether pairs may be added to the dimension ``pair``.
+    per_metre
+        As of :class:`mpmfw.results.RunHeader`.
+    times
+        Of frames that went before, in which nothing of the group was recorded [s].
+    along
+        Name of the dimension of the times.
     """
 
-    def __init__(self, group: netCDF4.Dataset, dim: int, *, more_pairs: bool, per_metre: bool) -> None:
+    def __init__(
+        self,
+        group: netCDF4.Dataset,
+        dim: int,
+        *,
+        more_pairs: bool,
+        per_metre: bool,
+        times: Sequence[float] = (),
+        along: str = "time",
+    ) -> None:
         self.group, self.dim, self.more_pairs, self.per_metre = group, dim, more_pairs, per_metre
         self.frames = 0
         self.waiting_bytes = 0
         self._times: list[float] = []
-        self._columns: dict[tuple[str, str], _Column] = {}
-        group.createDimension("time", None)
-        self._time = _variable(group, "time", "f8", ("time",), chunksizes=(1024,))
+        self._columns: dict[str, _Column] = {}
+        group.createDimension(along, None)
+        self._time = _variable(group, "time", "f8", (along,), chunksizes=(1024,))
         self._time.setncatts({"units": "s", "long_name": "time since the motion starts", "axis": "T"})
+        for time in times:
+            self.add(time, {})
 
     @property
     def waits(self) -> int:
         """Number of frames that are not written yet."""
         return len(self._times)
 
-    def add(self, time: float, places: Mapping[str, Mapping[str, tuple[Field, AnyArray]]]) -> None:
-        """Take one frame: of each group below this one its arrays by name, each with its declaration.
+    def add(self, time: float, arrays: Mapping[str, tuple[Field, AnyArray]]) -> None:
+        """Take one frame: arrays by name, each with its declaration.
 
         Raises
         ------
         MpmfwError
             An array does not have the declared shape.
         """
-        for place, arrays in places.items():
-            for field, values in arrays.values():
-                self._put(place, field, values)
+        for field, values in arrays.values():
+            self._put(field, values)
         self._times.append(time)
         self.frames += 1
 
@@ -73,7 +89,7 @@ class Timeline:
             column.shape = None
 
     def write_arrays(self) -> None:
-        """Write what waits, but not yet its times."""
+        """Write the arrays that wait, but not yet their times."""
         start = self.frames - self.waits
         for column in self._columns.values():
             if column.waiting:
@@ -81,60 +97,60 @@ class Timeline:
                 column.waiting.clear()
 
     def write_times(self) -> None:
-        """Write the times of what :meth:`write_arrays` has written: from now on the frames count as complete."""
+        """Write the times of the arrays that :meth:`write_arrays` has written."""
         if self._times:
             _write(self._time, self.frames - self.waits, np.array(self._times))
         self._times.clear()
         self.waiting_bytes = 0
 
     def forget(self) -> None:
-        """Drop what waits."""
+        """Drop the frames that wait."""
         self.frames -= self.waits
         self._times.clear()
         for column in self._columns.values():
             column.waiting.clear()
         self.waiting_bytes = 0
 
-    def _put(self, place: str, field: Field, values: AnyArray) -> None:
+    def _put(self, field: Field, values: AnyArray) -> None:
         static = layout.is_static(field)
-        if static and self.frames > 0:
+        if static and field.name in self._columns:
             return
-        column = self._columns.get((place, field.name))
+        column = self._columns.get(field.name)
         if column is None:
-            column = _Column(self._define(place, field, values), np.dtype(field.dtype))
-            self._columns[place, field.name] = column
-        if column.shape is None:  # asked of the file once: it looks for the length of the time in every group
+            column = _Column(self._define(field, values), np.dtype(field.dtype))
+            self._columns[field.name] = column
+        if column.shape is None:  # asked of the file once, which counts unlimited dimensions
             column.shape = column.variable.shape if static else column.variable.shape[1:]
         if values.shape != column.shape:
             raise MpmfwError(
-                f"field '{place}/{field.name}' has shape {values.shape}, expected {column.shape}"
+                f"field '{self._called(field)}' has shape {values.shape}, expected {column.shape}"
             )
         if static:
             column.variable[...] = values
             return
-        while len(column.waiting) < len(
-            self._times
-        ):  # a field that earlier frames did not hold is missing there
+        while len(column.waiting) < self.waits:  # a field that earlier frames did not hold is missing there
             column.waiting.append(np.full(column.shape, column.variable.get_fill_value()))
         column.waiting.append(values.astype(column.dtype))
         self.waiting_bytes += column.waiting[-1].nbytes
 
-    def _define(self, place: str, field: Field, values: AnyArray) -> netCDF4.Variable[Any]:
+    def _called(self, field: Field) -> str:
+        return f"{self.group.path.strip('/')}/{field.name}"
+
+    def _define(self, field: Field, values: AnyArray) -> netCDF4.Variable[Any]:
         """Create the variable of a field; the array gives dimensions that the header does not know."""
         if values.ndim != len(field.dims):
             raise MpmfwError(
-                f"field '{place}/{field.name}' has shape {values.shape}, declared dims {field.dims}"
+                f"field '{self._called(field)}' has shape {values.shape}, declared dims {field.dims}"
             )
-        group = self.group.createGroup(place) if place else self.group
-        known = tuple(_size(group, dim) or size for dim, size in zip(field.dims, values.shape, strict=True))
+        known = tuple(_size(self.group, dim) or n for dim, n in zip(field.dims, values.shape, strict=True))
         if known != values.shape:
-            raise MpmfwError(f"field '{place}/{field.name}' has shape {values.shape}, expected {known}")
+            raise MpmfwError(f"field '{self._called(field)}' has shape {values.shape}, expected {known}")
         for dim, size in zip(field.dims, known, strict=True):
-            if _size(group, dim) is None:
-                group.createDimension(dim, size)
+            if _size(self.group, dim) is None:
+                self.group.createDimension(dim, size)
         dtype: Any = np.dtype(field.dtype)
         chunks = layout.chunks(field, values.shape, dtype.itemsize, more_pairs=self.more_pairs)
-        variable = _variable(group, field.name, dtype, layout.dimensions(field), chunksizes=chunks)
+        variable = _variable(self.group, field.name, dtype, layout.dimensions(field), chunksizes=chunks)
         if chunks is not None:  # HDF5 keeps 16 MB of every variable, which nobody asks for again
             variable.set_var_chunk_cache(size=dtype.itemsize * math.prod(chunks))
         variable.setncatts(

@@ -9,7 +9,7 @@ import os
 import time
 from collections.abc import Iterator, Mapping
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self, TypeAlias
+from typing import TYPE_CHECKING, Any, Self
 
 import netCDF4
 import numpy as np
@@ -18,7 +18,7 @@ from mpmfw.errors import MpmfwError
 from mpmfw.fields import AnyArray, Field
 from mpmfw.results import layout
 from mpmfw.results.frame import Frame, RunHeader
-from mpmfw.results.reading import read, tree_of
+from mpmfw.results.reading import read_run, tree_of
 from mpmfw.results.room import check_room
 from mpmfw.results.timeline import Timeline
 from mpmfw.results.writers import claim, release, replace_claimed
@@ -26,14 +26,15 @@ from mpmfw.results.writers import claim, release, replace_claimed
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Arrays of one output with their declarations, by group and name.
-Arrays: TypeAlias = Mapping[str, Mapping[str, tuple[Field, AnyArray]]]
-
 #: Bytes of frames that are written at once.
-WRITTEN_AT_ONCE = 4_000_000
+WRITTEN_AT_ONCE = 16_000_000
 
 #: Seconds of wall time for which frames of a file wait for others that are written with them: what a kill loses.
 WRITTEN_EVERY = 0.25
+
+#: Seconds that a writing may take. Where one takes longer, as with the ten thousand variables of a thousand bodies, frames wait
+#: longer in proportion.
+QUICK = 0.025
 
 
 class RunWriter:
@@ -44,9 +45,9 @@ class RunWriter:
     written so far are readable, unless it is killed within a sync, which only a checkpoint outlives. The file has its final
     name from the start and may be opened by others while the run goes on.
 
-    Material points of all bodies are one ragged array of the group ``particles``, surface nodes one of ``surface``, body
-    after body; ``particle_count`` and ``surface_node_count`` tell them apart (CF: contiguous ragged arrays), and
-    :func:`mpmfw.open` gives every body its group. A group of the file for each body would cost with the square of the bodies.
+    The groups are ``series``, ``particles/<body>``, ``surface/<body>``, ``contact/<pair>`` and ``grid``. Each has a dimension and
+    a coordinate ``time`` of its own: a dimension that groups share costs with the square of their number. The root's ``time``,
+    along ``output``, is written last and tells which outputs are complete.
 
     Parameters
     ----------
@@ -66,7 +67,9 @@ class RunWriter:
         # A plug-in may change the working folder while the run goes on
         self.path = None if path is None else os.path.abspath(path)
         self._fields = {(field.group, field.name): field for field in header.fields}
-        self._written = -math.inf  #: wall time at which nothing waited any more
+        self._written, self._took = -math.inf, 0.0  #: wall time of the last writing, and its length [s]
+        self._groups: dict[str, Timeline] = {}
+        self._times: list[float] = []  #: of all outputs
         self._pairs = len(header.pairs)
         self._tree: xr.DataTree | None = None
         self._lock: int | None = None
@@ -76,7 +79,7 @@ class RunWriter:
     @property
     def frames(self) -> int:
         """Number of outputs so far."""
-        return self._outputs.frames
+        return len(self._times)
 
     def write(self, frame: Frame) -> None:
         """Append one frame, and write those that wait if it is time.
@@ -88,20 +91,13 @@ class RunWriter:
         """
         with self._telling(self.frames):
             self._add_pairs(frame.pairs)
-            points = {
-                name: self._declared("particles", name, given) for name, given in frame.particles.items()
-            }
-            others = {
-                place: {name: self._declared(group, name, given) for name, given in arrays.items()}
-                for place, group, arrays in _places(frame)
-            }
-            self._outputs.add(frame.time, others)
-            if points:
-                self._points.add(frame.time, {"": points})
-        if (
-            self.is_due(time.monotonic())
-            or sum(each.waiting_bytes for each in self._timelines) > WRITTEN_AT_ONCE
-        ):
+            places = self._places(frame)
+            known = [place for place in self._groups if frame.particles or not _is_points(place)]
+            for place in dict.fromkeys(("series", *known, *places)):
+                self._timeline(place).add(frame.time, places.get(place, {}))
+            self._outputs.add(frame.time, {})
+            self._times.append(frame.time)
+        if self.is_due(time.monotonic()) or self._waiting_bytes > WRITTEN_AT_ONCE:
             self.flush()
 
     def repeat(self, path: str, count: int) -> None:
@@ -121,48 +117,51 @@ class RunWriter:
             raise MpmfwError(f"'{path}' does not hold the first {count} outputs of the run") from error
 
     def _repeat(self, old: netCDF4.Dataset, count: int, size: int) -> None:
-        """Write the outputs of a file of some ``size`` [bytes], one after the other."""
+        """Write the outputs of a file of some ``size`` [bytes], group after group."""
         pairs: Any = old.variables.get("pair", [])
-        points = old["particles"]["time"]
-        if 8 * max(count, len(pairs), len(points)) > size:
+        if 8 * max(count, len(pairs)) > size:
             raise ValueError("the file is shorter than its dimensions say")
-        times, labels, at = old["time"][:count], tuple(map(str, pairs[:])), points[:]
+        times = old["time"][:count].tolist()
         if len(times) < count or not np.isfinite(times).all():
             raise ValueError("outputs are missing")
-        self._add_pairs(labels)
-        places: list[str] = [name for name in ("series", "surface", "grid") if name in old.groups]
-        if "contact" in old.groups:
-            places += [f"contact/{pair}" for pair in old["contact"].groups]
-        outputs = {place: self._columns(old[place], place, size) for place in places}
-        of_points = self._columns(old["particles"], "particles", size)
-        for k in range(count):
-            self._outputs.add(times[k], {place: _frame_of(columns, k) for place, columns in outputs.items()})
-            for own in np.flatnonzero(at == times[k]).tolist():
-                self._points.add(times[k], {"": _frame_of(of_points, own)})
-            if sum(each.waiting_bytes for each in self._timelines) > WRITTEN_AT_ONCE:
-                self.flush()
+        self._add_pairs(tuple(map(str, pairs[:])))
+        wanted = set(times)
+        for group in _with_times(old):
+            place = group.path.strip("/")
+            columns = self._columns(group, place.partition("/")[0], size)
+            for k, at in enumerate(group["time"][:].tolist()):
+                if at in wanted:
+                    self._timeline(place).add(at, _frame_of(columns, k))
+                if self._waiting_bytes > WRITTEN_AT_ONCE:
+                    self._write_groups()
+        for at in times:
+            self._outputs.add(at, {})
+        self._times += times
         self.flush()
 
-    def _columns(self, group: netCDF4.Dataset, place: str, size: int) -> list[tuple[Field, Any]]:
+    def _columns(self, group: netCDF4.Dataset, kind: Any, size: int) -> list[tuple[Field, Any]]:
         """The declared variables of a group of another file, an output of which is no larger than that file."""
         found = []
         for name, variable in group.variables.items():
-            group_of: Any = place.partition("/")[0]
-            field = self._fields.get((group_of, name))
-            if field is None:
+            if (field := self._fields.get((kind, name))) is None:
                 continue
-            own = variable.shape if layout.is_static(field) else variable.shape[1:]
+            of_frame = variable.shape if layout.is_static(field) else variable.shape[1:]
             declared = variable.dimensions == layout.dimensions(field) and variable.dtype == np.dtype(
                 field.dtype
             )
-            if not declared or math.prod(own) * variable.dtype.itemsize > size:
-                raise ValueError(f"{place}/{name} is not as it was declared")
+            if not declared or math.prod(of_frame) * variable.dtype.itemsize > size:
+                raise ValueError(f"{group.path}/{name} is not as it was declared")
             found.append((field, variable))
         return found
 
     def is_due(self, now: float) -> bool:
         """Whether frames have waited long enough at a wall time [s]; those in memory, which nobody else reads, never have."""
-        return self.path is not None and self._outputs.waits > 0 and now - self._written >= WRITTEN_EVERY
+        wait = WRITTEN_EVERY * max(1.0, self._took / QUICK)
+        return self.path is not None and self._outputs.waits > 0 and now - self._written >= wait
+
+    @property
+    def _waiting_bytes(self) -> int:
+        return sum(each.waiting_bytes for each in self._groups.values())
 
     def flush(self) -> None:
         """Write the frames that wait, and sync: their times after their arrays.
@@ -172,27 +171,31 @@ class RunWriter:
         MpmfwError
             The disk is full; they are lost.
         """
-        timelines = [timeline for timeline in self._timelines if timeline.waits]
-        if not timelines:
+        if not self._outputs.waits:
             return
-        first = self.frames - self._outputs.waits
+        first, begin = self.frames - self._outputs.waits, time.monotonic()
         try:
             with self._telling(first):
                 if self.path is not None:
-                    size = sum(timeline.waiting_bytes for timeline in timelines)
-                    check_room(self.path, 2 * size, f"frame {first}")  # a chunk that is begun takes more
-                for timeline in timelines:
-                    timeline.write_arrays()
-                self._points.write_times()
+                    check_room(self.path, 2 * self._waiting_bytes, f"frame {first}")  # a new chunk takes more
+                self._write_groups()
                 self._dataset.sync()
-                # HDF5 flushes in an order of its own: only a second sync makes an output whose time is there a
-                # complete one, and the material points of that time with it.
+                # HDF5 flushes in an order of its own: only a second sync makes an output whose time is at the root a
+                # complete one
                 self._outputs.write_times()
                 self._dataset.sync()
         finally:
-            for timeline in timelines:
+            for timeline in (self._outputs, *self._groups.values()):
                 timeline.forget()
+            del self._times[self._outputs.frames :]
             self._written = time.monotonic()
+            self._took = self._written - begin
+
+    def _write_groups(self) -> None:
+        for timeline in self._groups.values():
+            if timeline.waits:
+                timeline.write_arrays()
+                timeline.write_times()
 
     @contextlib.contextmanager
     def _telling(self, frame: int) -> Iterator[None]:
@@ -248,7 +251,7 @@ class RunWriter:
     def results(self) -> xr.DataTree:
         """Close and return what was written, the same whether it is in memory or in a file."""
         self.close()
-        return read(self.path) if self.path is not None else _read_back(self._tree)
+        return read_run(self.path) if self.path is not None else _read_back(self._tree)
 
     def __enter__(self) -> Self:
         return self
@@ -271,32 +274,51 @@ class RunWriter:
         _labels(dataset, "rotation", ("z",) if header.dim == 2 else axes)
         _labels(dataset, "body", header.bodies)
         _labels(dataset, "pair", header.pairs, grows=header.more_pairs)
-        self._outputs = Timeline(
-            dataset, header.dim, more_pairs=header.more_pairs, per_metre=header.per_metre
-        )
-        dataset.createGroup("series")
-        points = self._ragged("particles", "particle", header.particle_count)
-        self._points = Timeline(points, header.dim, more_pairs=header.more_pairs, per_metre=header.per_metre)
-        self._timelines = self._outputs, self._points
-        if any(header.surface_count.values()):
-            surface = self._ragged("surface", "surface_node", header.surface_count)
-            if header.connectivity:
-                following = surface.createVariable("next", "i8", ("surface_node",))
-                following.long_name = "surface node at which the segment that starts at this one ends"
-                outlined = [body for body in header.bodies if header.surface_count.get(body, 0)]
-                following[:] = np.concatenate([header.connectivity[body] for body in outlined])
+        self._outputs = self._new_timeline(dataset, along="output")
+        self._timeline("series")
+        for body, following in header.connectivity.items():
+            if header.surface_count.get(body, 0):
+                group = self._timeline(f"surface/{body}").group
+                group.createDimension("surface_node", header.surface_count[body])
+                variable = group.createVariable("next", "i8", ("surface_node",))
+                variable.long_name = "surface node at which the segment that starts at this one ends"
+                variable[:] = following
         dataset.sync()
 
-    def _ragged(self, place: str, dim: str, counts: Mapping[str, int]) -> netCDF4.Dataset:
-        """A group of arrays over the points of all bodies."""
-        group = self._dataset.createGroup(place)
-        group.createDimension(dim, sum(counts.values()))
-        count = group.createVariable(f"{dim}_count", "i8", ("body",))
-        count.setncatts(
-            {"sample_dimension": dim, "long_name": f"{place} of each body, which follow each other"}
+    def _new_timeline(self, group: netCDF4.Dataset, **options: Any) -> Timeline:
+        header = self.header
+        return Timeline(
+            group, header.dim, more_pairs=header.more_pairs, per_metre=header.per_metre, **options
         )
-        count[:] = [counts.get(body, 0) for body in self.header.bodies]
-        return group
+
+    def _timeline(self, place: str) -> Timeline:
+        """The times and variables of a group; in a new one, all outputs so far lack the variables."""
+        if place not in self._groups:
+            times = () if _is_points(place) else tuple(self._times)
+            self._groups[place] = self._new_timeline(self._dataset.createGroup(place), times=times)
+        return self._groups[place]
+
+    def _places(self, frame: Frame) -> dict[str, dict[str, tuple[Field, AnyArray]]]:
+        """The arrays of a frame, with their declarations, by group of the file."""
+        places = {"series": self._declared("series", frame.series)}
+        if frame.grid:
+            places["grid"] = self._declared("grid", frame.grid)
+        for pair, arrays in frame.contact.items():
+            places[f"contact/{pair}"] = self._declared("contact", arrays)
+        counts = {"particles": self.header.particle_count, "surface": self.header.surface_count}
+        for group, arrays in (("particles", frame.particles), ("surface", frame.surface)):
+            declared, start = self._declared(group, arrays), 0
+            for body in self.header.bodies if arrays else ():
+                stop = start + counts[group].get(body, 0)
+                if stop > start:
+                    places[f"{group}/{body}"] = {
+                        name: (field, values[start:stop]) for name, (field, values) in declared.items()
+                    }
+                start = stop
+            for name, (_, values) in declared.items():
+                if len(values) != start:
+                    raise MpmfwError(f"field '{group}/{name}' has {len(values)} points, expected {start}")
+        return places
 
     def _add_pairs(self, labels: tuple[str, ...]) -> None:
         """Make room for pairs that no frame before this had; there they are missing."""
@@ -307,28 +329,34 @@ class RunWriter:
         self.flush()
         self._dataset["pair"][self._pairs : len(labels)] = np.array(labels[self._pairs :], dtype=object)
         self._pairs = len(labels)
-        self._outputs.forget_shapes()
+        for timeline in self._groups.values():
+            timeline.forget_shapes()
 
     def _set_attributes(self, attributes: Mapping[str, Any]) -> None:
         for name, value in attributes.items():
             if value is not None:
                 self._dataset.setncattr(name, _storable(value))
 
-    def _declared(self, group: str, name: str, values: AnyArray) -> tuple[Field, AnyArray]:
-        try:
-            return self._fields[group, name], np.asarray(values)  # type: ignore[index]
-        except KeyError:
-            raise MpmfwError(f"frame holds the undeclared field '{name}' in group '{group}'") from None
+    def _declared(self, group: Any, arrays: Mapping[str, AnyArray]) -> dict[str, tuple[Field, AnyArray]]:
+        declared = {}
+        for name, values in arrays.items():
+            if (group, name) not in self._fields:
+                raise MpmfwError(f"frame holds the undeclared field '{name}' in group '{group}'")
+            declared[name] = self._fields[group, name], np.asarray(values)
+        return declared
 
 
-def _places(frame: Frame) -> list[tuple[str, str, Mapping[str, AnyArray]]]:
-    """List the arrays of every output as (path of the group in the file, group of the declaration, arrays)."""
-    return [
-        ("series", "series", frame.series),
-        ("surface", "surface", frame.surface),
-        *((f"contact/{pair}", "contact", arrays) for pair, arrays in frame.contact.items()),
-        ("grid", "grid", frame.grid),
-    ]
+def _is_points(place: str) -> bool:
+    """Whether a group is of material points, which not every output has."""
+    return place.startswith("particles/")
+
+
+def _with_times(group: netCDF4.Dataset) -> Iterator[netCDF4.Dataset]:
+    """The groups below one of a file that have times of their own."""
+    for child in group.groups.values():
+        if "time" in child.variables:
+            yield child
+        yield from _with_times(child)
 
 
 def _frame_of(columns: list[tuple[Field, Any]], k: int) -> dict[str, tuple[Field, AnyArray]]:

@@ -151,11 +151,12 @@ def _runs(given: str | os.PathLike[str] | xr.Dataset, by: str) -> Iterator[dict[
 
 
 def _opened(path: str | os.PathLike[str]) -> xr.Dataset:
+    from mpmfw.outputs import series_of
     from mpmfw.results import check_results
+    from mpmfw.results.reading import read
 
     check_results(Path(path))
-    with xr.open_dataset(path) as dataset:
-        return dataset.load()
+    return series_of(read(path))
 
 
 def summary(ranking: xr.Dataset, quantity: str) -> list[dict[str, Any]]:
