@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from mpmfw.resuming import resume
     from mpmfw.runs import run
     from mpmfw.scene import load_scene
+    from mpmfw.selection import difference, select
     from mpmfw.simulation import Simulation
     from mpmfw.studies.choosing import choose
     from mpmfw.studies.ranking import rank
@@ -35,6 +36,7 @@ _MODULES = {
     "campaign": "mpmfw.campaigns.campaign",
     "choose": "mpmfw.studies.choosing",
     "compare": "mpmfw.comparison",
+    "difference": "mpmfw.selection",
     "export": "mpmfw.paraview",
     "field": "mpmfw.notebook",
     "gap": "mpmfw.notebook",
@@ -45,6 +47,7 @@ _MODULES = {
     "rank": "mpmfw.studies.ranking",
     "resume": "mpmfw.resuming",
     "run": "mpmfw.runs",
+    "select": "mpmfw.selection",
     "study": "mpmfw.studies.study",
     "table": "mpmfw.notebook",
 }
@@ -57,6 +60,7 @@ __all__ = [
     "check_plugin",
     "choose",
     "compare",
+    "difference",
     "export",
     "field",
     "gap",
@@ -68,6 +72,7 @@ __all__ = [
     "rank",
     "resume",
     "run",
+    "select",
     "study",
     "table",
 ]

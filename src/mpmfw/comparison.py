@@ -61,8 +61,8 @@ def compare(
         NetCDF file to write, brought up to date after every run; it replaces nothing but another comparison. Finished runs
         are kept in the folder ``<output>.runs`` beside it: one that was broken off, or is changed, takes what still applies.
     set
-        Scene keys that all runs share. Particle frames are off unless ``output.particles`` is set here: a
-        comparison keeps the series and the first and last outlines.
+        Scene keys that all runs share. A comparison keeps the series and the first and last outlines. It keeps the fields of
+        material points if ``output.particles`` is set here or in the scene and all runs have the same points.
     jobs, executor, store, repeats, measures, progress, report, force
         As :func:`mpmfw.campaign` takes them; without measures those of which the scene has a closed form or a reference.
 
@@ -92,7 +92,9 @@ def compare(
     path = None if output is None else os.path.abspath(output)
     first = _first(scene, methods, set or {})
     known = _applicable_measures(first) if measures is None else list(measures)
-    particles = any(measure_of(name).particles for name in known)
+    # The scene's own word counts; one that says nothing has material points where a measure reads them
+    said = first is not None and "particles" in first.output.model_fields_set
+    particles = {} if said else {"output.particles": any(measure_of(name).particles for name in known)}
 
     def grown(dataset: xr.Dataset) -> None:
         if path is not None and dataset["steps"].notnull().any():
@@ -102,7 +104,7 @@ def compare(
         dataset = campaign(
             scene,
             {**methods, **varied},
-            set={"output.particles": particles, **(set or {})},
+            set={**particles, **(set or {})},
             store=store if store is not None else store_of(path),
             executor=executor,
             jobs=jobs,
@@ -139,7 +141,12 @@ def _applicable_measures(scene: Scene | None) -> list[str]:
     if scene is None or reference_of({"scene": scene.text}) is not None:
         return []
     measures = [measure_of(name) for name in names_of_measures()]
-    return [one.name for one in measures if one.kind != "curve" and exact_of(one, scene, About()) is not None]
+    kept = scene.output.particles or "particles" not in scene.output.model_fields_set
+    return [
+        one.name
+        for one in measures
+        if one.kind != "curve" and (kept or not one.particles) and exact_of(one, scene, About()) is not None
+    ]
 
 
 def _write(dataset: xr.Dataset, path: str) -> None:

@@ -12,6 +12,7 @@ import xarray as xr
 from mpmfw.clock import COSTS, STAGES
 from mpmfw.fields import AnyArray, FloatArray, IntArray
 from mpmfw.results.resampling import series_at_outputs
+from mpmfw.selection import same_points
 
 #: Root attributes of a run that say how it was computed, where ``auto`` leaves that to the shape function.
 STEPPING: tuple[tuple[str, str], ...] = (
@@ -26,7 +27,9 @@ _OF_ONE_RUN = {"contact", "shape", "effects", "plugins", "status", "kind", "surf
 Index = tuple[int, ...]
 
 
-def join(coords: Mapping[str, Sequence[Any]], trees: Mapping[Index, xr.DataTree]) -> xr.Dataset:
+def join(
+    coords: Mapping[str, Sequence[Any]], trees: Mapping[Index, xr.DataTree], *, fields: bool = True
+) -> xr.Dataset:
     """Join what the runs of a grid wrote.
 
     Parameters
@@ -35,19 +38,22 @@ def join(coords: Mapping[str, Sequence[Any]], trees: Mapping[Index, xr.DataTree]
         Values of the new dimensions, in their order.
     trees
         What runs wrote, by index into them.
+    fields
+        Join the fields of material points as well, where runs have any.
 
     Returns
     -------
     xarray.Dataset
-        Scheme and transfer, as far as they are known and not varied; series, costs, costs by stage, and first and last outlines
-        over the new dimensions.
+        Scheme and transfer, as far as they are known and not varied; series, costs, costs by stage, first and last outlines, and
+        fields as ``particle_<name>``, over the new dimensions. Where material points differ, the attribute ``fields`` says so.
     """
     points = np.ndindex(*(len(values) for values in coords.values()))
     costs = over_grid(coords, {index: _costs(trees.get(index, xr.DataTree())) for index in points})
     parts = [_stepping(coords, trees), _series(coords, trees), costs, _outlines(coords, trees)]
     named = {name: list(values) for name, values in coords.items()}
     dataset = xr.Dataset({name: array for part in parts for name, array in part.items()}, named)
-    return dataset.assign_attrs(_attributes(coords, trees))
+    dataset = dataset.assign_attrs(_attributes(coords, trees))
+    return _with_fields(dataset, coords, trees) if fields else dataset
 
 
 def over_grid(
@@ -59,7 +65,7 @@ def over_grid(
         for name, one in data.data_vars.items():
             if name not in joined:
                 own = {dim: one.coords[dim] for dim in one.dims if dim in one.coords}
-                empty = np.full((*shape, *one.shape), np.nan)
+                empty = np.full((*shape, *one.shape), np.nan, one.dtype if one.dtype.kind == "f" else float)
                 joined[str(name)] = xr.DataArray(empty, own, (*coords, *one.dims), attrs=one.attrs)
             joined[str(name)].values[index] = one.values
     return joined
@@ -138,6 +144,71 @@ def _series(
         for index, data in found.items()
     }
     return over_grid(coords, whole)
+
+
+def _with_fields(
+    dataset: xr.Dataset, coords: Mapping[str, Sequence[Any]], trees: Mapping[Index, xr.DataTree]
+) -> xr.Dataset:
+    """Add the fields of material points, if all runs that have any have the same points."""
+    kept = {index: tree for index, tree in trees.items() if "particles" in tree.children}
+    for index, tree in kept.items():
+        first = next(iter(kept))
+        if not _same_points(tree.children["particles"], kept[first].children["particles"]):
+            runs = " and ".join(", ".join(map(str, _choice(coords, one))) for one in (first, index))
+            text = (
+                f"fields are not joined: {runs} have other material points; run them one by one to draw them"
+            )
+            return dataset.assign_attrs(fields=text)
+    found = {index: _points(tree) for index, tree in kept.items()}
+    if not found:
+        return dataset
+    times = union_of_times([data["particle_time"].values for data in found.values()])
+    slack = 2e-9 * np.ptp(times) if times.size else 0.0
+    whole = {
+        index: data.reindex(particle_time=times, method="nearest", tolerance=slack)
+        for index, data in found.items()
+    }
+    bodies = next(iter(found.values()))["particle_body"]
+    return dataset.assign(over_grid(coords, whole)).assign_coords(particle_body=bodies)
+
+
+def _same_points(one: xr.DataTree, other: xr.DataTree) -> bool:
+    return list(one.children) == list(other.children) and all(
+        same_points(group.to_dataset(), other.children[body].to_dataset())
+        for body, group in one.children.items()
+    )
+
+
+def _points(tree: xr.DataTree) -> xr.Dataset:
+    """The fields of all bodies, which follow each other, at multiples of the output interval where steps end beside them."""
+    groups = {body: node.to_dataset() for body, node in tree["particles"].children.items()}
+    names = dict.fromkeys(str(name) for group in groups.values() for name in group.data_vars)
+    times = next(iter(groups.values()))["time"].values
+    if tree.attrs.get("outputs", "exact") != "exact":
+        interval = float(tree.attrs["output_interval"])
+        times = np.append(interval * np.round(times[:-1] / interval), times[-1:])
+    joined = {}
+    for name in names:
+        array = next(group[name] for group in groups.values() if name in group)
+        if "particle" not in array.dims:
+            continue
+        axis = array.dims.index("particle")
+        parts = []
+        for group in groups.values():
+            shape = [group.sizes.get(str(dim), array.sizes[dim]) for dim in array.dims]
+            parts.append(group[name].values if name in group else np.full(shape, np.nan))
+        dims = ["particle_time" if dim == "time" else dim for dim in array.dims]
+        joined[f"particle_{name}"] = (dims, np.concatenate(parts, axis), array.attrs)
+    labels = np.repeat(list(groups), [group.sizes["particle"] for group in groups.values()])
+    inner = {dim: groups[next(iter(groups))][dim].values for dim in ("axis", "axis2") if dim in tree.coords}
+    return xr.Dataset(
+        joined,
+        {
+            "particle_time": ("particle_time", times, {"units": "s"}),
+            "particle_body": ("particle", labels),
+            **inner,
+        },
+    )
 
 
 def _of_all_pairs(series: dict[Index, xr.Dataset]) -> dict[Index, xr.Dataset]:

@@ -80,7 +80,8 @@ def bodies_of(tree: xr.DataTree, selection: Sequence[str] | None = None) -> list
     order = tree.coords["body"].values.tolist() if "body" in tree.coords else list(groups)
     present = [str(name) for name in order if name in groups and groups[name].data_vars]
     if not present:
-        raise SceneError("the run stored no material points; run it with output.particles = true")
+        why = "the run stored no material points; run it with output.particles = true"
+        raise SceneError(str(tree.attrs.get("fields", why)))
     if selection is None:
         return present
     names = [selection] if isinstance(selection, str) else list(selection)

@@ -72,7 +72,9 @@ def point_field(tree: xr.DataTree, name: str, body: str | None = None) -> PointF
 
 
 def _of_array(name: str, array: xr.DataArray) -> dict[str, PointField]:
-    unit, words = str(array.attrs.get("units", "1")), _WORDS.get(name, name.replace("_", " "))
+    base = name.removesuffix("_difference")
+    unit, words = str(array.attrs.get("units", "1")), _WORDS.get(base, base.replace("_", " "))
+    words = words if base == name else f"difference of {words}"
     inner = [dim for dim in array.dims if dim not in ("time", "particle")]
     if not inner:
         return {name: PointField(name, words, unit, lambda frame: _plain(frame[name]))}

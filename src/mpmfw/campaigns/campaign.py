@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
@@ -15,7 +16,7 @@ from mpmfw.campaigns.grid_runs import GridRuns
 from mpmfw.campaigns.judging import judge_all
 from mpmfw.campaigns.outcome import COSTS
 from mpmfw.campaigns.running import Event, Progress, Repeats
-from mpmfw.errors import SceneError
+from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.joining import join
 
 
@@ -94,11 +95,13 @@ def campaign(
         if progress is not None:
             progress(event)
         if grown is not None and event.name and event.status != "repeat":
-            grown(dataset_of(runs))
+            grown(dataset_of(runs, fields=False))
 
     runs.complete(repeats, tell, report, force)
     runs.warn(lambda one: one.path)
     dataset = dataset_of(runs)
+    if "fields" in dataset.attrs:
+        warnings.warn(dataset.attrs["fields"], ResultsWarning, stacklevel=2)
     refusals = [status for status in dataset["status"].values.ravel() if status.startswith("refused: ")]
     if len(refusals) == dataset["status"].size:
         raise SceneError(refusals[0].removeprefix("refused: "))
@@ -113,13 +116,13 @@ def campaign(
     return dataset
 
 
-def dataset_of(runs: GridRuns) -> xr.Dataset:
+def dataset_of(runs: GridRuns, *, fields: bool = True) -> xr.Dataset:
     """Join what is known of a grid: series, status, costs and the conditions that they were measured under."""
     grid, costs = runs.grid, runs.costs()
     results = {index: runs.results(index) for index, _, _ in runs.known()}
     trees = {index: tree for index, tree in results.items() if tree is not None}
     status = grid.array(runs.statuses(), "ok, or why there is no complete result")
-    files = join(grid.coords, trees)
+    files = join(grid.coords, trees, fields=fields)
     dataset = xr.Dataset({"status": status, **files.data_vars}, files.coords, files.attrs)
     if keys := {dim: key for dim, key in grid.keys.items() if key not in ("contact", "shape")}:
         dataset.attrs["varied"] = json.dumps(keys)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -19,6 +19,9 @@ from mpmfw.cli.result_files import (
     limits_of,
 )
 from mpmfw.errors import SceneError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def plot(
@@ -52,13 +55,21 @@ def plot(
             show_default=False,
         ),
     ] = None,
+    against: Annotated[
+        str | None,
+        typer.Option(
+            metavar="CONTACT",
+            help="Of a comparison: draw the difference of the field against this contact as well.",
+            show_default=False,
+        ),
+    ] = None,
     force: ReplaceOption = False,
 ) -> None:
     """Draw the figures of FILE, by default to PNG files named as it; -o NAME.pdf or NAME.svg draws vectors.
 
-    With --field, a field on the material points of a run, in 3D on a plane; with --series, series over time of a run or a
-    comparison. Several FILEs then stand side by side, fields under one colour scale. Without either, several FILEs
-    that are comparisons of a rolling cylinder with slip and without make one figure, a row each.
+    With --field, a field on the material points of a run, in 3D on a plane, or of the runs of a comparison side by side; with
+    --series, series over time of a run or a comparison. Several FILEs then stand side by side, fields under one colour scale.
+    Without either, several FILEs that are comparisons of a rolling cylinder with slip and without make one figure, a row each.
     """
     from mpmfw.results import check_results
     from mpmfw.results.replacing import check_new
@@ -66,17 +77,37 @@ def plot(
     check_files(file)
     output = None if output is None else figure_path(output)
     _check_options(
-        field, series, time=time, body=body, pair=pair, axis=axis, limits=limits, arrows=arrows, plane=plane
+        field,
+        series,
+        time=time,
+        body=body,
+        pair=pair,
+        axis=axis,
+        limits=limits,
+        arrows=arrows,
+        against=against,
+        plane=plane,
     )
     scale = limits_of(limits)
     path = check_writable(_default(file, field, series) if output is None else output)
     if field is not None or series or len(file) > 1:
         check_new(path, force)
 
+    beside = path.with_stem(f"{path.stem}-difference")
+    if against is not None:
+        check_new(beside, force)
+        if len(file) > 1:
+            raise SceneError(f"--against {against}: takes one FILE, a comparison")
     for one in file:
         check_results(one)
     if field is not None:
-        written = [_draw_field(file, path, field, time, body, scale, arrows, _plane_of(plane))]
+        from mpmfw.plots import write_figure
+
+        on = _plane_of(plane)
+        figures = {path: _field_figure(file, field, time, body, scale, arrows, on)}
+        if against is not None:
+            figures[beside] = _field_figure(file, field, time, body, None, False, on, against)
+        written = [write_figure(figure, one) for one, figure in figures.items()]
     elif series:
         written = [_draw_series(file, path, series, body, pair, axis)]
     else:
@@ -100,7 +131,8 @@ def _check_options(field: str | None, series: list[str] | None, **given: object)
     if field is not None and series:
         raise SceneError(f"--series {series[0]}: --field {field} draws another figure; leave one of them out")
     needed = {
-        "time": "--field", "limits": "--field", "arrows": "--field", "plane": "--field", "pair": "--series", "axis": "--series",
+        "time": "--field", "limits": "--field", "arrows": "--field", "plane": "--field", "against": "--field",
+        "pair": "--series", "axis": "--series",
     }  # fmt: skip
     chosen = {"--field": field is not None, "--series": bool(series)}
     for name, option in needed.items():
@@ -110,25 +142,26 @@ def _check_options(field: str | None, series: list[str] | None, **given: object)
         raise SceneError("--body: has no effect without --field or --series")
 
 
-def _draw_field(
+def _field_figure(
     file: list[Path],
-    path: Path,
     name: str,
     time: float | None,
     bodies: list[str] | None,
     limits: tuple[float, float] | None,
     arrows: bool,
     plane: tuple[str, float | None] | None,
-) -> Path:
-    from mpmfw.plots import field, side_by_side, write_figure
+    against: str | None = None,
+) -> Figure:
+    from mpmfw.plots import field, side_by_side
 
+    chosen = bodies or None
     if len(file) == 1:
-        figure = field(file[0], name, time, bodies=bodies or None, limits=limits, arrows=arrows, plane=plane)
-    elif plane is not None:
+        return field(
+            file[0], name, time, bodies=chosen, limits=limits, arrows=arrows, plane=plane, against=against
+        )
+    if plane is not None:
         raise SceneError(f"--plane {plane[0]}: takes one FILE")
-    else:
-        figure = side_by_side(file, name, time, bodies=bodies or None, limits=limits, arrows=arrows)
-    return write_figure(figure, path)
+    return side_by_side(file, name, time, bodies=chosen, limits=limits, arrows=arrows)
 
 
 def _plane_of(text: str | None) -> tuple[str, float | None] | None:

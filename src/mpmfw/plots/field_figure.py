@@ -16,11 +16,12 @@ from matplotlib.figure import Figure
 
 from mpmfw.errors import SceneError
 from mpmfw.fields import FloatArray
-from mpmfw.outputs import Results, attribute, frame_at, opened_run
+from mpmfw.outputs import Results, attribute, frame_at, opened, opened_run
 from mpmfw.plots.field_panel import Box, FieldPanel, Scales
 from mpmfw.plots.plane_cut import plane_cut
 from mpmfw.plots.style import PANEL, dress, journal_style, new_figure
 from mpmfw.plots.units import in_brackets, length_scale, readable, with_prefix
+from mpmfw.selection import runs_of
 
 #: Drawings wider than this, in heights, stand one above the other; narrower ones two in a row.
 _WIDE = 2.5
@@ -37,13 +38,16 @@ def field(
     limits: tuple[float, float] | None = None,
     arrows: bool = False,
     plane: tuple[str, float | None] | None = None,
+    against: str | None = None,
 ) -> Figure:
-    """Draw a field on the material points of a run at one output; of a run in 3D on a plane, by :func:`plane_cut`.
+    """Draw a field on the material points of a run, or of the runs of a comparison side by side, at one output.
+
+    A run in 3D is drawn on a plane, by :func:`plane_cut`.
 
     Parameters
     ----------
     results
-        A run's tree, or the name of its file.
+        A run or a comparison, or the name of its file.
     name
         Of the field: ``von_mises``, ``velocity`` (its size), ``velocity_x``, ``stress_xy``, ``in_plane_pressure``,
         ``volume_ratio`` …, see :func:`mpmfw.point_fields.point_fields`.
@@ -58,6 +62,8 @@ def field(
         Draw the contact force on every surface node (2D).
     plane
         Axis across the plane, and its place along the axis [m]; ``("z", None)`` by default, the middle (3D).
+    against
+        A contact of the comparison: draw the difference of every other run against the one that has it.
 
     Returns
     -------
@@ -69,6 +75,15 @@ def field(
     SceneError
         There is no such field, body or time, or the run keeps no material points.
     """
+    with opened(results) as found:
+        if isinstance(found, xr.Dataset) and "status" in found:
+            if plane is not None:
+                raise SceneError("plane: has no effect on a comparison; mpmfw.select gives one run of it")
+            runs = runs_of(found, against, name)
+            name = name if against is None else f"{name}_difference"
+            return side_by_side(runs, name, time, bodies=bodies, limits=limits, arrows=arrows)
+        if against is not None:
+            raise SceneError(f"against {against}: has no effect on a single run; give a comparison")
     with opened_run(results) as tree:
         if tree.sizes.get("axis") != 3:
             if plane is not None:

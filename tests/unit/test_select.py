@@ -1,0 +1,140 @@
+"""Fields of a comparison: kept where the scene or the user asks, joined, selected and subtracted."""
+
+import warnings
+
+import numpy as np
+import pytest
+import xarray as xr
+from typer.testing import CliRunner
+
+import mpmfw
+from mpmfw.cli import app
+from mpmfw.errors import ResultsWarning, SceneError
+from scenes_for_tests import two_blocks
+
+SCENE = two_blocks(
+    "none", time__end=2e-3, time__output_interval=1e-3, shape__method="linear", output={"particles": True}
+)
+
+
+@pytest.fixture(scope="module")
+def compared(tmp_path_factory):
+    path = tmp_path_factory.mktemp("fields") / "c.nc"
+    return path, mpmfw.compare(SCENE, ["none", "separate"], ["linear"], output=path)
+
+
+def test_fields_of_a_comparison_are_those_of_its_runs(compared):
+    path, dataset = compared
+    assert dataset["particle_position"].dims == ("contact", "shape", "particle_time", "particle", "axis")
+    assert dataset["particle_position"].dtype == np.float32
+    with xr.open_dataset(path) as plain:
+        xr.testing.assert_equal(plain.load(), dataset)
+    for contact in ("none", "separate"):
+        alone, chosen = mpmfw.run(SCENE, contact=contact), mpmfw.select(path, contact=contact)
+        assert chosen.attrs["contact"] == contact
+        assert list(chosen["particles"].children) == list(alone["particles"].children)
+        for body in alone["particles"].children:
+            for name in alone[f"particles/{body}"].data_vars:
+                np.testing.assert_array_equal(
+                    chosen[f"particles/{body}/{name}"].values, alone[f"particles/{body}/{name}"].values
+                )
+        xr.testing.assert_equal(
+            chosen["series/centre_of_mass"].drop_vars("body"),
+            alone["series/centre_of_mass"].drop_vars("body"),
+        )
+        np.testing.assert_array_equal(mpmfw.field(chosen, "velocity"), mpmfw.field(alone, "velocity"))
+
+
+def test_a_difference_is_that_of_the_values(compared):
+    runs = [mpmfw.select(compared[1], contact=contact) for contact in ("none", "separate")]
+    found = mpmfw.field(mpmfw.difference(*runs, "velocity_x"), "velocity_x_difference")
+    values = [mpmfw.field(run, "velocity_x") for run in runs]
+    np.testing.assert_array_equal(found, values[0].values - values[1].values)
+    assert np.abs(found).max() > 0.0
+    assert found.attrs["units"] == "m s-1"
+    itself = mpmfw.field(mpmfw.difference(runs[0], runs[0]), "von_mises_difference")
+    assert (itself == 0.0).all()
+
+
+def test_the_command_draws_runs_side_by_side_and_their_difference(compared, monkeypatch):
+    path, _ = compared
+    monkeypatch.chdir(path.parent)
+    done = CliRunner().invoke(app, ["plot", "c.nc", "--field", "velocity_x", "--against", "none"])
+    assert done.exit_code == 0, done.output
+    assert done.stdout.split() == ["c-velocity_x.png", "c-velocity_x-difference.png"]
+    for option, message in (
+        (["--against", "non"], "no contact 'non'; did you mean 'none'?"),
+        (["--time", "9"], "no output at 9 s"),
+    ):
+        done = CliRunner().invoke(app, ["plot", "c.nc", "--field", "velocity_x", "-o", "b.png", *option])
+        assert (done.exit_code, message in done.stderr) == (2, True), done.output
+
+
+def test_what_the_scene_says_of_its_output_counts():
+    """Both ways, and over the scene what is set; a scene that says nothing keeps series alone."""
+    silent = {key: value for key, value in SCENE.items() if key != "output"}
+    for scene, changes, kept in (
+        (SCENE, {}, True),
+        (SCENE, {"output.particles": False}, False),
+        (silent, {}, False),
+        (silent, {"output.particles": True}, True),
+    ):
+        dataset = mpmfw.compare(scene, ["none"], ["linear"], set=changes)
+        assert ("particle_position" in dataset) == kept
+        if not kept:
+            with pytest.raises(
+                SceneError, match=r"keeps no fields; run it with --set output\.particles=true"
+            ):
+                mpmfw.plots.field(dataset)
+
+
+def test_the_command_keeps_what_is_set(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    silent = {key: value for key, value in SCENE.items() if key != "output"}
+    (tmp_path / "s.toml").write_text(mpmfw.load_scene(silent).text)
+    done = CliRunner().invoke(app, ["compare", "s.toml", "--set", "output.particles=true", "-o", "c.nc"])
+    assert done.exit_code == 0, done.output
+    assert "particle_von_mises" in mpmfw.open("c.nc")
+
+
+def test_points_that_differ_are_not_joined_and_said_to():
+    with pytest.warns(
+        ResultsWarning,
+        match=r"fields are not joined: none, linear, 0\.\d+ and none, linear, 0\.\d+ have other",
+    ):
+        dataset = mpmfw.compare(SCENE, ["none"], ["linear"], {"bodies.left.particles.size": [0.125, 0.0625]})
+    assert "particle_position" not in dataset
+    with pytest.raises(SceneError, match="fields are not joined"):
+        mpmfw.plots.field(dataset)
+    chosen = mpmfw.select(dataset, size=0.0625)
+    assert chosen["series"].sizes["time"] == 3
+    with pytest.raises(SceneError, match="fields are not joined"):
+        mpmfw.field(chosen)
+    with pytest.raises(SceneError, match=r"size: expected one of 0\.125, 0\.0625"):
+        mpmfw.select(dataset)
+    with pytest.raises(SceneError, match="no dimension of the comparison"):
+        mpmfw.select(dataset, size=0.0625, sizes=1)
+
+
+def test_runs_of_other_points_have_no_difference():
+    one, other = (mpmfw.run(SCENE, set={"bodies.left.particles.size": size}) for size in (0.125, 0.0625))
+    with pytest.raises(SceneError, match="the material points of 'left' differ"):
+        mpmfw.difference(one, other)
+
+
+def test_a_method_that_failed_has_no_field():
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        dataset = mpmfw.compare(SCENE, ["none", "separate"], ["linear"])
+    assert {"none, linear", "separate, linear"} == set(_runs(dataset))
+    broken = dataset.copy(deep=True)
+    for name in broken.data_vars:
+        if "particle" in broken[name].dims:
+            broken[name].loc[{"contact": "separate"}] = np.nan
+    assert set(_runs(broken)) == {"none, linear"}
+
+
+def _runs(dataset):
+    from mpmfw.selection import runs_of
+
+    return runs_of(dataset)
