@@ -294,7 +294,7 @@ class Checkpoints:
     def forget(self) -> None:
         """Remove it, and what one that was cut short has left; a file that is called so and is none stays."""
         if self.path is not None and not is_foreign(self.path):
-            for path in (self.path, *abandoned(self.path), *abandoned(self.writer.path)):
+            for path in (Path(self.path), *abandoned(self.path), *abandoned(self.writer.path)):
                 with contextlib.suppress(OSError):
                     os.unlink(path)
 
