@@ -84,15 +84,17 @@ def field(
             return side_by_side(runs, name, time, bodies=bodies, limits=limits, arrows=arrows)
         if against is not None:
             raise SceneError(f"against {against}: has no effect on a single run; give a comparison")
-    with opened_run(results) as tree:
-        if tree.sizes.get("axis") != 3:
-            if plane is not None:
-                raise SceneError("plane: has no effect on a run in 2D")
-            return side_by_side({"": tree}, name, time, bodies=bodies, limits=limits, arrows=arrows)
-        if arrows:
-            raise SceneError("arrows: drawn of runs in 2D alone; mpmfw export shows forces in 3D in ParaView")
-        normal, at = plane or ("z", None)
-        return plane_cut(tree, name, time, normal=normal, at=at, bodies=bodies, limits=limits)
+        with opened_run(found) as tree:
+            if tree.sizes.get("axis") != 3:
+                if plane is not None:
+                    raise SceneError("plane: has no effect on a run in 2D")
+                return side_by_side({"": tree}, name, time, bodies=bodies, limits=limits, arrows=arrows)
+            if arrows:
+                raise SceneError(
+                    "arrows: drawn of runs in 2D alone; mpmfw export shows forces in 3D in ParaView"
+                )
+            normal, at = plane or ("z", None)
+            return plane_cut(tree, name, time, normal=normal, at=at, bodies=bodies, limits=limits)
 
 
 def side_by_side(
