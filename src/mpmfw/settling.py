@@ -8,7 +8,7 @@ damping: nothing of it stays in the stresses.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -22,6 +22,7 @@ from mpmfw.kernels.types import Floats
 from mpmfw.state import Body, Grid, State
 
 if TYPE_CHECKING:
+    from mpmfw.scene import Scene
     from mpmfw.scene.tables import Settle
     from mpmfw.simulation import Simulation
 
@@ -32,13 +33,16 @@ DAMPING = 0.8
 #: see and so not damp.
 FLIP_SHARE = 0.9
 
+#: Kinetic over strain energy above which a scene that should be at rest moves: 3 % of the static displacement.
+MOTION_LEFT = 1e-3
+
 #: Crossings of the longest body by its elastic wave after which settling gives up, unless the scene says
 #: otherwise.
-CROSSINGS = 60
+CROSSINGS = 100
 
-#: The residual is the largest over so many steps, so that a moment of balance in an oscillation does not
-#: count.
-STEPS_BELOW = 50
+#: The residual is the mean over the last so many steps: a moment of balance in an oscillation does not count, nor does a
+#: point of linear shape functions that crosses a grid line.
+STEPS_OF_MEAN = 50
 
 
 @kernel
@@ -67,7 +71,29 @@ def called_for(asked: Settle | None) -> tuple[bool, str]:
     if asked is None:
         return False, "no [settle]"
     given_up = f"{CROSSINGS} crossings" if asked.max_time is None else f"{asked.max_time:g} s"
-    return True, f"[settle]: to {asked.tolerance:g} of the first force, for {given_up} at most"
+    return True, f"[settle]: to {asked.tolerance:g} of the internal forces, for {given_up} at most"
+
+
+def is_settled_for_good(scene: Scene) -> bool:
+    """Return whether the scene should stay at rest: what it settles under goes on, and nothing sets it in motion."""
+    constant = scene.gravity is None or scene.gravity.is_constant
+    return (
+        scene.settle is not None
+        and (scene.settle.gravity is None and constant and not scene.loads)
+        and all(body.velocity is None and body.angular_velocity is None for body in scene.bodies.values())
+        and all(side.is_constant for body in scene.bodies.values() for side in body.sides)
+    )
+
+
+def concern(settled: Mapping[str, float]) -> list[str]:
+    """Return a sentence if the kinetic energy at the first output after settling is too large a share of the strain energy."""
+    share = settled.get("settle_motion", 0.0)
+    if share <= MOTION_LEFT:
+        return []
+    return [
+        f"the scene still moved at the first output after settling, with {100 * share:.2g} % of the strain energy as "
+        "kinetic energy; try a smaller settle.tolerance, or a longer settle.max_time"
+    ]
 
 
 def longest_settling(asked: Settle, bodies: Iterable[Body]) -> float:
@@ -87,7 +113,13 @@ class LocalDamping:
 
     def __init__(self) -> None:
         self.impulse = 0.0  #: Σ |Δ(m v)_i| of the last step [N s/m]
+        self.internal = 0.0  #: Σ |f_i| of the internal forces of the last step [N/m]
         self._integrated = False
+
+    @hookimpl(tryfirst=True)
+    def add_nodal_force(self, grid: Grid) -> None:
+        """Sum the internal forces, which balance all others at rest, before any other is added."""
+        self.internal = float(np.abs(grid.force).sum())
 
     @hookimpl
     def after_momentum_update(self) -> None:
@@ -134,13 +166,15 @@ class Settling:
         simulation.transfer = replace(self.transfer, flip=min(self.transfer.flip, FLIP_SHARE))
         simulation.clock.restart()
         self.damping = LocalDamping()
-        self.applied = -1.0  #: force at the first step [N/m]; below zero before it
-        self.residual, self.below, self.elapsed = 1.0, 0, 0.0
+        self.residual, self.elapsed = 1.0, 0.0
+        self.ratios = np.ones(STEPS_OF_MEAN)  #: of residual to internal forces, of the last steps
 
     def finish(
         self, simulation: Simulation, after_step: Callable[[], None] | None = None
     ) -> dict[str, float]:
-        """Step until the residual force is below the tolerance times the force at the first step.
+        """Step until the residual force is below the tolerance times the present internal forces.
+
+        Both are sums over all nodes and axes of magnitudes, as the ratio of unbalanced forces of Cundall's codes is.
 
         Parameters
         ----------
@@ -156,14 +190,14 @@ class Settling:
         the residual tells how far it got.
         """
         with simulation.extra_plugin(self.damping):
-            while self.applied < 0.0 or (self.below < STEPS_BELOW and self.elapsed < self.limit):
+            while self.residual > self.tolerance and self.elapsed < self.limit:
                 self._step(simulation)
                 if after_step is not None:
                     after_step()
-        if self.below < STEPS_BELOW:
+        if self.residual > self.tolerance:
             warnings.warn(
-                f"settling stopped after {self.elapsed:.3g} s with a residual force of {self.residual:.2g} of the applied one "
-                f"(asked for: {self.tolerance:.2g})",
+                f"settling stopped after {self.elapsed:.3g} s with a residual force of {self.residual:.2g} of the internal "
+                f"forces (asked for: {self.tolerance:.2g})",
                 ResultsWarning,
                 stacklevel=3,
             )
@@ -181,12 +215,10 @@ class Settling:
         state.time = 0.0  # loads that change in time stand still at their start
         simulation.step()
         self.elapsed += state.dt
-        force = self.damping.impulse / state.dt
-        if self.applied < 0.0:
-            self.applied = force
-        else:
-            self.residual = force / self.applied if self.applied > 0.0 else 0.0
-            self.below = self.below + 1 if self.residual <= self.tolerance else 0
+        force, internal = self.damping.impulse / state.dt, self.damping.internal
+        ratio = min(1.0, force / internal) if internal > 0.0 else float(force > 0.0)
+        self.ratios[state.steps % STEPS_OF_MEAN] = ratio
+        self.residual = float(self.ratios.mean())
 
     def _begin_at_zero(self, simulation: Simulation) -> None:
         """Loads, sides and transfer as the scene has them, no motion, and nothing recorded."""

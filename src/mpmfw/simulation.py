@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import os
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any
@@ -28,7 +29,7 @@ from mpmfw.plan import plan_effects
 from mpmfw.remedies import remedies
 from mpmfw.restart import read_snapshot, write_snapshot
 from mpmfw.results import Frame, RunHeader
-from mpmfw.settling import Settling
+from mpmfw.settling import Settling, concern, is_settled_for_good
 from mpmfw.sizing import warnings_about
 from mpmfw.state import State
 from mpmfw.steppers import SCHEMES
@@ -360,6 +361,9 @@ class Simulation:
         self._gather()
         self._guard.check()
         frame = self._recorder.frame(interval, points=points)
+        if self._next_output == 2 and is_settled_for_good(self.scene):
+            kinetic, strain = (float(frame.series[f"{kind}_energy"].sum()) for kind in ("kinetic", "strain"))
+            self._settled["settle_motion"] = kinetic / max(strain, sys.float_info.min)
         if write is not None:
             write(frame)
         self.clock.flush()
@@ -491,7 +495,11 @@ class Simulation:
                     step=self.state.steps,
                     time=self.state.time,
                 )
-        return [*warnings_about(self.scene), *(text for answer in answers for text in answer)]
+        return [
+            *warnings_about(self.scene),
+            *concern(self._settled),
+            *(text for answer in answers for text in answer),
+        ]
 
     def remarks(self) -> dict[str, list[str]]:
         """Lists of words for the results: ``warnings``, and ``time_step_owners`` where these are followed."""

@@ -190,7 +190,7 @@ def held_block(shift: float) -> dict[str, Any]:
             "plane": body([0.0, 0.0], [2.0, 0.537], sides=[{"side": "bottom", "fixed": True}]),
         },
         "gravity": {"vector": [3.420201433, -9.396926208]},
-        "settle": {"tolerance": 1e-3},
+        "settle": {"tolerance": 3e-4},
         "output": {"particles": False, "surface": False},
     }
 
@@ -203,3 +203,56 @@ def test_a_body_at_rest_stays_for_ten_thousand_steps(shift: float) -> None:
     way = np.linalg.norm(place - place[0], axis=1)
     assert way.max() < 1e-6
     assert np.ptp(way[2:]) < 1e-7
+
+
+def press_fit(**tables: Any) -> dict[str, Any]:
+    """Two steel rings without Poisson's effect, radii 0.2, 0.6 and 1 m, with an interference of 3 mm: one frame."""
+    steel = {"model": "linear_elastic", "density": 1000.0, "youngs_modulus": 1e9, "poissons_ratio": 0.0}
+
+    def ring(inner: float, outer: float) -> dict[str, Any]:
+        geometry = {"type": "ring", "centre": [0.0, 0.0], "inner_radius": inner, "outer_radius": outer}
+        return {"material": "steel", "geometry": geometry, "particles": {"size": 0.05, "layout": "fitted"}}
+
+    return {
+        "allow_overlap": True,
+        "grid": {"cell_size": 0.1, "lower": [-1.3, -1.3], "upper": [1.3, 1.3]},
+        "time": {"end": 1e-4, "output_interval": 1e-4},
+        "shape": {"method": "cpdi"},
+        "contact": {"method": "penalty", "penalty": {"kappa": 16.0, "linear_to": 0.03}},
+        "materials": {"steel": steel},
+        "bodies": {"inner": ring(0.2, 0.603), "outer": ring(0.6, 1.0)},
+        "settle": {},
+        **tables,
+    }
+
+
+@pytest.mark.parametrize("tables", [{}, {"gravity": {"vector": [0.0, -1e-9]}}])
+def test_an_overlap_is_a_load_and_settles_to_lames_press_fit(tables: dict[str, Any]) -> None:
+    sim = Simulation(press_fit(**tables))
+    sim.start()
+    surface = sim.state.surface
+    assert surface is not None
+    radius = np.linalg.norm(surface.position[surface.of(1)], axis=1)
+    a, b, c, interference, young = 0.2, 0.6, 1.0, 0.003, 1e9
+    flexibility = (b**2 + c**2) / (c**2 - b**2) + (a**2 + b**2) / (b**2 - a**2)
+    pressure = young * interference / (b * flexibility)
+    outer_rim = 2.0 * pressure * b**2 * c / (young * (c**2 - b**2))
+    assert radius[radius > 0.8].mean() - c == pytest.approx(outer_rim, rel=0.01)
+
+
+@pytest.mark.filterwarnings("ignore:settling stopped")
+@pytest.mark.parametrize(("max_time", "warned"), [(None, False), (5e-3, True)])
+def test_a_scene_that_still_moves_at_its_first_output_warns(max_time: float | None, warned: bool) -> None:
+    quarter_period = {"end": 5e-3, "output_interval": 5e-3}
+    gravity = {"vector": [0.0, -G]}
+    sim = Simulation(column(gravity=gravity, settle={"max_time": max_time}, time=quarter_period))
+    sim.run()
+    assert any("still moved" in text for text in sim.concerns()) == warned
+
+
+def test_motion_that_the_scene_asks_for_is_no_concern() -> None:
+    scene = column(gravity={"table": [[0.0, 0.0, -G], [0.005, 0.0, 0.0]]}, settle={"tolerance": 0.9})
+    scene["bodies"]["column"]["velocity"] = [0.0, 1.0]
+    sim = Simulation(scene)
+    sim.run()
+    assert sim.concerns() == []

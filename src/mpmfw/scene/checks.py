@@ -169,9 +169,12 @@ def _loads(scene: Tables) -> Iterator[Problem]:
     if scene.settle.gravity is not None:
         yield from _gravity(scene.settle.gravity, ("settle", "gravity"), scene.grid.dim)
     elif not (
-        scene.gravity or scene.loads or any(s.is_loaded for body in scene.bodies.values() for s in body.sides)
+        scene.gravity
+        or scene.loads
+        or scene.allow_overlap
+        or any(s.is_loaded for body in scene.bodies.values() for s in body.sides)
     ):
-        yield Problem(("settle",), "has no effect: the scene has no gravity and no load to settle under")
+        yield Problem(("settle",), "has no effect: the scene has no gravity, load or overlap to settle under")
 
 
 def _named(

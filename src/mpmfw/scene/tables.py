@@ -139,6 +139,13 @@ class Side(Table):
         """Whether the side has a load, and not a prescribed motion."""
         return any(load is not None for load in (self.pressure, self.traction, self.force))
 
+    @property
+    def is_constant(self) -> bool:
+        """Whether it does not move, and its loads are the same at all times."""
+        loads = (self.pressure, self.traction, self.force)
+        changing = any(isinstance(load, tuple) and isinstance(load[0], tuple) for load in loads)
+        return self.velocity is None and not changing
+
 
 class Body(Table):
     """One body; without ``velocity`` and ``angular_velocity`` it starts at rest.
@@ -193,7 +200,7 @@ class Series(Named):
 
 
 class Settle(Table):
-    """Rest before the motion, until the residual force is below ``tolerance`` times the applied one."""
+    """Rest before the motion, until the residual force is below ``tolerance`` times the internal forces."""
 
     tolerance: Annotated[Number, Field(gt=0, lt=1)] = 1e-3
     max_time: PositiveTime | None = None
