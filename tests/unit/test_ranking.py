@@ -97,6 +97,30 @@ def test_a_law_that_ran_alone_stands_beside_the_others() -> None:
     assert ranking["over_best"].sel(quantity="error", problem="S", contact="fine", level=0.01).item() == 2.0
 
 
+def test_a_problem_that_a_method_did_not_run_does_not_count_against_it() -> None:
+    ranking = rank([ONE, study("U", fine=[(0.2, 1.0), (0.09, 5.0)])])
+    rows = {row["method"]: row for row in summary(ranking, "error")}
+    assert (rows["fine"]["problems"], rows["plain"]["problems"]) == (2, 1)
+    assert profile(ranking, "error", "plain")[1][-1] == pytest.approx(2 / 4)  # of the four levels of S alone
+
+
+def test_penetration_is_counted_in_cells() -> None:
+    known = ONE.assign(penetration=(ONE["error"].dims, [[0.03, 0.001], [0.0, 0.0], [0.04, 0.2]]))
+    assert {"0.1 cells", "0.05 cells"} <= set(summary(rank([known]), "penetration")[0])
+    titles = [axes.get_title(loc="left") for axes in profiles(rank([known])).axes]
+    assert any("penetration, levels in cells" in title for title in titles)
+
+
+@pytest.mark.parametrize("slowest", [1.01, 1.7, 3.0, 8.0, 45.0, 900.0])
+def test_the_axis_of_costs_has_several_labels(slowest: float) -> None:
+    figure = profiles(
+        rank([study(quick=[(0.04, 1.0), (0.04, 1.0)], slow=[(0.04, slowest), (0.04, slowest)])])
+    )
+    axes = figure.axes[0]
+    left, right = axes.get_xlim()
+    assert sum(left <= tick <= right for tick in axes.get_xticks()) >= 3
+
+
 @pytest.mark.parametrize(
     ("results", "options", "said"),
     [

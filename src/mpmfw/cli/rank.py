@@ -75,7 +75,10 @@ def _print(found: xr.Dataset, quantity: str, meaning: str) -> None:
     from mpmfw.studies.ranking import summary
 
     count = found.sizes["problem"]
-    title = f"Problems, of {count}, whose {quantity} ({meaning}) falls to each level; median cost over the cheapest method's"
+    title = (
+        f"Problems, of {count} at most, whose {quantity} ({meaning}) falls to each level; "
+        "median cost over the cheapest method's"
+    )
     print_rows(summary(found, quantity), title)
 
 

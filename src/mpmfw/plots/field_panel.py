@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -16,9 +17,12 @@ from mpmfw.errors import SceneError
 from mpmfw.fields import FloatArray
 from mpmfw.joining import loops
 from mpmfw.outputs import bodies_of, frame_of, times_of
+from mpmfw.plots.style import on_lines
 from mpmfw.plots.units import time_scale
 from mpmfw.point_fields import PointField, point_field
 
+#: Letters of a title that a panel of a journal's column has room for.
+TITLE_WIDTH = 44
 #: Length of the longest arrow, as shares of the drawing's width and height: the lesser counts.
 _ARROW = (0.12, 0.25)
 
@@ -132,7 +136,8 @@ class FieldPanel:
             self._drawn.append(axes.add_collection(shapes, autolim=False))
         for body in self.outlined:
             self._drawn += self._draw_surface(axes, frame_of(self.tree, f"surface/{body}", frame), scales)
-        axes.set_title(", ".join(part for part in (title, self.time_text(frame)) if part), loc="left")
+        text = ", ".join(part for part in (title, self.time_text(frame)) if part)
+        axes.set_title(textwrap.fill(on_lines(text), TITLE_WIDTH, replace_whitespace=False), loc="left")
         return first
 
     def time_text(self, frame: int) -> str:

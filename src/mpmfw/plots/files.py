@@ -33,6 +33,7 @@ from mpmfw.plots.style import at_last, drawn_reference, drawn_values, journal_st
 from mpmfw.references import RingsReference, RollingReference
 from mpmfw.results import open as open_results
 from mpmfw.results.replacing import check_new, replace_bytes
+from mpmfw.round_off import without_round_off
 
 #: Metadata by format without which two drawings of the same figure would differ.
 _UNDATED = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
@@ -52,6 +53,7 @@ def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
         return stability_figures(dataset)
     if "time" not in dataset.dims or dataset.sizes["time"] < 2:
         return {}
+    dataset = without_round_off(dataset)
     reference = drawn_reference(dataset)
     figures: dict[str, tuple[Figure, str]] = {}
     if isinstance(reference, RollingReference):

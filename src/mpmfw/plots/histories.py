@@ -19,6 +19,7 @@ from mpmfw.outputs import Results, checked_name, opened, series_of
 from mpmfw.plots.field_figure import labelled
 from mpmfw.plots.style import PANEL, Look, combinations, dress, head, journal_style, legend_below, new_figure
 from mpmfw.plots.units import count_in, scaled_label, time_scale
+from mpmfw.round_off import without_round_off
 
 #: Letters of a legend that fit below one panel.
 _LETTERS = 52
@@ -194,9 +195,9 @@ def _dress(axes: Any, sources: Sequence[RunSeries], name: str, label: str) -> No
 def _sources(results: Any) -> tuple[list[RunSeries], list[list[Artist]], xr.Dataset | None]:
     """The runs to draw, the rows of their legend, and the comparison that they are of."""
     if isinstance(results, xr.Dataset):
-        return _compared(results)
+        return _compared(without_round_off(results))
     with labelled({"": results} if isinstance(results, xr.DataTree) else results) as trees:
-        series = {label: series_of(tree).load() for label, tree in trees.items()}
+        series = {label: without_round_off(series_of(tree).load()) for label, tree in trees.items()}
     found = []
     for k, (label, data) in enumerate(series.items()):
         if data.sizes.get("time", 0) < 2:

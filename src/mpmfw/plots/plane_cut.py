@@ -17,6 +17,9 @@ from mpmfw.plots.style import journal_style
 from mpmfw.plots.units import in_brackets, with_prefix
 from mpmfw.point_fields import point_field
 
+#: Rounding of positions, which files have in single precision, over the bodies' extent.
+SINGLE_PRECISION = 1e-6
+
 
 @journal_style()
 def plane_cut(
@@ -100,7 +103,9 @@ def plane_cut(
             panel.collections[0].set_clim(*(end / colour[0] for end in limits))
         panel.set_xlabel(f"{axes[shown[0]]} [m]")
         panel.set_ylabel(f"{axes[shown[1]]} [m]")
-        panel.set_title(f"{normal} = {place:.4g} m, t = {times_of(tree)[frame]:.4g} s")
+        extent = float(np.ptp(position, axis=0).max())
+        shown_place = 0.0 if abs(place) < SINGLE_PRECISION * extent else place
+        panel.set_title(f"{normal} = {shown_place:.4g} m, t = {times_of(tree)[frame]:.4g} s")
     return figure
 
 

@@ -8,10 +8,18 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, NullFormatter
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 
 from mpmfw.fields import FloatArray
 from mpmfw.plots.style import Look, dress, journal_style, legend_below, new_figure
+
+
+def _ticks(end: float) -> list[float]:
+    """Return at least three costs to label on a logarithmic axis from 1 to ``end``."""
+    steps = (1.0, 2.0, 5.0) if end > 4.0 else (1.0, 1.2, 1.5, 2.0, 2.5, 3.0)
+    decades = range(math.ceil(math.log10(end)) + 1) if end <= 200.0 else range(0)
+    ticks = [step * 10.0**power for power in decades for step in steps]
+    return [tick for tick in ticks if tick <= end] or [10.0**k for k in range(math.ceil(math.log10(end)) + 1)]
 
 
 @journal_style()
@@ -48,10 +56,13 @@ def profiles(ranking: xr.Dataset) -> Figure:
         axes.set_xscale("log")
         axes.set_xlim(0.95, end)
         axes.set_ylim(0.0, 102.0)
+        axes.xaxis.set_major_locator(FixedLocator(_ticks(end)))
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axes.xaxis.set_minor_formatter(NullFormatter())
         ylabel = "problems and levels solved [%]" if axes in grid[:, 0] else ""
-        dress(axes, "CPU time over the cheapest method's", ylabel, quantity)
+        unit = str(ranking["unit"].sel(quantity=quantity).item())
+        title = quantity if unit == "%" else f"{quantity}, levels in {unit}"
+        dress(axes, "CPU time over the cheapest method's", ylabel, title)
     order = sorted(methods, key=lambda name: -len(profile(ranking, quantities[0], name)[0]))
     key = [Line2D([], [], color=look.colours[name], linewidth=2.5, label=name) for name in order]
     legend_below(figure, [key])
@@ -61,10 +72,14 @@ def profiles(ranking: xr.Dataset) -> Figure:
 def profile(ranking: xr.Dataset, quantity: str, method: str) -> tuple[FloatArray, FloatArray]:
     """Data profile: costs over the best, rising (n,), and the share of problems and levels solved within each (n,).
 
+    The share is that of the problems that the method ran.
+
     Source: E. D. Dolan, J. J. Moré (2002), Benchmarking optimization software with performance profiles, *Mathematical
     Programming* 91, 201-213.
     """
-    ratio = ranking["over_best"].sel({"quantity": quantity, ranking.attrs["by"]: method}).values.ravel()
-    solvable = np.isfinite(ranking["over_best"].sel(quantity=quantity).values).any(axis=-1).sum()
+    by = ranking.attrs["by"]
+    ratio = ranking["over_best"].sel({"quantity": quantity, by: method}).values.ravel()
+    solved = np.isfinite(ranking["over_best"].sel(quantity=quantity).values).any(axis=-1)
+    solvable = solved[ranking["ran"].sel({by: method}).values].sum()
     known = np.sort(ratio[np.isfinite(ratio)])
     return known, np.arange(1, len(known) + 1) / max(int(solvable), 1)

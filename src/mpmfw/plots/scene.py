@@ -31,6 +31,8 @@ _BODIES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 _STILL = 1e-2
 #: Pairs and bodies of which a figure has a row; of more those with the largest forces, and that move furthest.
 MOST = 6
+#: Panels beside each other that a page holds at column width.
+MOST_ACROSS = 3
 
 
 def travel(dataset: xr.Dataset) -> xr.DataArray:
@@ -187,9 +189,15 @@ def _histories(
 
     ``columns`` are the panels' titles and units.
     """
-    figure = new_figure(len(columns), len(rows), 42.0)
+    across = min(len(columns), MOST_ACROSS)
+    lines = len(rows) * -(-len(columns) // across)
+    figure = new_figure(across, lines, 42.0)
     head(figure, dataset)
-    panels = figure.subplots(len(rows), len(columns), squeeze=False, sharex=True)
+    panels = figure.subplots(lines, across, squeeze=False, sharex=True)
+    last_line = panels[-1]
+    for axes in panels.reshape(len(rows), -1)[:, len(columns) :].ravel():
+        axes.remove()
+    panels = panels.reshape(len(rows), -1)[:, : len(columns)]
     look, time = Look(dataset), dataset["time"].values
     factor, second = time_scale(float(time[-1]))
     for line, row in zip(panels, rows, strict=True):
@@ -198,7 +206,7 @@ def _histories(
                 axes.plot(factor * time, values, **look.line(contact, shape, len(time), turn))
         for axes, (title, unit) in zip(line, columns, strict=True):
             label = scaled_label(axes.yaxis, title, unit)
-            dress(axes, f"time [{second}]" if row == rows[-1] else "", label, row)
+            dress(axes, f"time [{second}]" if axes in last_line else "", label, row)
             axes.set_xlim(factor * time[0], factor * time[-1])
     legend_below(figure, look.key())
     return figure, panels

@@ -32,7 +32,7 @@ def study_figures(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
             front(dataset),
             "Error over CPU time; bars are the range of the repeats. The line joins the runs that no other one beats "
             "in both, and these are filled. Markers that would cover each other are moved up or down; a dot is their place. "
-            f"Timing: {timing}.",
+            f"Timing: {timing}.{_failed(dataset)}",
         )
     if np.isfinite(dataset["stage_time"]).any():
         figures["stages"] = (stages(dataset), f"CPU time by stage of the step. Timing: {timing}.")
@@ -138,9 +138,26 @@ def _size(dataset: xr.Dataset, resolution: str | None, row: dict[str, Any]) -> f
 
 
 def _title(title: str, problem: xr.Dataset) -> str:
-    """The title, and how many runs of the problem have no marker because they failed or were refused."""
-    without = sum(not np.isfinite(row["run"]["error"]) for row in runs_of(problem))
+    """The title, and how many runs of the problem have no marker because they failed or were refused.
+
+    A run without an error whose status is ok did not fail: the reference has none.
+    """
+    without = sum(
+        not np.isfinite(row["run"]["error"]) and str(row["run"]["status"].item()) != "ok"
+        for row in runs_of(problem)
+    )
     return f"{title} ({without} failed)" if without else title
+
+
+def _failed(dataset: xr.Dataset) -> str:
+    """Return a sentence that names the runs that failed or were refused; empty if none did."""
+    named = with_methods(dataset)
+    failed = [
+        ", ".join(str(row[dim]) for dim in row["dims"])
+        for row in runs_of(named)
+        if str(row["run"]["status"].item()) != "ok"
+    ]
+    return f" Without a result: {'; '.join(failed)}." if failed else ""
 
 
 def _can_be_drawn(run: xr.Dataset) -> bool:

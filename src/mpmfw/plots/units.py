@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 _LARGE = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
-_SMALL = ((1e-3, "m"), (1e-6, "µ"))
+_SMALL = ((1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 #: What is counted in thousands, and what in parts of a thousand; other units stay as they are.
 _WITH_LARGE, _WITH_SMALL = ("Pa", "N", "J", "W"), ("N", "J", "W", "m")
 

@@ -11,6 +11,7 @@ import xarray as xr
 from mpmfw.fields import FloatArray
 from mpmfw.plots.style import at_last
 from mpmfw.references import cell_size
+from mpmfw.round_off import without_round_off
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ def differences(dataset: xr.Dataset) -> list[Difference]:
     dataset
         Of ``compare``; of varied keys the last value counts.
     """
-    last = at_last(dataset)
+    last = at_last(without_round_off(dataset))
     return sorted(_quantities(last), key=lambda one: -one.spread)
 
 

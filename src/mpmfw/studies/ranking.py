@@ -29,6 +29,21 @@ QUANTITIES = {
 }
 
 
+#: Quantities that are no share, and the unit of their levels.
+UNITS = {"penetration": "cells"}
+
+
+def unit_of(quantity: str) -> str:
+    """Return the unit in which the levels of a quantity are shown: ``%``, or that of a quantity that is no share."""
+    return UNITS.get(quantity, "%")
+
+
+def level_label(quantity: str, level: float) -> str:
+    """Return a level with its unit: ``10 %``, or ``0.1 cells``."""
+    unit = unit_of(quantity)
+    return f"{100.0 * level:g} %" if unit == "%" else f"{level:g} {unit}"
+
+
 def rank(
     results: Iterable[str | os.PathLike[str] | xr.Dataset],
     by: str = "contact",
@@ -55,7 +70,7 @@ def rank(
     xarray.Dataset
         ``cost`` [s], CPU time of the cheapest run, and ``over_best`` [1], the same over the cheapest method's, by (quantity,
         problem, level, ``by``), NaN where the level is not reached; ``best`` (…) the settings of that run. The
-        attribute ``failures`` lists runs without a result.
+        attribute ``failures`` lists runs without a result; ``ran`` (problem, ``by``) says whether the method ran the problem.
 
     Raises
     ------
@@ -68,6 +83,7 @@ def rank(
     if not judged:
         raise SceneError("nothing to rank: no run has an error and a cost")
     problems, methods = (list(dict.fromkeys(row[key] for row in found)) for key in ("problem", "method"))
+    pairs = {(row["problem"], row["method"]) for row in found}
     shape = (len(QUANTITIES), len(problems), len(levels), len(methods))
     cost, best = np.full(shape, np.nan), np.full(shape, "", dtype=object)
     for (q, quantity), (p, problem), (m, method) in itertools.product(
@@ -94,8 +110,19 @@ def rank(
                 {"units": "1", "long_name": "the same over the cheapest method's"},
             ),
             "best": (dims, best, {"long_name": "settings of that run"}),
+            "ran": (
+                ("problem", by),
+                [[(p, m) in pairs for m in methods] for p in problems],
+                {"long_name": "whether a study has runs of the method for the problem"},
+            ),
         },
-        coords={"quantity": list(QUANTITIES), "problem": problems, "level": list(levels), by: methods},
+        coords={
+            "quantity": list(QUANTITIES),
+            "unit": ("quantity", [unit_of(name) for name in QUANTITIES]),
+            "problem": problems,
+            "level": list(levels),
+            by: methods,
+        },
     )
     failed = [
         {key: row[key] for key in ("problem", "method", "settings", "status")}
@@ -160,10 +187,10 @@ def _opened(path: str | os.PathLike[str]) -> xr.Dataset:
 
 
 def summary(ranking: xr.Dataset, quantity: str) -> list[dict[str, Any]]:
-    """One row a method, the one that reaches most first, and of equal ones the cheaper.
+    """One row a method, the one that reaches the largest share first, and of equal ones the cheaper.
 
-    Keys: ``method``; for each level the number of problems that reach it; ``over best``, the median of the cost over the
-    cheapest method's where it is reached; ``cheapest``, at how many problems and levels it is that.
+    Keys: ``method``; ``problems`` that it ran; for each level the number of them that reach it; ``over best``, the median
+    of the cost over the cheapest method's where it is reached; ``cheapest``, at how many problems and levels it is that.
     """
     by, one = ranking.attrs["by"], ranking.sel(quantity=quantity)
     table = []
@@ -173,16 +200,19 @@ def summary(ranking: xr.Dataset, quantity: str) -> list[dict[str, Any]]:
         table.append(
             {
                 "method": name,
+                "problems": int(ranking["ran"].sel({by: name}).sum()),
                 **{
-                    f"{100.0 * level:g} %": int(ratio.sel(level=level).notnull().sum())
+                    level_label(quantity, level): int(ratio.sel(level=level).notnull().sum())
                     for level in one["level"].values.tolist()
                 },
                 "over best": float(np.median(known)) if len(known) else np.nan,
                 "cheapest": int((known <= 1.0).sum()),
             }
         )
-    levels = [f"{100.0 * level:g} %" for level in one["level"].values.tolist()]
-    return sorted(
-        table,
-        key=lambda row: (-sum(row[level] for level in levels), np.nan_to_num(row["over best"], nan=np.inf)),
-    )
+    levels = [level_label(quantity, level) for level in one["level"].values.tolist()]
+
+    def place(row: dict[str, Any]) -> tuple[float, float]:
+        share = sum(row[level] for level in levels) / max(row["problems"], 1)
+        return -share, float(np.nan_to_num(row["over best"], nan=np.inf))
+
+    return sorted(table, key=place)
