@@ -156,7 +156,7 @@ class Settling:
         The scene's table ``settle``.
     """
 
-    history = ("applied", "residual", "below", "elapsed", "damping")
+    history = ("ratios", "residual", "elapsed", "damping")
 
     def __init__(self, simulation: Simulation, asked: Settle) -> None:
         self.limit = longest_settling(asked, simulation.state.bodies)
