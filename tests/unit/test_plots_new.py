@@ -151,7 +151,7 @@ def test_the_history_of_one_run_tells_bodies_and_axes_apart(a):
     np.testing.assert_array_equal(velocity.get_lines()[0].get_xdata(), a["time"].values)
     assert velocity.xaxis.get_major_formatter()(0.002, 0) == "2"
     assert (velocity.get_ylabel(), velocity.get_xlabel()) == ("mean velocity [m/s]", "time [ms]")
-    np.testing.assert_array_equal(gap.get_lines()[0].get_ydata(), a["series/min_gap"].values[:, 0])
+    np.testing.assert_allclose(gap.get_lines()[0].get_ydata(), a["series/min_gap"].values[:, 0], atol=1e-11)
     labels = [text.get_text() for text in figure.legends[0].get_texts() if text.get_text()]
     assert set(labels) == {"upper, x", "upper, y", "floor, x", "floor, y", "upper-floor"}
 
