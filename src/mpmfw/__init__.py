@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from mpmfw import plots
     from mpmfw.campaigns.campaign import campaign
     from mpmfw.comparison import compare
+    from mpmfw.errors import Interrupted, MpmfwError, PluginError, ResultsWarning, SceneError, SimulationError
     from mpmfw.notebook import field, gap, history, pareto, table
     from mpmfw.paraview import export
     from mpmfw.plots import animate
@@ -30,6 +31,10 @@ if TYPE_CHECKING:
     from mpmfw_testing.parametrised import check_plugin
 
 _MODULES = {
+    **dict.fromkeys(
+        ("Interrupted", "MpmfwError", "PluginError", "ResultsWarning", "SceneError", "SimulationError"),
+        "mpmfw.errors",
+    ),
     "Simulation": "mpmfw.simulation",
     "animate": "mpmfw.plots",
     "check_plugin": "mpmfw_testing.parametrised",
@@ -53,7 +58,13 @@ _MODULES = {
 }
 
 __all__ = [
+    "Interrupted",
+    "MpmfwError",
+    "PluginError",
+    "ResultsWarning",
+    "SceneError",
     "Simulation",
+    "SimulationError",
     "__version__",
     "animate",
     "campaign",

@@ -413,3 +413,16 @@ def test_ctrl_c_says_what_is_kept_and_how_to_go_on(tmp_path):
         mpmfw.campaign(SLIDING, vary, store=tmp_path / "runs", progress=stop, repeats=1)
     with pytest.raises(KeyboardInterrupt, match="nothing is kept"):
         mpmfw.campaign(SLIDING, vary, progress=stop, repeats=1)
+
+
+def test_progress_names_the_run_that_goes_on():
+    events, within = [], []
+
+    def report(time, steps):  # noqa: ARG001
+        within.append(events[-1].next)
+
+    mpmfw.compare(SLIDING, ["none", "penalty"], ["linear"], progress=events.append, report=report, repeats=2)
+    names = [event.next for event in events]
+    assert [event.name for event in events if event.name] == [name for name in names if name]
+    assert names[-1] == ""
+    assert set(within) <= set(names) - {""}

@@ -366,6 +366,21 @@ def test_what_a_run_notes_is_kept_with_its_name():
     assert (data["status"] == "ok").all()
 
 
+def test_the_terminal_marks_runs_that_failed(capsys, monkeypatch, rolling):
+    """In each part of the table by colour, in the first by a word as well; where all went through there is no such column."""
+    monkeypatch.setenv("COLUMNS", "120")
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    print_comparison(rolling)
+    lines = [
+        line for line in capsys.readouterr().out.splitlines() if "bardenhagen" in line or "penalty" in line
+    ]
+    rows = [line for line in lines if ": failed" not in line]
+    assert sum(line.count("failed") for line in rows) == 2
+    assert all(("\x1b[31m" in line) == ("bardenhagen" in line) for line in rows)
+    print_comparison(rolling.sel(contact=["penalty"]))
+    assert "status" not in capsys.readouterr().out
+
+
 @pytest.mark.parametrize("columns", [60, 80, 120])
 def test_the_terminal_gets_every_measure_at_every_width(capsys, monkeypatch, rolling, columns):
     monkeypatch.setenv("COLUMNS", str(columns))

@@ -115,6 +115,13 @@ def test_figures_of_a_study(problem, tmp_path):
     assert sum(bar.get_width() for bar in bars) == pytest.approx(8.0 + 20.0 + 9.0)
 
 
+def test_a_run_that_is_the_reference_did_not_fail():
+    dataset = made_up()
+    dataset["error"] = dataset["error"].where((dataset["status"] != "ok") | (dataset["cell_size"] == 0.2))
+    (title,) = [panel.get_title(loc="left") for panel in figures_of(dataset)["front"][0].axes]
+    assert title.endswith("(1 failed)")
+
+
 def test_the_legend_of_stages_lists_those_that_occur():
     dataset = made_up()
     dataset["stage_time"] = dataset["stage_time"].where(dataset["stage"] != "contact", 0.0)

@@ -33,12 +33,15 @@ class Event:
         Runs of this start, repeats included; what was finished before is not counted.
     name, status
         Of the run that has just ended; empty at the start.
+    next
+        Name of the run that begins now, if runs follow each other in this process.
     """
 
     done: int
     total: int
     name: str = ""
     status: str = ""
+    next: str = ""
 
 
 Progress = Callable[[Event], None]
@@ -116,6 +119,8 @@ def complete(
     _do(once, [replace(task, timing=executor.timing) for task in missing], store, executor, count, left)
     again = _rounds({key: (replace(task, timing=timer.timing), lacking(key)) for key, task in tasks.items()})
     count.total = count.done + len(again)
+    count.coming = _names(again, timer)
+    count.tell()
     for task, finished in timer.outcomes(time_once, again):
         known = store.outcome(task.key)
         if known is not None:
@@ -143,12 +148,18 @@ def _do(
     count: _Counter,
     repeats_left: int = 0,
 ) -> None:
+    count.coming = _names(tasks, executor)
     count.tell()
     for task, finished in executor.outcomes(work, tasks):
         ended = finished if finished is not None else Finished(_dead(task))
         store.put(ended.outcome, ended.results)
         count.total -= 0 if ended.outcome.status == "ok" else repeats_left
         count(task.name, ended.outcome.status)
+
+
+def _names(tasks: Iterable[Any], executor: Executor) -> Iterator[str]:
+    """The names of runs in the order in which they begin; none where several go on at a time."""
+    return iter([task.name for task in tasks] if isinstance(executor, InProcess) else ())
 
 
 def _number_of_runs(repeats: Repeats, costs: Iterable[Cost]) -> int:
@@ -213,6 +224,7 @@ class _Counter:
 
     def __init__(self, progress: Progress | None, total: int) -> None:
         self.done, self.total, self.progress = 0, total, progress
+        self.coming: Iterator[str] = iter(())  #: names of the runs that have not begun
 
     def __call__(self, name: str, status: str) -> None:
         """One run more has ended."""
@@ -222,4 +234,4 @@ class _Counter:
     def tell(self, name: str = "", status: str = "") -> None:
         """Report where the campaign is."""
         if self.progress is not None:
-            self.progress(Event(self.done, self.total, name, status))
+            self.progress(Event(self.done, self.total, name, status, next(self.coming, "")))

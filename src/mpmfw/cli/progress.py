@@ -77,7 +77,8 @@ def campaign_progress(
         task = bar.add_task(PREPARING, total=None, inner="")
 
         def tell(event: Event) -> None:
-            text = f"{event.name}: {event.status.partition(':')[0]}" if event.name else PREPARING
-            bar.update(task, completed=event.done, total=event.total, description=text, inner="")
+            ended = f"last: {event.name}, {event.status.partition(':')[0]}" if event.name else PREPARING
+            text, inner = (event.next, PREPARING) if event.next else (ended, "")
+            bar.update(task, completed=event.done, total=event.total, description=text, inner=inner)
 
         yield tell, lambda time, steps: bar.update(task, inner=f"{steps} steps, {time:.4g} s simulated")

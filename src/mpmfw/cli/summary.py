@@ -27,6 +27,9 @@ def print_comparison(dataset: xr.Dataset) -> None:
     console, rows = Console(), table(dataset)
     labels = [str(dim) for dim in method_dims(dataset)]
     chosen = [name for name in CHOICES if name not in labels and any(row.get(name) for row in rows)]
+    broken = [row["status"] != "ok" for row in rows]
+    if any(broken):
+        chosen.insert(0, "status")
     measured = own_errors(dataset) + [
         name for name in COLUMNS if name not in _LEFT_OUT and any(name in row for row in rows)
     ]
@@ -37,9 +40,11 @@ def print_comparison(dataset: xr.Dataset) -> None:
         {
             **{label: broken_label(str(row[label])) if wide else str(row[label]) for label in labels},
             **{name: row.get(name, "") for name in chosen},
+            "status": str(row["status"]).partition(":")[0] if bad else "",
             **{name: shown(row.get(name, float("nan")), column_of(name)) for name in measured},
+            "style": "red" if bad else "",
         }
-        for row in rows
+        for row, bad in zip(rows, broken, strict=True)
     ]
     titles = {name: "\n".join(part for part in head if part) for name, head in heads.items()}
     words = {*labels, *chosen}

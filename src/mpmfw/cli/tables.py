@@ -76,7 +76,7 @@ def grouped_table(
     heads
         Of the columns, by the names of the rows' cells.
     rows
-        A text for each column.
+        A text for each column; ``style`` is rich's for the row.
     left
         Columns of words; all others stand to the right.
     title
@@ -109,7 +109,7 @@ def grouped_table(
     for before, row in zip([None, *rows], rows, strict=False):
         if parted and before is not None and before[first] != row[first]:
             table.add_section()
-        table.add_row(*(Text(row[name]) for name in heads))
+        table.add_row(*(Text(row[name]) for name in heads), style=row.get("style"))
     return table
 
 
