@@ -58,6 +58,7 @@ class Loops:
             neighbours=neighbours_of(facets),
             star_first=first,
             star=star,
+            covered=np.zeros(0, dtype=np.int64),
         )
 
 

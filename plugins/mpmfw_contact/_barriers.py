@@ -10,7 +10,7 @@ from mpmfw.kernels.facets import read_point, signed_distance
 from mpmfw.kernels.types import Float, Floats
 from mpmfw_contact._springs import along_and_across, end_of, first_of, old_force, return_to_cone
 from mpmfw_contact.surfaces.assembly import Places, SurfaceTable
-from mpmfw_contact.surfaces.outline import Outline
+from mpmfw_contact.surfaces.outline import Outline, hidden
 
 #: Least part of a distance that is left when the stiffness of the step's end is foreseen.
 LEFT = 0.25
@@ -203,6 +203,8 @@ def time_to_touch(
         read_point(s, outline.position, x, spacing)
         for a in range(dim):
             beside = outline.neighbours[m, a]
+            if hidden(beside, outline.body[s], outline):
+                continue
             if signed_distance(x, beside, outline, share, normal, spacing) < 0.0:
                 for d in range(dim):
                     normal[d] = -normal[d]

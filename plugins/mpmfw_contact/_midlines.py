@@ -17,7 +17,7 @@ from mpmfw_contact.surfaces.cells import (
     outside_near,
     reach_of_facet,
 )
-from mpmfw_contact.surfaces.outline import Outline, area_of
+from mpmfw_contact.surfaces.outline import Outline, area_of, hidden
 
 #: Least cosine between one segment's normal and the other's reversed one: sides at right angles do not face each other.
 LEAST_COSINE = 0.1
@@ -84,9 +84,10 @@ def list_segments(
             while entry >= 0:
                 other = grid.link_facet[entry]
                 entry = grid.link[entry]
-                if outline.body[outline.facets[other, 0]] <= body or not boxes_meet(
-                    m, other, reach, outline, spacing
-                ):
+                theirs = outline.body[outline.facets[other, 0]]
+                if theirs <= body or not boxes_meet(m, other, reach, outline, spacing):
+                    continue
+                if hidden(m, theirs, outline) or hidden(other, body, outline):
                     continue
                 known = False  # a facet is in the lists of all cells that its box touches
                 for i in range(begin, min(count, len(found.first))):

@@ -13,8 +13,9 @@ forces of the step itself are not foreseen, and a run in which they carry a node
 the step's beginning are lagged by themselves. Friction is a spring with a history, returned to Coulomb's cone, and not
 the published dashpot of slow slip, on which a body would creep at Δt times the load's acceleration of one row's mass.
 Each place weighs by its area, so that a pressure has one distance whatever the facets' size, and the energy per area is
-κ M d̂ b(d / d̂). A pair that the scene puts closer than d̂, as bodies that touch, begins without a force: its distances count from
-there. Facets are those that face a node (:class:`~mpmfw_contact.surfaces.Surfaces`), one for each body; published are all.
+κ M d̂ b(d / d̂). Bodies that the scene puts closer than d̂, as those that touch, begin without a force: their distances count
+from there, by one offset for all that are so joined. Facets are those that face a node
+(:class:`~mpmfw_contact.surfaces.Surfaces`), one for each body; published are all.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ from typing import Any
 
 import numpy as np
 from pydantic import Field
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 from mpmfw.api import (
     ContactRows,
@@ -96,6 +99,8 @@ class BarrierLaw(Springs):
         self.surface, self.outline = setup.state.surface, outline_of(setup.state.surface)
         self.reach = self.options.reach * setup.cell_size
         self.offset, self.placed = np.zeros(0), False
+        #: Bodies that the scene puts together have one number, and one offset, so that flush bodies bear at one distance.
+        self.group, self.group_offset = np.arange(len(setup.bodies)), np.zeros(len(setup.bodies))
         self.table: SurfaceTable | None = None
         super().prepare(setup, owner)
 
@@ -108,16 +113,18 @@ class BarrierLaw(Springs):
         return FIRST / self.options.reach * super().expected(bulk_frequency)
 
     def list_pairs(self, state: State) -> None:
-        """Bodies that have come near were farther apart than a barrier reaches."""
+        """Bodies that have come near were farther apart than a barrier reaches, unless others join them."""
         super().list_pairs(state)
-        self.offset = np.append(self.offset, np.zeros(len(state.pairs) - len(self.offset)))
+        first, second = (
+            np.array([(pair.first, pair.second) for pair in state.pairs], dtype=int).reshape(-1, 2).T
+        )
+        together = self.group[first] == self.group[second]
+        self.offset = np.where(together, self.group_offset[self.group[first]], 0.0)
 
     def stiffness(self, rows: ContactRows, old: ContactRows) -> FloatArray:  # noqa: ARG002
         """κ M A b'' / r where the row may come to in the step."""
         if self.state.steps == 0 and not self.placed:
-            gaps = np.full(len(self.offset), self.reach)
-            least_gaps(rows, rows.count, gaps)
-            self.offset = self.reach - gaps
+            self._join_bodies(rows)
         worst = set_barriers(
             rows, rows.count, rows.own, self.modulus, self.offset, self.reach, self.cell_size,
             self.options.tangential_ratio if len(rows.own.tangential) else 0.0,
@@ -125,6 +132,17 @@ class BarrierLaw(Springs):
         if worst >= 0:
             raise self._passed(rows, worst)
         return rows.own.k  # type: ignore[no-any-return]
+
+    def _join_bodies(self, rows: ContactRows) -> None:
+        """Number the groups of bodies that are closer than barriers reach, and count their distances from there."""
+        gaps, n_bodies = np.full(len(self.offset), self.reach), len(self.group)
+        least_gaps(rows, rows.count, gaps)
+        first, second = np.array([(p.first, p.second) for p in self.state.pairs], dtype=int).reshape(-1, 2).T
+        near = gaps < self.reach
+        graph = coo_matrix((near[near], (first[near], second[near])), shape=(n_bodies, n_bodies))
+        self.group = connected_components(graph, directed=False)[1]
+        np.maximum.at(self.group_offset, self.group[first], np.where(near, self.reach - gaps, 0.0))
+        self.list_pairs(self.state)
 
     def _passed(self, rows: Any, c: int) -> SimulationError:
         """What ends a run in which a node came past the barrier."""

@@ -35,6 +35,7 @@ from mpmfw_contact.hamad2017 import Hamad2017Law, Hamad2017LawOptions
 from mpmfw_contact.surfaces import cells
 from mpmfw_contact.surfaces.assembly import SurfaceTable
 from mpmfw_contact.surfaces.candidates import no_lists
+from mpmfw_contact.surfaces.covering import Seams
 from mpmfw_contact.surfaces.outline import outline_of
 from mpmfw_contact.surfaces.travel import TravelLimit
 
@@ -80,6 +81,7 @@ class Midplane(Detection):
         self.outline = outline_of(self.surface)
         self.lists, self.stamp = no_lists(setup, owner), 0
         self.radius = self.reach(setup.cell_size)
+        self.seams = Seams(self.outline, self.radius, setup.state.grid.spacing)
         self.table: SurfaceTable | None = None
         self.make_room(64)
         self.list_pairs(setup.state)
@@ -123,6 +125,7 @@ class Midplane(Detection):
         outline, lists, spacing = self.outline, self.lists, grid.spacing
         if not cells.near_boxes(self.first, self.second, self.radius, 0.0, outline, lists):
             return 0
+        self.seams.find(self.first, self.second, lists)
         self.stamp += 1
         while (entries := cells.list_facets(self.stamp, 0.0, outline, lists, spacing)) > len(lists.link):
             room = ("link", "link_facet", "link_body")

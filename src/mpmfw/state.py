@@ -227,6 +227,8 @@ class Surface:
     facet_first: IntArray  #: (n_bodies + 1,) facets of body b
     stage: str = "contact"  #: stage of the clock that pays for it: ``gap`` if only the diagnostic uses it
     stencil: Stencil | None = None  #: N_i(x_s) of this step
+    covered: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    """(n_f,) body that lies flush on the facet near a third body, −1 for none; (0,) where it is not asked for"""
 
     @property
     def count(self) -> int:

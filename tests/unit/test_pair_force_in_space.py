@@ -46,7 +46,7 @@ def outline_of(position, displacement):
     return Outline(
         position=position, displacement=displacement, tributary=np.ones(5), body=np.array([0, 1, 1, 1, 1]),
         body_first=np.array([0, 1, 5]), facet_first=np.array([0, 0, 4]), facets=FACETS, neighbours=neighbours,
-        star_first=first, star=star,
+        star_first=first, star=star, covered=np.zeros(0, dtype=np.int64),
     )  # fmt: skip
 
 
@@ -216,7 +216,7 @@ def test_of_surfaces_that_turn_apart_it_is_the_mean(of_table, of_body):
     outline = Outline(
         position=np.concatenate([table, body]), displacement=np.concatenate(moved), tributary=np.ones(8),
         body=np.repeat([0, 1], 4), body_first=np.array([0, 4, 8]), facet_first=np.array([0, 4, 8]), facets=facets,
-        neighbours=neighbours_of(facets), star_first=first, star=star,
+        neighbours=neighbours_of(facets), star_first=first, star=star, covered=np.zeros(0, dtype=np.int64),
     )  # fmt: skip
     rows = SurfaceRows(3, couples=True, spins=True, own={})
     rows.places.slave[:], rows.places.facet[:], rows.normal[:], rows.gap[:2] = (

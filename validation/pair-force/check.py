@@ -184,6 +184,7 @@ def row_of(points: FloatArray, moved: FloatArray, *, tilts: bool = False) -> Sur
         position=points, displacement=moved, tributary=np.ones(3), body=body, body_first=np.array([0, 1, 3]),
         facet_first=np.array([0, 1, 3]), facets=np.stack([np.arange(3), follow], axis=1),
         neighbours=np.stack([follow, follow], axis=1), star_first=np.arange(4), star=np.arange(3),
+        covered=np.zeros(0, dtype=np.int64),
     )  # fmt: skip
     table = SurfaceTable(row=np.arange(4), nodes=np.arange(3, dtype=np.int32), weight=np.ones(3))
     pair_of = pair_table(np.array([0]), np.array([1]))

@@ -8,7 +8,6 @@ from mpmfw.kernels.facets import (
     at_rim,
     extent_of,
     length_of,
-    node_normal,
     read_corners,
     write_gradients,
     write_own_gradients,
@@ -17,8 +16,8 @@ from mpmfw.kernels.pair_table import pair_index
 from mpmfw.kernels.table import entries
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 from mpmfw_contact.surfaces.candidates import Candidates
-from mpmfw_contact.surfaces.facing import faces
-from mpmfw_contact.surfaces.outline import Outline, area_of, distance_to
+from mpmfw_contact.surfaces.facing import faces, outlook
+from mpmfw_contact.surfaces.outline import Outline, area_of, distance_to, hidden
 
 #: Difference of distances, in lengths of a facet, below which two facets are equally close: what rounding leaves.
 TIE = 1e-9
@@ -81,12 +80,14 @@ def equally_close(
                 corner = a
         visited[corner] = 1
         other = outline.neighbours[m, corner]
+        if hidden(other, outline.body[s], outline):
+            continue
         g = distance_to(s, other, outline, other_share, other_normal, spacing)
         across = measure_across(other, other_normal, outline, spacing)
         if abs(g - gap) <= TIE * extent_of(max(own, across), spacing) and across > 0.0:
             alike = at_rim(share, spacing) and at_rim(other_share, spacing)
             if not alike and not looked:
-                node_normal(s, outline, looks, spacing)
+                outlook(s, outline.body[outline.facets[m, 0]], outline, looks, spacing)
                 looked = True
             if alike or faces(looks, other, outline, spacing):
                 return other, across * across / (own * own + across * across)

@@ -27,6 +27,7 @@ from mpmfw_contact._stiffness import stiffness_ranks
 from mpmfw_contact.surfaces import cells, search
 from mpmfw_contact.surfaces.assembly import Places, SurfaceTable, assemble, point_forces
 from mpmfw_contact.surfaces.candidates import no_candidates, no_lists
+from mpmfw_contact.surfaces.covering import Seams
 from mpmfw_contact.surfaces.facing import too_fine
 from mpmfw_contact.surfaces.near_facets import STALE, NearFacets
 from mpmfw_contact.surfaces.options import FacetOptions, SurfacesOptions
@@ -105,6 +106,7 @@ class Surfaces(Detection):
         self.count, self.was_inside = 0, False
         self.table: SurfaceTable | None = None
         self.place = np.zeros(0, dtype=np.int64)
+        self.seams = Seams(self.outline, self.radius, setup.state.grid.spacing)
         self.near = NearFacets(self.outline, self.rank, self.radius, setup.state.grid.spacing)
         self.list_pairs(setup.state)
 
@@ -151,7 +153,11 @@ class Surfaces(Detection):
     def _search(self, grid: Grid) -> int:
         """Number of candidates after the search's three steps, and after nodes inside bodies were followed."""
         count = 0
-        if cells.near_boxes(self.first, self.second, self.radius, self.near.skin, self.outline, self.lists):
+        near = cells.near_boxes(
+            self.first, self.second, self.radius, self.near.skin, self.outline, self.lists
+        )
+        self.seams.find(self.first, self.second, self.lists)
+        if near:
             count = STALE if self.every_facet else self.near.find(self.candidates)
             if count == STALE:
                 count = self._find_pairs(grid)

@@ -6,10 +6,11 @@ import math
 
 from mpmfw.api import SimulationError, State
 from mpmfw.kernels import device, scratch
-from mpmfw.kernels.facets import extent_of, length_of, node_normal, read_corners, way_across
+from mpmfw.kernels.facets import add_normal, extent_of, length_of, read_corners, way_across
 from mpmfw.kernels.types import Float, Floats
 from mpmfw_contact.surfaces.candidates import Candidates, put
-from mpmfw_contact.surfaces.outline import Outline, area_of, distance_to
+from mpmfw_contact.surfaces.covering import past_a_seam
+from mpmfw_contact.surfaces.outline import Outline, area_of, distance_to, hidden
 
 #: Least cosine between a slave node's reversed normal and that of a facet that faces it: blocks have sides at right angles,
 #: and neither rounding nor how little an elastic side leans must decide. A wedge of 2.3 degrees has sides that face nothing.
@@ -25,6 +26,16 @@ def against(looks: Floats, m: int, outline: Outline, spacing: tuple[float, ...])
     for d in range(len(spacing)):
         along += looks[d] * area[d]
     return -along, length_of(looks, spacing) * length_of(area, spacing)
+
+
+@device
+def outlook(s: int, other: int, outline: Outline, looks: Floats, spacing: tuple[float, ...]) -> None:
+    """Normal of surface node s as body ``other`` sees it, without the facets that a third body covers, into ``looks``."""
+    for d in range(len(spacing)):
+        looks[d] = 0.0
+    for k in range(outline.star_first[s], outline.star_first[s + 1]):
+        if not hidden(outline.star[k], other, outline):
+            add_normal(s, outline.star[k], outline, looks, spacing)
 
 
 @device
@@ -80,12 +91,19 @@ def measure_of(m: int, outline: Outline, spacing: tuple[float, ...]) -> Float:
 
 @device
 def facing_facet(
-    looks: Floats, m: int, share: Floats, reach: Float, outline: Outline, spacing: tuple[float, ...]
+    mine: int,
+    looks: Floats,
+    m: int,
+    share: Floats,
+    reach: Float,
+    outline: Outline,
+    spacing: tuple[float, ...],
 ) -> int:
     """The facet nearest to a point of facet m along the surface that faces a node; −1 if none within ``reach`` [m],
     :data:`TOO_MANY` if there are more than it can look at.
 
-    ``share`` are the point's barycentric coordinates, ``looks`` is the node's normal. From facet to facet the nearest is looked
+    ``share`` are the point's barycentric coordinates, ``mine`` and ``looks``
+    the node's body and normal. From facet to facet the nearest is looked
     at first, of equally near ones that on the side of the first corner.
     """
     dim = len(spacing)
@@ -110,7 +128,7 @@ def facing_facet(
         if nearest < 0:
             return -1
         here, far, along = facet[nearest], way[nearest], side[nearest]
-        if faces(looks, here, outline, spacing):
+        if not hidden(here, mine, outline) and faces(looks, here, outline, spacing):
             found: int = here
             return found
         way[nearest] = math.inf
@@ -147,23 +165,29 @@ def turn_to_facing(
         m = candidates.facet[s, j]
         if m < 0:
             continue
+        for d in range(len(spacing)):
+            share[d], normal[d] = candidates.share[s, j, d], candidates.normal[s, j, d]
+        if past_a_seam(s, m, share, normal, outline, spacing):
+            candidates.master[s, j], candidates.facet[s, j] = -1, -1
+            continue
         if len(spacing) == 3 and surely_faces(s, m, outline, spacing):
             continue
-        if not looked:
-            node_normal(s, outline, looks, spacing)
+        if not looked or len(outline.covered) > 0:
+            outlook(s, candidates.master[s, j], outline, looks, spacing)
             looked = True
         if faces(looks, m, outline, spacing):
             continue
         flush = candidates.gap[s, j] <= FLUSH * measure_of(m, outline, spacing)
         reach = ROUND_THE_CORNER * radius if flush else -1.0
-        for a in range(len(spacing)):
-            share[a] = candidates.share[s, j, a]
-        m = facing_facet(looks, m, share, reach, outline, spacing)
+        m = facing_facet(outline.body[s], looks, m, share, reach, outline, spacing)
         done = done and m != TOO_MANY
         if m < 0:
             candidates.master[s, j], candidates.facet[s, j] = -1, -1
         else:
             g = distance_to(s, m, outline, share, normal, spacing)
+            if past_a_seam(s, m, share, normal, outline, spacing):
+                candidates.master[s, j], candidates.facet[s, j] = -1, -1
+                continue
             put(s, j, candidates.master[s, j], m, g, share, normal, candidates, spacing)
     return done
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from mpmfw.api import Surface
 from mpmfw.kernels import Struct, device, scratch
 from mpmfw.kernels.facets import area_vector, read_corners, read_point, signed_distance, squared_distance
@@ -21,10 +23,15 @@ class Outline(Struct):
     neighbours: Ints  #: (n_f, dim) facet across the side opposite each corner
     star_first: Ints  #: (n_s + 1,) facets round node s are ``star[star_first[s]:star_first[s + 1]]``
     star: Ints  #: (n_f dim,)
+    covered: (
+        Ints  #: (n_f,) body that lies flush on the facet near a third body, −1 for none; (0,) with two bodies
+    )
 
 
 def outline_of(surface: Surface) -> Outline:
-    """The arrays of the tracked ``surface``, which are written in place."""
+    """The arrays of the tracked ``surface``, which are written in place; more than two bodies may cover each other's facets."""
+    if len(surface.body_first) > 3 and len(surface.covered) == 0:
+        surface.covered = np.full(len(surface.facets), -1)
     return Outline(**{name: getattr(surface, name) for name in Outline.member_names})
 
 
@@ -54,3 +61,9 @@ def square_of(s: int, m: int, outline: Outline, spacing: tuple[float, ...]) -> F
     read_point(s, outline.position, x, spacing)
     read_corners(m, outline.position, outline.facets, corners, spacing)
     return squared_distance(x, corners, spacing)
+
+
+@device
+def hidden(m: int, body: int, outline: Outline) -> bool:
+    """Whether a third body covers facet m, so that ``body`` cannot touch it."""
+    return len(outline.covered) > 0 and outline.covered[m] >= 0 and outline.covered[m] != body

@@ -8,7 +8,7 @@ from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw_contact.surfaces.candidates import Candidates, SearchGrid, put
 from mpmfw_contact.surfaces.cells import cell_beside, cell_of, flat_index, outside_near, tagged
 from mpmfw_contact.surfaces.facing import turn_to_facing
-from mpmfw_contact.surfaces.outline import Outline, distance_to, square_of
+from mpmfw_contact.surfaces.outline import Outline, distance_to, hidden, square_of
 
 
 @device
@@ -92,6 +92,8 @@ def search_facet(
     s: int, m: int, other: int, radius: Float, outline: Outline, candidates: Candidates, spacing: tuple[float, ...]
 ) -> None:  # fmt: skip
     """Keep facet m of body ``other`` if it is the closest to node s so far, and within ``radius``."""
+    if hidden(m, outline.body[s], outline):
+        return
     share, normal = scratch.vector(spacing), scratch.vector(spacing)
     # in space the normals of edges and corners, which signed distances take, cost more than the distance
     if len(spacing) == 3:
@@ -233,6 +235,8 @@ def keep_penetrated(
     read_point(s, outline.position, x, spacing)
     read_corners(m, outline.position, outline.facets, corners, spacing)
     near = False
+    if hidden(m, outline.body[s], outline):
+        return
     for a in range(dim):
         square = 0.0
         for d in range(dim):

@@ -10,14 +10,14 @@ from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.facets import (
     at_rim,
     length_of,
-    node_normal,
     project,
 )
 from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw_contact.surfaces.candidates import Candidates, SearchGrid, put
 from mpmfw_contact.surfaces.cells import boxes_apart
-from mpmfw_contact.surfaces.facing import LEAST_COSINE, against
-from mpmfw_contact.surfaces.outline import Outline, distance_to, square_of
+from mpmfw_contact.surfaces.covering import past_a_seam
+from mpmfw_contact.surfaces.facing import LEAST_COSINE, against, outlook
+from mpmfw_contact.surfaces.outline import Outline, distance_to, hidden, square_of
 
 #: Least cosine between a slave node's normal and the direction out of a body by which the node has gone through it: one
 #: that leaves the way it entered, or round a corner, has an angle of 90° or more, or little less.
@@ -32,6 +32,8 @@ def nearest_facet(s: int, first: int, last: int, outline: Outline, spacing: tupl
     """Of the facets ``first:last`` the one nearest to node s; of equally near ones the first."""
     nearest, closest = math.inf, first
     for m in range(first, last):
+        if hidden(m, outline.body[s], outline):
+            continue
         square = square_of(s, m, outline, spacing)
         if square < nearest:
             nearest, closest = square, m
@@ -58,6 +60,8 @@ def walk(s: int, m: int, looks: Floats, outline: Outline, spacing: tuple[float, 
         for a in range(len(spacing)):
             n = outline.neighbours[m, a]
             square = square_of(s, n, outline, spacing)
+            if hidden(n, outline.body[s], outline):
+                continue
             if square < least and opposition(looks, n, outline, spacing) >= bound:
                 nearer, least = n, square
         if nearer < 0:
@@ -122,7 +126,9 @@ def keep_inside(outline: Outline, candidates: Candidates, through: Floats, spaci
                 continue
             m = nearest_facet(s, outline.facet_first[other], outline.facet_first[other + 1], outline, spacing)
             out = distance_to(s, m, outline, share, normal, spacing)
-            node_normal(s, outline, looks, spacing)
+            if past_a_seam(s, m, share, normal, outline, spacing):
+                continue
+            outlook(s, other, outline, looks, spacing)
             if out >= 0.0:
                 along = 0.0
                 for d in range(len(spacing)):
@@ -217,7 +223,7 @@ def find_crossings(
             if slot >= 0 or candidates.facet[s, place] >= 0:
                 continue
             for m in range(outline.facet_first[other], outline.facet_first[other + 1]):
-                if crosses(s, m, outline, spacing):
+                if not hidden(m, mine, outline) and crosses(s, m, outline, spacing):
                     g = behind(s, m, outline, share, normal, spacing)
                     put(s, place, other, m, g, share, normal, candidates, spacing)
                     added += 1

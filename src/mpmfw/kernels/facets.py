@@ -193,23 +193,28 @@ def way_across(
 
 
 @device
-def node_normal(s: int, surface: Faceted, out: Floats, spacing: tuple[float, ...]) -> None:
-    """Sum of the outward unit normals of a surface node's facets, in space weighted by their angles, into ``out``."""
+def add_normal(s: int, m: int, surface: Faceted, out: Floats, spacing: tuple[float, ...]) -> None:
+    """Add the outward unit normal of facet m, in space times its angle at its node s, to ``out``."""
     dim = len(spacing)
     corners, area = scratch.matrix(spacing, spacing), scratch.vector(spacing)
+    read_corners(m, surface.position, surface.facets, corners, spacing)
+    area_vector(corners, area, spacing)
+    size, weight = length_of(area, spacing), 1.0
+    if dim == 3:
+        for a in range(dim):
+            if surface.facets[m, a] == s:
+                weight = angle_at(a, corners, spacing)
     for d in range(dim):
+        out[d] += weight * (area[d] / size)
+
+
+@device
+def node_normal(s: int, surface: Faceted, out: Floats, spacing: tuple[float, ...]) -> None:
+    """Sum of the outward unit normals of a surface node's facets, in space weighted by their angles, into ``out``."""
+    for d in range(len(spacing)):
         out[d] = 0.0
     for k in range(surface.star_first[s], surface.star_first[s + 1]):
-        m = surface.star[k]
-        read_corners(m, surface.position, surface.facets, corners, spacing)
-        area_vector(corners, area, spacing)
-        size, weight = length_of(area, spacing), 1.0
-        if dim == 3:
-            for a in range(dim):
-                if surface.facets[m, a] == s:
-                    weight = angle_at(a, corners, spacing)
-        for d in range(dim):
-            out[d] += weight * (area[d] / size)
+        add_normal(s, surface.star[k], surface, out, spacing)
 
 
 @device
