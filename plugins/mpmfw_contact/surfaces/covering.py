@@ -6,11 +6,11 @@ import numpy as np
 
 from mpmfw.api import IntArray
 from mpmfw.kernels import device, kernel, scratch
-from mpmfw.kernels.facets import at_rim, length_of, project, read_corners, read_point
+from mpmfw.kernels.facets import at_rim, closest_point, length_of, read_corners, read_point
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 from mpmfw_contact.surfaces.candidates import SearchGrid
 from mpmfw_contact.surfaces.cells import boxes_apart, reach_of_facet
-from mpmfw_contact.surfaces.outline import Outline, area_of, hidden, square_of
+from mpmfw_contact.surfaces.outline import Outline, area_of, hidden
 
 #: Distance from another body up to which a facet's corner is covered, in cells.
 FLUSH = 0.05
@@ -21,7 +21,10 @@ OPPOSITE = 0.9
 #: Cosine between the normals of facets that meet in an edge, at most.
 EDGE = 0.7
 
-#: What rounding leaves of barycentric coordinates and cosines.
+#: Part of a corner's distance that may lie along the facet that covers it: elastic faces are not quite parallel.
+ASIDE = 0.3
+
+#: What rounding leaves of lengths in cells and of cosines.
 ROUNDING = 1e-9
 
 
@@ -32,6 +35,14 @@ def dot(a: Floats, b: Floats, spacing: tuple[float, ...]) -> Float:
     for d in range(len(spacing)):
         total += a[d] * b[d]
     return total
+
+
+@device
+def remove(vector: Floats, unit: Floats, spacing: tuple[float, ...]) -> None:
+    """Take the component along a ``unit`` vector away from ``vector``."""
+    along = dot(vector, unit, spacing)
+    for d in range(len(spacing)):
+        vector[d] -= along * unit[d]
 
 
 @device
@@ -85,41 +96,55 @@ def list_within(
 
 
 @device
-def at_edge(p: int, normal: Floats, outline: Outline, spacing: tuple[float, ...]) -> bool:
-    """Whether a facet round surface node p turns away from the unit ``normal``."""
-    area, turns = scratch.vector(spacing), False
+def is_flush(p: int, m: int, normal: Floats, outline: Outline, spacing: tuple[float, ...]) -> bool:
+    """Whether surface node p, at the corner of a facet with the unit ``normal``, lies on facet m of another body.
+
+    The node may be away from it along the normal, and beyond its rim along the normals of other facets at the node, which
+    turn away from this one: seams are never level.
+    """
+    dim, flush = len(spacing), FLUSH * spacing[0]
+    away, share, side = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
+    corners = scratch.matrix(spacing, spacing)
+    read_point(p, outline.position, away, spacing)
+    read_corners(m, outline.position, outline.facets, corners, spacing)
+    closest_point(away, corners, share, spacing)
+    for a in range(dim):
+        for d in range(dim):
+            away[d] -= share[a] * corners[a, d]
+    distance = length_of(away, spacing)
+    if distance > flush:
+        return False
+    remove(away, normal, spacing)
     for k in range(outline.star_first[p], outline.star_first[p + 1]):
-        area_of(outline.star[k], outline, area, spacing)
-        turns = turns or dot(area, normal, spacing) < EDGE * length_of(area, spacing)
-    return turns
+        area_of(outline.star[k], outline, side, spacing)
+        size = length_of(side, spacing)
+        if dot(side, normal, spacing) < EDGE * size:
+            remove(side, normal, spacing)
+            size = length_of(side, spacing)
+            for d in range(dim):
+                side[d] /= size
+            if dot(away, side, spacing) > 0.0:
+                remove(away, side, spacing)
+    level: bool = length_of(away, spacing) <= ASIDE * distance + ROUNDING * spacing[0]
+    return level
 
 
 @device
 def is_covered(
     m: int, listed: Indices, begin: int, end: int, outline: Outline, spacing: tuple[float, ...]
 ) -> bool:
-    """Whether every corner of facet m lies flush on one of the facets ``listed[begin:end]`` that is opposite to it.
-
-    A corner at an edge of its body may be beyond the other's edge as far as it may be away from it: seams are never level.
-    """
-    normal, other, foot = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
-    x, corners, flush = scratch.vector(spacing), scratch.matrix(spacing, spacing), FLUSH * spacing[0]
+    """Whether every corner of facet m is flush with one of the facets ``listed[begin:end]`` that is opposite to it."""
+    normal, other = scratch.vector(spacing), scratch.vector(spacing)
     area_of(m, outline, normal, spacing)
     size = length_of(normal, spacing)
     for d in range(len(spacing)):
         normal[d] /= size
     for a in range(len(spacing)):
-        p, found, edge = outline.facets[m, a], False, at_edge(outline.facets[m, a], normal, outline, spacing)
-        read_point(p, outline.position, x, spacing)
+        found = False
         for k in range(begin, end):
             area_of(listed[k], outline, other, spacing)
-            if dot(normal, other, spacing) > -OPPOSITE * length_of(other, spacing):
-                continue
-            read_corners(listed[k], outline.position, outline.facets, corners, spacing)
-            on_it = abs(project(x, corners, foot, other, spacing)) <= flush
-            for b in range(len(spacing)):
-                on_it = on_it and foot[b] >= -ROUNDING
-            if on_it or (edge and square_of(p, listed[k], outline, spacing) <= flush * flush):
+            opposite = dot(normal, other, spacing) < -OPPOSITE * length_of(other, spacing)
+            if opposite and is_flush(outline.facets[m, a], listed[k], normal, outline, spacing):
                 found = True
                 break
         if not found:

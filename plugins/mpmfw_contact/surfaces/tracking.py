@@ -129,6 +129,8 @@ def keep_inside(outline: Outline, candidates: Candidates, through: Floats, spaci
             if past_a_seam(s, m, share, normal, outline, spacing):
                 continue
             outlook(s, other, outline, looks, spacing)
+            if length_of(looks, spacing) == 0.0:  # covered all round
+                continue
             if out >= 0.0:
                 along = 0.0
                 for d in range(len(spacing)):
@@ -139,7 +141,7 @@ def keep_inside(outline: Outline, candidates: Candidates, through: Floats, spaci
                     through[0], through[1], through[2] = out, float(s), float(other)
             m = walk(s, candidates.inside_facet[s, i], looks, outline, spacing)
             g = behind(s, m, outline, share, normal, spacing)
-            if g < 0.0:
+            if g < 0.0 and not past_a_seam(s, m, share, normal, outline, spacing):
                 added += 1 if candidates.facet[s, place] < 0 else 0
                 put(s, place, other, m, g, share, normal, candidates, spacing)
     return added
