@@ -95,7 +95,7 @@ count as these.
 ## What it says
 
 All problems lie along grid lines with fitted points. [Turned against the grid](turned.md) contact at nodes is worse:
-the stiffer body's normal then has up to 10 % on the block, and up to 61 and 95 % with the cylinder.
+the stiffer body's normal then has up to 10 % on the block, and up to 61 and 95 % with the cylinder of two cells' radius.
 
 - **The normal makes friction.** Normals averaged over both bodies lean at the edges of a face: the block does not slide
   at all (error 100 %, with the stiffer body's normal 0.00003 to 0.001 %), and the cylinder with slip has 11 % instead of

@@ -159,7 +159,7 @@ def turned(scene: str, *measured: tuple[str, str], layout: str | None = None) ->
 
 
 SOFT_SPRINGS = "penalty(kappa=1)"
-ROLLS = ("rolling-cylinder-slip", "rolling-cylinder-no-slip")
+ROLLS = ("slip", "no-slip")
 
 #: Sentences with their numbers, what the tables have for each, and how they are compared: e errors, in the last digit
 #: that is stated; c costs, within ``COST``; m at most what is stated, and no less than a quarter of it.
@@ -183,13 +183,17 @@ CLAIMS = [
     ("rings take {} to {} of the time of `penalty`", cost({"contact": "penalty"}, **RINGS, contact="bardenhagen"), "cc"),
     ("linear functions too slowly by {} to {} %", errors(**BLOCK, contact="bardenhagen", shape="linear"), "ee"),
     ("`penalty` is off by at most {} %, `lcp` by {} %, the strongest classical form by {} %, `nairn` by {} %",
-     turned("sliding-block", *((c, "acceleration") for c in (SOFT_SPRINGS, "lcp", STRONG, "nairn"))), "eeee"),
-    ("strongest form has at most {} %; a lattice", turned("sliding-block", (STRONG, "acceleration"), layout="fitted"), "e"),
+     turned("block", *((c, "acceleration") for c in (SOFT_SPRINGS, "lcp", STRONG, "nairn"))), "eeee"),
+    ("strongest form has at most {} %; a lattice", turned("block", (STRONG, "acceleration"), layout="fitted"), "e"),
     ("`penalty` has at most {} and {} %, the strongest classical form {} and {} %, `nairn` {} and {} %",
      tuple(turned(scene, (c, "displacement"))[0] for c in (SOFT_SPRINGS, STRONG, "nairn") for scene in ROLLS), "eeeeee"),
     ("Impulses between surfaces have {} and {} %, `lcp` {} and {} %",
      tuple(turned(scene, (c, "displacement"))[0] for c in ("surfaces+impulse", "lcp") for scene in ROLLS), "eeee"),
-    ("form has at most {} %, `penalty` {} %", turned("colliding-rings", (STRONG, "impulse"), (SOFT_SPRINGS, "impulse")), "ee"),
+    ("displacement with slip, off by at most {} %, but its spin is off by up to {} %; without slip it has up to {} %. `penalty` "
+     "has {} and {} %",
+     (*turned("slip-fine", (STRONG, "displacement"), (STRONG, "spin")), *turned("no-slip-fine", (STRONG, "displacement")),
+      *turned("slip-fine", (SOFT_SPRINGS, "displacement")), *turned("no-slip-fine", (SOFT_SPRINGS, "displacement"))), "eeeee"),
+    ("form has at most {} %, `penalty` {} %", turned("rings", (STRONG, "impulse"), (SOFT_SPRINGS, "impulse")), "ee"),
     ("With `penalty` every shape function has {} to {} %", errors(**SLIP, contact="penalty"), "ee"),
     ("classical form has {} to {} % with all but B-splines ({}, {}, {} %)",
      (*errors(**SLIP, contact=STRONG, shape=HATS), *error(**SLIP, contact=STRONG, shape="bspline")), "eeeee"),
