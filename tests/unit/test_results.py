@@ -374,7 +374,7 @@ def test_a_body_whose_name_is_a_path_is_refused(tmp_path):
 def test_many_groups_are_written_seldom(tmp_path, monkeypatch):
     """Where a writing takes long, frames wait longer for the next, in proportion."""
     clock = iter(np.arange(0.0, 1000.0, 0.5))
-    monkeypatch.setattr("mpmfw.results.writing.time.monotonic", lambda: next(clock))
+    monkeypatch.setattr("mpmfw.results.writing.time.thread_time", lambda: next(clock))
     with RunWriter(tmp_path / "run.nc", header()) as writer:
         writer.write(frame(0.0))
         writer.flush()

@@ -32,8 +32,8 @@ WRITTEN_AT_ONCE = 16_000_000
 #: Seconds of wall time for which frames of a file wait for others that are written with them: what a kill loses.
 WRITTEN_EVERY = 0.25
 
-#: Seconds that a writing may take. Where one takes longer, as with the ten thousand variables of a thousand bodies, frames wait
-#: longer in proportion.
+#: CPU seconds that a writing may take. Where one takes longer, as with the ten thousand variables of a thousand bodies, frames
+#: wait longer in proportion.
 QUICK = 0.025
 
 
@@ -67,7 +67,7 @@ class RunWriter:
         # A plug-in may change the working folder while the run goes on
         self.path = None if path is None else os.path.abspath(path)
         self._fields = {(field.group, field.name): field for field in header.fields}
-        self._written, self._took = -math.inf, 0.0  #: wall time of the last writing, and its length [s]
+        self._written, self._took = -math.inf, 0.0  #: wall time of the last writing, and its CPU time [s]
         self._groups: dict[str, Timeline] = {}
         self._times: list[float] = []  #: of all outputs
         self._pairs = len(header.pairs)
@@ -173,7 +173,7 @@ class RunWriter:
         """
         if not self._outputs.waits:
             return
-        first, begin = self.frames - self._outputs.waits, time.monotonic()
+        first, begin = self.frames - self._outputs.waits, time.thread_time()
         try:
             with self._telling(first):
                 if self.path is not None:
@@ -189,7 +189,7 @@ class RunWriter:
                 timeline.forget()
             del self._times[self._outputs.frames :]
             self._written = time.monotonic()
-            self._took = self._written - begin
+            self._took = time.thread_time() - begin
 
     def _write_groups(self) -> None:
         for timeline in self._groups.values():
