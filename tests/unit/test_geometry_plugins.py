@@ -50,7 +50,7 @@ def test_its_keys_have_units_and_are_told_by_name() -> None:
 
 def test_what_is_no_geometry_is_refused() -> None:
     wrong = scene()
-    wrong["bodies"]["egg"]["geometry"] = {"type": "faulty_plugins.small.measure:Sound"}
+    wrong["bodies"]["egg"]["geometry"] = {"type": "mpmfw_contact.penalty:Penalty"}
     with pytest.raises(SceneError, match=r"expected a class derived from mpmfw\.api\.PlaneGeometry"):
         load_scene(wrong)
     wrong["bodies"]["egg"]["geometry"] = {"type": "elips"}
