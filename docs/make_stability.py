@@ -46,7 +46,7 @@ the sum of what a step leaves, as the results' file holds it, swings to either s
 **ok**: holds, with the largest energy over the start (of `bardenhagen` with `gimp` and `cpdi` without dissipation).
 **refused**: as it must be. A letter: known to fail, for the reason below the table. Methods that must hold or stay bounded ran at
 four places (as it stands; shifted by 0.31 and 0.17 cells; turned by 30°; both) and the worst is shown, with n/4 the number of
-places that fail; the others ran at one place. `none` and `hamad2017` ran with CPDI alone, since what fails of them is
+places that fail; the others ran at one place. `none`, `nairn` and `hamad2017` ran with CPDI alone, since what fails of them is
 the contact; `separate` lets bodies pass through each other, and no case is about that. The long cases are {long}.
 """
 LENGTHS = {

@@ -181,6 +181,7 @@ CONTACTS: dict[str, tuple[str, dict[str, Any]]] = {
     "bardenhagen": ("bardenhagen", {}),
     "none": ("none", {}),
     "hamad2017": ("hamad2017", {}),
+    "nairn": ("nairn", {}),
 }
 MUST_HOLD = [("penalty", shape) for shape in ("cpdi", "cpdi2", "bspline")]
 MUST_STAY_BOUNDED = [("bardenhagen", shape) for shape in ("gimp", "cpdi")]
@@ -188,6 +189,7 @@ OTHERS = [
     *(("penalty", shape) for shape in ("gimp", "linear")),
     *(("bardenhagen", shape) for shape in ("cpdi2", "bspline", "linear")),
     ("hamad2017", "cpdi"),
+    ("nairn", "cpdi"),
     ("none", "cpdi"),
 ]
 METHODS = MUST_HOLD + MUST_STAY_BOUNDED + OTHERS
