@@ -108,6 +108,9 @@ class BarrierLaw(Springs):
         """The distance from which barriers act."""
         return self.reach
 
+    def compliance(self) -> None:
+        """None: barriers give by no more than their reach."""
+
     def expected(self, bulk_frequency: float) -> float:
         """That of a place where barriers bear a thousandth of κ M."""
         return FIRST / self.options.reach * super().expected(bulk_frequency)

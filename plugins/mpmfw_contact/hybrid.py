@@ -67,6 +67,10 @@ class Hybrid(Impulse):
         reduced = [a * b / (a + b) for a, b in both]
         self.modulus: FloatArray = self.options.kappa * np.array(reduced, dtype=float) / self.cell_size
 
+    def compliance(self) -> FloatArray:
+        """h / (κ K), overlap under a unit of pressure, of every pair [m/Pa]."""
+        return 1.0 / self.modulus
+
     def impulses(
         self, rows: ContactRows, grid: Grid, scratch: FloatArray, work: FloatArray | None, *, projected: bool
     ) -> None:

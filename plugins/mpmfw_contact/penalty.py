@@ -89,6 +89,10 @@ class Springs(ForceLaw):
         softer = [min(bodies[p.first].p_wave_modulus, bodies[p.second].p_wave_modulus) for p in state.pairs]
         self.modulus: FloatArray = self.options.kappa * np.array(softer, dtype=float) / self.cell_size
 
+    def compliance(self) -> FloatArray | None:
+        """h / (κ M), overlap under a unit of pressure, of every pair [m/Pa]."""
+        return 1.0 / self.modulus
+
     def expected(self, bulk_frequency: float) -> float:
         """4 κ (c / h)²."""
         return self.options.kappa * bulk_frequency**2

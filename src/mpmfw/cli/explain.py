@@ -6,6 +6,7 @@ import textwrap
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 import typer
 
 from mpmfw.cli.arguments import (
@@ -21,6 +22,7 @@ from mpmfw.cli.unused import unused_facts
 from mpmfw.errors import SceneError
 
 if TYPE_CHECKING:
+    from mpmfw.fields import FloatArray
     from mpmfw.simulation import Simulation
 
 
@@ -59,6 +61,7 @@ def explain(
     else:
         _print_effect_names(simulation)
     _print_step(simulation, everything)
+    _print_share_of_springs(simulation)
     _print_cost(simulation, measure, everything)
     _print_unused(simulation)
 
@@ -142,6 +145,54 @@ def _print_step(simulation: Simulation, everything: bool) -> None:
     why = "fixed by time.step" if time.step is not None else f"{time.safety:g} of the stability limit"
     typer.echo(f"dt = {simulation.stable_step():.6g} s: {why}")
     typer.echo(f"least limit: {limits[0][0]:.6g} s, {limits[0][1]}\n")
+
+
+def _print_share_of_springs(simulation: Simulation) -> None:
+    """Part of driven sides' motion and of initial overlaps that contact springs take, where a scene has either."""
+    speed = driven_speed(simulation)
+    axis = int(np.argmax(speed)) if speed.any() else None
+    if axis is None and not simulation.scene.allow_overlap:
+        return
+    share = share_of_springs(simulation, axis)
+    if share > 0.0:
+        of = "the overlap" if axis is None else "the sides' motion"
+        law = simulation.contact.label if simulation.contact is not None else ""
+        typer.echo(f"springs of {law} take about {100.0 * share:.2g} % of {of}; stiffer ones take less\n")
+
+
+def driven_speed(simulation: Simulation) -> FloatArray:
+    """Largest speed of driven sides along each axis (dim,) [m/s]; 0 where none is driven."""
+    speed = np.zeros(simulation.scene.dim)
+    for body in simulation.scene.bodies.values():
+        for side in body.sides:
+            for axis, value in enumerate(side.velocity or ()):
+                speed[axis] = max(speed[axis], 0.0 if isinstance(value, str) else abs(float(value)))
+    return speed
+
+
+def share_of_springs(simulation: Simulation, axis: int | None) -> float:
+    """Estimate the part of a given displacement that contact springs take, in series with the bodies.
+
+    Under a unit of pressure springs give by h / (κ M), and a body by its length over M. A pair counts if its bodies' boxes
+    are less than a cell apart and, with an ``axis``, lie one after the other along it. 0 where contact has no springs.
+    """
+    state, h = simulation.state, simulation.scene.grid.cell_size
+    law: Any = getattr(simulation.contact, "law", None)
+    springs = law.compliance() if hasattr(law, "compliance") else None
+    if springs is None:
+        return 0.0
+    lower, upper = (np.array([getattr(body, end) for body in state.bodies]) for end in ("lower", "upper"))
+    of_springs, loaded = 0.0, set()
+    for pair, compliance in zip(state.pairs, springs, strict=True):
+        both = [pair.first, pair.second]
+        gap = lower[both].max(0) - upper[both].min(0)  # negative where boxes overlap
+        if gap.max() < h and (axis is None or gap[axis] > -h):
+            of_springs += float(compliance)
+            loaded |= set(both)
+    length = np.ptp(np.stack([lower, upper]), axis=0)
+    along = length.min(1) if axis is None else length[:, axis]
+    of_bodies = sum(along[b] / state.bodies[b].p_wave_modulus for b in loaded)
+    return of_springs / (of_springs + of_bodies) if loaded else 0.0
 
 
 def _print_cost(simulation: Simulation, measure: bool, everything: bool) -> None:
