@@ -194,7 +194,8 @@ def read_snapshot(path: str) -> tuple[Snapshot, Facts | None]:
             raise ValueError("the checksum is wrong")
         header = json.loads(content[8:begin].tobytes())
         said = json.loads(header.pop("__metadata__")["said"])
-        snapshot = Snapshot(said["parts"], dict(said["values"]), dict(_arrays_in(header, content[begin:])))
+        parts = [str(name) for name in said["parts"]]
+        snapshot = Snapshot(parts, dict(said["values"]), dict(_arrays_in(header, content[begin:])))
         return snapshot, None if said["facts"] is None else Facts.model_validate(said["facts"])
     except OSError as error:
         raise MpmfwError(f"cannot read '{path}': {error.strerror or error}") from error

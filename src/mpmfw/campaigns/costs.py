@@ -34,9 +34,9 @@ def costs_of(coords: Mapping[str, Sequence[Any]], costs: Mapping[Index, Sequence
     stages, settling = (np.full((*shape, most, len(STEP_STAGES)), np.nan) for _ in range(2))
     for index, many in costs.items():
         for k, cost in enumerate(many):
-            values[index][k] = [*(cost.values[name] for name in names), cost.others]
-            stages[index][k] = [cost.stages[stage] for stage in STEP_STAGES]
-            settling[index][k] = [cost.settling[stage] for stage in STEP_STAGES]
+            values[index][k] = [*(cost.values.get(name, np.nan) for name in names), cost.others]
+            stages[index][k] = [cost.stages.get(stage, np.nan) for stage in STEP_STAGES]
+            settling[index][k] = [cost.settling.get(stage, np.nan) for stage in STEP_STAGES]
     lead = (*coords, "repeat")
     found = {name: (lead, values[..., k]) for k, name in enumerate((*names, "load"))}
     by_stage = {"stages": ((*lead, "stage"), stages), "settling": ((*lead, "stage"), settling)}

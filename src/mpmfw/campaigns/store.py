@@ -12,15 +12,17 @@ import weakref
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 import xarray as xr
+from pydantic import TypeAdapter
 
-from mpmfw.campaigns.outcome import Cost, Outcome
+from mpmfw.campaigns.outcome import Outcome
 from mpmfw.campaigns.own_files import key_in, own_files
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.results.reading import read_run
 from mpmfw.results.replacing import replace_bytes
+
+_OUTCOME = TypeAdapter(Outcome)
 
 #: Seconds after which a file that is still being written is taken to be left by a process that was killed.
 _ABANDONED = 3600.0
@@ -137,11 +139,9 @@ class Store:
 
     def _read(self, key: str) -> Outcome | None:
         try:
-            fields: dict[str, Any] = json.loads(self._path(key, "json").read_bytes())
-            costs = tuple(Cost(**cost) for cost in fields.pop("costs"))
-            found = Outcome(**{**fields, "notes": tuple(fields["notes"])}, costs=costs)
-            complete = not found.digest or self.results(key) is not None
-        except (OSError, ValueError, TypeError, KeyError, MpmfwError):
+            found = _OUTCOME.validate_json(self._path(key, "json").read_bytes())
+            complete = found.key == key and (not found.digest or self.results(key) is not None)
+        except (OSError, ValueError, MpmfwError):
             return None
         return found if complete else None
 

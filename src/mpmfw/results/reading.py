@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import builtins
 import os
+import re
 import warnings
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
@@ -19,6 +20,9 @@ if TYPE_CHECKING:
 
 #: What is said of an HDF5 file that the library cannot read.
 _DAMAGED = "the file was cut short or is damaged"
+
+#: How many times its own length a file may have in memory, and bytes beside: numbers that were never written are NaN.
+LARGER, SPARE = 100, 100_000_000
 
 #: Files that are open until their tree is closed: left to the garbage collector, a file may be freed before its groups, and
 #: the HDF5 library then fails in whatever is opened next.
@@ -100,6 +104,9 @@ def read(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree | x
     except (OSError, UnicodeError) as error:
         raise MpmfwError(f"cannot read '{name}': {_reason(name, error)}{_how_to_go_on(name)}") from error
     try:
+        declared = sum(8 * v.size for _, group in _groups(dataset) for v in group.variables.values())
+        if declared > LARGER * os.path.getsize(name) + SPARE:
+            raise MpmfwError(_DAMAGED)
         tree = tree_of(dataset, load=not lazy)
     except MpmfwError as error:
         dataset.close()
@@ -177,8 +184,8 @@ def tree_of(dataset: netCDF4.Dataset, *, load: bool = True) -> xr.DataTree:
     try:
         groups = {name: xr.open_dataset(_store(group)) for name, group in _groups(dataset)}
         bodies = groups["/"]["body"].values.tolist() if "body" in groups["/"] else []
-        if any("/" in str(body) for body in bodies):
-            raise ValueError("the name of a body is a path")
+        if not all(re.fullmatch("[A-Za-z0-9_]+", str(body)) for body in bodies):
+            raise ValueError("no scene can have a body of this name")
         groups = _complete(groups)
         if load:
             groups = {name: group.load() for name, group in groups.items()}

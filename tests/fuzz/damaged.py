@@ -1,0 +1,332 @@
+"""Files that a stranger has damaged or crafted, and what reading one of them may do: end well, or with one message.
+
+Each is made from a number alone. It is read in a process of its own, which an audit hook watches: no import of what was not
+imported, no other process, no file written elsewhere, at most 1 GB and 10 s.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import resource
+import shutil
+import signal
+import sys
+import tempfile
+import time
+import traceback
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import mpmfw
+from checkpoints_for_tests import content, opened
+from mpmfw.errors import Interrupted, MpmfwError
+
+#: Bytes and seconds that reading a file may take.
+MEMORY, SECONDS = 1e9, 10.0
+
+#: Values that stand for others in what a file says.
+_VALUES = (
+    0, 1, -1, 2**31, 2**63, 10**400, 1e308, float("nan"), float("inf"), True, None, "", "x", "os:system", "__import__('os')",
+    "../../pwned", [], [1], {}, {"a": 1}, {"__class__": "subprocess.Popen"}, ["builtins:eval"] * 3,
+)  # fmt: skip
+
+SCENE = {
+    "grid": {"cell_size": 0.25, "lower": [-2.0, -2.0], "upper": [2.0, 2.0]},
+    "time": {"end": 0.02, "output_interval": 0.002},
+    "shape": {"method": "linear"},
+    "contact": {"method": "penalty", "friction": 0.3},
+    "materials": {
+        "m": {"model": "neo_hookean", "density": 1e3, "bulk_modulus": 1e6, "shear_modulus": 5e5},
+    },
+    "bodies": {
+        name: {
+            "material": "m",
+            "particles": {"size": 0.125},
+            "velocity": [-10.0 * x, 0.0],
+            "geometry": {"type": "rectangle", "lower": [x - 0.25, -0.5], "upper": [x + 0.25, 0.5]},
+        }
+        for name, x in (("a", -0.26), ("b", 0.26))
+    },
+    "output": {"particles": True, "surface": True, "ledger": True, "stability": True},
+}
+
+
+#: Events in which a file goes.
+_REMOVES = ("os.remove", "os.rename", "os.rmdir", "shutil.rmtree")
+
+#: Commands that read each file.
+COMMANDS = {"run": ("plot", "animate", "export"), "compare": ("plot",)}
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How reading ended: ``ok``, ``message``, or what is wrong."""
+
+    outcome: str
+    said: str
+    seconds: float
+
+
+def make(folder: Path) -> None:
+    """Write sound files: a run that was interrupted with its checkpoint, a run that ended, a comparison and its store."""
+
+    def stop(time: float, steps: int) -> None:  # noqa: ARG001
+        os.kill(os.getpid(), signal.SIGINT)
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        mpmfw.run(SCENE, output=folder / "stopped.nc", progress=stop, set={"time.step": 2e-4})
+    except Interrupted:
+        pass
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert (folder / "stopped.nc.checkpoint").is_file()
+    mpmfw.run(SCENE, output=folder / "run.nc")
+    mpmfw.compare(SCENE, ["penalty", "none"], ["linear"], output=folder / "compare.nc")
+    with tempfile.TemporaryDirectory() as beside:
+        for name, commands in COMMANDS.items():  # what is imported on the way is not a file's doing
+            for command in commands:
+                _command(command, folder / f"{name}.nc", Path(beside))
+
+
+def _bytes(draw: random.Random, whole: bytes) -> bytes:
+    """Flip bits, overwrite, cut or repeat a stretch."""
+    changed = bytearray(whole)
+    for _ in range(draw.choice((1, 1, 2, 8, 64))):
+        at, length = draw.randrange(len(changed)), draw.choice((1, 4, 8, 100))
+        way = draw.randrange(5)
+        if way < 2:
+            changed[at] ^= 1 << draw.randrange(8)
+        elif way == 2:
+            changed[at : at + length] = draw.choice((b"\0", b"\xff")) * len(changed[at : at + length])
+        elif way == 3:
+            changed[at : at + length] = draw.randbytes(len(changed[at : at + length]))
+        else:
+            del changed[at : draw.choice((at + length, len(changed)))]
+        if not changed:
+            break
+    return bytes(changed)
+
+
+def _elsewhere(draw: random.Random, tree: Any) -> None:
+    """Replace, drop or add one value somewhere in nested lists and tables."""
+    while True:
+        keys = list(tree) if isinstance(tree, dict) else list(range(len(tree)))
+        if not keys:
+            return
+        key = draw.choice(keys)
+        if isinstance(tree[key], dict | list) and tree[key] and draw.random() < 0.8:
+            tree = tree[key]
+            continue
+        if draw.random() < 0.1 and isinstance(tree, dict):
+            tree[draw.choice(("x", "a/b", "state/time"))] = tree.pop(key)
+        elif draw.random() < 0.1:
+            del tree[key]
+        else:
+            tree[key] = draw.choice(_VALUES)
+        return
+
+
+def _checkpoint(draw: random.Random, path: Path) -> None:
+    """Change what a checkpoint says, or its numbers, such that its checksum is right."""
+    header, said, data = opened(path)
+    numbers = bytearray(data)
+    for _ in range(draw.choice((1, 1, 2, 5))):
+        way = draw.randrange(4)
+        if way == 0:
+            _elsewhere(draw, header)
+        elif way == 1:
+            _elsewhere(draw, said)
+        else:
+            arrays = [
+                one
+                for key, one in header.items()
+                if key != "results.nc" and isinstance(one, dict) and "shape" in one
+            ]
+            begin, end = draw.choice([one["data_offsets"] for one in arrays])
+            if end > begin:
+                values = np.frombuffer(bytes(numbers[begin:end]), "u1").copy()
+                kind = draw.choice(("<f8", "<i8"))
+                some = values[: len(values) // 8 * 8].view(kind)
+                if len(some):
+                    some[draw.randrange(len(some))] = draw.choice(
+                        (np.nan, np.inf, 1e300, -1e300, 0.0)
+                        if kind == "<f8"
+                        else (-1, -2, 2**62, 2**40, 10**6, -(2**63))
+                    )
+                numbers[begin:end] = values.tobytes()
+    if isinstance(header.get("__metadata__"), dict):
+        header["__metadata__"]["said"] = json.dumps(said)
+    path.write_bytes(content(header, bytes(numbers)))
+
+
+def _results(draw: random.Random, path: Path) -> None:
+    """Change names, attributes and numbers of a results' file by the library that wrote it."""
+    import netCDF4
+
+    try:
+        dataset = netCDF4.Dataset(path, "a")
+    except OSError:  # a file that was made in memory
+        path.write_bytes(_bytes(draw, path.read_bytes()))
+        return
+    with dataset:
+        groups = [dataset, *dataset.groups.values()]
+        for _ in range(draw.choice((1, 2, 4))):
+            group = draw.choice(groups)
+            names = sorted(group.variables)
+            way = draw.randrange(4)
+            if way == 0 and group.ncattrs():
+                group.setncattr(
+                    draw.choice(sorted(group.ncattrs())),
+                    draw.choice(("", "x", "[", "{}", 7, -1.0, "../../x")),
+                )
+            elif way == 1 and names:
+                group.renameVariable(draw.choice(names), draw.choice(("x", "time2", "body2")))
+                break  # what follows is numbered anew
+            elif names:
+                variable = group.variables[draw.choice(names)]
+                if variable.dtype is str and len(variable):
+                    variable[draw.randrange(len(variable))] = draw.choice(
+                        ("../../x", "", "/", "a/b", "a" * 5000, "\x1b[2J")
+                    )
+                elif variable.dtype is not str and variable.size:
+                    variable.set_auto_maskandscale(False)
+                    at = tuple(draw.randrange(n) for n in variable.shape)
+                    variable[at] = draw.choice((0, -1, 10**6, 2**30, 7))
+
+
+def _store(draw: random.Random, path: Path) -> None:
+    """Change what an outcome in a store says."""
+    fields = json.loads(path.read_bytes())
+    for _ in range(draw.choice((1, 1, 2, 5))):
+        _elsewhere(draw, fields)
+    path.write_text(draw.choice((json.dumps(fields), json.dumps(fields), "[" * 10**5)))
+
+
+def case(number: int, sound: Path, folder: Path) -> tuple[str, Callable[[], Any]]:
+    """Damage a copy of the sound files in a folder; what was damaged, and what reads it."""
+    draw = random.Random(f"mpmfw damaged {number}")
+    shutil.copytree(sound, folder, dirs_exist_ok=True)
+    what = ("checkpoint", "results", "run", "compare", "store")[number % 5]
+    stores = sorted((folder / "compare.nc.runs").glob("*.json" if number % 2 else "*.*"))
+    path = {
+        "checkpoint": folder / "stopped.nc.checkpoint", "results": folder / "stopped.nc", "run": folder / "run.nc",
+        "compare": folder / "compare.nc", "store": draw.choice(stores),
+    }[what]  # fmt: skip
+    if draw.random() < 0.3:
+        path.write_bytes(_bytes(draw, path.read_bytes()))
+    elif what == "checkpoint":
+        _checkpoint(draw, path)
+    elif path.suffix == ".json":
+        _store(draw, path)
+    else:
+        _results(draw, path)
+    if what in ("checkpoint", "results"):
+        return what, lambda: mpmfw.resume(folder / "stopped.nc")
+    if what == "store":
+        return what, lambda: mpmfw.compare(
+            SCENE, ["penalty", "none"], ["linear"], output=folder / "compare.nc"
+        )
+    command = draw.choice(("open", *COMMANDS[what]))
+    return (
+        f"{what} {command}",
+        lambda: mpmfw.open(path) if command == "open" else _command(command, path, folder),
+    )
+
+
+def _command(command: str, path: Path, folder: Path) -> None:
+    """Run a command line; an exit status of 2 says that a message was printed."""
+    from typer.testing import CliRunner
+
+    from mpmfw.cli import app
+
+    endings = {"plot": "f.png", "animate": "f.gif", "export": "f.pvd"}
+    outputs = {command: ["-o", str(folder / name), "--force"] for command, name in endings.items()}
+    done = CliRunner().invoke(app, [command, str(path), *outputs.get(command, [])])
+    if done.exception is not None and not isinstance(done.exception, SystemExit):
+        raise done.exception
+    if done.exit_code:
+        raise MpmfwError(done.stderr)
+
+
+def read_apart(number: int, sound: Path, folder: Path) -> tuple[str, Ending]:
+    """Damage and read one file in a child of this process."""
+    what, reads = case(number, sound, folder)
+    inlet, outlet = os.pipe()
+    begin = time.monotonic()
+    child = os.fork()
+    if child == 0:
+        os.close(inlet)
+        try:
+            with os.fdopen(outlet, "w", errors="replace") as pipe:
+                json.dump(_watched(reads, folder), pipe)
+        finally:
+            os._exit(0)
+    os.close(outlet)
+    status = 0
+    while os.waitpid(child, os.WNOHANG) == (0, 0):
+        if time.monotonic() - begin > SECONDS:
+            os.kill(child, signal.SIGKILL)
+            os.waitpid(child, 0)
+            status = -1
+            break
+        time.sleep(0.005)
+    with os.fdopen(inlet) as pipe:
+        text = pipe.read()
+    seconds = time.monotonic() - begin
+    if status:
+        return what, Ending("hangs", f"took more than {SECONDS:g} s", seconds)
+    if not text:
+        return what, Ending("crashes", "the process ended without a word", seconds)
+    return what, Ending(*json.loads(text), seconds)
+
+
+def _watched(reads: Callable[[], Any], folder: Path) -> tuple[str, str]:
+    """Outcome and message of reading, or what it must not do."""
+    seen: list[str] = []
+    known = {name.partition(".")[0] for name in sys.modules} | set(sys.stdlib_module_names)
+    mine = (
+        str(folder),
+        *filter(None, (os.environ.get("NUMBA_CACHE_DIR"),)),
+        f"{os.sep}kernels{os.sep}",
+        "/proc/self/clear_refs",
+    )
+
+    def audit(event: str, given: tuple[Any, ...]) -> None:
+        if event == "import" and given[0].partition(".")[0] not in known:
+            seen.append(f"import {given[0]}")
+        elif event == "subprocess.Popen" and given[0] not in ("uname", "git"):  # machine and version
+            seen.append(f"{event} {given[:2]}")
+        elif event in ("os.system", "os.exec", "os.posix_spawn", "os.fork", "socket.connect"):
+            seen.append(event)
+        elif event == "open" and isinstance(given[0], str) and isinstance(given[2], int):
+            writes = given[2] & (os.O_WRONLY | os.O_RDWR | os.O_CREAT)
+            if writes and not any(one in os.path.abspath(given[0]) for one in mine):
+                seen.append(f"open {given[0]}")
+        elif event in _REMOVES and str(folder) not in os.path.abspath(given[0]):
+            seen.append(f"{event} {given[0]}")
+
+    os.chdir(folder)
+    tempfile.tempdir = str(folder)
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    sys.addaudithook(audit)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            reads()
+        outcome, said = "ok", ""
+    except MpmfwError as error:
+        outcome, said = "message", str(error)
+    except BaseException:
+        outcome, said = "traceback", traceback.format_exc()
+    used = 1024.0 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
+    if seen:
+        return "harm", f"{seen} {said}"
+    return ("memory", f"{used:.2g} bytes") if used > MEMORY else (outcome, said)

@@ -1,0 +1,29 @@
+"""Damaged and crafted checkpoints, results and stores do no harm, and end well or in one message."""
+
+from __future__ import annotations
+
+import os
+import shutil
+
+import pytest
+from damaged import make, read_apart
+
+#: How many: ``MPMFW_DAMAGED=1000`` is the long form.
+COUNT = int(os.environ.get("MPMFW_DAMAGED", "50"))
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this platform")
+@pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning", "ignore::DeprecationWarning")
+def test_no_damaged_file_does_harm(tmp_path):
+    sound = tmp_path / "sound"
+    sound.mkdir()
+    make(sound)
+    wrong, ends = [], {}
+    for number in range(COUNT):
+        what, ending = read_apart(number, sound, tmp_path / str(number))
+        shutil.rmtree(tmp_path / str(number))
+        ends[what, ending.outcome] = ends.get((what, ending.outcome), 0) + 1
+        if ending.outcome not in ("ok", "message"):
+            wrong.append(f"{number} ({what}): {ending.outcome} after {ending.seconds:.1f} s: {ending.said}")
+    print(ends)
+    assert not wrong, "\n".join(wrong)
