@@ -88,3 +88,10 @@ def test_a_block_slides_over_seams_without_a_brake(contact: str) -> None:
 def test_seams_of_a_turned_floor_are_no_walls_either() -> None:
     along = np.array([math.cos(0.35), math.sin(0.35)])
     assert speed_at_the_end(floor_of_tiles(2, 3, 0.35), "penalty", along) == pytest.approx(SPEED, rel=3e-3)
+
+
+@pytest.mark.parametrize(("tiles", "listed"), [(1, False), (2, True)])
+def test_two_bodies_alone_have_no_list_of_covered_facets(tiles: int, listed: bool) -> None:
+    surface = mpmfw.Simulation(mpmfw.load_scene(floor_of_tiles(2, tiles))).state.surface
+    assert surface is not None
+    assert (len(surface.covered) > 0) == listed
