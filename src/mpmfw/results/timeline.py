@@ -21,6 +21,7 @@ class _Column:
 
     variable: netCDF4.Variable[Any]
     dtype: Any
+    static: bool  #: whether it has no time
     shape: tuple[int, ...] | None = None  #: of one frame
     waiting: list[AnyArray] = dataclasses.field(default_factory=list)
 
@@ -92,9 +93,11 @@ class Timeline:
         """Write the arrays that wait, but not yet their times."""
         start = self.frames - self.waits
         for column in self._columns.values():
-            if column.waiting:
+            if column.waiting and column.static:
+                column.variable[...] = column.waiting[0]
+            elif column.waiting:
                 _write(column.variable, start, np.stack(column.waiting))
-                column.waiting.clear()
+            column.waiting.clear()
 
     def write_times(self) -> None:
         """Write the times of the arrays that :meth:`write_arrays` has written."""
@@ -117,7 +120,7 @@ class Timeline:
             return
         column = self._columns.get(field.name)
         if column is None:
-            column = _Column(self._define(field, values), np.dtype(field.dtype))
+            column = _Column(self._define(field, values), np.dtype(field.dtype), static)
             self._columns[field.name] = column
         if column.shape is None:  # asked of the file once, which counts unlimited dimensions
             column.shape = column.variable.shape if static else column.variable.shape[1:]
@@ -125,8 +128,8 @@ class Timeline:
             raise MpmfwError(
                 f"field '{self._called(field)}' has shape {values.shape}, expected {column.shape}"
             )
-        if static:
-            column.variable[...] = values
+        if static:  # written later: to define the next variable after a writing costs with all variables
+            column.waiting.append(values.copy())
             return
         while len(column.waiting) < self.waits:  # a field that earlier frames did not hold is missing there
             column.waiting.append(np.full(column.shape, column.variable.get_fill_value()))

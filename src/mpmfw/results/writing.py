@@ -276,13 +276,16 @@ class RunWriter:
         _labels(dataset, "pair", header.pairs, grows=header.more_pairs)
         self._outputs = self._new_timeline(dataset, along="output")
         self._timeline("series")
+        segments = []
         for body, following in header.connectivity.items():
             if header.surface_count.get(body, 0):
                 group = self._timeline(f"surface/{body}").group
                 group.createDimension("surface_node", header.surface_count[body])
                 variable = group.createVariable("next", "i8", ("surface_node",))
                 variable.long_name = "surface node at which the segment that starts at this one ends"
-                variable[:] = following
+                segments.append((variable, following))
+        for variable, following in segments:
+            variable[:] = following
         dataset.sync()
 
     def _new_timeline(self, group: netCDF4.Dataset, **options: Any) -> Timeline:
