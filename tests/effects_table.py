@@ -58,9 +58,11 @@ LEAST = Brings(
         for who, hooks in (
             ("body_series", "declare_fields setup diagnostics"),
             ("von_mises", "declare_fields diagnostics"),
+            ("verdict", "end_step diagnostics concerns"),
         )
         for hook in hooks.split()
     ),
+    modules=frozenset(["mpmfw.effects.verdict", "mpmfw.effects.surface", "mpmfw.effects.ledger_energies"]),
     series=frozenset(
         {
             *("centre_of_mass", "mean_velocity", "angular_velocity", "linear_momentum", "angular_momentum"),
@@ -146,10 +148,10 @@ EFFECTS = {
     "sleep": brings(),
     "pressure": brings(
         "pressure on solid top",
-        hooks="add_nodal_force",
+        hooks="add_nodal_force end_step",
         modules="mpmfw.effects.side_loads mpmfw.effects.faces",
     ),
-    "load": brings("body_force field", hooks="add_nodal_force", modules="mpmfw_load.body_force"),
+    "load": brings("body_force field", hooks="add_nodal_force end_step", modules="mpmfw_load.body_force"),
     "thickness": brings(arrays="particles/thickness"),
     "surfaces": brings(
         "surface",
@@ -158,7 +160,7 @@ EFFECTS = {
         modules="mpmfw.effects.surface",
         surface="position next",
     ),
-    "least gap": brings("gap", hooks="declare_fields diagnostics concerns", series="min_gap"),
+    "least gap": brings("gap", hooks="declare_fields diagnostics", series="min_gap"),
     "local spin": brings(
         "local_spin",
         hooks="declare_fields setup correct_inertia",

@@ -70,7 +70,7 @@ def compare(
     -------
     xarray.Dataset
         Series with dims (contact, shape, *vary, time, body | pair, axis), costs with dims (contact, shape,
-        *vary[, stage]), ``status`` ("ok", "failed: …" or "refused: …"). A failing method does not stop the
+        *vary[, stage]), ``status`` ("ok", "suspect: …", "failed: …" or "refused: …"). A failing method does not stop the
         others; what it did not reach is NaN.
 
     Raises

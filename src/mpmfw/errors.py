@@ -64,6 +64,10 @@ class Diverged(SimulationError):
         )
 
 
+class PastStabilityLimit(SimulationError):
+    """A step became longer than a stability limit."""
+
+
 class PluginError(SimulationError):
     """A plug-in failed while the run went on: what it did is named with plug-in, distribution and hook.
 
@@ -98,3 +102,8 @@ class Interrupted(KeyboardInterrupt):
 
 class ResultsWarning(UserWarning):
     """A run went through, with something that its reader must know."""
+
+
+def is_complete(status: str) -> bool:
+    """Return whether a run with this status came to its end: ``ok``, or ``suspect: …``."""
+    return status == "ok" or status.startswith("suspect")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from mpmfw.kernels.facets import area_vector, read_corners
 from mpmfw.kernels.types import Floats, Indices, Ints
 from mpmfw.named import NamedPlugIn
 from mpmfw.state import Grid, Particles, State, Stencil, Surface
+
+if TYPE_CHECKING:
+    from mpmfw.numbers import Numbers
 
 
 @kernel
@@ -71,10 +75,16 @@ class Load(NamedPlugIn):
     depends on the velocity may implement the hook ``stable_timestep``.
     """
 
+    work = 0.0  #: on the bodies so far [J/m]
+
     @property
     def ledger_term(self) -> tuple[str, str]:
         """Term of the energy ledger, and what does the work."""
         return "external", f"load '{self.title}'"
+
+    def take_over(self, other: Load, numbers: Numbers) -> None:  # noqa: ARG002
+        """Take the work that the same load has done in another simulation of its bodies."""
+        self.work, other.work = self.work + other.work, 0.0
 
 
 class BodyLoad(Load):
@@ -95,13 +105,21 @@ class BodyLoad(Load):
         raise NotImplementedError
 
     @hookimpl
-    def add_nodal_force(self, grid: Grid, state: State, phi: Stencil) -> None:
+    def add_nodal_force(self, grid: Grid, state: State, phi: Stencil, dt: float) -> None:
         """Map the forces with the points' shape functions, f_i = Σ φ_ip f_p: their sum and power are those of the points."""
+        self._impulses = []
         for body in self.bodies:
             own = body.particles
             shape = (own.stop - own.start, state.grid.dim)
             force = self.checked(self.forces(state.particles, own, state.time), shape, state)
             add_point_forces(own.start, phi.row, phi.nodes, phi.weight, force, grid.force)
+            self._impulses.append((own, dt * force))
+
+    @hookimpl
+    def end_step(self, state: State) -> None:
+        """Add the work on the points."""
+        for own, impulse in self._impulses:
+            self.work += float(np.vdot(impulse, state.particles.velocity[own]))
 
 
 class LoadedFacets:
@@ -168,6 +186,15 @@ class SurfaceLoad(Load):
         assert phi is not None  # filled at the beginning of the step
         force = loaded.area[:, None] * self.checked(self.traction(loaded, state.time), shape, state)
         add_facet_forces(self.facets, force, surface.facets, phi.row, phi.nodes, phi.weight, grid.force)
+        self._force = force
+
+    @hookimpl
+    def end_step(self, state: State) -> None:
+        """Add the work on the facets."""
+        surface = tracked(state)
+        self.work += float(
+            np.vdot(self._force, surface.displacement[surface.facets[self.facets]].mean(axis=1))
+        )
 
 
 def tracked(state: State) -> Surface:

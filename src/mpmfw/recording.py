@@ -19,6 +19,7 @@ def plan_records(made: Build, plan: Plan, limits: Limits) -> None:
     plan.note("energies", energy, "series of every body" if energy else "output.energy = false")
     strain = StrainEnergies(materials)
     plan.plugins.append(BodySeries(strain, affine=made.transfer.affine is not None, energy=energy))
+    _verdict(made, plan, strain)
     _moment(made, plan)
     _ledger(made, plan, strain)
     _stability(made, plan, limits)
@@ -48,6 +49,15 @@ def _moment(made: Build, plan: Plan) -> None:
     plan.note("contact moment", True, "about " + ("centres of mass" if about is None else f"{about} m"))
     at = plan.plugins.index(contact)
     plan.plugins[at : at + 1] = around(contact, ContactMoment(about, made.state))
+
+
+def _verdict(made: Build, plan: Plan, strain: StrainEnergies) -> None:
+    """Every run is judged; one of the bodies that are awake is a part of a run."""
+    if made.whole is not None:
+        return
+    from mpmfw.effects.verdict import planned
+
+    plan.plugins.append(planned(made, plan, strain))
 
 
 def _ledger(made: Build, plan: Plan, strain: StrainEnergies) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import netCDF4
 
-from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.errors import MpmfwError, SceneError, is_complete
 from mpmfw.history import NotSaved, Snapshot
 from mpmfw.interruption import interruptible
 from mpmfw.restart import (
@@ -157,7 +157,7 @@ def _check_unfinished(path: str) -> None:
             else ""
         )
         raise SceneError(f"{path}: is no run's results, but of kind '{kind}'{again}")
-    if status == "ok":
+    if is_complete(status):
         raise SceneError(f"{path}: the run is finished; there is nothing to go on with")
 
 

@@ -163,7 +163,7 @@ def run_on(
     try:
         with signals.deferred():
             simulation.run(signals.whole(writer.write), progress, checkpoints)
-            signals.whole(writer.finish)(_end(simulation, "ok"))
+            signals.whole(writer.finish)(_end(simulation, simulation.status))
     except SimulationError as error:
         writer.finish(_end(simulation, f"failed: {error}"))
         error.results = writer.results()
@@ -200,7 +200,7 @@ def _end(simulation: Simulation, status: str) -> dict[str, Any]:
     try:
         remarks = simulation.remarks()
     except MpmfwError:
-        if status == "ok":
+        if not status.startswith("failed"):
             raise
         remarks = {}
     text = {name: json.dumps(words) for name, words in remarks.items() if words}

@@ -501,6 +501,12 @@ class Simulation:
             *(text for answer in answers for text in answer),
         ]
 
+    @property
+    def status(self) -> str:
+        """``ok``, or ``suspect: …`` with the reasons; complete after the last step."""
+        verdict: Any = self.manager.get_plugin("verdict")
+        return str(verdict.status)
+
     def remarks(self) -> dict[str, list[str]]:
         """Lists of words for the results: ``warnings``, and ``time_step_owners`` where these are followed."""
         watch = self.manager.get_plugin("time_step_series")

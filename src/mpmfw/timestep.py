@@ -10,7 +10,7 @@ from pydantic import BaseModel
 
 from mpmfw.answers import check_limits
 from mpmfw.contact.strategy import ContactStrategy
-from mpmfw.errors import PluginError, SceneError, SimulationError
+from mpmfw.errors import PastStabilityLimit, PluginError, SceneError, SimulationError
 from mpmfw.state import State
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ class TimeStep:
         step: float = self._safety * limit if self._fixed is None else self._fixed
         if self._checked and (refusal := self._refusal(step, limits)) is not None:
             advice = "a smaller time.step, or allow_unstable = true"
-            raise SimulationError(refusal, time=self.state.time, advice=advice)
+            raise PastStabilityLimit(refusal, time=self.state.time, advice=advice)
         if limit < COLLAPSED * self.bulk_limit:
             raise SimulationError(
                 f"the stable time step fell to {limit:.3g} s, set by {owner}; that of the bulk is {self.bulk_limit:.3g} s",

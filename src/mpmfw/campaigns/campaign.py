@@ -121,7 +121,7 @@ def dataset_of(runs: GridRuns, *, fields: bool = True) -> xr.Dataset:
     grid, costs = runs.grid, runs.costs()
     results = {index: runs.results(index) for index, _, _ in runs.known()}
     trees = {index: tree for index, tree in results.items() if tree is not None}
-    status = grid.array(runs.statuses(), "ok, or why there is no complete result")
+    status = grid.array(runs.statuses(), "ok, or why it is suspect or has no complete result")
     files = join(grid.coords, trees, fields=fields)
     dataset = xr.Dataset({"status": status, **files.data_vars}, files.coords, files.attrs)
     if keys := {dim: key for dim, key in grid.keys.items() if key not in ("contact", "shape")}:

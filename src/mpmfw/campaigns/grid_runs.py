@@ -18,7 +18,7 @@ from mpmfw.campaigns.outcome import Cost, Finished, Outcome
 from mpmfw.campaigns.running import Progress, Repeats, complete, counted, do, resumable
 from mpmfw.campaigns.store import Store, store_of
 from mpmfw.campaigns.work import Task
-from mpmfw.errors import ResultsWarning
+from mpmfw.errors import ResultsWarning, is_complete
 from mpmfw.measure import Measure
 
 
@@ -150,8 +150,8 @@ class GridRuns:
                 warnings.warn(f"{name}: {note}", ResultsWarning, stacklevel=3)
 
     def succeeded(self) -> dict[Index, bool]:
-        """Whether each point went through."""
-        return {index: status == "ok" for index, status in self.statuses().items()}
+        """Whether each point came to its end, suspect ones included."""
+        return {index: is_complete(status) for index, status in self.statuses().items()}
 
     def numbers(self, measure: Measure) -> xr.DataArray:
         """A measure that is a number, over the grid; NaN where it is not known."""

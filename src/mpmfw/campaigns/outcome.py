@@ -49,7 +49,7 @@ class Outcome:
     key
         Of :func:`mpmfw.identity.key_of`.
     status
-        ``ok``, or why there is no complete result.
+        ``ok``, ``suspect: …``, or why there is no complete result.
     name, scene
         What ran, for a reader of the store: in words, and the scene's text.
     digest

@@ -12,7 +12,7 @@ from mpmfw.campaigns.executors import Executor, InProcess
 from mpmfw.campaigns.outcome import Cost, Finished, Outcome
 from mpmfw.campaigns.store import Store
 from mpmfw.campaigns.work import Task, run_once, time_once
-from mpmfw.errors import Interrupted
+from mpmfw.errors import Interrupted, is_complete
 from mpmfw.interruption import interruptible
 
 #: CPU seconds below which a run is short: it is repeated where nobody says how often, since its time is noisy.
@@ -100,7 +100,7 @@ def complete(
 
     def lacking(key: str) -> int:
         outcome = store.outcome(key)
-        if outcome is None or outcome.status != "ok":
+        if outcome is None or not is_complete(outcome.status):
             return 0  # a failed one needs no more
         costs = counted(outcome, exclusive)
         return max(0, _number_of_runs(repeats, outcome.costs) - len(costs))
@@ -153,7 +153,7 @@ def _do(
     for task, finished in executor.outcomes(work, tasks):
         ended = finished if finished is not None else Finished(_dead(task))
         store.put(ended.outcome, ended.results)
-        count.total -= 0 if ended.outcome.status == "ok" else repeats_left
+        count.total -= 0 if is_complete(ended.outcome.status) else repeats_left
         count(task.name, ended.outcome.status)
 
 
@@ -182,7 +182,7 @@ def _dead(task: Any) -> Outcome:
 
 def _with_repeat(known: Outcome, finished: Finished | None) -> Outcome:
     """The outcome with one cost more; a repeat that failed, or gave other numbers, is a note."""
-    if finished is None or not finished.outcome.costs or finished.outcome.status != "ok":
+    if finished is None or not finished.outcome.costs or not is_complete(finished.outcome.status):
         why = "its process ended abruptly" if finished is None else finished.outcome.status
         return _noted(known, f"a repeat for its cost did not end as the run did: {why}")
     longer = replace(known, costs=(*known.costs, finished.outcome.costs[0]))

@@ -83,10 +83,12 @@ def _print(found: xr.Dataset, quantity: str, meaning: str) -> None:
 
 
 def _print_failures(failures: list[dict[str, Any]], *, err: bool) -> None:
-    """Runs without a result, counted by method and reason."""
+    """Print the runs that do not count, by method and reason."""
     counts: dict[tuple[str, str], int] = {}
     for one in failures:
         key = one["method"], one["status"]
         counts[key] = counts.get(key, 0) + 1
     for (method, status), times in counts.items():
-        typer.echo(f"{method}: {times} {'run' if times == 1 else 'runs'} without a result: {status}", err=err)
+        typer.echo(
+            f"{method}: {times} {'run does' if times == 1 else 'runs do'} not count: {status}", err=err
+        )

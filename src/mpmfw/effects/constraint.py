@@ -68,14 +68,24 @@ class Constraint:
         In the scene's order.
     degree, staggered
         Of the shape function's boundary basis (:class:`mpmfw.api.ShapeFunction`).
+    calls
+        Calls in each step that move the body; that of MUSL after the second projection moves nothing.
+
+    Attributes
+    ----------
+    work
+        Of the moving sides on the bodies so far [J/m].
     """
 
     name = "constraint"
     ledger_term = ("external", "prescribed sides")
     history = ("planes",)
 
-    def __init__(self, sides: tuple[PrescribedSide, ...], degree: int, *, staggered: bool) -> None:
+    def __init__(
+        self, sides: tuple[PrescribedSide, ...], degree: int, *, staggered: bool, calls: int
+    ) -> None:
         self.sides, self.degree, self.grids = sides, degree, 2 if staggered else 1
+        self.calls, self.left, self.work = calls, calls, 0.0
         #: While a scene settles, moving sides are held where they are.
         self.at_rest = False
 
@@ -96,7 +106,8 @@ class Constraint:
         self.agreed = AGREED * max(side.body.wave_speed for side in self.sides)
 
     def take_over(self, other: Constraint, numbers: Numbers) -> None:
-        """Know by other ``numbers`` where the sides of bodies are."""
+        """Take the places of sides, by other ``numbers``, and the work."""
+        self.work, other.work = self.work + other.work, 0.0
         theirs = [k for k, side in enumerate(other.sides) if numbers.body[side.body.index] >= 0]
         known = {int(numbers.body[other.sides[k].body.index]) for k in theirs}
         ours = [k for k, side in enumerate(self.sides) if side.body.index in known]
@@ -105,18 +116,25 @@ class Constraint:
     def held_momentum(self, grid: Grid) -> FloatArray:
         """Nodal momenta as :meth:`constrain_momentum` would leave them, (n_nodes, dim) [kg/s]; those of ``grid`` stay."""
         held = dataclasses.replace(grid, momentum=grid.momentum.copy())
-        self.constrain_momentum(held)
+        self._meet(held)
         return held.momentum
 
     @hookimpl
     def constrain_momentum(self, grid: Grid) -> None:
         """Bring the velocity at every side to the prescribed one."""
+        work = self._meet(grid)
+        self.work, self.left = self.work + (work if self.left > 0 else 0.0), self.left - 1
+
+    def _meet(self, grid: Grid) -> float:
+        """Bring the velocity at every side to the prescribed one; return the work on moving sides [J/m]."""
         self._fit(grid)
+        self.table.work[:] = 0.0
         self.rows = list_rows(self.degree, self.planes, grid.position, grid.mass, self.table, grid.spacing)
         velocity = 0.0 * self.velocity if self.at_rest else self.velocity
         self.passes = meet(
             self.rows, self.table, self.directions, velocity, PASSES, self.agreed, grid.mass, grid.momentum, grid.spacing
         )  # fmt: skip
+        return float(self.table.work[0])
 
     def _fit(self, grid: Grid) -> None:
         """Make room for the table, and find each side's columns, whenever the windows were laid anew."""
@@ -145,6 +163,7 @@ class Constraint:
             compliance=np.zeros(rows),
             c=np.zeros(longest),
             distance=np.zeros(longest),
+            work=np.zeros(1),
         )
 
     @hookimpl
@@ -169,6 +188,7 @@ class Constraint:
     def end_step(self) -> None:
         """Move the sides, now that nobody asks for their place at the beginning of the step."""
         self.planes.place += self.motions
+        self.left = self.calls
 
 
 def _planes(sides: tuple[PrescribedSide, ...], grid: Grid, degree: int, grids: int) -> PlaneSides:
@@ -195,7 +215,8 @@ def _planes(sides: tuple[PrescribedSide, ...], grid: Grid, degree: int, grids: i
 def planned(made: Build) -> Constraint:
     """The fixed and moving sides of all bodies."""
     sides = tuple(_prescribed(made, body, side) for body, side in sides_of(made, loaded=False))
-    return Constraint(sides, made.shape.boundary_degree, staggered=made.shape.staggered)
+    calls = 2 if made.scheme == "usf" else 1
+    return Constraint(sides, made.shape.boundary_degree, staggered=made.shape.staggered, calls=calls)
 
 
 def _prescribed(made: Build, body: Body, side: Side) -> PrescribedSide:

@@ -60,6 +60,7 @@ class SideTable(Struct):
     compliance: Floats  #: Σ A_rk² / m_k, (n_rows,)
     c: Floats  #: weights of a column, as many as the longest has nodes
     distance: Floats  #: of its nodes from the side, outwards [cells]
+    work: Floats  #: of all impulses on moving sides since it was set, (1,) [J/m]
 
 
 @device
@@ -317,6 +318,7 @@ def meet(
                         impulse = missing / compliance[r] * weights[a]
                         for d in range(dim):
                             node_momentum[nodes[a], d] += impulse * directions[side[r], e, d]
+                    table.work[0] += missing / compliance[r] * target[r] * prescribed
                     largest = max(largest, target[r] * abs(missing))
         if largest <= agreed:
             return count + 1

@@ -162,28 +162,11 @@ class SurfaceTracker:
             )
 
 
-#: Penetration over cell size above which surfaces no longer stand for the bodies.
-DEEPEST = 0.15
-
-
 class GapDiagnostic:
-    """``min_gap``: measured between the surfaces in the same way for every method, and the warning where it is deep.
-
-    Parameters
-    ----------
-    watched
-        Whether deep penetration is a concern: not with a contact that lets bodies pass through each other.
-    """
+    """``min_gap``: measured between the surfaces in the same way for every method."""
 
     name = "gap"
     stage = "gap"
-
-    history = ("deepest", "deepest_at")
-
-    def __init__(self, *, watched: bool) -> None:
-        self.watched = watched
-        self.deepest: dict[str, float] = {}  #: by pair: depth over cell size
-        self.deepest_at: dict[str, float] = {}  #: and its time [s]
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
@@ -200,22 +183,7 @@ class GapDiagnostic:
             np.array([getattr(pair, end) for pair in state.pairs], dtype=np.int64)
             for end in ("first", "second")
         )
-        gaps = least_gaps(surface, first, second, state.grid.spacing)
-        for pair in np.flatnonzero(-gaps > DEEPEST * state.grid.cell_size):
-            label, depth = state.pairs[pair].label, -float(gaps[pair]) / state.grid.cell_size
-            if depth > self.deepest.get(label, DEEPEST):
-                self.deepest[label], self.deepest_at[label] = depth, state.time
-        return {"min_gap": gaps}
-
-    @hookimpl
-    def concerns(self) -> list[str]:
-        """Surfaces that overlapped too far at an output."""
-        return [
-            f"{label}: the bodies penetrate by {depth:.2g} cells at time {self.deepest_at.get(label, 0.0):.4g} s, more than "
-            f"{DEEPEST:g}; try a stiffer contact, or smaller cells"
-            for label, depth in self.deepest.items()
-            if self.watched
-        ]
+        return {"min_gap": least_gaps(surface, first, second, state.grid.spacing)}
 
 
 def planned(made: Build, *, loaded: bool, measured: bool) -> tuple[SurfaceMap, list[Any]]:
@@ -234,5 +202,5 @@ def planned(made: Build, *, loaded: bool, measured: bool) -> tuple[SurfaceMap, l
         chosen = "mass_weighted" if made.shape.massless_boundary else "plain"
     plugins: list[Any] = [SurfaceTracker(chosen, stage)]
     if measured:
-        plugins.append(GapDiagnostic(watched=contact is not None and contact.keeps_apart))
+        plugins.append(GapDiagnostic())
     return chosen, plugins

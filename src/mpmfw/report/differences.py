@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
+from mpmfw.errors import is_complete
 from mpmfw.fields import FloatArray
 from mpmfw.plots.style import at_last
 from mpmfw.references import cell_size
@@ -163,5 +164,6 @@ def _largest(values: FloatArray) -> float:
 
 def _of_ended(runs: xr.Dataset, values: FloatArray) -> FloatArray:
     """The values of runs that came to their end; NaN of others."""
-    ended = (runs["status"] == "ok").transpose("contact", "shape").values
+    status = runs["status"].transpose("contact", "shape").values
+    ended = np.vectorize(is_complete, otypes=[bool])(status)
     return np.where(ended, values, np.nan)

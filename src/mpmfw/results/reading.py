@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import netCDF4
 import numpy as np
 
-from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
+from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, is_complete
 from mpmfw.results.writers import is_written
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def open(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree | x
 def unfinished(tree: xr.DataTree, path: str | os.PathLike[str]) -> str:
     """What keeps the results of a run from being complete, in a sentence; empty if nothing does."""
     status = str(tree.attrs.get("status", "ok"))
-    if tree.attrs.get("kind") != "run" or status == "ok":
+    if tree.attrs.get("kind") != "run" or is_complete(status):
         return ""
     if status == "running":
         status = (

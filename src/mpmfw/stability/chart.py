@@ -189,7 +189,7 @@ def _invariants(runs: GridRuns, index: Index) -> Invariants:
     found = Invariants(**values) if values else Invariants("broken", runs.statuses()[index])
     if found.status == "refused":
         raise SceneError(found.message)
-    if found.status == "broken":
+    if found.status in ("broken", "suspect"):
         warnings.warn(f"{runs.grid.combinations[index].name}: {found.message}", ResultsWarning, stacklevel=3)
     return found
 
@@ -228,14 +228,14 @@ _MEANINGS = {
 
 
 def classed(found: Invariants) -> int:
-    """Index into :data:`CLASSES` of a run; -1 of one that is broken."""
+    """Return the index into :data:`CLASSES` of a run, −1 of a broken one; a suspect run is not stable."""
     if found.status == "broken":
         return -1
     if found.status == "failed" or not found.energy <= BOUNDED:
         return 3
     if not found.touched:
         return 0
-    return 1 if found.energy <= STABLE else 2
+    return 1 if found.energy <= STABLE and found.status != "suspect" else 2
 
 
 def _dataset(grid: RunGrid, found: Mapping[Index, Invariants], lines: Mapping[str, FloatArray]) -> xr.Dataset:

@@ -14,7 +14,7 @@ import numpy as np
 from mpmfw.blame import cause
 from mpmfw.campaigns.outcome import Finished, Outcome
 from mpmfw.campaigns.work import Task
-from mpmfw.errors import PluginError, ResultsWarning, SceneError, SimulationError
+from mpmfw.errors import PastStabilityLimit, PluginError, ResultsWarning, SceneError, SimulationError
 from mpmfw.fields import FloatArray
 from mpmfw.scene import load_scene
 from mpmfw.simulation import Simulation
@@ -43,7 +43,8 @@ class Invariants:
     Attributes
     ----------
     status
-        ``ok``, ``refused``, ``failed`` if numbers ran away, ``broken`` if a method raised an error or its process died.
+        ``ok``, ``suspect``, ``refused``, ``failed`` if numbers ran away, ``broken`` if a method raised an error or its
+        process died.
     message
         Why it is not ``ok``.
     steps
@@ -124,9 +125,11 @@ def probe(
             simulation.start()
             begun = _centres(simulation.state), begun[1]
             simulation.advance(steps, record)
+            if simulation.status != "ok":
+                status, message = "suspect", simulation.status
         except SimulationError as error:
             message = str(error)
-            status = "refused" if "past the stability limit" in message else "failed"
+            status = "refused" if isinstance(error, PastStabilityLimit) else "failed"
             if isinstance(error, PluginError) and not isinstance(error.__cause__, _RUN_AWAY):
                 status = "broken"
         except Hopeless:

@@ -48,7 +48,8 @@ def conclusions(dataset: xr.Dataset, under: float | None = None) -> list[str]:
 
 def _sentence(problem: str, problems: list[str], found: list[dict[str, Any]], limit: float) -> str:
     begin = f"{problem}: the" if problem else "The"
-    known = [row for row in found if np.isfinite(row["error"]) and np.isfinite(row["cpu_time"])]
+    known = [row for row in found if row["status"] == "ok"]
+    known = [row for row in known if np.isfinite(row["error"]) and np.isfinite(row["cpu_time"])]
     below = [row for row in known if row["error"] < limit]
     if not known:
         return f"{begin} error of no combination is known"

@@ -57,7 +57,7 @@ def assemble(study: Study, judge: Judge, runs: GridRuns) -> xr.Dataset:
     for name, of in BESIDE.items():
         dataset[name] = runs.numbers(measure_of(of))
     refused = {i: f"refused: {one.why}" for i, one in grid.combinations.items() if one.scene is None}
-    dataset["status"] = grid.array(runs.statuses() | refused, "ok, or why not")
+    dataset["status"] = grid.array(runs.statuses() | refused, "ok, or why it is suspect or has no result")
     marks = {index: timing_of(costs.get(index, ())) for index in grid.combinations}
     dataset["timing"] = grid.array(marks, "whether other runs of the study shared the cores meanwhile")
     dataset["pareto"] = _front(grid, dataset)
@@ -136,11 +136,11 @@ def _costs(grid: RunGrid, costs: Mapping[Index, list[Cost]], settling: bool) -> 
 
 
 def _front(grid: RunGrid, dataset: xr.Dataset) -> xr.DataArray:
-    """The front of each problem; what failed has no error and is on none."""
+    """Return the front of each problem; runs that failed or are suspect are on none."""
     inner = [dim for dim in grid.coords if dim not in grid.problem_dims]
     marked: xr.DataArray = xr.apply_ufunc(
         front,
-        dataset["error"],
+        dataset["error"].where(dataset["status"] == "ok"),
         dataset["cpu_time"],
         input_core_dims=[inner, inner],
         output_core_dims=[inner],

@@ -86,7 +86,7 @@ class Pilots:
             if self.reference not in self._found:
                 status = self.runs.statuses()[self.reference]
                 raise SimulationError(
-                    f"the run that errors are to be against, {self.grid.combinations[self.reference].name}, has no result: "
+                    f"the run that errors are to be against, {self.grid.combinations[self.reference].name}, cannot be used: "
                     f"{status}; expected another method in the first place, or coarser cells"
                 )
             self._ask({(*self.reference[:2], k) for k in (0, 1)})  # what it is off by itself
@@ -222,7 +222,7 @@ class Pilots:
             for pilot in pilots
         }
         dataset = xr.Dataset(coords={dim: list(labels) for dim, labels in self.grid.coords.items()})
-        dataset["status"] = self.grid.array(statuses, "ok, or why not")
+        dataset["status"] = self.grid.array(statuses, "ok, or why it is suspect or has no result")
         dataset["error"] = self.grid.array(errors, f"relative error of: {self.judge.measure.meaning}", "1")
         costs = self._costs()["cpu_time"].where(dataset["status"] != "not run")
         dataset["cpu_time"] = costs.assign_attrs(units="s", long_name="CPU time of the steps and of settling")

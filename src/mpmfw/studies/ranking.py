@@ -70,7 +70,8 @@ def rank(
     xarray.Dataset
         ``cost`` [s], CPU time of the cheapest run, and ``over_best`` [1], the same over the cheapest method's, by (quantity,
         problem, level, ``by``), NaN where the level is not reached; ``best`` (…) the settings of that run. The
-        attribute ``failures`` lists runs without a result; ``ran`` (problem, ``by``) says whether the method ran the problem.
+        attribute ``failures`` lists runs that do not count: without a result, or suspect; ``ran`` (problem, ``by``) says
+        whether the method ran the problem.
 
     Raises
     ------
@@ -79,7 +80,8 @@ def rank(
     """
     check_levels(levels)
     found = [row for one in results for row in _runs(one, by)]
-    judged = [row for row in found if np.isfinite(row["error"]) and np.isfinite(row["cpu_time"])]
+    judged = [row for row in found if row["status"] == "ok"]
+    judged = [row for row in judged if np.isfinite(row["error"]) and np.isfinite(row["cpu_time"])]
     if not judged:
         raise SceneError("nothing to rank: no run has an error and a cost")
     problems, methods = (list(dict.fromkeys(row[key] for row in found)) for key in ("problem", "method"))

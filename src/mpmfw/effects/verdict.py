@@ -1,0 +1,295 @@
+"""The verdict on a run: ``ok``, or ``suspect`` with the reasons, whatever its contact and whether or not it has a ledger.
+
+Energy is judged at outputs. Surfaces are judged at outputs, and in between as often as bodies can move half a cell towards
+each other: two thin bodies may pass through each other between two outputs. Nothing is judged while a scene settles.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mpmfw.effects.ledger_energies import kinetic_energy
+from mpmfw.effects.surface import make_surface
+from mpmfw.fields import AnyArray, FloatArray
+from mpmfw.hookspecs import hookimpl
+from mpmfw.kernels import Facets
+from mpmfw.kernels.gaps import bounding_boxes
+from mpmfw.kernels.sides import find_inside, least_own_gaps, node_normals
+from mpmfw.series import StrainEnergies
+from mpmfw.state import State, Surface
+
+if TYPE_CHECKING:
+    from mpmfw.build import Build
+    from mpmfw.effect import Plan
+
+#: Penetration beyond that of the start, over the cell size, past which results carry a warning, and are suspect.
+DEEP, TOO_DEEP = 0.15, 0.5
+
+#: Growth of the energy, as a share of the energy at the start and the most that was put in, past which a run is suspect.
+GROWTH = 0.1
+
+#: Energy over stiffness and volume that counts as zero: rounding in bodies at rest.
+NOTHING = 1e-12
+
+#: Part of a cell, and of the thinnest body, that bodies may move towards each other between two looks at their surfaces.
+STRIDE = 0.5
+
+#: Fewest steps between two looks for parts of a surface that come close to each other.
+CHECK_EVERY = 20
+
+
+class Verdict:
+    """Judges a run by its surfaces and its energy.
+
+    Parameters
+    ----------
+    made
+        What was built of the scene.
+    strain
+        Strain energies of the bodies.
+    gravity
+        The plug-in, or None.
+    working
+        Plug-ins that do work on the bodies, with an attribute ``work`` [J/m].
+    """
+
+    name = "verdict"
+    stage = "output"
+
+    def __init__(self, made: Build, strain: StrainEnergies, gravity: Any, working: list[Any]) -> None:
+        state, contact = made.state, made.contact
+        self.state = state
+        self.strain, self.gravity, self.working = strain, gravity, working
+        self.springs = "" if contact is None else f"{contact.name}/energy"
+        self.watched = contact is not None and contact.keeps_apart and len(state.bodies) > 1
+        self.outlines = Outlines(state)
+        self.stride = STRIDE * min(
+            [state.grid.cell_size, *(body.geometry.width for body in made.scene.bodies.values())]
+        )
+        self.running, self.due = False, 0.0
+        self.inside = np.full(self.outlines.surface.count, -1)
+        self.overlap = np.zeros(0)  #: (pair,) deepest node at the start [m]
+        self.overlap = self._depths(state)[0]
+        self.deepest: dict[str, tuple[float, float]] = {}  #: by pair: depth over cell size, and time [s]
+        self.passed: dict[str, float] = {}  #: by pair: time [s]
+        self.grown: tuple[float, float, float] | None = (
+            None  #: excess [J/m], over the energy there was, time [s]
+        )
+        self.closed: dict[str, tuple[float, float]] = {}  #: by body: own gap over cell size, and time [s]
+
+    def _begin(self, state: State) -> None:
+        """Take the energy of time zero."""
+        self.running, self.inside[:], self.next_own = True, -1, 0
+        p = state.particles
+        volume = p.through(p.initial_volume)
+        stiffness = [body.bulk_modulus + body.shear_modulus for body in state.bodies]
+        volumes = [volume[body.particles].sum() for body in state.bodies]
+        self.nothing = NOTHING * float(np.dot(volumes, stiffness))
+        self.start = kinetic_energy(p.mass, p.velocity) + float(self.strain.of(state).sum())
+        #: Energy of the contact springs at the start; None until a step has found it.
+        self.loaded: float | None = None
+        self.first_work = sum(plugin.work for plugin in self.working)
+        self.gravity_work = self.most = 0.0
+        self.moment, self.pull = p.mass @ p.position, self._gravity(state)
+
+    def _gravity(self, state: State) -> FloatArray:
+        return np.zeros(state.grid.dim) if self.gravity is None else self.gravity.at(state.time)
+
+    def _add_gravity_work(self, state: State, share: float) -> None:
+        """Add the work since the last call; ``share`` is that of gravity now, the rest that of gravity then."""
+        moment, pull = state.particles.mass @ state.particles.position, self._gravity(state)
+        self.gravity_work += float((share * pull + (1.0 - share) * self.pull) @ (moment - self.moment))
+        self.moment, self.pull = moment, pull
+
+    def _held(self, state: State) -> float:
+        """Energy of the contact springs [J/m]."""
+        return float(state.arrays[self.springs].sum()) if self.springs in state.arrays else 0.0
+
+    @hookimpl
+    def end_step(self, state: State) -> None:
+        """Look at the surfaces if bodies may have moved too far since the last look."""
+        if not self.running:
+            return
+        if self.loaded is None:  # the first forces are those of the first positions
+            self.loaded = self._held(state)
+        if self.gravity is not None and len(self.gravity.table.times) > 1:
+            self._add_gravity_work(state, 1.0)
+        if self.watched and state.time >= self.due:
+            self._judge_sides(state)
+
+    @hookimpl
+    def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
+        """Judge energy and surfaces at an output; there are no series."""
+        if interval == 0.0:
+            self._begin(state)
+        self._judge_energy(state)
+        if self.watched:
+            self._judge_sides(state)
+        if state.steps >= self.next_own:
+            self.next_own = state.steps + CHECK_EVERY
+            self._judge_own_gaps(state)
+        return {}
+
+    def _judge_own_gaps(self, state: State) -> None:
+        for body, gap in zip(state.bodies, self.outlines.own_gaps(state) / state.grid.cell_size, strict=True):
+            if gap < self.closed.get(body.name, (1.0, 0.0))[0]:
+                self.closed[body.name] = float(gap), state.time
+
+    def _judge_energy(self, state: State) -> None:
+        if self.gravity is not None:
+            self._add_gravity_work(state, 0.5)
+        if self.loaded is None or not self._start_is_known(state):
+            return
+        work = self.gravity_work + sum(plugin.work for plugin in self.working) - self.first_work
+        self.most = max(self.most, work)
+        there = self.start + max(self.loaded, 0.0) + self.most
+        energy = kinetic_energy(state.particles.mass, state.particles.velocity)
+        energy += float(self.strain.of(state).sum()) + self._held(state)
+        excess = energy - self.start - self.loaded - work
+        if excess > GROWTH * there + self.nothing and (self.grown is None or excess > self.grown[0]):
+            self.grown = excess, excess / there if there > 0.0 else np.inf, state.time
+
+    def _start_is_known(self, state: State) -> bool:
+        """Whether the energy at the start is known: not of bodies that overlap without springs."""
+        overlaps = bool((self.overlap > 0.05 * state.grid.cell_size).any())
+        return not overlaps or self.springs in state.arrays
+
+    def _depths(self, state: State) -> tuple[FloatArray, AnyArray]:
+        """Deepest node [m] and number of nodes that have gone through, (pair,), beyond the overlap of the start."""
+        depth, passed = self.outlines.inside(state, self.inside)
+        depth[: len(self.overlap)] -= self.overlap
+        return depth, passed
+
+    def _judge_sides(self, state: State) -> None:
+        depth, passed = self._depths(state)
+        h = state.grid.cell_size
+        for index in np.flatnonzero((depth > DEEP * h) | (passed > 0)):
+            label, cells = state.pairs[index].label, float(depth[index]) / h
+            if cells >= self.deepest.get(label, (DEEP, 0.0))[0]:  # end_step does not know the time at its end
+                self.deepest[label] = cells, state.time
+            if passed[index]:
+                self.passed.setdefault(label, state.time)
+        # No two points approach faster than the range of the velocities
+        fastest = float(np.linalg.norm(np.ptp(state.particles.velocity, axis=0)))
+        self.due = state.time + (self.stride / fastest if fastest > 0.0 else np.inf)
+
+    @property
+    def reasons(self) -> list[str]:
+        """Why the run is suspect; empty where it is not."""
+        found = [f"{label}: surfaces changed sides at {time:.4g} s" for label, time in self.passed.items()]
+        found += [
+            f"{label}: penetration of {cells:.3g} cells at {time:.4g} s"
+            for label, (cells, time) in self.deepest.items()
+            if cells > TOO_DEEP
+        ]
+        if self.grown is not None:
+            excess, share, time = self.grown
+            found.append(
+                f"energy of {excess:.3g} J/m without a source at {time:.4g} s, {share:.2g} of what there was and was put in"
+            )
+        return found
+
+    @property
+    def status(self) -> str:
+        """``ok``, or ``suspect: …`` with the first reasons."""
+        reasons = self.reasons
+        more = f"; and {len(reasons) - 3} more" if len(reasons) > 3 else ""
+        return "suspect: " + "; ".join(reasons[:3]) + more if reasons else "ok"
+
+    @hookimpl
+    def concerns(self) -> list[str]:
+        """The reasons, penetration that is deep but not suspect, and surfaces that came close to themselves."""
+        if self.running:
+            self._judge_own_gaps(self.state)
+        reasons = self.reasons
+        found = (
+            [f"suspect: {'; '.join(reasons)}; try smaller steps, smaller cells or a stiffer contact"]
+            if reasons
+            else []
+        )
+        found += [
+            f"{label}: the bodies penetrate by {cells:.2g} cells at time {time:.4g} s, more than {DEEP:g}; try a stiffer "
+            "contact, or smaller cells"
+            for label, (cells, time) in self.deepest.items()
+            if cells <= TOO_DEEP
+        ]
+        found += [
+            f"{name}: parts of its own surface are {cells:.2g} cells apart at time {time:.4g} s; within a cell they "
+            "stick together, since a body has no contact with itself"
+            for name, (cells, time) in self.closed.items()
+        ]
+        return found
+
+
+class Outlines:
+    """The bodies' surfaces: those that are tracked, else nodes that follow the nearest material point, x_p + F_p (X_s − X_p)."""
+
+    def __init__(self, state: State) -> None:
+        self.tracked = state.surface is not None
+        self.surface: Surface = state.surface or make_surface(state.bodies, 1, "output")
+        if not self.tracked:
+            self.carrier = _nearest_points(state, self.surface)
+            self.offset = self.surface.position - state.particles.position[self.carrier]
+        self.start, self.start_normal = self.surface.position.copy(), self._normals(state)
+
+    def _now(self, state: State) -> Surface:
+        """The surfaces where they are now."""
+        p = state.particles
+        if not self.tracked:
+            turned = np.einsum("sij,sj->si", p.deformation_gradient[self.carrier], self.offset)
+            self.surface.position[:] = p.position[self.carrier] + turned
+        return self.surface
+
+    def _facets(self, surface: Surface) -> Any:
+        return Facets(**{name: getattr(surface, name) for name in Facets.member_names})
+
+    def _normals(self, state: State) -> FloatArray:
+        normal = np.zeros_like(self.surface.position)
+        node_normals(self._facets(self.surface), normal, state.grid.spacing)
+        return normal
+
+    def inside(self, state: State, inside: AnyArray) -> tuple[FloatArray, AnyArray]:
+        """Deepest node [m] and number of nodes that went through, of every pair, as :func:`find_inside` finds them."""
+        surface, pairs = self._now(state), state.pairs
+        first = np.array([pair.first for pair in pairs], dtype=np.int64)
+        second = np.array([pair.second for pair in pairs], dtype=np.int64)
+        depth, passed = np.zeros(len(pairs)), np.zeros(len(pairs), dtype=np.int64)
+        lower, upper = (np.empty((len(state.bodies), state.grid.dim)) for _ in range(2))
+        bounding_boxes(surface.body_first, surface.position, lower, upper)
+        find_inside(
+            first, second, surface.body_first, surface.facet_first, self._facets(surface), lower, upper, inside, depth,
+            passed, state.grid.spacing,
+        )  # fmt: skip
+        return depth, passed
+
+    def own_gaps(self, state: State) -> FloatArray:
+        """Least gap (body,) [m] between parts of a body's own surface that have come close, as :func:`least_own_gaps`."""
+        surface, gaps = self._now(state), np.zeros(len(state.bodies))
+        x = surface.position
+        order = np.lexsort((x[:, 0], surface.body))
+        least_own_gaps(
+            surface.body_first, order, self.start, self.start_normal, x, self._normals(state), gaps, state.grid.spacing
+        )  # fmt: skip
+        return gaps
+
+
+def _nearest_points(state: State, surface: Surface) -> AnyArray:
+    """Material point of the own body that is nearest to every surface node, (n_s,)."""
+    from scipy.spatial import cKDTree
+
+    found = np.zeros(surface.count, dtype=np.int64)
+    for body in state.bodies:
+        own = surface.of(body.index)
+        _, index = cKDTree(state.particles.position[body.particles]).query(surface.position[own])
+        found[own] = body.particles.start + index
+    return found
+
+
+def planned(made: Build, plan: Plan, strain: StrainEnergies) -> Verdict:
+    """The verdict of what is planned so far."""
+    working = [
+        plugin for plugin in plan.plugins if hasattr(plugin, "ledger_term") and hasattr(plugin, "work")
+    ]
+    return Verdict(made, strain, plan.plugin("gravity"), working)

@@ -1,0 +1,168 @@
+"""Nodes of one body's surface that are inside another, or have gone through it, and facing nodes of one surface."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from mpmfw.kernels import scratch
+from mpmfw.kernels._jit import device, kernel
+from mpmfw.kernels.facets import Faceted, length_of, node_normal, read_point, signed_distance
+from mpmfw.kernels.gaps import BLOCK, block_boxes, closest_facet, turns_round
+from mpmfw.kernels.types import Float, Floats, Ints
+
+#: Largest cosine between the normals of a node and of the facet by which it enters a body, and least cosine where it leaves
+#: a body that it has gone through. A node that slides off round a right angle, such as a spike's tip, cannot have both.
+FACING, THROUGH = -0.7, 0.8
+
+
+@device
+def apart(a: int, b: int, margin: Float, lower: Floats, upper: Floats, spacing: tuple[float, ...]) -> bool:
+    """Whether two boxes are farther apart than a margin [m] along an axis."""
+    found = False
+    for d in range(len(spacing)):
+        found = found or lower[a, d] > upper[b, d] + margin or lower[b, d] > upper[a, d] + margin
+    return found
+
+
+@kernel
+def find_inside(
+    first: Ints, second: Ints, body_first: Ints, facet_first: Ints, surface: Faceted, lower: Floats, upper: Floats,
+    inside: Ints, depth: Floats, passed: Ints, spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """Find how deep nodes of two bodies are inside each other, and how many have gone through since the last call.
+
+    Parameters
+    ----------
+    first, second
+        The bodies of every pair.
+    body_first, facet_first
+        Nodes of body b are ``body_first[b]:body_first[b + 1]``, its facets ``facet_first[b]:facet_first[b + 1]``.
+    lower, upper
+        Corners of the bodies' bounding boxes, (n_bodies, dim) [m].
+    inside
+        (n_s,) body that a node has entered by a facet that faces it, −1 of none. Updated.
+    depth
+        (n_pairs,) deepest node [m], 0 of none. Filled.
+    passed
+        (n_pairs,) nodes that have come out of the other body by a facet that has the node's own direction. Filled.
+    """
+    n_bodies, h = len(body_first) - 1, spacing[0]
+    boxes = np.empty((facet_first[n_bodies] // BLOCK + 2 * n_bodies, 2, len(spacing)))
+    ready = np.zeros(n_bodies, dtype=np.int64)
+    entered = np.full(len(inside), -1)
+    x, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
+    own = scratch.vector(spacing)
+    for c in range(len(first)):
+        depth[c], passed[c] = 0.0, 0
+        if apart(first[c], second[c], h, lower, upper, spacing):
+            continue
+        for way in range(2):
+            a, b = (first[c], second[c]) if way == 0 else (second[c], first[c])
+            start = facet_first[b] // BLOCK + 2 * b
+            closest = facet_first[b]
+            for s in range(body_first[a], body_first[a + 1]):
+                read_point(s, surface.position, x, spacing)
+                outside = False
+                for d in range(len(spacing)):
+                    outside = outside or x[d] < lower[b, d] or x[d] > upper[b, d]
+                if outside and inside[s] != b:
+                    continue
+                if ready[b] == 0:
+                    block_boxes(facet_first[b], facet_first[b + 1], start, surface, boxes, spacing)
+                    ready[b] = 1
+                closest = closest_facet(
+                    x, math.inf, closest, facet_first[b], facet_first[b + 1], start, surface, boxes, spacing
+                )
+                gap = signed_distance(x, closest, surface, share, normal, spacing)
+                # Where a corner is folded over normals do not tell inside from outside
+                folded = gap < 0.0 and len(spacing) == 2
+                if folded and turns_round(x, facet_first[b], facet_first[b + 1], surface) <= 0:
+                    gap = -gap
+                if gap >= 0.0 and inside[s] != b:
+                    continue
+                node_normal(s, surface, own, spacing)
+                cosine = 0.0
+                for d in range(len(spacing)):
+                    cosine += own[d] * normal[d] / length_of(own, spacing)
+                if gap < 0.0:
+                    depth[c] = max(depth[c], -gap)
+                    if cosine < FACING or inside[s] == b:
+                        entered[s] = b
+                elif cosine > THROUGH:
+                    passed[c] += 1
+    inside[:] = entered
+
+
+@kernel
+def node_normals(surface: Faceted, normal: Floats, spacing: tuple[float, ...]) -> None:
+    """Outward unit normals of all surface nodes, into ``normal`` (n_s, dim)."""
+    own = scratch.vector(spacing)
+    for s in range(len(normal)):
+        node_normal(s, surface, own, spacing)
+        length = length_of(own, spacing)
+        for d in range(len(spacing)):
+            normal[s, d] = own[d] / length if length > 0.0 else 0.0
+
+
+@device
+def faces(
+    s: int, t: int, position: Floats, normal: Floats, towards: Float, spacing: tuple[float, ...]
+) -> Float:
+    """Mean gap between two nodes along their normals [m], infinite unless each is in front of the other.
+
+    ``towards`` is the least cosine between the normals and the line that joins the nodes.
+    """
+    mine, other, between, square = 0.0, 0.0, 0.0, 0.0
+    for d in range(len(spacing)):
+        way = position[t, d] - position[s, d]
+        mine += way * normal[s, d]
+        other -= way * normal[t, d]
+        between += normal[s, d] * normal[t, d]
+        square += way * way
+    least = towards * math.sqrt(square)
+    return 0.5 * (mine + other) if between < FACING and mine > least and other > least else math.inf
+
+
+@kernel
+def least_own_gaps(
+    body_first: Ints, order: Ints, start: Floats, start_normal: Floats, position: Floats, normal: Floats, gaps: Floats,
+    spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """Least gap between parts of each body's own surface that have come within a cell of each other [m].
+
+    Two nodes count that face each other within a cell and have come closer by a tenth of a cell. At the start they faced each
+    other across a gap, or were more than three cells apart: a wrinkle of a surface is no gap.
+
+    Parameters
+    ----------
+    body_first, order
+        Nodes of body b are ``order[body_first[b]:body_first[b + 1]]``, by their first coordinate.
+    start, start_normal
+        Positions [m] and outward unit normals at the start, (n_s, dim).
+    position, normal
+        The same now.
+    gaps
+        (n_bodies,) [m], infinite of bodies without. Filled.
+    """
+    h = spacing[0]
+    for b in range(len(body_first) - 1):
+        gaps[b] = math.inf
+        for i in range(body_first[b], body_first[b + 1]):
+            s = order[i]
+            for j in range(i + 1, body_first[b + 1]):
+                t = order[j]
+                if position[t, 0] - position[s, 0] > h:
+                    break
+                gap = faces(s, t, position, normal, 0.7, spacing)
+                if gap >= min(h, gaps[b]):
+                    continue
+                now, then = 0.0, 0.0
+                for d in range(len(spacing)):
+                    now += (position[t, d] - position[s, d]) ** 2
+                    then += (start[t, d] - start[s, d]) ** 2
+                closer = math.sqrt(then) - math.sqrt(now) > 0.1 * h
+                across = faces(s, t, start, start_normal, 0.0, spacing) < math.inf
+                if closer and (across or then > 9.0 * h * h):
+                    gaps[b] = gap

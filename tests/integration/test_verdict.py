@@ -1,0 +1,299 @@
+"""Runs are judged suspect where bodies change sides, penetrate or gain energy, and only there."""
+
+from __future__ import annotations
+
+import json
+import math
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from typer.testing import CliRunner
+
+import mpmfw
+from mpmfw.api import ContactStrategy, hookimpl
+from mpmfw.cli.app import app
+from mpmfw.errors import ResultsWarning, SceneError
+from mpmfw.simulation import Simulation
+from scenes_for_tests import block, with_changes
+
+CELL, SPEED = 0.1, 5.0
+SOLID = {"model": "neo_hookean", "density": 1000.0, "bulk_modulus": 1e6, "shear_modulus": 5e5}
+
+
+class Idle(ContactStrategy):
+    """A contact that claims to keep bodies apart and does nothing."""
+
+    name = "idle"
+    velocity_fields = "per_body"
+
+
+class Pump(ContactStrategy):
+    """A contact that speeds every body up by a rate [1/s]."""
+
+    name = "pump"
+    velocity_fields = "per_body"
+    rate = 0.0
+
+    @hookimpl
+    def after_momentum_update(self, grid: Any, dt: float) -> None:
+        """Add to the momentum."""
+        grid.momentum *= 1.0 + self.rate * dt
+
+
+def scene(*bodies: tuple[dict[str, Any], float], end: float, outputs: int, **changes: Any) -> dict[str, Any]:
+    """A scene of bodies that move along x, in cells of 0.1 m."""
+    dim = 2 if bodies[0][0]["type"] in ("disc", "rectangle", "ring", "polygon") else 3
+    made = {
+        "grid": {"cell_size": CELL, "lower": [-2.0] * dim, "upper": [2.0] * dim},
+        "time": {"end": end, "output_interval": end / outputs},
+        "shape": {"method": "linear"},
+        "contact": {"method": "separate"},
+        "materials": {"solid": SOLID},
+        "bodies": {
+            name: {
+                "material": "solid",
+                "geometry": geometry,
+                "particles": {"size": 0.5 * CELL},
+                "velocity": [speed] + [0.0] * (dim - 1),
+            }
+            for name, (geometry, speed) in zip("ab", bodies, strict=False)
+        },
+        "output": {"particles": False},
+    }
+    return with_changes(made, **changes)
+
+
+def boxes(*corners: list[float]) -> list[dict[str, Any]]:
+    """Rectangles or boxes between lower and upper corners."""
+    kind = "rectangle" if len(corners[0]) == 2 else "box"
+    return [
+        {"type": kind, "lower": low, "upper": high}
+        for low, high in zip(corners[::2], corners[1::2], strict=True)
+    ]
+
+
+DISCS = [{"type": "disc", "centre": [x, 0.0], "radius": 0.3} for x in (-0.35, 0.35)]
+#: A block, and a sheet of half a cell in its way, in which no node can be deeper than a quarter of a cell.
+SHEET = boxes([-0.45, -0.2], [-0.05, 0.2], [0.0, -0.4], [0.05, 0.4])
+SHEET_3D = boxes([-0.35, -0.1, -0.1], [-0.05, 0.1, 0.1], [0.0, -0.2, -0.2], [0.05, 0.2, 0.2])
+BALLS = [{"type": "ball", "centre": [x, 0.0, 0.0], "radius": 0.2} for x in (-0.25, 0.25)]
+
+
+def run(made: dict[str, Any], contact: Any = None, **options: Any) -> xr.DataTree:
+    """Run without a word."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResultsWarning)
+        return mpmfw.run(made, contact=contact, **options)
+
+
+@pytest.mark.parametrize("gap", [True, False])
+@pytest.mark.parametrize("outputs", [1, 20])
+@pytest.mark.parametrize(
+    ("bodies", "why"),
+    [(DISCS, "penetration"), (SHEET, "changed sides"), (BALLS, "penetration"), (SHEET_3D, "changed sides")],
+    ids=["discs", "sheet", "balls", "sheet in space"],
+)
+def test_bodies_that_pass_through_each_other_are_suspect_however_rare_the_outputs(
+    bodies: list[dict[str, Any]], why: str, outputs: int, gap: bool
+) -> None:
+    """They meet at once and are past each other at the end."""
+    made = scene((bodies[0], SPEED), (bodies[1], -SPEED), end=0.14, outputs=outputs, output__gap=gap)
+    status = run(made, Idle()).attrs["status"]
+    assert status.startswith("suspect: a-b: ")
+    assert why in status
+
+
+@pytest.mark.parametrize("bodies", [DISCS, SHEET], ids=["discs", "sheet"])
+def test_bodies_that_are_to_pass_through_each_other_are_not(bodies: list[dict[str, Any]]) -> None:
+    made = scene((bodies[0], SPEED), (bodies[1], -SPEED), end=0.14, outputs=2)
+    assert run(made).attrs["status"] == "ok"
+
+
+def test_the_depth_is_that_of_the_overlap_of_two_blocks() -> None:
+    """Two blocks of six cells at 5 m/s each, 0.1 m apart, overlap by 0.9 cells after 0.019 s; the end is the deepest."""
+    left, right = boxes([-0.65, -0.3], [-0.05, 0.3], [0.05, -0.3], [0.65, 0.3])
+    status = run(scene((left, SPEED), (right, -SPEED), end=0.019, outputs=3), Idle()).attrs["status"]
+    assert status == "suspect: a-b: penetration of 0.9 cells at 0.019 s"
+
+
+def test_an_overlap_of_the_start_is_not_counted() -> None:
+    """Blocks that overlap by 0.8 cells, and by 1.2 at the end."""
+    left, right = boxes([-0.56, -0.3], [0.04, 0.3], [-0.04, -0.3], [0.56, 0.3])
+    made = scene((left, SPEED), (right, -SPEED), end=0.004, outputs=2, allow_overlap=True)
+    assert run(made, Idle()).attrs["status"] == "ok"
+    made = scene((left, SPEED), (right, -SPEED), end=0.006, outputs=2, allow_overlap=True)
+    assert "penetration of 0.6 cells" in run(made, Idle()).attrs["status"]
+
+
+@pytest.mark.parametrize("method", ["penalty", "bardenhagen", "nodes+lcp"])
+def test_bodies_that_bounce_slide_or_turn_are_not_suspect(method: str) -> None:
+    bodies = ((DISCS[0], 1.0), (DISCS[1], -1.0))
+    made = scene(
+        *bodies,
+        end=0.12,
+        outputs=5,
+        shape__method="gimp",
+        bodies__a__angular_velocity=8.0,
+        contact__friction=0.3,
+    )
+    made["contact"]["method"] = method
+    assert run(made).attrs["status"] == "ok"
+
+
+def test_a_block_that_slides_past_the_edge_of_another_is_not_suspect() -> None:
+    """Its corner has been inside the other by a hundredth of a cell, and comes out by the top."""
+    left, right = boxes([-0.4, -0.2], [0.001, 0.2], [0.0, -0.4], [0.4, 0.0])
+    made = scene((left, 0.0), (right, 0.0), end=0.02, outputs=20, allow_overlap=True)
+    made["bodies"]["a"]["velocity"] = [0.0, -10.0]
+    assert run(made, Idle()).attrs["status"] == "ok"
+    made["bodies"]["a"]["velocity"] = [0.0, 10.0]
+    assert run(made, Idle()).attrs["status"] == "ok"
+
+
+@pytest.mark.parametrize("ledger", [False, True])
+@pytest.mark.parametrize(("growth", "suspect"), [(1.05, False), (1.2, True)])
+def test_energy_without_a_source_is_suspect_with_and_without_a_ledger(
+    growth: float, suspect: bool, ledger: bool
+) -> None:
+    """Two free bodies whose kinetic energy grows to ``growth`` of what it was."""
+    left, right = boxes([-0.6, -0.3], [-0.1, 0.3], [0.1, -0.3], [0.6, 0.3])
+    end, pump = 0.01, Pump()
+    pump.rate = 0.5 * math.log(growth) / end
+    made = scene(
+        (left, -SPEED), (right, SPEED), end=end, outputs=4, output__ledger=ledger, output__energy=ledger
+    )
+    status = run(made, pump).attrs["status"]
+    if not suspect:
+        assert status == "ok"
+        return
+    assert status.startswith("suspect: energy")
+    assert float(status.partition(" s, ")[2].partition(" of ")[0]) == pytest.approx(growth - 1.0, abs=0.006)
+
+
+MOVED = [{"side": "left", "velocity": [1.0, "free"]}, {"side": "right", "fixed": ["x"]}]
+WORKS = {
+    "gravity": {"gravity": {"vector": [3.0, -10.0]}},
+    "gravity that changes": {"gravity": {"table": [[0.0, 0.0, -10.0], [0.01, 200.0, 0.0], [0.02, 0.0, 0.0]]}},
+    "moving side": {"bodies__solid__sides": MOVED},
+    "pressure": {"bodies__solid__sides": [{"side": "left", "pressure": 2e4}]},
+    "load": {"loads": {"push": {"model": "body_force", "force": [2e4, 0.0]}}},
+}
+
+
+@pytest.mark.parametrize("scheme", ["usl", "musl", "usf"])
+@pytest.mark.parametrize("name", WORKS)
+def test_the_work_of_loads_and_sides_is_that_of_the_ledger(name: str, scheme: str) -> None:
+    made = block(time__end=0.05, time__output_interval=0.01, stepping__scheme=scheme, time__safety=0.2)
+    made["output"] = {"ledger": True}
+    simulation = Simulation(with_changes(made, **WORKS[name]))
+    series: list[dict[str, Any]] = []
+    simulation.run(lambda frame: series.append(dict(frame.series)))
+    verdict = simulation.manager.get_plugin("verdict")
+    assert simulation.status == "ok"
+    work = verdict.gravity_work + sum(plugin.work for plugin in verdict.working)
+    ledger = series[-1].get("gravity_work", 0.0) + series[-1].get("external_work", 0.0)
+    assert work > 10.0
+    assert work == pytest.approx(
+        float(ledger), rel=0.04
+    )  # positions move with the velocity at the end of a step
+
+
+def test_energy_that_gravity_takes_is_not_missed() -> None:
+    """A body is thrown up and doubles its energy while it slows down: its kinetic energy alone never grows."""
+    made = block(gravity={"vector": [0.0, -1000.0]}, bodies__solid__velocity=[0.0, 10.0])
+    made = with_changes(made, time__end=0.005, time__output_interval=0.001)
+    other = {**made["bodies"]["solid"], "geometry": boxes([1.0, -0.5], [1.9, 0.5])[0]}
+    made["bodies"]["other"] = other
+    made["contact"] = {"method": "separate"}
+    assert run(made).attrs["status"] == "ok"
+    pump = Pump()
+    pump.rate = 50.0
+    tree = run(made, pump)
+    kinetic = tree["series"]["kinetic_energy"].sum("body").values
+    assert kinetic[-1] < kinetic[0]
+    assert tree.attrs["status"].startswith("suspect: energy")
+
+
+def test_bodies_with_loads_that_settle_are_judged_from_time_zero_on() -> None:
+    """A press fit of 0.3 cells releases its energy while it settles, or after it, and neither is a gain."""
+    left, right = boxes([-0.53, -0.3], [0.015, 0.3], [-0.015, -0.3], [0.53, 0.3])
+    for keys in ({}, {"settle": {"tolerance": 0.5, "gravity": {"vector": [1.0, 0.0]}}}):
+        made = scene((left, 0.0), (right, 0.0), end=0.01, outputs=5, allow_overlap=True, **keys)
+        made["contact"]["method"], made["shape"]["method"] = "penalty", "cpdi"
+        assert run(made).attrs["status"] == "ok"
+
+
+def toml(value: Any) -> str:
+    """A value as TOML on one line."""
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key} = {toml(one)}" for key, one in value.items()) + " }"
+    return json.dumps(value)
+
+
+def passes_through() -> dict[str, Any]:
+    """Two discs whose springs are too soft to hold them, and a contact at nodes that lets them through."""
+    made = scene((DISCS[0], 16.0), (DISCS[1], -16.0), end=0.04, outputs=10, shape__method="gimp")
+    return with_changes(made, contact={"method": "midplane", "friction": 0.2})
+
+
+@pytest.mark.filterwarnings("default::mpmfw.errors.ResultsWarning")
+def test_a_suspect_run_ends_well_and_every_table_shows_it(tmp_path: Path) -> None:
+    file, text = tmp_path / "run.nc", tmp_path / "scene.toml"
+    made = passes_through()
+    text.write_text("\n".join(f"{key} = {toml(table)}" for key, table in made.items()))
+    answer = CliRunner().invoke(app, ["run", str(text), "-o", str(file)])
+    assert answer.exit_code == 0
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # the file is complete
+        tree = mpmfw.open(file)
+    assert tree.attrs["status"].startswith("suspect: a-b:")
+    assert "suspect: a-b" in tree.attrs["warnings"]
+    with pytest.raises(SceneError, match="finished"):
+        mpmfw.resume(file)
+    answer = CliRunner().invoke(
+        app, ["compare", str(text), "--contact", "midplane,penalty", "-o", str(tmp_path / "compare.nc")]
+    )
+    assert answer.exit_code == 0
+    assert "midplane, gimp: suspect: a-b:" in " ".join(answer.output.split())
+
+
+def test_a_suspect_run_has_results_and_is_on_no_front() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResultsWarning)
+        dataset = mpmfw.compare(passes_through(), contact=["midplane", "penalty"], shape=["gimp"])
+    status = dataset["status"].sel(shape="gimp")
+    assert status.sel(contact="midplane").item().startswith("suspect")
+    assert np.isfinite(dataset["cpu_time"].values).all()
+    assert np.isfinite(dataset["centre_of_mass"].sel(contact="midplane").values).all()
+
+
+@pytest.mark.parametrize("gap", [0.5, 1.5])
+def test_a_slit_that_closes_to_less_than_a_cell_is_named(gap: float) -> None:
+    """The upper arm of a clip moves down; at the end the arms are ``gap`` cells apart."""
+    points = [[0, 0], [1, 0], [1, 0.3], [0.3, 0.3], [0.3, 0.6], [1, 0.6], [1, 0.9], [0, 0.9]]
+    made = scene(({"type": "polygon", "points": points}, 0.0), end=0.05, outputs=20, shape__method="cpdi")
+    made["bodies"]["a"]["sides"] = [
+        {"side": "bottom", "fixed": True},
+        {"side": "top", "velocity": [0.0, -(0.3 - gap * CELL) / 0.05]},
+    ]
+    del made["contact"]
+    found = str(run(made).attrs.get("warnings", ""))
+    assert ("own surface" in found) == (gap < 1.0)
+
+
+def test_a_ring_a_notch_and_a_turning_body_do_not_come_close_to_themselves() -> None:
+    star = [
+        [r * math.cos(math.pi * k / 5), r * math.sin(math.pi * k / 5)] for k, r in enumerate([0.8, 0.3] * 5)
+    ]
+    for geometry in (
+        {"type": "polygon", "points": star},
+        {"type": "ring", "centre": [0, 0], "inner_radius": 0.15, "outer_radius": 0.5},
+    ):
+        made = scene((geometry, 1.0), end=0.05, outputs=5, shape__method="cpdi")
+        made["bodies"]["a"]["angular_velocity"] = 20.0
+        del made["contact"]
+        assert "own surface" not in str(run(made).attrs.get("warnings", ""))
