@@ -1,7 +1,8 @@
 """The verdict on a run: ``ok``, or ``suspect`` with the reasons, whatever its contact and whether or not it has a ledger.
 
-Energy is judged at outputs. Surfaces are judged at outputs, and in between as often as bodies can move half a cell towards
-each other: two thin bodies may pass through each other between two outputs. Nothing is judged while a scene settles.
+Energy is judged at outputs. Surfaces are judged at outputs, and in between as often as bodies can move a cell, or through half
+a thin body, towards each other: two thin bodies may pass through each other between two outputs. Nothing is judged while a
+scene settles.
 """
 
 from __future__ import annotations
@@ -15,8 +16,7 @@ from mpmfw.effects.surface import make_surface
 from mpmfw.fields import AnyArray, FloatArray
 from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels import Facets
-from mpmfw.kernels.gaps import bounding_boxes
-from mpmfw.kernels.sides import find_inside, least_own_gaps, node_normals
+from mpmfw.kernels.sides import fastest_approach, find_inside, least_own_gaps, node_normals
 from mpmfw.series import StrainEnergies
 from mpmfw.state import State, Surface
 
@@ -33,11 +33,8 @@ GROWTH = 0.1
 #: Energy over stiffness and volume that counts as zero: rounding in bodies at rest.
 NOTHING = 1e-12
 
-#: Part of a cell, and of the thinnest body, that bodies may move towards each other between two looks at their surfaces.
-STRIDE = 0.5
-
-#: Fewest steps between two looks for parts of a surface that come close to each other.
-CHECK_EVERY = 20
+#: Fewest steps between two outputs at which bodies' surfaces are compared with each other, and with themselves.
+SIDES_EVERY, OWN_EVERY = 20, 100
 
 
 class Verdict:
@@ -65,9 +62,8 @@ class Verdict:
         self.springs = "" if contact is None else f"{contact.name}/energy"
         self.watched = contact is not None and contact.keeps_apart and len(state.bodies) > 1
         self.outlines = Outlines(state)
-        self.stride = STRIDE * min(
-            [state.grid.cell_size, *(body.geometry.width for body in made.scene.bodies.values())]
-        )
+        thinnest = min(body.geometry.width for body in made.scene.bodies.values())
+        self.stride = min(state.grid.cell_size, 0.5 * thinnest)
         self.running, self.due = False, 0.0
         self.inside = np.full(self.outlines.surface.count, -1)
         self.overlap = np.zeros(0)  #: (pair,) deepest node at the start [m]
@@ -81,7 +77,8 @@ class Verdict:
 
     def _begin(self, state: State) -> None:
         """Take the energy of time zero."""
-        self.running, self.inside[:], self.next_own = True, -1, 0
+        self.running, self.inside[:] = True, -1
+        self.next_sides = self.next_own = 0
         p = state.particles
         volume = p.through(p.initial_volume)
         stiffness = [body.bulk_modulus + body.shear_modulus for body in state.bodies]
@@ -125,14 +122,14 @@ class Verdict:
         if interval == 0.0:
             self._begin(state)
         self._judge_energy(state)
-        if self.watched:
+        if self.watched and state.steps >= self.next_sides:
             self._judge_sides(state)
         if state.steps >= self.next_own:
-            self.next_own = state.steps + CHECK_EVERY
             self._judge_own_gaps(state)
         return {}
 
     def _judge_own_gaps(self, state: State) -> None:
+        self.next_own = state.steps + OWN_EVERY
         for body, gap in zip(state.bodies, self.outlines.own_gaps(state) / state.grid.cell_size, strict=True):
             if gap < self.closed.get(body.name, (1.0, 0.0))[0]:
                 self.closed[body.name] = float(gap), state.time
@@ -171,8 +168,8 @@ class Verdict:
                 self.deepest[label] = cells, state.time
             if passed[index]:
                 self.passed.setdefault(label, state.time)
-        # No two points approach faster than the range of the velocities
-        fastest = float(np.linalg.norm(np.ptp(state.particles.velocity, axis=0)))
+        self.next_sides = state.steps + SIDES_EVERY
+        fastest = fastest_approach(state.particles.velocity)
         self.due = state.time + (self.stride / fastest if fastest > 0.0 else np.inf)
 
     @property
@@ -193,7 +190,11 @@ class Verdict:
 
     @property
     def status(self) -> str:
-        """``ok``, or ``suspect: …`` with the first reasons."""
+        """``ok``, or ``suspect: …`` with the first reasons, after a last look at the surfaces."""
+        if self.running and self.watched:
+            self._judge_sides(self.state)
+        if self.running:
+            self._judge_own_gaps(self.state)
         reasons = self.reasons
         more = f"; and {len(reasons) - 3} more" if len(reasons) > 3 else ""
         return "suspect: " + "; ".join(reasons[:3]) + more if reasons else "ok"
@@ -201,8 +202,6 @@ class Verdict:
     @hookimpl
     def concerns(self) -> list[str]:
         """The reasons, penetration that is deep but not suspect, and surfaces that came close to themselves."""
-        if self.running:
-            self._judge_own_gaps(self.state)
         reasons = self.reasons
         found = (
             [f"suspect: {'; '.join(reasons)}; try smaller steps, smaller cells or a stiffer contact"]
@@ -232,6 +231,7 @@ class Outlines:
         if not self.tracked:
             self.carrier = _nearest_points(state, self.surface)
             self.offset = self.surface.position - state.particles.position[self.carrier]
+        self.ends = np.zeros((0, 2), dtype=np.int64)  #: bodies of every pair
         self.start, self.start_normal = self.surface.position.copy(), self._normals(state)
 
     def _now(self, state: State) -> Surface:
@@ -253,14 +253,13 @@ class Outlines:
     def inside(self, state: State, inside: AnyArray) -> tuple[FloatArray, AnyArray]:
         """Deepest node [m] and number of nodes that went through, of every pair, as :func:`find_inside` finds them."""
         surface, pairs = self._now(state), state.pairs
-        first = np.array([pair.first for pair in pairs], dtype=np.int64)
-        second = np.array([pair.second for pair in pairs], dtype=np.int64)
+        if len(self.ends) != len(pairs):
+            self.ends = np.array([(pair.first, pair.second) for pair in pairs], dtype=np.int64)
+        first, second = self.ends[:, 0], self.ends[:, 1]
         depth, passed = np.zeros(len(pairs)), np.zeros(len(pairs), dtype=np.int64)
-        lower, upper = (np.empty((len(state.bodies), state.grid.dim)) for _ in range(2))
-        bounding_boxes(surface.body_first, surface.position, lower, upper)
         find_inside(
-            first, second, surface.body_first, surface.facet_first, self._facets(surface), lower, upper, inside, depth,
-            passed, state.grid.spacing,
+            first, second, surface.body_first, surface.facet_first, self._facets(surface), inside, depth, passed,
+            state.grid.spacing,
         )  # fmt: skip
         return depth, passed
 

@@ -9,7 +9,7 @@ import numpy as np
 from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device, kernel
 from mpmfw.kernels.facets import Faceted, length_of, node_normal, read_point, signed_distance
-from mpmfw.kernels.gaps import BLOCK, block_boxes, closest_facet, turns_round
+from mpmfw.kernels.gaps import BLOCK, block_boxes, bounding_boxes, closest_facet, turns_round
 from mpmfw.kernels.types import Float, Floats, Ints
 
 #: Largest cosine between the normals of a node and of the facet by which it enters a body, and least cosine where it leaves
@@ -28,8 +28,8 @@ def apart(a: int, b: int, margin: Float, lower: Floats, upper: Floats, spacing: 
 
 @kernel
 def find_inside(
-    first: Ints, second: Ints, body_first: Ints, facet_first: Ints, surface: Faceted, lower: Floats, upper: Floats,
-    inside: Ints, depth: Floats, passed: Ints, spacing: tuple[float, ...],
+    first: Ints, second: Ints, body_first: Ints, facet_first: Ints, surface: Faceted, inside: Ints, depth: Floats,
+    passed: Ints, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Find how deep nodes of two bodies are inside each other, and how many have gone through since the last call.
 
@@ -39,8 +39,6 @@ def find_inside(
         The bodies of every pair.
     body_first, facet_first
         Nodes of body b are ``body_first[b]:body_first[b + 1]``, its facets ``facet_first[b]:facet_first[b + 1]``.
-    lower, upper
-        Corners of the bodies' bounding boxes, (n_bodies, dim) [m].
     inside
         (n_s,) body that a node has entered by a facet that faces it, −1 of none. Updated.
     depth
@@ -49,6 +47,8 @@ def find_inside(
         (n_pairs,) nodes that have come out of the other body by a facet that has the node's own direction. Filled.
     """
     n_bodies, h = len(body_first) - 1, spacing[0]
+    lower, upper = np.empty((n_bodies, len(spacing))), np.empty((n_bodies, len(spacing)))
+    bounding_boxes(body_first, surface.position, lower, upper)
     boxes = np.empty((facet_first[n_bodies] // BLOCK + 2 * n_bodies, 2, len(spacing)))
     ready = np.zeros(n_bodies, dtype=np.int64)
     entered = np.full(len(inside), -1)
@@ -93,6 +93,18 @@ def find_inside(
                 elif cosine > THROUGH:
                     passed[c] += 1
     inside[:] = entered
+
+
+@kernel
+def fastest_approach(velocity: Floats) -> float:
+    """Bound of the speed at which two points approach each other, the diagonal of the range of ``velocity`` (n, dim) [m/s]."""
+    square = 0.0
+    for d in range(velocity.shape[1]):
+        least, largest = math.inf, -math.inf
+        for p in range(len(velocity)):
+            least, largest = min(least, velocity[p, d]), max(largest, velocity[p, d])
+        square += (largest - least) ** 2
+    return math.sqrt(square)
 
 
 @kernel
@@ -155,7 +167,10 @@ def least_own_gaps(
                 t = order[j]
                 if position[t, 0] - position[s, 0] > h:
                     break
-                gap = faces(s, t, position, normal, 0.7, spacing)
+                near = True
+                for d in range(1, len(spacing)):
+                    near = near and abs(position[t, d] - position[s, d]) < h
+                gap = faces(s, t, position, normal, 0.7, spacing) if near else math.inf
                 if gap >= min(h, gaps[b]):
                     continue
                 now, then = 0.0, 0.0
