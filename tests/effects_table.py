@@ -62,7 +62,7 @@ LEAST = Brings(
         )
         for hook in hooks.split()
     ),
-    modules=frozenset(["mpmfw.effects.verdict", "mpmfw.effects.surface", "mpmfw.effects.ledger_energies"]),
+    modules=frozenset(["mpmfw.effects.verdict", "mpmfw.effects.ledger_energies"]),
     series=frozenset(
         {
             *("centre_of_mass", "mean_velocity", "angular_velocity", "linear_momentum", "angular_momentum"),

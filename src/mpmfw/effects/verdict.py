@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mpmfw.effects.ledger_energies import kinetic_energy
-from mpmfw.effects.surface import make_surface
 from mpmfw.fields import AnyArray, FloatArray
 from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels import Facets
 from mpmfw.kernels.sides import fastest_approach, find_inside, least_own_gaps, node_normals
 from mpmfw.series import StrainEnergies
 from mpmfw.state import State, Surface
+from mpmfw.surface import make_surface
 
 if TYPE_CHECKING:
     from mpmfw.build import Build
