@@ -58,6 +58,15 @@ def _verdict(made: Build, plan: Plan, strain: StrainEnergies) -> None:
     from mpmfw.effects.verdict import planned
 
     plan.plugins.append(planned(made, plan, strain))
+    contact, near = made.contact, made.state.near
+    if contact is None or made.friction_law is not None or not contact.uses_friction:
+        return
+    declared = contact.declare_fields() if hasattr(contact, "declare_fields") else []
+    frictional = near.has_friction if near is not None else any(pair.mu > 0.0 for pair in made.state.pairs)
+    if frictional and "friction_force" in [field.name for field in declared]:
+        from mpmfw.effects.flutter import Flutter
+
+        plan.plugins.append(Flutter(contact.name))
 
 
 def _ledger(made: Build, plan: Plan, strain: StrainEnergies) -> None:

@@ -297,3 +297,40 @@ def test_a_ring_a_notch_and_a_turning_body_do_not_come_close_to_themselves() -> 
         made["bodies"]["a"]["angular_velocity"] = 20.0
         del made["contact"]
         assert "own surface" not in str(run(made).attrs.get("warnings", ""))
+
+
+def slope(push: float, **changes: Any) -> dict[str, Any]:
+    """A block on a floor with μ = 0.5, which is settled and then pushed by ``push`` m/s² over 0.5 s, against 4.905."""
+    block_, floor = boxes([0.73, 0.33], [1.73, 0.73], [0.0, 0.0], [2.5, 0.33])
+    made = scene((block_, 0.0), (floor, 0.0), end=0.9, outputs=45, shape__method="cpdi", settle={})
+    made["grid"].update(lower=[-0.5, -0.5], upper=[3.0, 1.5])
+    made["contact"] = {"method": "penalty", "friction": 0.5}
+    made["materials"]["solid"] = {
+        "model": "neo_hookean",
+        "density": 1000,
+        "youngs_modulus": 1e7,
+        "poissons_ratio": 0.3,
+    }
+    for body in made["bodies"].values():
+        del body["velocity"]
+    made["bodies"]["b"]["sides"] = [{"side": "bottom", "fixed": True}]
+    made["gravity"] = {"table": [[0.0, 0.0, -9.81], [0.5, push, -9.81]]}
+    return with_changes(made, **changes)
+
+
+def test_a_block_that_flutters_at_the_limit_of_friction_says_so() -> None:
+    warned = run(slope(4.9)).attrs["warnings"]
+    assert "a-b: the bodies flutter at the limit of friction" in warned
+
+
+@pytest.mark.parametrize("outputs", [10, 60])
+def test_smooth_sliding_and_oblique_impacts_do_not_flutter(outputs: int) -> None:
+    smooth = slope(4.9, time__end=0.1, contact__friction=0.2, gravity={"vector": [4.9, -9.81]})
+    smooth["time"]["output_interval"] = 0.1 / outputs
+    impact = scene((DISCS[0], 2.0), (DISCS[1], -2.0), end=0.1, outputs=outputs, shape__method="cpdi")
+    impact["contact"] = {"method": "penalty", "friction": 0.1}
+    impact["bodies"]["a"]["geometry"] = {**DISCS[0], "centre": [-0.35, 0.3]}
+    for made in (smooth, impact):
+        tree = run(made)
+        assert (tree["series"]["frictional_work"].values[-1] > 0.0).all()
+        assert "flutter" not in str(tree.attrs.get("warnings", ""))
