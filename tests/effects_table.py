@@ -200,6 +200,7 @@ EFFECTS = {
         series="contact_force friction_force contact_count frictional_work contact_energy damping_work spring_work",
         surface="force",
     ),
+    "flutter": brings("flutter", hooks="diagnostics concerns", modules="mpmfw.effects.flutter"),
     "travel": brings("surface_travel", hooks="setup add_pairs stable_timestep"),
     "interface layer": brings(
         "surface_layer",
@@ -297,11 +298,11 @@ YIELDS = {"model": "j2", "yield_stress": 1e4}
 GRAVITY = {"vector": [0, -10]}
 HELD = [{"side": "bottom", "fixed": True}]
 FRICTIONLESS = ("penalty", "travel", "surfaces", "local spin")
-TOUCHED = FRICTIONLESS
+TOUCHED = (*FRICTIONLESS, "flutter")
 LEDGER = ("ledger", "impulses before", "impulses after")
 CASES = {
     "one body": Case(ONE, ()),
-    "two bodies apart": Case(_apart(_two("penalty")), FRICTIONLESS),
+    "two bodies apart": Case(_apart(_two("penalty")), TOUCHED),
     "frictionless": Case(_two("penalty", contact__friction=0), FRICTIONLESS),
     "frictional": Case(_two("penalty"), TOUCHED),
     "contact with a layer": Case(

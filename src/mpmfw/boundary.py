@@ -34,6 +34,7 @@ class Boundary(NamedPlugIn):
     """
 
     ledger_term = ("external", "boundary conditions")
+    history = ("work",)
     work = 0.0  #: on the bodies so far [J/m]
 
     def holds(self, position: FloatArray) -> AnyArray:

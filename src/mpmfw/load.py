@@ -75,6 +75,7 @@ class Load(NamedPlugIn):
     depends on the velocity may implement the hook ``stable_timestep``.
     """
 
+    history = ("work",)
     work = 0.0  #: on the bodies so far [J/m]
 
     @property

@@ -66,7 +66,7 @@ def _verdict(made: Build, plan: Plan, strain: StrainEnergies) -> None:
     if frictional and "friction_force" in [field.name for field in declared]:
         from mpmfw.effects.flutter import Flutter
 
-        plan.plugins.append(Flutter(contact.name))
+        plan.plugins.append(Flutter(contact.name, made.scene.dim))
 
 
 def _ledger(made: Build, plan: Plan, strain: StrainEnergies) -> None:

@@ -304,7 +304,7 @@ def slope(push: float, **changes: Any) -> dict[str, Any]:
     block_, floor = boxes([0.73, 0.33], [1.73, 0.73], [0.0, 0.0], [2.5, 0.33])
     made = scene((block_, 0.0), (floor, 0.0), end=0.9, outputs=45, shape__method="cpdi", settle={})
     made["grid"].update(lower=[-0.5, -0.5], upper=[3.0, 1.5])
-    made["contact"] = {"method": "penalty", "friction": 0.5}
+    made["contact"] = {"method": "penalty", "friction": 0.5, "penalty": {"kappa": 1.0}}
     made["materials"]["solid"] = {
         "model": "neo_hookean",
         "density": 1000,

@@ -79,7 +79,7 @@ class Constraint:
 
     name = "constraint"
     ledger_term = ("external", "prescribed sides")
-    history = ("planes",)
+    history = ("planes", "work")
 
     def __init__(
         self, sides: tuple[PrescribedSide, ...], degree: int, *, staggered: bool, calls: int

@@ -35,27 +35,38 @@ class Flutter:
     ----------
     owner
         Name of the contact, whose records are in ``State.arrays``.
+    dim
+        Of the scene.
     """
 
     name = "flutter"
     stage = "output"
+    history = ("last", "way", "window", "found", "spread", "found_at")
 
-    def __init__(self, owner: str) -> None:
+    def __init__(self, owner: str, dim: int) -> None:
         self.records = tuple(f"{owner}/{name}" for name in ("impulse", "friction_impulse", "frictional_work"))
-        self.last: list[FloatArray] = []
-        self.window: list[FloatArray] = []  #: of the last outputs: normal and friction impulse, (2, pair)
-        self.found: dict[str, tuple[float, float, float]] = {}  #: by pair: share, spread, time [s]
+        self.last = np.zeros((0, 2 * dim + 1))  #: the records at the last output, (pair, …)
+        self.way = np.zeros((0, dim))  #: centres of mass then, (body, dim) [m]
+        self.window = np.zeros(
+            (0, OUTPUTS, 2)
+        )  #: normal and friction force of the last outputs, NaN without sliding
+        self.found: dict[str, float] = {}  #: by pair: least friction over its limit
+        self.spread: dict[str, float] = {}  #: spread of the normal force then
+        self.found_at: dict[str, float] = {}  #: time [s]
 
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
         """Note pairs that flutter at an output; there are no series."""
-        now = [state.arrays[name].copy() for name in self.records] + [_centres(state)]
-        last, self.last = self.last, now
-        if interval == 0.0 or len(last[0]) != len(now[0]):
-            self.window = []
+        dim, pairs = state.grid.dim, len(state.pairs)
+        now, centres = np.column_stack([state.arrays[name] for name in self.records]), _centres(state)
+        last, way = self.last, centres - self.way if interval > 0.0 else 0.0 * centres
+        self.last, self.way = now, centres
+        if len(last) != pairs:
+            self.window = np.full((pairs, OUTPUTS, 2), np.nan)
+        if len(last) != pairs or interval == 0.0 or pairs == 0:
             return {}
-        impulse, friction, work, way = (after - before for after, before in zip(now, last, strict=True))
-        normal = impulse - friction
+        friction, work = now[:, dim : 2 * dim] - last[:, dim : 2 * dim], now[:, -1] - last[:, -1]
+        normal = now[:, :dim] - last[:, :dim] - friction
         bearing, held = (np.linalg.norm(each, axis=1) for each in (normal, friction))
         first, second = np.array([(pair.first, pair.second) for pair in state.pairs]).T
         relative = way[first] - way[second]
@@ -63,32 +74,32 @@ class Flutter:
         along = np.sqrt(np.maximum(np.einsum("pd,pd->p", relative, relative) - across**2, 0.0))
         slides = (along > CREEP * state.grid.cell_size) & (bearing > 0.0)
         slides &= work * interval > SLIP * along * held
-        self.window = [*self.window, np.where(slides, (bearing / interval, held / interval), np.nan)]
-        self.window = self.window[-OUTPUTS:]
-        if len(self.window) == OUTPUTS:
-            self._judge(state)
+        forces = np.where(slides[:, None], np.column_stack([bearing, held]) / interval, np.nan)
+        self.window = np.concatenate([self.window[:, 1:], forces[:, None]], axis=1)
+        self._judge(state)
         return {}
 
     def _judge(self, state: State) -> None:
         """Compare the means over the window, which are NaN of pairs that did not slide throughout."""
-        forces = np.array(self.window)  # (output, 2, pair)
-        normal, held = forces.mean(axis=0)
+        forces = self.window
+        normal, held = forces.mean(axis=1).T
         mu = np.array([pair.mu for pair in state.pairs])
         share = held / np.where(mu > 0.0, mu * normal, np.nan)
-        spread = forces[:, 0].std(axis=0) / normal
-        change = np.diff(forces[:, 0], axis=0)
-        turns = (change[1:] * change[:-1] < -((SPREAD * normal) ** 2)).sum(axis=0)
+        change = np.diff(forces[:, :, 0], axis=1)
+        turns = (change[:, 1:] * change[:, :-1] < -((SPREAD * normal[:, None]) ** 2)).sum(axis=1)
         for index in np.flatnonzero((share < SHARE) & (turns >= TURNS)):
-            label, found = state.pairs[index].label, (float(share[index]), float(spread[index]), state.time)
-            self.found[label] = min(self.found.get(label, found), found)
+            label = state.pairs[index].label
+            if share[index] < self.found.get(label, SHARE):
+                self.found[label], self.found_at[label] = float(share[index]), state.time
+                self.spread[label] = float(forces[index, :, 0].std() / normal[index])
 
     @hookimpl
     def concerns(self) -> list[str]:
         """Pairs that fluttered."""
         return [
-            f"{label}: the bodies flutter at the limit of friction at {time:.4g} s: the normal force swings by "
-            f"{100.0 * spread:.2g} %, and they slide although friction is {share:.2g} of its limit; damping stops it"
-            for label, (share, spread, time) in self.found.items()
+            f"{label}: the bodies flutter at the limit of friction at {self.found_at[label]:.4g} s: the normal force swings by "
+            f"{100.0 * self.spread[label]:.2g} %, and they slide although friction is {share:.2g} of its limit; damping stops it"
+            for label, share in self.found.items()
         ]
 
 

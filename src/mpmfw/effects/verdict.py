@@ -54,6 +54,10 @@ class Verdict:
 
     name = "verdict"
     stage = "output"
+    history = (
+        "inside", "running", "due", "next_sides", "next_own", "nothing", "start", "first_work", "gravity_work", "most", "loaded",
+        "moment", "pull", "deepest", "deepest_at", "passed", "grown", "grown_share", "grown_at", "closed", "closed_at",
+    )  # fmt: skip
 
     def __init__(self, made: Build, strain: StrainEnergies, gravity: Any, working: list[Any]) -> None:
         state, contact = made.state, made.contact
@@ -64,16 +68,22 @@ class Verdict:
         self.outlines = Outlines(state)
         thinnest = min(body.geometry.width for body in made.scene.bodies.values())
         self.stride = min(state.grid.cell_size, 0.5 * thinnest)
-        self.running, self.due = False, 0.0
         self.inside = np.full(self.outlines.surface.count, -1)
         self.overlap = np.zeros(0)  #: (pair,) deepest node at the start [m]
         self.overlap = self._depths(state)[0]
-        self.deepest: dict[str, tuple[float, float]] = {}  #: by pair: depth over cell size, and time [s]
+        self.running, self.due, self.next_sides, self.next_own = False, 0.0, 0, 0
+        self.nothing = self.start = self.first_work = self.gravity_work = self.most = 0.0
+        #: Energy of the contact springs at the start; None until a step has found it.
+        self.loaded: float | None = None
+        self.moment, self.pull = np.zeros(state.grid.dim), np.zeros(state.grid.dim)
+        self.deepest: dict[str, float] = {}  #: by pair: depth over cell size
+        self.deepest_at: dict[str, float] = {}  #: and its time [s]
         self.passed: dict[str, float] = {}  #: by pair: time [s]
-        self.grown: tuple[float, float, float] | None = (
-            None  #: excess [J/m], over the energy there was, time [s]
+        self.grown = self.grown_share = self.grown_at = (
+            0.0  #: excess [J/m], over the energy there was, time [s]
         )
-        self.closed: dict[str, tuple[float, float]] = {}  #: by body: own gap over cell size, and time [s]
+        self.closed: dict[str, float] = {}  #: by body: own gap over cell size
+        self.closed_at: dict[str, float] = {}  #: and its time [s]
 
     def _begin(self, state: State) -> None:
         """Take the energy of time zero."""
@@ -85,8 +95,7 @@ class Verdict:
         volumes = [volume[body.particles].sum() for body in state.bodies]
         self.nothing = NOTHING * float(np.dot(volumes, stiffness))
         self.start = kinetic_energy(p.mass, p.velocity) + float(self.strain.of(state).sum())
-        #: Energy of the contact springs at the start; None until a step has found it.
-        self.loaded: float | None = None
+        self.loaded = None
         self.first_work = sum(plugin.work for plugin in self.working)
         self.gravity_work = self.most = 0.0
         self.moment, self.pull = p.mass @ p.position, self._gravity(state)
@@ -131,8 +140,8 @@ class Verdict:
     def _judge_own_gaps(self, state: State) -> None:
         self.next_own = state.steps + OWN_EVERY
         for body, gap in zip(state.bodies, self.outlines.own_gaps(state) / state.grid.cell_size, strict=True):
-            if gap < self.closed.get(body.name, (1.0, 0.0))[0]:
-                self.closed[body.name] = float(gap), state.time
+            if gap < self.closed.get(body.name, 1.0):
+                self.closed[body.name], self.closed_at[body.name] = float(gap), state.time
 
     def _judge_energy(self, state: State) -> None:
         if self.gravity is not None:
@@ -145,8 +154,9 @@ class Verdict:
         energy = kinetic_energy(state.particles.mass, state.particles.velocity)
         energy += float(self.strain.of(state).sum()) + self._held(state)
         excess = energy - self.start - self.loaded - work
-        if excess > GROWTH * there + self.nothing and (self.grown is None or excess > self.grown[0]):
-            self.grown = excess, excess / there if there > 0.0 else np.inf, state.time
+        if excess > max(GROWTH * there + self.nothing, self.grown):
+            self.grown, self.grown_at = excess, state.time
+            self.grown_share = excess / there if there > 0.0 else np.inf
 
     def _start_is_known(self, state: State) -> bool:
         """Whether the energy at the start is known: not of bodies that overlap without springs."""
@@ -164,8 +174,8 @@ class Verdict:
         h = state.grid.cell_size
         for index in np.flatnonzero((depth > DEEP * h) | (passed > 0)):
             label, cells = state.pairs[index].label, float(depth[index]) / h
-            if cells >= self.deepest.get(label, (DEEP, 0.0))[0]:  # end_step does not know the time at its end
-                self.deepest[label] = cells, state.time
+            if cells >= self.deepest.get(label, DEEP):  # end_step does not know the time at its end
+                self.deepest[label], self.deepest_at[label] = cells, state.time
             if passed[index]:
                 self.passed.setdefault(label, state.time)
         self.next_sides = state.steps + SIDES_EVERY
@@ -177,14 +187,14 @@ class Verdict:
         """Why the run is suspect; empty where it is not."""
         found = [f"{label}: surfaces changed sides at {time:.4g} s" for label, time in self.passed.items()]
         found += [
-            f"{label}: penetration of {cells:.3g} cells at {time:.4g} s"
-            for label, (cells, time) in self.deepest.items()
+            f"{label}: penetration of {cells:.3g} cells at {self.deepest_at[label]:.4g} s"
+            for label, cells in self.deepest.items()
             if cells > TOO_DEEP
         ]
-        if self.grown is not None:
-            excess, share, time = self.grown
+        if self.grown > 0.0:
             found.append(
-                f"energy of {excess:.3g} J/m without a source at {time:.4g} s, {share:.2g} of what there was and was put in"
+                f"energy of {self.grown:.3g} J/m without a source at {self.grown_at:.4g} s, {self.grown_share:.2g} of what there "
+                "was and was put in"
             )
         return found
 
@@ -209,15 +219,15 @@ class Verdict:
             else []
         )
         found += [
-            f"{label}: the bodies penetrate by {cells:.2g} cells at time {time:.4g} s, more than {DEEP:g}; try a stiffer "
-            "contact, or smaller cells"
-            for label, (cells, time) in self.deepest.items()
+            f"{label}: the bodies penetrate by {cells:.2g} cells at time {self.deepest_at[label]:.4g} s, more than {DEEP:g}; "
+            "try a stiffer contact, or smaller cells"
+            for label, cells in self.deepest.items()
             if cells <= TOO_DEEP
         ]
         found += [
-            f"{name}: parts of its own surface are {cells:.2g} cells apart at time {time:.4g} s; within a cell they "
-            "stick together, since a body has no contact with itself"
-            for name, (cells, time) in self.closed.items()
+            f"{name}: parts of its own surface are {cells:.2g} cells apart at time {self.closed_at[name]:.4g} s; within a cell "
+            "they stick together, since a body has no contact with itself"
+            for name, cells in self.closed.items()
         ]
         return found
 
