@@ -237,7 +237,7 @@ def toml(value: Any) -> str:
 def passes_through() -> dict[str, Any]:
     """Two discs whose springs are too soft to hold them, and a contact at nodes that lets them through."""
     made = scene((DISCS[0], 16.0), (DISCS[1], -16.0), end=0.04, outputs=10, shape__method="gimp")
-    return with_changes(made, contact={"method": "midplane", "friction": 0.2})
+    return with_changes(made, contact={"method": "midplane", "friction": 0.2, "midplane": {"kappa": 1.0}})
 
 
 @pytest.mark.filterwarnings("default::mpmfw.errors.ResultsWarning")

@@ -71,6 +71,9 @@ class Verdict:
         self.inside = np.full(self.outlines.surface.count, -1)
         self.overlap = np.zeros(0)  #: (pair,) deepest node at the start [m]
         self.overlap = self._depths(state)[0]
+        overlaps = bool((self.overlap > 0.05 * state.grid.cell_size).any())
+        #: Whether the energy at the start is known; not that of an overlap which has not settled.
+        self.start_is_known = not overlaps or made.scene.settle is not None
         self.running, self.due, self.next_sides, self.next_own = False, 0.0, 0, 0
         self.nothing = self.start = self.first_work = self.gravity_work = self.most = 0.0
         #: Energy of the contact springs at the start; None until a step has found it.
@@ -146,7 +149,7 @@ class Verdict:
     def _judge_energy(self, state: State) -> None:
         if self.gravity is not None:
             self._add_gravity_work(state, 0.5)
-        if self.loaded is None or not self._start_is_known(state):
+        if self.loaded is None or not self.start_is_known:
             return
         work = self.gravity_work + sum(plugin.work for plugin in self.working) - self.first_work
         self.most = max(self.most, work)
@@ -157,11 +160,6 @@ class Verdict:
         if excess > max(GROWTH * there + self.nothing, self.grown):
             self.grown, self.grown_at = excess, state.time
             self.grown_share = excess / there if there > 0.0 else np.inf
-
-    def _start_is_known(self, state: State) -> bool:
-        """Whether the energy at the start is known: not of bodies that overlap without springs."""
-        overlaps = bool((self.overlap > 0.05 * state.grid.cell_size).any())
-        return not overlaps or self.springs in state.arrays
 
     def _depths(self, state: State) -> tuple[FloatArray, AnyArray]:
         """Deepest node [m] and number of nodes that have gone through, (pair,), beyond the overlap of the start."""
