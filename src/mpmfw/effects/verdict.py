@@ -99,7 +99,7 @@ class Verdict:
         self.nothing = NOTHING * float(np.dot(volumes, stiffness))
         self.start = kinetic_energy(p.mass, p.velocity) + float(self.strain.of(state).sum())
         self.loaded = None
-        self.first_work = sum(plugin.work for plugin in self.working)
+        self.first_work = float(sum(plugin.work for plugin in self.working))
         self.gravity_work = self.most = 0.0
         self.moment, self.pull = p.mass @ p.position, self._gravity(state)
 
@@ -152,14 +152,14 @@ class Verdict:
         if self.loaded is None or not self.start_is_known:
             return
         work = self.gravity_work + sum(plugin.work for plugin in self.working) - self.first_work
-        self.most = max(self.most, work)
+        self.most = max(self.most, float(work))
         there = self.start + max(self.loaded, 0.0) + self.most
         energy = kinetic_energy(state.particles.mass, state.particles.velocity)
         energy += float(self.strain.of(state).sum()) + self._held(state)
         excess = energy - self.start - self.loaded - work
         if excess > max(GROWTH * there + self.nothing, self.grown):
-            self.grown, self.grown_at = excess, state.time
-            self.grown_share = excess / there if there > 0.0 else np.inf
+            self.grown, self.grown_at = float(excess), state.time
+            self.grown_share = float(excess / there) if there > 0.0 else np.inf
 
     def _depths(self, state: State) -> tuple[FloatArray, AnyArray]:
         """Deepest node [m] and number of nodes that have gone through, (pair,), beyond the overlap of the start."""
