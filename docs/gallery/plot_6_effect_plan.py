@@ -45,8 +45,7 @@ print(
 )
 
 # %%
-# And what it is predicted to cost, from times per stage that ship with mpmfw (``mpmfw explain --measure`` takes those of this
-# computer):
+# And what it is predicted to cost, from a trial of a few steps, which uses the simulation up:
 
 cost = prediction.predict(simulation, [])
 print(f"{cost.steps} steps, {cost.cpu_time:.2f} s CPU:")

@@ -1,31 +1,28 @@
-"""The cost of a run before it runs: steps, CPU time by stage, of settling and output, memory, from measured times.
+"""The cost of a run before it runs: a trial of a few steps, counted up to the end.
 
-A stage's time per step is taken as a + b n + c m: a for the calls, b for each of n material points and c for each of m grid
-nodes, or for surface nodes of a contact that works on outlines (:mod:`mpmfw.cost_table`).
+A trial takes the steps that the run begins with, those of settling in a scene that settles. Contacts that come later are not in
+it. What it takes includes all effects that the scene has.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+import time as clocks
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from mpmfw.clock import STEP_STAGES
-from mpmfw.cost_table import (
-    SHAPE_STAGES,
-    Costs,
-    measured_costs,
-    points_and_nodes,
-    seconds,
-    surface_and_near,
-)
-from mpmfw.discovery import available, load
-from mpmfw.limits import frames_of, particle_frames_of
-from mpmfw.settling import longest_settling
+from mpmfw.compilation import CompileTimer
+from mpmfw.limits import frames_of
+from mpmfw.settling import Settling, longest_settling
 
 if TYPE_CHECKING:
     from mpmfw.simulation import Simulation
+
+#: Steps before those that are timed, which compile and fill caches, and steps that are timed.
+WARM_UP, TIMED = 3, 20
 
 
 @dataclass(frozen=True)
@@ -34,6 +31,8 @@ class Prediction:
 
     Attributes
     ----------
+    first_step
+        Length of the run's first step [s], of settling in a scene that settles.
     steps
         If the time step's limit stays what it is at the start.
     stages
@@ -41,25 +40,23 @@ class Prediction:
     settle_steps
         Most that settling may take before it gives up; 0 in a scene that does not settle.
     output_time
-        CPU time of frames, energy ledger and gap diagnostic [s].
+        CPU time of frames, energy ledger and gap diagnostic [s]; writing them to a file is not in it.
     start_time
-        CPU time of the process that is neither [s]: imports, loading of compiled kernels, the build.
+        CPU time of this process up to the trial [s]: imports, loading of compiled kernels, the build.
     memory
         Bytes of all arrays, those that are allocated with the first step included.
-    source
-        Where the times per stage come from.
-    unknown
-        Plug-ins without measured times, whose nearest relative's were taken.
+    limits
+        Stable time steps [s] with the contacts of the first step, and their owners.
     """
 
+    first_step: float
     steps: int
     stages: Mapping[str, float]
     settle_steps: int
     output_time: float
     start_time: float
     memory: int
-    source: str
-    unknown: tuple[str, ...]
+    limits: tuple[tuple[float, str], ...]
 
     @property
     def cpu_time(self) -> float:
@@ -73,42 +70,69 @@ class Prediction:
 
 
 def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
-    """Predict the cost of a simulation that has not begun.
+    """Predict the cost of a simulation that has not begun, by its first steps; it is used up by that.
 
     Parameters
     ----------
+    simulation
+        Before its first step.
     arrays
         Sizes of the arrays that are allocated already [bytes].
+
+    Raises
+    ------
+    SimulationError
+        One of the first steps failed.
     """
-    costs, source = measured_costs()
-    state, settle = simulation.state, simulation.scene.settle
-    shape, contact = simulation.shape.name, simulation.contact
-    unknown = [] if shape in costs["shape"] else [shape]
-    table, counts = costs["shape"].get(shape, costs["shape"]["cpdi"]), points_and_nodes(simulation)
-    times = {stage: seconds(table[stage], counts) for stage in SHAPE_STAGES}
-    forces, sides = _effects(simulation, costs["effect"])
-    times["force"] += forces + sides
-    if simulation.scheme != "usl":  # sides are asked again for the velocity of the strain
-        times["projection"] += sides
-    times["contact"] = 0.0
-    if contact is not None:
-        if contact.name not in costs["contact"]:
-            unknown.append(contact.name)
-        line = costs["contact"].get(contact.name) or _relative(contact, costs["contact"])
-        times["contact"] = seconds(line, surface_and_near(simulation) if contact.needs_surface else counts)
-    step = _step(simulation)
-    steps = _steps(simulation, step)
-    settle_steps = 0 if settle is None else math.ceil(longest_settling(settle, state.bodies) / step)
+    before = clocks.process_time()
+    memory = sum(arrays) + _tables(simulation)
+    clock, settle = simulation.clock, simulation.scene.settle
+    with ExitStack() as stack:
+        stack.enter_context(simulation.blaming())
+        stack.enter_context(CompileTimer(clock))
+        step = _start(simulation, stack)
+        step()
+        first_step, limits = simulation.state.dt, simulation.limits()
+        for _ in range(WARM_UP):
+            simulation.step()
+        clock.restart()
+        for _ in range(TIMED):
+            simulation.step()
+        clock.flush()
+        times = {stage: seconds / TIMED for stage, seconds in clock.cpu.items()}
+        clock.restart()
+        clock("output")
+        simulation.frame()
+        clock.flush()
+        frame = clock.cpu["output"] + clock.cpu["gap"]
+        length = simulation.stable_step()
+    steps = _steps(simulation, length)
+    settle_steps = (
+        0 if settle is None else math.ceil(longest_settling(settle, simulation.state.bodies) / length)
+    )
     return Prediction(
+        first_step=first_step,
         steps=steps,
         stages={stage: steps * times[stage] for stage in STEP_STAGES},
         settle_steps=settle_steps,
-        output_time=output_time(simulation, costs, steps, settle_steps),
-        start_time=seconds(costs["start"], counts),
-        memory=sum(arrays) + _tables(simulation),
-        source=source,
-        unknown=tuple(unknown),
+        output_time=steps * (times["output"] + times["gap"]) + frames_of(simulation) * frame,
+        start_time=before,
+        memory=memory,
+        limits=tuple(limits),
     )
+
+
+def _start(simulation: Simulation, stack: ExitStack) -> Callable[[], None]:
+    """Begin as a run does; return what takes its first step."""
+    scene = simulation.scene
+    if scene.settle is not None:
+        damping = Settling(simulation, scene.settle).damping
+        stack.enter_context(simulation.extra_plugin(damping))
+        return simulation.step
+    simulation.start()
+    due = min(scene.time.output_interval, scene.time.end)
+    target = due if scene.time.outputs == "exact" else scene.time.end
+    return lambda: simulation.step_towards(target)
 
 
 def _tables(simulation: Simulation) -> int:
@@ -126,52 +150,6 @@ def _tables(simulation: Simulation) -> int:
     return total
 
 
-def _effects(simulation: Simulation, costs: Costs) -> tuple[float, float]:
-    """Seconds a step of gravity and rotation, and of prescribed sides."""
-    state, scene = simulation.state, simulation.scene
-    total = sides = 0.0
-    if simulation.manager.has_plugin("gravity"):
-        total += seconds(costs["gravity"], points_and_nodes(simulation))
-    for body in state.bodies:
-        nodes = state.grid.field_nodes(body.field)
-        own = (float(body.particles.stop - body.particles.start), float(nodes.stop - nodes.start))
-        held = [side for side in scene.bodies[body.name].sides if not side.is_loaded]
-        sides += len(held) * seconds(costs["sides"], own)
-        how = simulation.rotations[body.name]
-        total += seconds(costs[how], own) if how != "lumped" else 0.0
-    return total, sides
-
-
-def output_time(simulation: Simulation, costs: Costs, steps: int, settle_steps: int) -> float:
-    """Seconds of frames, and of what is measured in every step; the ledger looks away while a scene settles."""
-    counts, surface = points_and_nodes(simulation), simulation.state.surface
-    total = frames_of(simulation) * seconds(costs["frame"]["series"], counts)
-    if simulation.scene.output.particles:
-        total += particle_frames_of(simulation) * seconds(costs["frame"]["points"], counts)
-    if simulation.manager.has_plugin("energy_ledger"):
-        total += steps * seconds(costs["effect"]["ledger"], counts)
-    if surface is not None and surface.stage == "gap":
-        total += (steps + settle_steps) * seconds(costs["effect"]["gap"], surface_and_near(simulation))
-    return total
-
-
-def _relative(contact: Any, known: Mapping[str, Any]) -> Any:
-    """Of the measured contacts that work on surfaces as this does, or not as it does not, the costliest; else of all."""
-    alike = [
-        line
-        for name, line in known.items()
-        if name in available("contact") and load("contact", name).needs_surface == contact.needs_surface
-    ]
-    return max(alike or known.values(), key=lambda line: seconds(line, (1000.0, 100.0)))
-
-
-def _step(simulation: Simulation) -> float:
-    """Length of a step [s] as the limits are at the start."""
-    time = simulation.scene.time
-    limits = _limits(simulation)
-    return float(time.safety * min(limits)[0] if time.step is None else time.step)
-
-
 def _steps(simulation: Simulation, step: float) -> int:
     """Outputs times the steps between two, which are of equal length, or all steps where outputs shorten none."""
     time = simulation.scene.time
@@ -180,18 +158,3 @@ def _steps(simulation: Simulation, step: float) -> int:
         return steps
     outputs = max(1, math.ceil(time.end / time.output_interval - 1e-9))
     return int(outputs * math.ceil(min(time.output_interval, time.end) / step - 1e-9))
-
-
-def _limits(simulation: Simulation) -> list[tuple[float, str]]:
-    """Stable time steps [s] with the contacts of the start; where bodies do not meet yet, those taken for granted.
-
-    Nothing is detected, and compiled for it, where contact limits no step or its search is asleep.
-    """
-    before = simulation.limits()
-    asleep = any(effect.name == "contact search" and not effect.on for effect in simulation.effects)
-    if asleep or not hasattr(simulation.contact, "stable_timestep"):
-        return before
-    with simulation.blaming():
-        simulation.detect()
-    after = simulation.limits()
-    return after if len(after) >= len(before) else before

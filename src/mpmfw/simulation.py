@@ -331,17 +331,17 @@ class Simulation:
     def _advance_to(self, target: float, watch: Callable[[], None]) -> None:
         """Step to ``target`` [s] exactly, with steps of about equal length."""
         while self.state.time < target:
-            self._step_towards(target)
+            self.step_towards(target)
             watch()
 
     def _advance_near(self, target: float, watch: Callable[[], None]) -> None:
         """Step until no end of a step is nearer to ``target`` [s], if the next step is as long as the last, or to the end."""
         state, end = self.state, self.scene.time.end
         while state.time + 0.5 * state.dt <= target and state.time < end:
-            self._step_towards(end)
+            self.step_towards(end)
             watch()
 
-    def _step_towards(self, target: float) -> None:
+    def step_towards(self, target: float) -> None:
         """Take one of the equal steps that lead to ``target`` [s] if the limit stays as it is; the last ends there exactly."""
         state, last = self.state, False
 
@@ -355,6 +355,10 @@ class Simulation:
         self._take_step(length)
         if last:
             state.time = target
+
+    def frame(self) -> Frame:
+        """Return the arrays of this moment, as an output would have them."""
+        return self._recorder.frame(0.0)
 
     def _output(self, write: Callable[[Frame], None] | None, interval: float, *, points: bool = True) -> None:
         self.clock("output")

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from contact_scenes import disc, impact, scene
-from mpmfw.prediction import predict
 from mpmfw.simulation import Simulation
 
 
@@ -48,8 +47,6 @@ def test_the_first_step_has_the_length_of_the_others():
 def test_to_detect_again_changes_nothing(contact):
     def run(again):
         simulation = Simulation(discs(), contact=contact)
-        if again:
-            predict(simulation, [])
         simulation.start()
         for _ in range(40):
             for _ in range(again):

@@ -23,6 +23,7 @@ from mpmfw.errors import SceneError
 
 if TYPE_CHECKING:
     from mpmfw.fields import FloatArray
+    from mpmfw.prediction import Prediction
     from mpmfw.simulation import Simulation
 
 
@@ -32,10 +33,6 @@ def explain(
     shape: ShapeOption = None,
     set_: SetOption = None,
     trust: TrustOption = False,
-    measure: Annotated[
-        bool,
-        typer.Option("--measure", help="Measure the times per stage on this machine first, and keep them."),
-    ] = False,
     everything: Annotated[
         bool,
         typer.Option(
@@ -60,9 +57,12 @@ def explain(
         _print_arrays(simulation)
     else:
         _print_effect_names(simulation)
-    _print_step(simulation, everything)
+    from mpmfw.prediction import predict
+
+    found = predict(simulation, [array.nbytes for _, array in named_arrays(simulation.state)])
+    _print_step(simulation, found, everything)
     _print_share_of_springs(simulation)
-    _print_cost(simulation, measure, everything)
+    _print_cost(simulation, found, everything)
     _print_unused(simulation)
 
 
@@ -133,17 +133,16 @@ def named_arrays(state: Any) -> Iterable[tuple[str, Any]]:
     yield from state.arrays.items()
 
 
-def _print_step(simulation: Simulation, everything: bool) -> None:
-    """The step at the start and what limits it; a scene that settles is not brought to rest for that."""
-    if simulation.scene.settle is None:
-        simulation.start()  # how fast bodies travel is a limit too
-    limits = sorted(simulation.limits())
+def _print_step(simulation: Simulation, found: Prediction, everything: bool) -> None:
+    """The first step that a run takes, and what limits it."""
+    limits = sorted(found.limits)
     if everything:
         rows = [{"limit [s]": f"{seconds:.6g}", "set by": owner} for seconds, owner in limits]
         print_rows(rows, "Limits of the time step: the least rules")
     time = simulation.scene.time
-    why = "fixed by time.step" if time.step is not None else f"{time.safety:g} of the stability limit"
-    typer.echo(f"dt = {simulation.stable_step():.6g} s: {why}")
+    why = "fixed by time.step" if time.step is not None else f"{time.safety:g} of the stability limit at most"
+    what = "first step" if simulation.scene.settle is None else "first step, of settling"
+    typer.echo(f"dt = {found.first_step:.6g} s: {what}, {why}")
     typer.echo(f"least limit: {limits[0][0]:.6g} s, {limits[0][1]}\n")
 
 
@@ -195,15 +194,12 @@ def share_of_springs(simulation: Simulation, axis: int | None) -> float:
     return of_springs / (of_springs + of_bodies) if loaded else 0.0
 
 
-def _print_cost(simulation: Simulation, measure: bool, everything: bool) -> None:
-    """Steps, CPU time, by stage where ``everything`` is printed, and memory, predicted from measured times per stage."""
-    from mpmfw import cost_table, prediction
+def _print_cost(simulation: Simulation, found: Prediction, everything: bool) -> None:
+    """Steps, CPU time, by stage where ``everything`` is printed, and memory, predicted from a trial."""
     from mpmfw.limits import results_size
+    from mpmfw.prediction import TIMED
     from mpmfw.sizing import most_memory, shown_bytes
 
-    if measure:
-        cost_table.measure(cost_table.own_table())
-    found = prediction.predict(simulation, [array.nbytes for _, array in named_arrays(simulation.state)])
     if everything:
         rows = [{"stage": stage, "CPU [s]": f"{seconds:.3g}"} for stage, seconds in found.stages.items()]
         print_rows(
@@ -219,9 +215,7 @@ def _print_cost(simulation: Simulation, measure: bool, everything: bool) -> None
     typer.echo(f"{found.output_time:.3g} s for output, {found.start_time:.3g} s to start")
     if found.settle_steps:
         typer.echo(f"settling: at most {found.settle_steps} steps, {found.settle_time:.3g} s")
-    typer.echo(f"from {found.source}")
-    if found.unknown:
-        typer.echo(f"not measured, the nearest relative's times were taken: {', '.join(found.unknown)}")
+    typer.echo(f"from a trial of {TIMED} steps; compilation is not in it")
     typer.echo("")
 
 
