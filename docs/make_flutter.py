@@ -36,7 +36,7 @@ def rigid_way(friction: float, tilt: float) -> np.ndarray:
     angle = tilt * 0.5 * (1.0 - np.cos(np.pi * np.minimum(time / RAMP, 1.0)))
     pull = GRAVITY * np.maximum(np.sin(angle) - friction * np.cos(angle), 0.0)
     speed = np.cumsum(pull) * time[1]
-    return np.interp(TIMES, time, np.cumsum(speed) * time[1])
+    return np.asarray(np.interp(TIMES, time, np.cumsum(speed) * time[1]))
 
 
 def way_of_points(friction: float, tilt: float, **changes: object) -> np.ndarray:
@@ -55,15 +55,15 @@ def way_of_points(friction: float, tilt: float, **changes: object) -> np.ndarray
     )
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ResultsWarning)
-        series = mpmfw.run(scene)["series"]
+        series = mpmfw.run(scene)["series"].to_dataset()
     x = series["centre_of_mass"].sel(body="block", axis="x").values
-    return np.interp(TIMES, series["time"].values, x - x[0])
+    return np.asarray(np.interp(TIMES, series["time"].values, x - x[0]))
 
 
 def way_of_elements(friction: float, tilt: float) -> np.ndarray:
     """Way of the finite elements until each of :data:`TIMES` [m]."""
     found = slide(0.1, friction, tilt, elastic=True, end=TIMES[-1])
-    return np.interp(TIMES, found.time, found.x - found.x[0])
+    return np.asarray(np.interp(TIMES, found.time, found.x - found.x[0]))
 
 
 def main() -> None:

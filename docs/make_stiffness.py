@@ -50,7 +50,7 @@ def main() -> None:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 tree = mpmfw.run(discs(cells), contact=contact)
-            series = tree["series"]
+            series = tree["series"].to_dataset()
             time, force = series["time"].values, -series["contact_force"].values[:, 0, 0]
             passed = np.cumsum(force * np.gradient(time))
             half = float(np.interp(0.5, passed / passed[-1], time))

@@ -16,7 +16,7 @@ import tomllib
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import xarray as xr
@@ -63,14 +63,14 @@ def turned(name: str, angle: float, layout: str, changes: dict[str, Any]) -> dic
         table = scene.get(key, {})
         own = table if key == "gravity" else table.get("gravity", {})
         if own:
-            tilt = float(to_si(own["tilt"], "rad"))
+            tilt = cast(float, to_si(own["tilt"], "rad"))
             vector = [G * math.sin(tilt), -G * math.cos(tilt)]
             scene[key] = {"vector": vector} if key == "gravity" else {**table, "gravity": {"vector": vector}}
     scene.pop("reference", None)
     for body in scene["bodies"].values():
         body["particles"] = {**body["particles"], "layout": layout}
     settle = scene.get("settle")
-    made = placing.placed(scene, turn=math.degrees(angle))
+    made: dict[str, Any] = placing.placed(scene, turn=math.degrees(angle))
     if settle:
         rotation = direction(angle)
         made["settle"] = {**settle, "gravity": {"vector": (rotation @ settle["gravity"]["vector"]).tolist()}}
@@ -78,7 +78,7 @@ def turned(name: str, angle: float, layout: str, changes: dict[str, Any]) -> dic
 
 
 def _metres(value: Any) -> Any:
-    return [_metres(one) for one in value] if isinstance(value, list) else float(to_si(value, "m"))
+    return [_metres(one) for one in value] if isinstance(value, list) else cast(float, to_si(value, "m"))
 
 
 def direction(angle: float) -> np.ndarray:
@@ -101,7 +101,7 @@ def rolls(tilt: float, friction: float) -> Callable[[xr.DataTree, np.ndarray], d
     def errors(run: xr.DataTree, along: np.ndarray) -> dict[str, float]:
         way, time = _way(run, "cylinder", along)
         at = solution.time_to(DISTANCE)
-        omega = run["series"]["angular_velocity"].sel(body="cylinder").isel(rotation=-1).values
+        omega = run["series"].to_dataset()["angular_velocity"].sel(body="cylinder").isel(rotation=-1).values
         return {
             "displacement": 100.0 * (np.interp(at, time, way) / DISTANCE - 1.0),
             "spin": 100.0 * (np.interp(at, time, omega) / float(solution.spin(at)) - 1.0),
@@ -112,7 +112,7 @@ def rolls(tilt: float, friction: float) -> Callable[[xr.DataTree, np.ndarray], d
 
 def collides(run: xr.DataTree, along: np.ndarray) -> dict[str, float]:
     """Impulse of the rings over time, largest difference from the finite elements' [% of the total]."""
-    series, table = run["series"], rings_table("force")
+    series, table = run["series"].to_dataset(), rings_table("force")
     time = series["time"].values
     ours = impulse(time, -series["contact_force"].values[:, 0] @ along)
     exact = np.interp(time, table["time"], table["fine_impulse_Ns_per_m"])
@@ -120,7 +120,7 @@ def collides(run: xr.DataTree, along: np.ndarray) -> dict[str, float]:
 
 
 def _way(run: xr.DataTree, body: str, along: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    series = run["series"]
+    series = run["series"].to_dataset()
     centre = series["centre_of_mass"].sel(body=body).values
     return (centre - centre[0]) @ along, series["time"].values
 
@@ -165,7 +165,9 @@ def measured(name: str, contact: str) -> list[dict[str, Any]]:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 run = mpmfw.run(scene, contact=contact, shape="cpdi")
-            found = one.errors(run, direction(angle)[:, 0]) | {"lost": 100.0 * dissipation(run, scene)}
+            found: dict[str, Any] = one.errors(run, direction(angle)[:, 0]) | {
+                "lost": 100.0 * dissipation(run, scene)
+            }
             found["cpu"] = float(run.attrs["cpu_time"])
         except MpmfwError as error:
             found = {"failed": str(error)}

@@ -34,13 +34,13 @@ from mpmfw.contact.records import PairRecords
 from mpmfw.contact.row_contact import ForceContact, ImpulseContact
 from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.strategy import ContactStrategy
+from mpmfw.declared_history import NotSaved, check_indices
 from mpmfw.errors import MpmfwError, PluginError, SceneError, SimulationError
 from mpmfw.fields import CONTACT_SERIES, AnyArray, Field, FloatArray, IndexArray, IntArray
 from mpmfw.geometry.base import BodyGeometry
 from mpmfw.geometry.layout import Layout
 from mpmfw.geometry.plane import PlaneGeometry
 from mpmfw.geometry.solid import SolidGeometry
-from mpmfw.history import NotSaved, check_indices
 from mpmfw.hookspecs import hookimpl
 from mpmfw.load import BodyLoad, Load, LoadedFacets, SurfaceLoad
 from mpmfw.material import Material

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from mpmfw.declared_history import NotSaved
 from mpmfw.fields import AnyArray, FloatArray, IntArray
-from mpmfw.history import NotSaved
 from mpmfw.kernels.boxes import sweep_strips
 from mpmfw.kernels.gaps import bounding_boxes
 from mpmfw.state import Pair, State

@@ -23,9 +23,9 @@ import numpy as np
 from llvmlite.binding import get_host_cpu_name  # type: ignore[import-untyped]
 from pydantic import BaseModel, Field
 
+from mpmfw.declared_history import Snapshot
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
 from mpmfw.fields import AnyArray
-from mpmfw.history import Snapshot
 from mpmfw.identity import code_of
 from mpmfw.results.replacing import abandoned, replacement
 from mpmfw.scene.override import parse_value

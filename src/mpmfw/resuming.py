@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import netCDF4
 
+from mpmfw.declared_history import NotSaved, Snapshot
 from mpmfw.errors import MpmfwError, SceneError, is_complete
-from mpmfw.history import NotSaved, Snapshot
 from mpmfw.interruption import interruptible
 from mpmfw.restart import (
     RESULTS,

@@ -16,12 +16,12 @@ from mpmfw.build import Build, build, make_setup, strategy
 from mpmfw.clock import STAGES, STEP_STAGES, Clock
 from mpmfw.compilation import CompileTimer, import_numba_without_scipy
 from mpmfw.dead_hooks import refuse_dead_hooks
+from mpmfw.declared_history import NotSaved, Snapshot, put, take
 from mpmfw.effect import Effect
 from mpmfw.errors import Diverged, PluginError, SceneError, SimulationError
 from mpmfw.fields import Field
 from mpmfw.frames import Recorder
 from mpmfw.guard import Guard
-from mpmfw.history import NotSaved, Snapshot, put, take
 from mpmfw.hooks import BoundHooks, hook_names, make_manager
 from mpmfw.initial_motion import initial_velocity
 from mpmfw.pairs import list_near

@@ -15,9 +15,9 @@ import numpy as np
 from mpmfw.blame import bundled, described
 from mpmfw.build import Build, build_some
 from mpmfw.clock import Clock
+from mpmfw.declared_history import NotSaved
 from mpmfw.errors import SceneError
 from mpmfw.fields import AnyArray, FloatArray, IntArray
-from mpmfw.history import NotSaved
 from mpmfw.load import BodyLoad, LoadedFacets, SurfaceLoad
 from mpmfw.numbers import Numbers, take_over
 from mpmfw.pairs import list_near, overlapping

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from mpmfw.declared_history import NotSaved
 from mpmfw.fields import GRID_FIELDS, FloatArray, IntArray
-from mpmfw.history import NotSaved
 from mpmfw.state import Grid, Particles, Surface
 
 #: Nodes kept free round a body: room for the supports of smooth shape functions and for motion until the next

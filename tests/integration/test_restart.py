@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 
 from many_discs import many_discs
+from mpmfw.declared_history import NotSaved, Snapshot
 from mpmfw.discovery import available, choices
 from mpmfw.errors import MpmfwError
-from mpmfw.history import NotSaved, Snapshot
 from mpmfw.scene import load_scene, shipped_scenes
 from mpmfw.simulation import Simulation
 from scenes_for_tests import two_blocks, with_changes

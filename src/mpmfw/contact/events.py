@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mpmfw.declared_history import NotSaved
 from mpmfw.fields import AnyArray, Field, FloatArray
-from mpmfw.history import NotSaved
 from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels import kernel
 from mpmfw.kernels.contact import Rows

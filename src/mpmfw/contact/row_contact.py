@@ -16,9 +16,9 @@ from mpmfw.contact.reach import refuse_short_reach
 from mpmfw.contact.records import PairRecords
 from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.strategy import ContactStrategy
+from mpmfw.declared_history import check_indices
 from mpmfw.errors import SceneError
 from mpmfw.fields import AnyArray, Field, FloatArray
-from mpmfw.history import check_indices
 from mpmfw.hookspecs import hookimpl
 from mpmfw.setup import Setup
 from mpmfw.state import Grid, Pair, Particles, State, Stencil
@@ -38,7 +38,7 @@ class RowContact(ContactStrategy):
     Law: ClassVar[type[ContactLaw]]  #: what acts on them
     velocity_fields = "per_body"
     stage = "contact"
-    history = ("detection", "law", "friction", "records")
+    history: ClassVar[tuple[str, ...]] = ("detection", "law", "friction", "records")
     #: The hook, of laws that have something to say.
     concerns: ClassVar[Any]
 

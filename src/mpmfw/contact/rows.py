@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mpmfw.declared_history import NotSaved, check_indices
 from mpmfw.fields import AnyArray, FloatArray
-from mpmfw.history import NotSaved, check_indices
 from mpmfw.kernels import struct
 from mpmfw.kernels.contact import (
     Records,

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.history import NotSaved
+from mpmfw.declared_history import NotSaved
 from mpmfw.simulation import Simulation
 from mpmfw_testing.check import Picture, Violation
 from mpmfw_testing.contact.bounds import search_meetings, within

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from mpmfw.declared_history import NotSaved, put, take
 from mpmfw.fields import AnyArray, FloatArray
-from mpmfw.history import NotSaved, put, take
 from mpmfw.plots.style import dress
 from mpmfw.state import Stencil
 from mpmfw.windows import set_windows
