@@ -90,7 +90,8 @@ _SURFACES = " ".join(
             "outline",
         )
     ]
-    + [f"mpmfw_contact.surfaces.{name}" for name in ("facing", "tracking", "travel")]
+    + [f"mpmfw_contact.surfaces.{name}" for name in ("facing", "tracking", "travel", "covering")]
+    + ["mpmfw_contact._stiffness"]
 )
 EFFECTS = {
     "linear": brings("linear", hooks=_SHAPE, modules="mpmfw_shape.linear mpmfw_shape._at_points"),
@@ -104,7 +105,8 @@ EFFECTS = {
         "cpdi",
         hooks=_SHAPE,
         arrays="layout/half_edges",
-        modules="mpmfw_shape.cpdi mpmfw_shape._at_points mpmfw_shape._packed_rows",
+        modules="mpmfw_shape.cpdi mpmfw_shape._at_points mpmfw_shape._packed_rows "
+        "mpmfw_shape._degenerate_domains",
     ),
     "bspline": brings("bspline", hooks=_SHAPE, modules="mpmfw_shape.bspline mpmfw_shape._at_points"),
     "cubic_bspline": brings(
@@ -132,8 +134,9 @@ EFFECTS = {
     "domain tracking": brings(
         "cpdi2",
         hooks=f"{_SHAPE} declare_fields update_particle_domains diagnostics",
-        arrays="corners",
-        modules="mpmfw_shape.cpdi2 mpmfw_shape._at_points mpmfw_shape._packed_rows",
+        arrays="corners layout/half_edges",
+        modules="mpmfw_shape.cpdi2 mpmfw_shape._at_points mpmfw_shape._packed_rows "
+        "mpmfw_shape._degenerate_domains",
         points="corners",
     ),
     "affine field": brings(arrays="particles/affine", series="affine_energy"),
@@ -180,7 +183,8 @@ EFFECTS = {
         hooks="declare_fields setup add_pairs detect after_momentum_projection after_momentum_update "
         "after_second_projection advect diagnostics",
         arrays="impulse friction_impulse frictional_work damping_work energy count volume_gradient",
-        modules="mpmfw_contact.bardenhagen mpmfw_contact.impulse mpmfw_contact.nodes mpmfw_contact._shared_nodes",
+        modules="mpmfw_contact.bardenhagen mpmfw_contact.impulse mpmfw_contact.nodes mpmfw_contact._shared_nodes "
+        "mpmfw_contact._stiffness",
         series="contact_force friction_force contact_count frictional_work contact_energy damping_work",
     ),
     "averaged normals": brings(
@@ -334,7 +338,15 @@ CASES = {
     ),
     "moment of impulses": Case(
         _two("bardenhagen", output={"gap": False, "contact_moment": [0.0, 0.0]}),
-        ("bardenhagen", "averaged normals", "local spin", "moment", "before impulses", "after impulses"),
+        (
+            "bardenhagen",
+            "averaged normals",
+            "local spin",
+            "flutter",
+            "moment",
+            "before impulses",
+            "after impulses",
+        ),
     ),
     "pressure": Case(
         with_changes(ONE, bodies__solid__sides=[{"side": "top", "pressure": 1e3}]), ("pressure", "surfaces")
@@ -356,13 +368,16 @@ CASES = {
     "plastic": Case(with_changes(ONE, materials__soft={**ELASTIC, **YIELDS}), (), material="j2"),
     "three dimensions": Case(box(shape__method="linear", bodies__solid__rotation="lumped"), ()),
     "no contact": Case(_two("none"), ("none",)),
-    "contact by velocity": Case(_two("bardenhagen"), ("bardenhagen", "averaged normals", "local spin")),
+    "contact by velocity": Case(
+        _two("bardenhagen"), ("bardenhagen", "averaged normals", "local spin", "flutter")
+    ),
     "contact by position": Case(
         _two("bardenhagen", contact__bardenhagen={"criterion": "position"}),
-        ("bardenhagen", "averaged normals", "distance of bodies", "local spin"),
+        ("bardenhagen", "averaged normals", "distance of bodies", "local spin", "flutter"),
     ),
     "one body's normal": Case(
-        _two("bardenhagen", contact__bardenhagen={"normal": "master"}), ("bardenhagen", "local spin")
+        _two("bardenhagen", contact__bardenhagen={"normal": "master"}),
+        ("bardenhagen", "local spin", "flutter"),
     ),
     "flip": Case(with_changes(ONE, stepping={"transfer": "flip"}), ()),
     "pic": Case(with_changes(ONE, stepping={"transfer": "pic"}), ()),
@@ -373,12 +388,13 @@ CASES = {
 
 
 def arrays_of(sim: Simulation) -> set[str]:
-    """Names of all arrays that the state holds, the plug-ins' own included."""
+    """Names of all arrays with entries that the state holds, the plug-ins' own included."""
     state, names = sim.state, set(sim.state.arrays)
     for group in ("particles", "grid", "surface"):
         struct = getattr(state, group)
         for entry in () if struct is None else dataclasses.fields(struct):
-            if isinstance(getattr(struct, entry.name), np.ndarray):
+            value = getattr(struct, entry.name)
+            if isinstance(value, np.ndarray) and value.size:
                 names.add(f"{group}/{entry.name}")
     return names
 

@@ -64,7 +64,7 @@ def dissipation(run: xr.DataTree | xr.Dataset, scene: Scene) -> float:
         that move.
     """
     series, works = _series(run), _works(scene)
-    if "kinetic_energy" not in series or (scene.gravity and not _has(series, "gravity_work")):
+    if "total_energy" not in series or (scene.gravity and not _has(series, "gravity_work")):
         return float("nan")
     if "external_work" in works and not _has(series, "external_work"):
         return float("nan")
