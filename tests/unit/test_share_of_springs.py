@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from mpmfw.cli.explain import driven_speed, share_of_springs
+from mpmfw.share_of_springs import driven_speed, share_of_springs
 from mpmfw.simulation import Simulation
 
 CELL = 0.1

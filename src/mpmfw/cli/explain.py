@@ -6,7 +6,6 @@ import textwrap
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
 import typer
 
 from mpmfw.cli.arguments import (
@@ -22,7 +21,6 @@ from mpmfw.cli.unused import unused_facts
 from mpmfw.errors import SceneError
 
 if TYPE_CHECKING:
-    from mpmfw.fields import FloatArray
     from mpmfw.prediction import Prediction
     from mpmfw.simulation import Simulation
 
@@ -148,8 +146,10 @@ def _print_step(simulation: Simulation, found: Prediction, everything: bool) -> 
 
 def _print_share_of_springs(simulation: Simulation) -> None:
     """Part of driven sides' motion and of initial overlaps that contact springs take, where a scene has either."""
+    from mpmfw.share_of_springs import driven_speed, share_of_springs
+
     speed = driven_speed(simulation)
-    axis = int(np.argmax(speed)) if speed.any() else None
+    axis = int(speed.argmax()) if speed.any() else None
     if axis is None and not simulation.scene.allow_overlap:
         return
     share = share_of_springs(simulation, axis)
@@ -157,41 +157,6 @@ def _print_share_of_springs(simulation: Simulation) -> None:
         of = "the overlap" if axis is None else "the sides' motion"
         law = simulation.contact.label if simulation.contact is not None else ""
         typer.echo(f"springs of {law} take about {100.0 * share:.2g} % of {of}; stiffer ones take less\n")
-
-
-def driven_speed(simulation: Simulation) -> FloatArray:
-    """Largest speed of driven sides along each axis (dim,) [m/s]; 0 where none is driven."""
-    speed = np.zeros(simulation.scene.dim)
-    for body in simulation.scene.bodies.values():
-        for side in body.sides:
-            for axis, value in enumerate(side.velocity or ()):
-                speed[axis] = max(speed[axis], 0.0 if isinstance(value, str) else abs(float(value)))
-    return speed
-
-
-def share_of_springs(simulation: Simulation, axis: int | None) -> float:
-    """Estimate the part of a given displacement that contact springs take, in series with the bodies.
-
-    Under a unit of pressure springs give by h / (κ M), and a body by its length over M. A pair counts if its bodies' boxes
-    are less than a cell apart and, with an ``axis``, lie one after the other along it. 0 where contact has no springs.
-    """
-    state, h = simulation.state, simulation.scene.grid.cell_size
-    law: Any = getattr(simulation.contact, "law", None)
-    springs = law.compliance() if hasattr(law, "compliance") else None
-    if springs is None:
-        return 0.0
-    lower, upper = (np.array([getattr(body, end) for body in state.bodies]) for end in ("lower", "upper"))
-    of_springs, loaded = 0.0, set()
-    for pair, compliance in zip(state.pairs, springs, strict=True):
-        both = [pair.first, pair.second]
-        gap = lower[both].max(0) - upper[both].min(0)  # negative where boxes overlap
-        if gap.max() < h and (axis is None or gap[axis] > -h):
-            of_springs += float(compliance)
-            loaded |= set(both)
-    length = np.ptp(np.stack([lower, upper]), axis=0)
-    along = length.min(1) if axis is None else length[:, axis]
-    of_bodies = sum(along[b] / state.bodies[b].p_wave_modulus for b in loaded)
-    return of_springs / (of_springs + of_bodies) if loaded else 0.0
 
 
 def _print_cost(simulation: Simulation, found: Prediction, everything: bool) -> None:
