@@ -1,7 +1,7 @@
 """A note on bodies that flutter near the limit of friction: they slide although friction could hold them.
 
-The normal force between them swings, and they slip whenever it is low. Over the outputs the friction force is then less than μ
-times the normal force, though the bodies slide as a whole.
+The normal force between them swings, and they slip whenever it is low. At most outputs the friction force is then less than μ
+times the normal force, though the bodies slide as a whole. Bodies that begin to slide hold for a moment, which is one output.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Flutter:
         self.window = np.zeros(
             (0, OUTPUTS, 2)
         )  #: normal and friction force of the last outputs, NaN without sliding
-        self.found: dict[str, float] = {}  #: by pair: least friction over its limit
+        self.found: dict[str, float] = {}  #: by pair: least median of friction over its limit
         self.spread: dict[str, float] = {}  #: spread of the normal force then
         self.found_at: dict[str, float] = {}  #: time [s]
 
@@ -80,11 +80,11 @@ class Flutter:
         return {}
 
     def _judge(self, state: State) -> None:
-        """Compare the means over the window, which are NaN of pairs that did not slide throughout."""
+        """Compare the medians over the window, which are NaN of pairs that did not slide throughout."""
         forces = self.window
-        normal, held = forces.mean(axis=1).T
-        mu = np.array([pair.mu for pair in state.pairs])
-        share = held / np.where(mu > 0.0, mu * normal, np.nan)
+        normal = forces[:, :, 0].mean(axis=1)
+        mu = np.array([[pair.mu] for pair in state.pairs])
+        share = np.median(forces[:, :, 1] / np.where(mu > 0.0, mu * forces[:, :, 0], np.nan), axis=1)
         change = np.diff(forces[:, :, 0], axis=1)
         turns = (change[:, 1:] * change[:, :-1] < -((SPREAD * normal[:, None]) ** 2)).sum(axis=1)
         for index in np.flatnonzero((share < SHARE) & (turns >= TURNS)):
