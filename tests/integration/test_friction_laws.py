@@ -176,9 +176,9 @@ COHESION = "contact.mohr_coulomb.cohesion"
 def test_options_of_a_law_that_does_not_run_are_refused() -> None:
     said = rf"--set {COHESION}: has no effect: friction 'mohr_coulomb' does not run here; what runs is no law"
     with pytest.raises(SceneError, match=said):
-        chosen_scene("sliding-block", None, None, [f"{COHESION}=10"])
+        chosen_scene("sliding-block", None, None, [f"{COHESION}=10"], False)
     assert chosen_scene(
-        "sliding-block", None, None, ["contact.friction_law=mohr_coulomb", f"{COHESION}=10"]
+        "sliding-block", None, None, ["contact.friction_law=mohr_coulomb", f"{COHESION}=10"], False
     ).contact
     with pytest.raises(SceneError, match=rf"set {COHESION}: has no effect"):
         mpmfw.compare("sliding-block", ["penalty"], ["linear"], set={COHESION: 10.0})

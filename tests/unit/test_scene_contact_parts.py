@@ -105,6 +105,6 @@ def test_options_that_stand_where_nothing_reads_them_are_refused(tmp_path):
     path = tmp_path / "slide.toml"
     path.write_text(scene(METHOD).text)
     with pytest.raises(SceneError, match=r"contact\.penalty\.kappa: has no effect"):
-        chosen_scene(path, None, None, ["contact.penalty.kappa=2"])
+        chosen_scene(path, None, None, ["contact.penalty.kappa=2"], False)
     parts = ["contact.detection=nodes", "contact.law=penalty", "contact.penalty.kappa=5"]
-    assert chosen_scene(path, None, None, parts).contact.options.kappa == 5.0
+    assert chosen_scene(path, None, None, parts, False).contact.options.kappa == 5.0
