@@ -316,17 +316,23 @@ def _bardenhagen(option: str, first: Any, second: Any, /, **beside: Any) -> Acts
 def _on_surfaces(contact: str) -> dict[str, Acts]:
     """Options of the surfaces, as a contact of impulses has them."""
     values_of = {
-        "passes": ("two", "one", {}),
         "master": ("left", "right", {"passes": "one"}),
         "normal_variation": ("exact", "hamad2017", {}),
         "search_radius": (1.0, 0.002, {}),
         "interface_thickness": (0.0, 0.01, {}),
         "map": ("plain", "mass_weighted", {}),
     }
-    return {
+    return {f"contact.{contact}.passes": _passes(contact)} | {
         f"contact.{contact}.{option}": _contact(contact, option, first, second, **beside)
         for option, (first, second, beside) in values_of.items()
     }
+
+
+def _passes(contact: str) -> Acts:
+    """One pass and two differ where one body is stiffer: equals are each slave once with half of the area in either."""
+    stiff = {**SOFT, "shear_modulus": 1e6}
+    unequal = pair(contact, materials__stiff=stiff, bodies__left__material="stiff")
+    return values(unequal, f"contact__{contact}__passes", "two", "one")
 
 
 def _contact(contact: str, option: str, first: Any, second: Any, /, **beside: Any) -> Acts:
@@ -358,7 +364,7 @@ PLUGINS: dict[str, Acts] = {
     ),
     "contact.penalty.kappa": _penalty("kappa", 1.0, 2.0),
     "contact.penalty.tangential_ratio": _penalty("tangential_ratio", 1.0, 0.3),
-    "contact.penalty.passes": _penalty("passes", "two", "one"),
+    "contact.penalty.passes": _passes("penalty"),
     "contact.penalty.master": _penalty("master", "left", "right", passes="one"),
     "contact.penalty.normal_variation": _penalty("normal_variation", "exact", "hamad2017"),
     "contact.penalty.search_radius": _penalty("search_radius", 1.0, 0.002),

@@ -111,9 +111,10 @@ class CountsElsewhere(PlainContact):
 
 
 class CountsByIterator(PlainContact):
-    """The same with a counter that does not say where it stands."""
+    """The same with a counter that is declared and cannot be saved: it does not say where it stands."""
 
     name = "counts-by-iterator"
+    history = ("contacts",)
 
     @hookimpl
     def setup(self, setup):

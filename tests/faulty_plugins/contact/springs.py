@@ -102,14 +102,14 @@ class ForgetsAtOutputs(Penalty):
 
 
 class ShallowReach(Penalty):
-    """Loses points that are deeper than a tenth of a cell."""
+    """Loses points that are deeper than a twenty-fifth of a cell."""
 
     name = "shallow-reach"
 
     def find_rows(self, grid, phi, particles) -> None:
         super().find_rows(grid, phi, particles)
         gap = self.rows.gap[: self.rows.count]
-        gap[gap < -0.1 * grid.cell_size] = 1e-6 * grid.cell_size
+        gap[gap < -0.04 * grid.cell_size] = 1e-6 * grid.cell_size
 
 
 class FullRows(Penalty):
