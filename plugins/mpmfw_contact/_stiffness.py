@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from mpmfw.api import Body, IntArray
+from mpmfw.api import Body, FloatArray, IntArray
 
-#: Relative difference of the wave moduli K + 4 G / 3 up to which two bodies are equally stiff.
+#: Relative difference of the wave moduli K + 4 G / 3 up to which two bodies are equally stiff, and of sizes that are equal.
 EQUAL = 1e-6
 
 
@@ -17,9 +17,13 @@ def stiffness_ranks(bodies: Sequence[Body]) -> IntArray:
 
     The order of the bodies does not matter.
     """
-    modulus = np.array([body.p_wave_modulus for body in bodies])
-    order = np.argsort(modulus)
-    steps = np.diff(modulus[order], prepend=modulus[order[:1]]) > EQUAL * modulus[order]
-    ranks = np.zeros(len(bodies), dtype=np.int64)
+    return ranks_of(np.array([body.p_wave_modulus for body in bodies]))
+
+
+def ranks_of(values: FloatArray) -> IntArray:
+    """Rank positive values (n,): 0 for the smallest, the same for equal ones."""
+    order = np.argsort(values)
+    steps = np.diff(values[order], prepend=values[order[:1]]) > EQUAL * values[order]
+    ranks = np.zeros(len(values), dtype=np.int64)
     ranks[order] = np.cumsum(steps)
     return ranks

@@ -43,7 +43,9 @@ def box_on_belt(order: tuple[str, str]) -> dict[str, object]:
 
 
 @pytest.mark.parametrize("order", [("box", "belt"), ("belt", "box")])
-@pytest.mark.parametrize("contact", ["bardenhagen(criterion=position, normal=master)", "penalty(passes=one)"])
+@pytest.mark.parametrize(
+    "contact", ["bardenhagen(criterion=position, normal=master)", "penalty(passes=one)", "hamad2017"]
+)
 def test_a_belt_drags_a_box_of_its_material_by_coulombs_law(contact: str, order: tuple[str, str]) -> None:
     run = mpmfw.run(box_on_belt(order), contact=contact)
     speed = float(run["series"]["mean_velocity"].sel(body="box", axis="x")[-1])

@@ -23,7 +23,7 @@ from mpmfw.api import (
 )
 from mpmfw.api import Field as ArrayField
 from mpmfw.kernels.pair_table import pair_table
-from mpmfw_contact._stiffness import stiffness_ranks
+from mpmfw_contact._stiffness import ranks_of, stiffness_ranks
 from mpmfw_contact.surfaces import cells, search
 from mpmfw_contact.surfaces.assembly import Places, SurfaceTable, assemble, point_forces
 from mpmfw_contact.surfaces.candidates import no_candidates, no_lists
@@ -95,7 +95,8 @@ class Surfaces(Detection):
         if setup.state.surface is None:
             raise SceneError(f"contact '{owner}' needs bodies with outlines")
         self.state, self.surface, self.has_friction = setup.state, setup.state.surface, setup.has_friction
-        self.rank = _ranks(setup.bodies, self.options.master, owner, one_pass=not self.two_passes)
+        size = np.bincount(self.surface.body, self.surface.tributary, len(setup.bodies))
+        self.rank = _ranks(setup.bodies, size, self.options.master, owner, one_pass=not self.two_passes)
         slots = 8 if self.every_facet else min(max(len(setup.bodies) - 1, 1), 3)
         self.outline = outline_of(self.surface)
         self.candidates = no_candidates(setup, owner, slots, tracked=not self.every_facet)
@@ -295,16 +296,20 @@ class SurfaceRows(ContactRows):
         history["at/facet"] = numbers.facet[history["at/facet"]]
 
 
-def _ranks(bodies: tuple[Body, ...], master: str | None, owner: str, *, one_pass: bool) -> IntArray:
-    """All alike where each body is slave once; else the stiffer is master, unless one is named. Equals are slaves of each other.
+def _ranks(
+    bodies: tuple[Body, ...], size: FloatArray, master: str | None, owner: str, *, one_pass: bool
+) -> IntArray:
+    """All alike where each body is slave once; else the stiffer is master, unless one is named.
 
-    Nodes of a body are slaves to facets of those of the same or a higher rank.
+    Of equally stiff bodies the one with the larger surface is master, whose edges the other seldom reaches; ``size``
+    (body,) is its area [m^(dim−1)]. Equals are slaves of each other. Nodes of a body are slaves to facets of those of the same
+    or a higher rank.
     """
     if master is not None and master not in [body.name for body in bodies]:
         names = ", ".join(body.name for body in bodies)
         raise SceneError(f"contact.{owner}.master: no body '{master}'; expected one of {names}")
     if not one_pass:
         return np.zeros(len(bodies), dtype=np.int64)
-    ranks = stiffness_ranks(bodies)
-    ranks[[body.index for body in bodies if body.name == master]] = len(bodies)
+    ranks = stiffness_ranks(bodies) * len(bodies) + ranks_of(size)
+    ranks[[body.index for body in bodies if body.name == master]] = len(bodies) ** 2
     return ranks

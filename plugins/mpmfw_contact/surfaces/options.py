@@ -16,7 +16,8 @@ class FacetOptions(BaseModel):
 
     master: str | None = Field(
         None,
-        description="name of the master body (one pass); default: the stiffer; of equals each is slave once",
+        description="name of the master body (one pass); default: the stiffer; of equally stiff ones that with the "
+        "larger surface; of equals each is slave once",
     )
     search_radius: float = Field(1.0, gt=0, le=1.0, description="reach of the search in cells")
     interface_thickness: Length = Field(
@@ -33,7 +34,7 @@ class SurfacesOptions(FacetOptions):
     passes: Literal["one", "two"] = Field(
         "two",
         description="two: each body is slave once, with half of its area; one: classical master-slave, "
-        "but of equally stiff bodies",
+        "but of equal bodies",
     )
     normal_variation: Literal["exact", "hamad2017"] = Field(
         "exact", description="C_n = N, the exact variation, or N - (g_n / l) Q (eq. 7)"
