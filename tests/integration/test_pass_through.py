@@ -248,8 +248,9 @@ def test_a_smaller_cell_changes_the_force_of_the_wedge_little() -> None:
     for cell in (CELL, 0.5 * CELL):
         mapping = pressed(60.0, cell)
         mapping["time"]["end"] *= 0.6
-        mapping["output"] = {"particles": False, "gap": False}
-        forces.append(float(run(mapping)["series"]["contact_force"].sel(axis="y").isel(pair=0, time=-1)))
+        with pytest.warns(ResultsWarning, match=r"wedge-block: the bodies penetrate by 0\.[34]\d* cells"):
+            tree = run(mapping)
+        forces.append(float(tree["series"]["contact_force"].sel(axis="y").isel(pair=0, time=-1)))
     assert forces[1] == pytest.approx(forces[0], rel=0.2)
 
 

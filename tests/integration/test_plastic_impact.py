@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from typing import Any
 
 import numpy as np
 import pytest
 
 from mpmfw import run
-from mpmfw.errors import SimulationError
+from mpmfw.errors import ResultsWarning, SimulationError
 from mpmfw.simulation import Simulation
 
 #: A copper disc of ten cells on a free copper block, at 500 m/s, until the jets at the rim are drawn out.
@@ -54,7 +55,9 @@ CONTACTS = (
 @pytest.mark.parametrize("shape", ["cpdi", "cpdi2"])
 @pytest.mark.parametrize("contact", CONTACTS)
 def test_plastic_flow_keeps_momentum_and_makes_no_energy(contact: str, shape: str) -> None:
-    series = run(SPRAY, contact=contact, shape=shape)["series"].to_dataset()
+    on_grid = contact.startswith("bardenhagen")  # surfaces are not kept apart: 0.2 to 0.5 cells deep
+    with pytest.warns(ResultsWarning, match=r"ball-block: .*penetrat") if on_grid else nullcontext():
+        series = run(SPRAY, contact=contact, shape=shape)["series"].to_dataset()
     momentum = series["linear_momentum"].sum("body").values
     assert np.abs(momentum - momentum[0]).max() < 1e-10 * np.abs(momentum[0]).max()
     energy = series["kinetic_energy"] + series["strain_energy"] + series["affine_energy"]
