@@ -95,7 +95,7 @@ class Surfaces(Detection):
         if setup.state.surface is None:
             raise SceneError(f"contact '{owner}' needs bodies with outlines")
         self.state, self.surface, self.has_friction = setup.state, setup.state.surface, setup.has_friction
-        size = np.bincount(self.surface.body, self.surface.tributary, len(setup.bodies))
+        size = np.array([self.surface.tributary[self.surface.of(body.index)].sum() for body in setup.bodies])
         self.rank = _ranks(setup.bodies, size, self.options.master, owner, one_pass=not self.two_passes)
         slots = 8 if self.every_facet else min(max(len(setup.bodies) - 1, 1), 3)
         self.outline = outline_of(self.surface)
