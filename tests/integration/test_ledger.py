@@ -173,6 +173,7 @@ def test_the_residual_falls_with_the_time_step():
     assert residuals[2] < 0.65 * residuals[1] < 0.45 * residuals[0]
 
 
+@pytest.mark.filterwarnings("ignore:left-right. the bodies penetrate")
 @pytest.mark.parametrize(("safety", "share"), [(0.4, 0.03), (0.1, 0.008)])
 def test_work_of_penalty_contact_is_in_springs_and_friction(safety, share):
     """To the error of the springs' integration in time."""
@@ -239,6 +240,7 @@ def stopped(mapping):
     return caught.value
 
 
+@pytest.mark.filterwarnings("ignore:suspect. energy")
 def test_the_ledger_names_the_term_that_grows():
     """Springs past their limit: what the bodies gain is the work of contact."""
     series = ledger(unstable() | {"allow_unstable": True}, time__end=0.03, time__output_interval=0.01)
@@ -311,6 +313,7 @@ def sticking(gap, speed, **options):
     return {**mapping, "time": {"end": 0.3, "output_interval": 0.01}}
 
 
+@pytest.mark.filterwarnings("ignore:suspect. energy")  # the third gains 0.12 of what the bond gave
 @pytest.mark.parametrize(("gap", "speed"), [(0.0, 0.0), (0.003, 0.0), (0.011, 0.002), (0.0, -0.3)])
 def test_bodies_that_adhesion_draws_together_or_lets_go_are_not_stopped(gap, speed):
     """They rest, meet from rest, meet from outside of its reach, part: their motion's energy is what contact gave."""

@@ -56,6 +56,7 @@ class Verdict:
     stage = "output"
     history = (
         "inside", "running", "due", "next_sides", "next_own", "nothing", "start", "first_work", "gravity_work", "most", "loaded",
+        "released",
         "moment", "pull", "deepest", "deepest_at", "passed", "grown", "grown_share", "grown_at", "closed", "closed_at",
     )  # fmt: skip
 
@@ -76,6 +77,7 @@ class Verdict:
         self.start_is_known = not overlaps or made.scene.settle is not None
         self.running, self.due, self.next_sides, self.next_own = False, 0.0, 0, 0
         self.nothing = self.start = self.first_work = self.gravity_work = self.most = 0.0
+        self.released = 0.0  #: most that contact which pulls has given [J/m]: its energy is below 0 then
         #: Energy of the contact springs at the start; None until a step has found it.
         self.loaded: float | None = None
         self.moment, self.pull = np.zeros(state.grid.dim), np.zeros(state.grid.dim)
@@ -100,7 +102,7 @@ class Verdict:
         self.start = kinetic_energy(p.mass, p.velocity) + float(self.strain.of(state).sum())
         self.loaded = None
         self.first_work = float(sum(plugin.work for plugin in self.working))
-        self.gravity_work = self.most = 0.0
+        self.gravity_work = self.most = self.released = 0.0
         self.moment, self.pull = p.mass @ p.position, self._gravity(state)
 
     def _gravity(self, state: State) -> FloatArray:
@@ -153,9 +155,11 @@ class Verdict:
             return
         work = self.gravity_work + sum(plugin.work for plugin in self.working) - self.first_work
         self.most = max(self.most, float(work))
-        there = self.start + max(self.loaded, 0.0) + self.most
+        held = self._held(state)
+        self.released = max(self.released, -held)
+        there = self.start + max(self.loaded, 0.0) + self.most + self.released
         energy = kinetic_energy(state.particles.mass, state.particles.velocity)
-        energy += float(self.strain.of(state).sum()) + self._held(state)
+        energy += float(self.strain.of(state).sum()) + held
         excess = energy - self.start - self.loaded - work
         if excess > max(GROWTH * there + self.nothing, self.grown):
             self.grown, self.grown_at = float(excess), state.time
