@@ -176,7 +176,7 @@ def test_a_strategy_that_does_not_take_pairs_as_they_come_is_given_all() -> None
 def test_runs_that_list_other_pairs_are_compared_on_the_pairs_of_all() -> None:
     scene = row_meets_row("penalty", time={"end": 0.1, "output_interval": 0.05})
     data = mpmfw.compare(scene, contact=["none", "penalty"], shape=["linear"])
-    assert (data["status"] == "ok").all()
+    assert {str(status).partition(":")[0] for status in data["status"].values.flat} <= {"ok", "suspect"}
     gaps = data["min_gap"].isel(shape=0, time=-1)
     listed = {contact: int(np.isfinite(gaps.sel(contact=contact)).sum()) for contact in ("none", "penalty")}
     assert listed["penalty"] > listed["none"] > 0

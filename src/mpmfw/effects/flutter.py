@@ -59,12 +59,13 @@ class Flutter:
         """Note pairs that flutter at an output; there are no series."""
         dim, pairs = state.grid.dim, len(state.pairs)
         now, centres = np.column_stack([state.arrays[name] for name in self.records]), _centres(state)
-        last, way = self.last, centres - self.way if interval > 0.0 else 0.0 * centres
+        last, before = self.last, self.way
         self.last, self.way = now, centres
         if len(last) != pairs:
             self.window = np.full((pairs, OUTPUTS, 2), np.nan)
-        if len(last) != pairs or interval == 0.0 or pairs == 0:
+        if len(last) != pairs or len(before) != len(centres) or interval == 0.0 or pairs == 0:
             return {}
+        way = centres - before
         friction, work = now[:, dim : 2 * dim] - last[:, dim : 2 * dim], now[:, -1] - last[:, -1]
         normal = now[:, :dim] - last[:, :dim] - friction
         bearing, held = (np.linalg.norm(each, axis=1) for each in (normal, friction))

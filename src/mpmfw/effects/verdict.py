@@ -77,7 +77,9 @@ class Verdict:
         self.start_is_known = not overlaps or made.scene.settle is not None
         self.running, self.due, self.next_sides, self.next_own = False, 0.0, 0, 0
         self.nothing = self.start = self.first_work = self.gravity_work = self.most = 0.0
-        self.released = 0.0  #: most that contact which pulls has given [J/m]: its energy is below 0 then
+        self.released = (
+            0.0  #: most that contact could give, of springs loaded at the start or that pull [J/m]
+        )
         #: Energy of the contact springs at the start; None until a step has found it.
         self.loaded: float | None = None
         self.moment, self.pull = np.zeros(state.grid.dim), np.zeros(state.grid.dim)
@@ -155,12 +157,12 @@ class Verdict:
             return
         work = self.gravity_work + sum(plugin.work for plugin in self.working) - self.first_work
         self.most = max(self.most, float(work))
-        held = self._held(state)
-        self.released = max(self.released, -held)
-        there = self.start + max(self.loaded, 0.0) + self.most + self.released
+        given = max(self.loaded, 0.0) + max(-self._held(state), 0.0)
+        self.released = max(self.released, given)
+        there = self.start + self.most + self.released
         energy = kinetic_energy(state.particles.mass, state.particles.velocity)
-        energy += float(self.strain.of(state).sum()) + held
-        excess = energy - self.start - self.loaded - work
+        energy += float(self.strain.of(state).sum())
+        excess = energy - self.start - given - work
         if excess > max(GROWTH * there + self.nothing, self.grown):
             self.grown, self.grown_at = float(excess), state.time
             self.grown_share = float(excess / there) if there > 0.0 else np.inf
