@@ -68,6 +68,8 @@ REFUSED = {
     "logistic+adhesion",
     "midplane+barrier",
 }
+#: At nodes these springs begin at the depth at which they are found, which adds energy: the guard ends runs with the default.
+SOFTER = {"nodes+adhesion": {"contact.nodes+adhesion.kappa": 1.0}}
 CONTACTS = [name for name in choices("contact") if name not in REFUSED]
 
 
@@ -156,7 +158,8 @@ def test_every_shipped_scene_is_here():
 
 @pytest.mark.parametrize(("name", "contact", "shape"), cases())
 def test_every_shipped_scene_with_every_method(tmp_path, name, contact, shape):
-    scene = load_scene(name, set=COARSE[name] | {"contact.method": contact, "shape.method": shape})
+    chosen = {"contact.method": contact, "shape.method": shape, **SOFTER.get(contact, {})}
+    scene = load_scene(name, set=COARSE[name] | chosen)
     step = random.Random(name + contact + shape).randrange(*STEPS.get(name, (2, 15)))
     stop_and_go_on(lambda: Simulation(scene), tmp_path / "saved", step)
 

@@ -8,6 +8,7 @@ import pytest
 from contact_scenes import ACTING, impact, run, simulation
 from mpmfw import run as run_scene
 from mpmfw.api import hookimpl
+from mpmfw.errors import ResultsWarning
 
 CLASSICAL = [name for name in ACTING if name.startswith("bardenhagen")]
 MUSL = {"scheme": "musl", "transfer": "flip"}
@@ -60,7 +61,7 @@ def test_records_are_of_the_momentum_that_moves_points(strategy):
 
 
 def test_rings_gain_half_of_what_they_gained():
-    """Largest energy over that at the start, h = 4 mm, FLIP: 2.73 with the second momentum as projected, 1.50 corrected."""
+    """Largest energy over that at the start, h = 4 mm, FLIP: 2.73 with the second momentum as projected, 1.51 corrected."""
     chosen = {
         **{f"stepping.{key}": value for key, value in MUSL.items()},
         "grid.cell_size": "4 mm",
@@ -68,6 +69,8 @@ def test_rings_gain_half_of_what_they_gained():
         "output.gap": False,
         "allow_unstable": True,
     }
-    series = run_scene("colliding-rings", "bardenhagen", "cpdi", set=chosen)["series"].to_dataset()
+    with pytest.warns(ResultsWarning, match="suspect: energy of .* without a source"):
+        tree = run_scene("colliding-rings", "bardenhagen", "cpdi", set=chosen)
+    series = tree["series"].to_dataset()
     energy = series["total_energy"].sum("body")
     assert float(energy.max() / energy.isel(time=0)) < 1.55
