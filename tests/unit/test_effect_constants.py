@@ -67,7 +67,9 @@ def rows_at(place: float, mass: list[float], **constants: float) -> list[tuple[f
     position = np.column_stack([np.zeros(8), np.arange(8.0)])
     whole = {name: np.zeros(20, dtype=np.int64) for name in ("row", "side")}
     real = {name: np.zeros(20) for name in ("target", "compliance", "c", "distance")}
-    table = side_rows.SideTable(nodes=np.zeros(60, dtype=np.int64), weights=np.zeros(60), **whole, **real)
+    table = side_rows.SideTable(
+        nodes=np.zeros(60, dtype=np.int64), weights=np.zeros(60), work=np.zeros(1), **whole, **real
+    )
     side = upper_side(place, columns=1)
     count = interpreted(list_rows, **constants)(1, side, position, np.array(mass), table, (1.0, 1.0))
     return [

@@ -92,7 +92,9 @@ def side_table(rows, entries):
     """An empty table."""
     whole = {name: np.zeros(rows, dtype=np.int64) for name in ("row", "side")}
     real = {name: np.zeros(rows) for name in ("target", "compliance", "c", "distance")}
-    return SideTable(nodes=np.zeros(entries, dtype=np.int64), weights=np.zeros(entries), **whole, **real)
+    return SideTable(
+        nodes=np.zeros(entries, dtype=np.int64), weights=np.zeros(entries), work=np.zeros(1), **whole, **real
+    )
 
 
 def side_rows(place, mass):
@@ -272,7 +274,12 @@ def test_cpdi2_averages_over_the_quadrilateral_and_follows_the_grid():
         np.testing.assert_allclose(slope, np.einsum("cd,cn->nd", g, hat[p]), atol=2e-4)
     velocity = RNG.normal(size=(n * n, 2))
     moved, position = corners.copy(), np.empty((POINTS, 2))
-    move_corners(where[0], *where[2:], velocity, moved, position, 0.05, (1.0, 1.0))
+    along, across = (
+        (corners[:, [1, 2]] - corners[:, [0, 3]]).sum(1),
+        (corners[:, [2, 3]] - corners[:, [1, 0]]).sum(1),
+    )
+    half_edges = 0.25 * np.stack([along, across], axis=2)
+    move_corners(where[0], *where[2:], velocity, moved, position, half_edges, 0.05, (1.0, 1.0))
     np.testing.assert_allclose(moved, corners + 0.05 * hat @ velocity, rtol=1e-12, atol=1e-13)
     centroids = np.array([integrals(c)[0] @ c for c in moved])
     np.testing.assert_allclose(position, centroids, atol=2e-4)
