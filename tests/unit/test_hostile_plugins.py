@@ -289,7 +289,8 @@ def test_a_module_that_fails_is_named(head, message, install, tmp_path):
 
 def test_a_folder_that_is_changed_loses_no_file(install, tmp_path):
     install("@hookimpl\ndef end_step(self, state): os.chdir('/')")
-    assert run(output="run.nc").attrs["status"] == "ok"
+    with pytest.warns(ResultsWarning, match="suspect"):  # nothing keeps its bodies apart
+        assert run(output="run.nc").attrs["status"].startswith("suspect: left-right: penetration")
     assert mpmfw.open(tmp_path / "run.nc")["series"].sizes["time"] == 3
 
 

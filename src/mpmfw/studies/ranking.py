@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from mpmfw.errors import SceneError
-from mpmfw.fields import FloatArray
+from mpmfw.fields import AnyArray, FloatArray
 from mpmfw.studies.conclusion import rows
 
 #: Relative errors that a method may reach; those of other quantities than the error are the same numbers.
@@ -86,18 +86,7 @@ def rank(
         raise SceneError("nothing to rank: no run has an error and a cost")
     problems, methods = (list(dict.fromkeys(row[key] for row in found)) for key in ("problem", "method"))
     pairs = {(row["problem"], row["method"]) for row in found}
-    shape = (len(QUANTITIES), len(problems), len(levels), len(methods))
-    cost, best = np.full(shape, np.nan), np.full(shape, "", dtype=object)
-    for (q, quantity), (p, problem), (m, method) in itertools.product(
-        enumerate(QUANTITIES), enumerate(problems), enumerate(methods)
-    ):
-        runs = [row for row in judged if row["problem"] == problem and row["method"] == method]
-        runs = [row for row in runs if quantity == "error" or row["error"] <= levels[0]]
-        runs = [row for row in runs if np.isfinite(row.get(quantity, np.nan))]
-        for k, level in enumerate(levels):
-            if reached := [row for row in runs if abs(row[quantity]) <= level]:
-                cheapest = min(reached, key=lambda row: row["cpu_time"])
-                cost[q, p, k, m], best[q, p, k, m] = cheapest["cpu_time"], cheapest["settings"]
+    cost, best = _cheapest(judged, problems, methods, levels)
     dims = ("quantity", "problem", "level", by)
     ranking = xr.Dataset(
         {
@@ -133,6 +122,25 @@ def rank(
     ]
     ranking.attrs = {"kind": "ranking", "by": by, "failures": json.dumps(failed)}
     return ranking
+
+
+def _cheapest(
+    judged: list[dict[str, Any]], problems: list[Any], methods: list[Any], levels: Sequence[float]
+) -> tuple[FloatArray, AnyArray]:
+    """CPU time [s] and settings of the cheapest run that reaches a level, (quantity, problem, level, method)."""
+    shape = (len(QUANTITIES), len(problems), len(levels), len(methods))
+    cost, best = np.full(shape, np.nan), np.full(shape, "", dtype=object)
+    for (q, quantity), (p, problem), (m, method) in itertools.product(
+        enumerate(QUANTITIES), enumerate(problems), enumerate(methods)
+    ):
+        runs = [row for row in judged if row["problem"] == problem and row["method"] == method]
+        runs = [row for row in runs if quantity == "error" or row["error"] <= levels[0]]
+        runs = [row for row in runs if np.isfinite(row.get(quantity, np.nan))]
+        for k, level in enumerate(levels):
+            if reached := [row for row in runs if abs(row[quantity]) <= level]:
+                cheapest = min(reached, key=lambda row: row["cpu_time"])
+                cost[q, p, k, m], best[q, p, k, m] = cheapest["cpu_time"], cheapest["settings"]
+    return cost, best
 
 
 def check_levels(levels: Sequence[float]) -> None:
