@@ -11,7 +11,7 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from contact_scenes import ACTING, MU, STRATEGIES, expect, impact, run, simulation, slider
+from contact_scenes import ACTING, MU, STEP, STRATEGIES, expect, impact, run, simulation, slider
 from mpmfw.api import ForceContact, ImpulseContact, SimulationError, hookimpl
 from mpmfw_contact import _springs
 
@@ -140,13 +140,24 @@ def test_contact_does_not_pull(strategy):
 def reverse_normals(sim):
     """n ← −n in this strategy object alone."""
     nodes = sim.contact.detection
-    nodes.pairs.weight_first *= -1.0
-    nodes.pairs.weight_second *= -1.0
+    pairs = nodes.pairs
+    pairs.set(weight_first=-pairs.weight_first, weight_second=-pairs.weight_second)
     nodes.given = -nodes.given
+
+
+def mean_normal(strategy, spoil=lambda _: None):
+    """Mean over the rows of n_x, of blocks that touch; −1 out of the right block."""
+    sim = simulation(strategy, impact(gap=0.0))
+    spoil(sim)
+    sim.step(STEP)
+    rows = sim.contact.last_rows
+    return rows.normal[: rows.count, 0].mean()
 
 
 @pytest.mark.parametrize("strategy", [name for name in STRATEGIES if name.startswith("bardenhagen")])
 def test_no_tension_notices_a_reversed_normal(strategy):
+    assert mean_normal(strategy) < -0.2
+    assert mean_normal(strategy, reverse_normals) > 0.2
     with pytest.raises(AssertionError):
         check_no_tension(strategy, reverse_normals)
 
