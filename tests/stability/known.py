@@ -39,9 +39,14 @@ LOOSE = (
     '0.175 cells of penetration: averaged normals tilt at the block\'s corners. With `bardenhagen.normal = "master"` it is '
     "0.002 cells"
 )
+SHORTENS = (
+    "energy up to 1.026 of the start in the step after the faces meet: springs with κ = 4 shorten it by 40 %, and it takes "
+    "less from the motion than they have stored. With fixed steps of 0.15 to 0.6 ms, or with κ = 1, the energy does not grow"
+)
 
 _FAILS: list[tuple[str, str, str, str]] = [  # contact, shape, cases, reason
-    ("penalty", "linear", "corner-corner corner-flat stack oblique", LINEAR),
+    ("penalty", "bspline", "gap-0.9", SHORTENS),
+    ("penalty", "linear", "corner-corner corner-flat", LINEAR),
     ("bardenhagen", "linear", "density-1000 long-rest", SECOND),
     ("bardenhagen", "cpdi2", "long-sliding", LOOSE),
     (
