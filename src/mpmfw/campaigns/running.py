@@ -32,7 +32,7 @@ class Event:
     done, total
         Runs of this start, repeats included; what was finished before is not counted.
     name, status
-        Of the run that has just ended; empty at the start.
+        Of the run that has just ended; empty at the start, and where repeats begin.
     next
         Name of the run that begins now, if runs follow each other in this process.
     """
@@ -93,7 +93,7 @@ def complete(
     exclusive
         Whether costs have to be measured one at a time, in this process, after all results are there.
     progress
-        Called at the start and after every run.
+        Called at the start, where repeats begin, and after every run.
     report
         Called within every run that takes place in this process, as ``mpmfw.run`` calls its ``progress``.
     """
@@ -119,8 +119,9 @@ def complete(
     _do(once, [replace(task, timing=executor.timing) for task in missing], store, executor, count, left)
     again = _rounds({key: (replace(task, timing=timer.timing), lacking(key)) for key, task in tasks.items()})
     count.total = count.done + len(again)
-    count.coming = _names(again, timer)
-    count.tell()
+    if again:
+        count.coming = _names(again, timer)
+        count.tell()
     for task, finished in timer.outcomes(time_once, again):
         known = store.outcome(task.key)
         if known is not None:
@@ -212,7 +213,7 @@ def resumable(store: Store, what: str) -> Iterator[None]:
         except KeyboardInterrupt as error:
             text = "nothing is kept"
             if store.lasts:
-                kept = len(list(store.folder.glob("*.json")))
+                kept = len(list(store.folder.glob("[!.]*.json")))
                 text = (
                     f"{store.folder} keeps the {kept} runs that were done; the same {what} goes on from there"
                 )
