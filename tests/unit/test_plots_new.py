@@ -250,7 +250,10 @@ def test_the_ending_is_the_format_and_two_drawings_are_the_same(a, tmp_path, end
         (["a.nc", "--field", "mass", "--series", "min_gap"], "--series min_gap: --field mass draws another"),
         (["a.nc", "--field", "mass", "--limits", "2,1"], "--limits 2,1: expected the lower number first\n"),
         (["a.nc", "--series", "min_gp"], "no series 'min_gp'; did you mean 'min_gap'?"),
-        (["c.nc", "--field", "mass"], "c.nc: results of kind 'compare' keep no frames"),
+        (
+            ["c.nc", "--field", "mass"],
+            "the comparison keeps no fields; run it with --set output.particles=true",
+        ),
         (
             ["a.nc", "b.nc"],
             "'a.nc' is no comparison of a rolling cylinder; plot other files one by one, or side",
