@@ -65,7 +65,7 @@ def stiff_springs(fraction: float, courant: float = 0.3) -> Callable[[dict[str, 
         with contextlib.suppress(SimulationError):  # what it met until then
             sim.advance(200, lambda frame: limits.append(float(frame.series["time_step_limit"]) / TICK))
         limit = min(limits) if fraction < 1.0 else limits[0]  # 1 / sqrt(1 + a κ), a refusal at once
-        kappa = ((fraction / courant) ** 2 - 1.0) / (1.0 / limit**2 - 1.0)
+        kappa = sim.contact.options.kappa * ((fraction / courant) ** 2 - 1.0) / (1.0 / limit**2 - 1.0)
         own = table["method"]
         return {**mapping, "contact": {**table, own: {**table.get(own, {}), "kappa": kappa}}}
 
@@ -220,7 +220,9 @@ def complaints(case: str, contact: str, shape: str, found: Invariants) -> list[s
     if asked.refusal is not None:
         refused = found.status == "refused" and asked.refusal in found.message
         return [] if refused else [f"expected a refusal, not: {found.status} {found.message}"]
-    if found.status != "ok":
+    # A verdict allows a gain of 10 %, of energies half a step apart. Cases that may gain more have their bounds below.
+    gains = asked.growth == NEAR and found.message.startswith("suspect: energy")
+    if found.status != "ok" and not gains:
         return [f"{found.status}: {found.message}"]
     bounded = (contact, shape) in MUST_STAY_BOUNDED
     said = []

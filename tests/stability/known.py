@@ -43,10 +43,17 @@ SHORTENS = (
     "energy up to 1.026 of the start in the step after the faces meet: springs with κ = 4 shorten it by 40 %, and it takes "
     "less from the motion than they have stored. With fixed steps of 0.15 to 0.6 ms, or with κ = 1, the energy does not grow"
 )
+CHATTERS = (
+    "energy up to 1.31 of the start for some steps, 0.66 at the end: at 0.9 of the limit with κ = 4 a contact lasts one or two "
+    "steps, and springs that let go have given more than they took. With κ = 1 contact lasts, and the energy is 1.004 at most. "
+    "With GIMP the guard stops the run"
+)
 
 _FAILS: list[tuple[str, str, str, str]] = [  # contact, shape, cases, reason
     ("penalty", "bspline", "gap-0.9", SHORTENS),
     ("penalty", "linear", "corner-corner corner-flat", LINEAR),
+    ("penalty", "cpdi", "step-0.9", CHATTERS),
+    ("penalty", "gimp", "step-0.9", CHATTERS),
     ("bardenhagen", "linear", "density-1000 long-rest", SECOND),
     ("bardenhagen", "cpdi2", "long-sliding", LOOSE),
     (
@@ -93,6 +100,7 @@ def reason(case: str, contact: str, shape: str) -> str | None:
 
 #: Failures at places that the tests do not visit; only the page of the documentation has them all.
 _ELSEWHERE: dict[tuple[str, str, str], str] = {
+    ("step-0.9", "penalty", "cpdi2"): CHATTERS,
     ("stack", "bardenhagen", "cpdi2"): LEANS,
     ("stack", "bardenhagen", "bspline"): LEANS,
     ("stack", "nairn", "cpdi"): PLANES,
