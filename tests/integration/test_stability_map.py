@@ -47,6 +47,14 @@ def test_classes_lie_on_their_side_of_the_limit(chart):
     assert largest_stable(chart).tolist() == [0.6, 0.2]
 
 
+def test_a_run_is_suspect_whose_energy_alone_would_make_it_stable():
+    """The springs are so soft that the blocks go through each other."""
+    with pytest.warns(ResultsWarning, match=r"kappa 0\.001, cfl 0\.2: suspect: left-right: .*penetration"):
+        made = stability_map(blocks(), kappa=[0.001], cfl=[0.2], steps=REBOUND)
+    assert made["energy"].item() <= 1.005
+    assert made["class"].item() == CLASSES.index("bounded")
+
+
 def test_closed_form_of_equal_bodies(chart):
     assert chart["closed_form"].values == pytest.approx(1.0 / np.sqrt(1.0 + chart["kappa"].values))
 
@@ -246,8 +254,8 @@ def test_a_file_that_is_no_map_is_not_replaced(tmp_path):
     assert "is no map of stability, so it is not replaced; give another name" in refused.stderr
     assert notes.read_text(encoding="utf-8") == "important = true\n"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["blocks.toml", "notes.toml"]
-    for _ in range(2):  # another map is
-        assert CliRunner().invoke(app, [*command, str(tmp_path / "map.nc")]).exit_code == 0
+    for force, code in (([], 0), ([], 2), (["--force"], 0)):  # another map is, if forced
+        assert CliRunner().invoke(app, [*command, str(tmp_path / "map.nc"), *force]).exit_code == code
 
 
 def test_the_command_refuses_what_a_map_sets_itself(tmp_path):

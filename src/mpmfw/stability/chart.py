@@ -179,6 +179,8 @@ def _grid(
 def _invariants(runs: GridRuns, index: Index) -> Invariants:
     """What came of a run; of one that died, or whose method raised an error, nothing is known but that.
 
+    A suspect run has a warning where its energy would have made it stable.
+
     Raises
     ------
     SceneError
@@ -189,7 +191,7 @@ def _invariants(runs: GridRuns, index: Index) -> Invariants:
     found = Invariants(**values) if values else Invariants("broken", runs.statuses()[index])
     if found.status == "refused":
         raise SceneError(found.message)
-    if found.status in ("broken", "suspect"):
+    if found.status == "broken" or (found.status == "suspect" and found.energy <= STABLE):
         warnings.warn(f"{runs.grid.combinations[index].name}: {found.message}", ResultsWarning, stacklevel=3)
     return found
 
