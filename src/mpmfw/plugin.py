@@ -34,7 +34,7 @@ class PlugIn:
     Options: ClassVar[type[BaseModel]] = NoOptions
     #: Stage of the clock that its hooks are charged to; None leaves them with the stage of the core that calls them.
     stage: ClassVar[str | None] = None
-    #: Names of the attributes that it keeps from step to step (:mod:`mpmfw.declared_history`), beside those of its bases.
+    #: Names of the attributes that it keeps from step to step (``mpmfw.declared_history``), beside those of its bases.
     history: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, **options: Any) -> None:
