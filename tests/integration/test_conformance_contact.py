@@ -146,7 +146,6 @@ LACKS_PULLING = {
     "pushes-apart": f"{PULLS}, and pull where they part",
     "no-adhesion": f"{PULLS}, which is what it forbids",
     "coulomb-cone": f"{PULLS}, and their friction has that load as well (Derjaguin)",
-    "energy": f"{PULLS}, and bodies gain the motion that the attraction gives them, from its energy",
     "three-bodies": f"{PULLS}, and bodies gain the motion that the attraction gives them, from its energy",
     "similarity": "the traction is a stress, which the check leaves alone where it changes the units",
     "unequal": f"{PULLS}, and a light body swings on a heavy one (0.51 of the approach; none with 1/100 of the traction)",
