@@ -21,7 +21,7 @@ from cheaper_pilots import section
 import mpmfw
 from mpmfw.campaigns.measures import measure
 from mpmfw.errors import ResultsWarning
-from mpmfw.measure import About, Exact, Measured
+from mpmfw.plugin.measure import About, Exact, Measured
 from mpmfw.scene import Scene, load_scene
 from mpmfw.studies.advice import method_rows
 from mpmfw.studies.choosing import DIVISORS

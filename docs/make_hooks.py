@@ -9,15 +9,15 @@ import inspect
 import re
 from pathlib import Path
 
-from mpmfw.hooks import hook_names, make_manager
-from mpmfw.hookspecs import HookSpecs
+from mpmfw.plugin.hooks import hook_names, make_manager
+from mpmfw.plugin.hookspecs import HookSpecs
 
 PAGE = Path(__file__).with_name("hooks.md")
 
 HEAD = """\
 # Hooks
 
-<!-- Made by docs/make_hooks.py from the specifications in src/mpmfw/hookspecs.py: edit those. -->
+<!-- Made by docs/make_hooks.py from the specifications in src/mpmfw/plugin/hookspecs.py: edit those. -->
 
 Every place in the algorithm where a plug-in may act, in the order in which a run calls them. Hooks are named by
 their place, not by a method. None of them receives the simulation: what a plug-in needs beyond the arguments it

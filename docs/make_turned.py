@@ -22,10 +22,10 @@ import numpy as np
 import xarray as xr
 
 import mpmfw
-from mpmfw.analysis import impulse, rolling_solution
-from mpmfw.conservation import dissipation
 from mpmfw.errors import MpmfwError
-from mpmfw.references import rings_table
+from mpmfw.results.analysis import impulse, rolling_solution
+from mpmfw.results.conservation import dissipation
+from mpmfw.results.references import rings_table
 from mpmfw.scene import load_scene
 from mpmfw.units import to_si
 

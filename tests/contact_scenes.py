@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.errors import SimulationError
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 
 CELL = 0.1  # m
 MU = 0.3

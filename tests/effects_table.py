@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import block, box, two_blocks, with_changes
 
 Pairs = set[tuple[str, str]]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.api import FloatArray, Grid, Particles, State, Stencil, hookimpl
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:

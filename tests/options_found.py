@@ -10,8 +10,8 @@ import numpy as np
 from pydantic import BaseModel
 
 import mpmfw
-from mpmfw.discovery import KINDS, available, distribution_of, load
 from mpmfw.errors import SceneError
+from mpmfw.plugin.discovery import KINDS, available, distribution_of, load
 from mpmfw.scene.tables import Tables
 
 #: Fields that choose a model of a union (an unknown one is refused below), or hold what was validated elsewhere.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mpmfw.api import FloatArray, Grid, Particles, Setup, ShapeFunction, State
-from mpmfw.windows import make_grid
+from mpmfw.state.windows import make_grid
 from mpmfw_shape.bspline import BSpline
 from mpmfw_shape.cpdi import Cpdi
 from mpmfw_shape.gimp import Gimp

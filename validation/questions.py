@@ -15,8 +15,8 @@ import xarray as xr
 from rings import force_of, measures_of, series_of
 from rolling import GRAVITY, RADIUS, SERIES_ONLY, errors
 
-from mpmfw.analysis import running_average
-from mpmfw.fields import FloatArray
+from mpmfw.results.analysis import running_average
+from mpmfw.state.fields import FloatArray
 
 sys.path.append(str(Path(__file__).parent / "contact-stress"))
 from measures import PRESSURE, Points, points_of

@@ -12,10 +12,10 @@ import numpy as np
 import xarray as xr
 from scipy.spatial import cKDTree
 
-from mpmfw.analysis import averaged, contact_phases, impulse, relative_l2
-from mpmfw.fields import FloatArray
-from mpmfw.references import RingsReference, rings_table
 from mpmfw.report.table import gap_measures, rings_measures
+from mpmfw.results.analysis import averaged, contact_phases, impulse, relative_l2
+from mpmfw.results.references import RingsReference, rings_table
+from mpmfw.state.fields import FloatArray
 
 REFERENCE = RingsReference("left", "right")
 #: Share of the total impulse by which it may be away from its plateau between the two contacts.

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from mpmfw.analysis import RollingSolution, end_displacement_error, fitted_acceleration, value_at
-from mpmfw.fields import FloatArray
-from mpmfw.references import RollingReference, reference_of
 from mpmfw.report.table import gap_measures
+from mpmfw.results.analysis import RollingSolution, end_displacement_error, fitted_acceleration, value_at
+from mpmfw.results.references import RollingReference, reference_of
 from mpmfw.scene import shipped_scenes
+from mpmfw.state.fields import FloatArray
 
 RADIUS, GRAVITY = 1.6, 10.0  #: R [m], g [m/s²]
 DISTANCE = 10.0  #: along the plane, at which displacement and spin are judged [m]

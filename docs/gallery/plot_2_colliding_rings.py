@@ -10,7 +10,7 @@ import numpy as np
 
 import mpmfw
 from mpmfw import plots
-from mpmfw.analysis import impulse
+from mpmfw.results.analysis import impulse
 
 scene = mpmfw.load_scene("colliding-rings", set={"grid.cell_size": "4 mm", "output.particles": False})
 strongest = "bardenhagen(criterion=position, normal=master)"

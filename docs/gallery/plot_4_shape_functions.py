@@ -12,7 +12,7 @@ import numpy as np
 
 import mpmfw
 from mpmfw.plots.style import dress, legend_below, new_figure
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 
 plt.style.use("mpmfw.plots.journal")
 

@@ -7,8 +7,8 @@ nothing else: an effect that is off registers no hook and allocates no array.
 """
 
 import mpmfw
-from mpmfw import prediction
-from mpmfw.simulation import Simulation
+from mpmfw.runs.run import prediction
+from mpmfw.runs.simulation import Simulation
 
 simulation = Simulation(mpmfw.load_scene("rolling-cylinder-slip"))
 for effect in simulation.effects:

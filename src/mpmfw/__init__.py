@@ -14,17 +14,17 @@ from mpmfw._version import __version__
 if TYPE_CHECKING:
     from mpmfw import plots
     from mpmfw.campaigns.campaign import campaign
-    from mpmfw.comparison import compare
+    from mpmfw.campaigns.comparison import compare
     from mpmfw.errors import Interrupted, MpmfwError, PluginError, ResultsWarning, SceneError, SimulationError
-    from mpmfw.notebook import field, gap, history, pareto, table
     from mpmfw.paraview import export
     from mpmfw.plots import animate
     from mpmfw.results import open
-    from mpmfw.resuming import resume
-    from mpmfw.runs import run
+    from mpmfw.results.notebook import field, gap, history, pareto, table
+    from mpmfw.results.selection import difference, select
+    from mpmfw.runs.resuming import resume
+    from mpmfw.runs.run import run
+    from mpmfw.runs.simulation import Simulation
     from mpmfw.scene import load_scene
-    from mpmfw.selection import difference, select
-    from mpmfw.simulation import Simulation
     from mpmfw.studies.choosing import choose
     from mpmfw.studies.ranking import rank
     from mpmfw.studies.study import study
@@ -35,26 +35,26 @@ _MODULES = {
         ("Interrupted", "MpmfwError", "PluginError", "ResultsWarning", "SceneError", "SimulationError"),
         "mpmfw.errors",
     ),
-    "Simulation": "mpmfw.simulation",
+    "Simulation": "mpmfw.runs.simulation",
     "animate": "mpmfw.plots",
     "check_plugin": "mpmfw_testing.parametrised",
     "campaign": "mpmfw.campaigns.campaign",
     "choose": "mpmfw.studies.choosing",
-    "compare": "mpmfw.comparison",
-    "difference": "mpmfw.selection",
+    "compare": "mpmfw.campaigns.comparison",
+    "difference": "mpmfw.results.selection",
     "export": "mpmfw.paraview",
-    "field": "mpmfw.notebook",
-    "gap": "mpmfw.notebook",
-    "history": "mpmfw.notebook",
+    "field": "mpmfw.results.notebook",
+    "gap": "mpmfw.results.notebook",
+    "history": "mpmfw.results.notebook",
     "load_scene": "mpmfw.scene",
     "open": "mpmfw.results",
-    "pareto": "mpmfw.notebook",
+    "pareto": "mpmfw.results.notebook",
     "rank": "mpmfw.studies.ranking",
-    "resume": "mpmfw.resuming",
-    "run": "mpmfw.runs",
-    "select": "mpmfw.selection",
+    "resume": "mpmfw.runs.resuming",
+    "run": "mpmfw.runs.run",
+    "select": "mpmfw.results.selection",
     "study": "mpmfw.studies.study",
-    "table": "mpmfw.notebook",
+    "table": "mpmfw.results.notebook",
 }
 
 __all__ = [

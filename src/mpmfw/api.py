@@ -1,7 +1,7 @@
 """What plug-ins may import, together with :mod:`mpmfw.kernels` and :mod:`mpmfw_testing`.
 
 A plug-in is a class with an ``Options`` model (pydantic), a constructor that takes those options as keywords,
-a ``name``, and implementations of the hooks of :class:`mpmfw.hookspecs.HookSpecs`, marked with
+a ``name``, and implementations of the hooks of :class:`mpmfw.plugin.hookspecs.HookSpecs`, marked with
 :data:`hookimpl`. It derives from :class:`ContactStrategy`, :class:`ShapeFunction`, :class:`Material`, :class:`BodyLoad`,
 :class:`SurfaceLoad`, :class:`Boundary` or :class:`OutputSeries`, and is announced as an entry point of the group
 ``mpmfw.contact``, ``mpmfw.shape``, ``mpmfw.material``, ``mpmfw.load``, ``mpmfw.boundary`` or ``mpmfw.output``.
@@ -26,7 +26,6 @@ Names that are neither classes nor functions:
 
 from __future__ import annotations
 
-from mpmfw.boundary import Boundary
 from mpmfw.contact.detection import Detection
 from mpmfw.contact.friction import FrictionLaw
 from mpmfw.contact.law import ContactLaw, ForceLaw, ImpulseLaw
@@ -34,24 +33,25 @@ from mpmfw.contact.records import PairRecords
 from mpmfw.contact.row_contact import ForceContact, ImpulseContact
 from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.strategy import ContactStrategy
-from mpmfw.declared_history import NotSaved, check_indices
 from mpmfw.errors import MpmfwError, PluginError, SceneError, SimulationError
-from mpmfw.fields import CONTACT_SERIES, AnyArray, Field, FloatArray, IndexArray, IntArray
 from mpmfw.geometry.base import BodyGeometry
 from mpmfw.geometry.layout import Layout
 from mpmfw.geometry.plane import PlaneGeometry
 from mpmfw.geometry.solid import SolidGeometry
-from mpmfw.hookspecs import hookimpl
-from mpmfw.load import BodyLoad, Load, LoadedFacets, SurfaceLoad
-from mpmfw.material import Material
-from mpmfw.measure import About, Exact, Measure, Measured, Reference
-from mpmfw.named import NamedPlugIn, shares_near
-from mpmfw.output_series import OutputSeries
-from mpmfw.plugin import NoOptions, PlugIn
-from mpmfw.setup import Setup
-from mpmfw.shape_function import ShapeFunction, check_inside, empty_stencil
-from mpmfw.state import Body, Grid, OutsideGrid, Pair, Particles, State, Stencil, Surface
-from mpmfw.time_table import TimeTable, number_in_time, problems_in_time, vector_in_time
+from mpmfw.plugin.base import NoOptions, PlugIn
+from mpmfw.plugin.boundary import Boundary
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.plugin.load import BodyLoad, Load, LoadedFacets, SurfaceLoad
+from mpmfw.plugin.material import Material
+from mpmfw.plugin.measure import About, Exact, Measure, Measured, Reference
+from mpmfw.plugin.named import NamedPlugIn, shares_near
+from mpmfw.plugin.output_series import OutputSeries
+from mpmfw.plugin.setup import Setup
+from mpmfw.plugin.shape_function import ShapeFunction, check_inside, empty_stencil
+from mpmfw.state.fields import CONTACT_SERIES, AnyArray, Field, FloatArray, IndexArray, IntArray
+from mpmfw.state.history import NotSaved, check_indices
+from mpmfw.state.structs import Body, Grid, OutsideGrid, Pair, Particles, State, Stencil, Surface
+from mpmfw.state.time_table import TimeTable, number_in_time, problems_in_time, vector_in_time
 from mpmfw.units import (
     Acceleration,
     Angle,

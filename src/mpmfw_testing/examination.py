@@ -8,8 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from mpmfw.discovery import did_you_mean
 from mpmfw.errors import SceneError
+from mpmfw.plugin.discovery import did_you_mean
 from mpmfw_testing.check import Check, Inapplicable, Outcome, Status, Violation
 from mpmfw_testing.saving import forget, save
 from mpmfw_testing.searching import raised

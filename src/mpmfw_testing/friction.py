@@ -8,7 +8,7 @@ import numpy as np
 
 from mpmfw.contact.friction import FrictionLaw
 from mpmfw.contact.rows import ContactRows
-from mpmfw.fields import FloatArray, IntArray
+from mpmfw.state.fields import FloatArray, IntArray
 from mpmfw_testing.check import Check, Violation
 from mpmfw_testing.options import every_option_acts
 from mpmfw_testing.sent import SENT

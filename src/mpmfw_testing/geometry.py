@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import shapely
 
-from mpmfw.fields import FloatArray, IntArray
 from mpmfw.geometry import BodyGeometry, Layout, PlaneGeometry, SolidGeometry
 from mpmfw.geometry.cut_cells import centroid_of, volume_of
 from mpmfw.geometry.surface_checks import check_surface
+from mpmfw.state.fields import FloatArray, IntArray
 from mpmfw_testing.check import Check, Inapplicable, Violation
 from mpmfw_testing.subject import Subject
 

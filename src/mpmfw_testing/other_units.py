@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from mpmfw.discovery import options_of
+from mpmfw.plugin.discovery import options_of
 from mpmfw.units import powers_of
 from mpmfw_testing.subject import Subject
 

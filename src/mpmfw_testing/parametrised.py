@@ -7,8 +7,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from mpmfw.discovery import Kind, did_you_mean
 from mpmfw.errors import SceneError
+from mpmfw.plugin.discovery import Kind, did_you_mean
 from mpmfw_testing.check import Check
 from mpmfw_testing.examination import examine, examine_one, justified, named
 from mpmfw_testing.parts import PARTS

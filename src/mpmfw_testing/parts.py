@@ -10,8 +10,8 @@ from pydantic import ValidationError
 
 from mpmfw.contact.detection import Detection
 from mpmfw.contact.law import ContactLaw, ForceLaw
-from mpmfw.discovery import Kind, available, full_name, load
 from mpmfw.errors import SceneError
+from mpmfw.plugin.discovery import Kind, available, full_name, load
 
 #: Base classes of the parts of a contact.
 PARTS: dict[Kind, type[Any]] = {"detection": Detection, "law": ContactLaw}

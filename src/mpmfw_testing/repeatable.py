@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from mpmfw.campaigns.measures import MEASURES
-from mpmfw.fields import AnyArray
-from mpmfw.measure import About
+from mpmfw.plugin.measure import About
 from mpmfw.results import Frame
-from mpmfw.runs import run
+from mpmfw.runs.run import run
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from mpmfw.simulation import Simulation
+from mpmfw.state.fields import AnyArray
 from mpmfw_testing.check import Check, Inapplicable, Violation
 from mpmfw_testing.load.bench import dims_of, scene
 from mpmfw_testing.saving import remember

@@ -8,8 +8,10 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from mpmfw.dead_hooks import refuse_dead_hooks
-from mpmfw.discovery import (
+from mpmfw.errors import SceneError
+from mpmfw.geometry.discretise import refuse_incomplete
+from mpmfw.plugin.dead_hooks import refuse_dead_hooks
+from mpmfw.plugin.discovery import (
     Kind,
     did_you_mean,
     full_name,
@@ -18,8 +20,6 @@ from mpmfw.discovery import (
     refuse_class,
     refuse_nameless,
 )
-from mpmfw.errors import SceneError
-from mpmfw.geometry.discretise import refuse_incomplete
 from mpmfw.scene.specification import parse_specification, specification_of
 from mpmfw_testing.check import Inapplicable
 from mpmfw_testing.parts import PARTS, part_of, whole
@@ -152,7 +152,7 @@ def _refuse_unusable(plugin: type[Any], kind: Kind) -> None:
 
 def bases_of_kinds() -> dict[Kind, type[Any]]:
     """Base classes of the kinds that there are checks for."""
-    from mpmfw.build import BASES
+    from mpmfw.runs.build import BASES
 
     return dict(BASES)
 

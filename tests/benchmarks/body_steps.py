@@ -21,8 +21,8 @@ from typing import Any
 import numpy as np
 
 from mpmfw.errors import MpmfwError
-from mpmfw.fields import FloatArray
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
+from mpmfw.state.fields import FloatArray
 
 SCENE, STEPS, ROUNDS = "rolling-cylinder-no-slip", 100, 15
 #: Elements of each bar, and steps of the stiff one in one of the other's: √10 of them and no less.

@@ -20,7 +20,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # also when it is run as a s
 
 from many_discs import many_discs
 from mpmfw.results.writing import RunWriter
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 
 #: Steps of the two discs for one of the many, rounds of both.
 STEPS_OF_TWO, ROUNDS = 100, 5

@@ -23,8 +23,8 @@ sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]  # a
 
 from written_out import OneBody, TwoApart  # noqa: E402
 
-from mpmfw.declared_history import Snapshot  # noqa: E402
-from mpmfw.simulation import Simulation  # noqa: E402
+from mpmfw.runs.simulation import Simulation  # noqa: E402
+from mpmfw.state.history import Snapshot  # noqa: E402
 from scenes_for_tests import SOFT  # noqa: E402
 
 #: Largest overhead that the plan may cost.

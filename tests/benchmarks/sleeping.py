@@ -18,7 +18,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))  # also when it is run as a script
 
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import SOFT
 
 #: Edges of the moving block and of those at rest, and distance of their centres, in cells.

@@ -11,7 +11,7 @@ from typing import Any
 from mpmfw.effects.surface import move_points, weigh_plain
 from mpmfw.kernels import gather, nodal, projection
 from mpmfw.kernels.stencil import fill_linear
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from mpmfw_material.neo_hookean import neo_hookean_split
 from mpmfw_shape.cpdi import fill_cpdi
 

@@ -15,12 +15,12 @@ from unittest import mock
 import numpy as np
 from mutants import Mutant
 
-from mpmfw import sizing
 from mpmfw.errors import MpmfwError, SceneError, SimulationError
-from mpmfw.limits import check_length
 from mpmfw.results import Frame
+from mpmfw.runs.limits import check_length
+from mpmfw.runs.run import sizing
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from mpmfw.simulation import Simulation
 
 #: Memory that a mutant may have [bytes]: those that need more must be refused before they have it.
 MEMORY = 3e7

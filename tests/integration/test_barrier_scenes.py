@@ -11,8 +11,8 @@ import shapely
 from contact_kernels import PLANE, join
 from contact_scenes import CELL, body, disc, rectangle, run, scene
 from mpmfw.errors import SceneError, SimulationError
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from mpmfw.simulation import Simulation
 from mpmfw_contact._barriers import time_to_reach
 from mpmfw_contact.surfaces.assembly import SurfaceTable
 from scenes_for_tests import box, with_changes

@@ -15,9 +15,9 @@ from typer.testing import CliRunner
 import mpmfw
 from mpmfw.cli import app
 from mpmfw.errors import MpmfwError, ResultsWarning
-from mpmfw.fields import PARTICLE_FIELDS, SERIES_FIELDS
 from mpmfw.results import Frame, RunHeader, RunWriter
 from mpmfw.results.reading import read
+from mpmfw.state.fields import PARTICLE_FIELDS, SERIES_FIELDS
 from scenes_for_tests import two_blocks
 
 POSITION, ENERGY = PARTICLE_FIELDS[0], SERIES_FIELDS[5]

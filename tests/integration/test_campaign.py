@@ -22,8 +22,8 @@ from mpmfw.campaigns.measures import MEASURES
 from mpmfw.campaigns.store import Store
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
-from mpmfw.identity import is_current, key_of
-from mpmfw.measure import Exact, Measure, Measured, Reference
+from mpmfw.plugin.measure import Exact, Measure, Measured, Reference
+from mpmfw.runs.identity import is_current, key_of
 from mpmfw.scene import load_scene, shipped_scenes
 from mpmfw.scene.toml_text import toml_text
 from mpmfw.stability import stability_map
@@ -107,7 +107,7 @@ def test_a_strangers_scene_has_a_strangers_closed_form(monkeypatch, capsys):
     entry = type(
         "Entry", (), {"name": "mine", "value": "a:b", "dist": None, "load": staticmethod(lambda: Mine)}
     )
-    monkeypatch.setattr("mpmfw.discovery.entry_points", with_entry("mpmfw.reference", entry))
+    monkeypatch.setattr("mpmfw.plugin.discovery.entry_points", with_entry("mpmfw.reference", entry))
     data = mpmfw.compare({**SLIDING, "reference": {"kind": "mine"}}, ["penalty"], ["cpdi"], repeats=1)
     assert data["acceleration_error"].item() == pytest.approx(abs(data["acceleration"].item() / 2.0 - 1.0))
     assert "end_displacement_error" not in data
@@ -146,7 +146,7 @@ def test_a_measure_of_a_plug_in_is_known_by_its_entry_point(monkeypatch):
     entry = type(
         "Entry", (), {"name": "mine", "value": "a:b", "dist": None, "load": staticmethod(lambda: Mine)}
     )
-    monkeypatch.setattr("mpmfw.discovery.entry_points", with_entry("mpmfw.measure", entry))
+    monkeypatch.setattr("mpmfw.plugin.discovery.entry_points", with_entry("mpmfw.measure", entry))
     try:
         data = mpmfw.campaign(SLIDING, {"contact": ["separate"]}, measures=["mine"], repeats=1)
         assert data["mine"].item() == 2.0
@@ -213,9 +213,9 @@ def test_a_key_knows_code_and_libraries(monkeypatch):
     scene = load_scene(SLIDING)
     key = key_of(scene)
     with monkeypatch.context() as patched:
-        patched.setattr("mpmfw.identity.package", lambda _: "changed")
+        patched.setattr("mpmfw.runs.identity.package", lambda _: "changed")
         assert key_of(scene) != key
-    monkeypatch.setattr("mpmfw.identity.version", lambda _: "99")
+    monkeypatch.setattr("mpmfw.runs.identity.version", lambda _: "99")
     assert key_of(scene) != key
 
 
@@ -241,7 +241,7 @@ def test_the_store_forgets_what_no_campaign_would_take(tmp_path, monkeypatch):
     first, _ = sorted(tmp_path.glob("*.json"))
     code = Store(tmp_path).outcome(first.stem).code
     assert is_current(code)
-    monkeypatch.setattr("mpmfw.identity._core", lambda: "another core")
+    monkeypatch.setattr("mpmfw.runs.identity._core", lambda: "another core")
     assert CliRunner().invoke(app, ["store", "prune", str(tmp_path)]).output.endswith("0 runs kept\n")
     assert list(tmp_path.iterdir()) == []
     assert CliRunner().invoke(app, ["store", "prune", str(tmp_path / "nowhere")]).exit_code == 2
@@ -334,8 +334,8 @@ def test_a_file_that_is_no_result_is_never_replaced_and_a_result_only_if_forced(
 )
 def test_a_comparison_knows_the_references_that_a_study_knows(scene, column, capsys):
     from mpmfw.cli.summary import print_comparison
-    from mpmfw.references import described
     from mpmfw.report import table
+    from mpmfw.results.references import described
 
     coarse = {} if isinstance(scene, dict) else {"grid.cell_size": 0.25, "settle.tolerance": 0.1}
     data = mpmfw.compare(scene, ["penalty"], ["cpdi"], set=coarse, repeats=1)

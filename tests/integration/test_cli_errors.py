@@ -152,7 +152,16 @@ def test_nothing_is_written_for_a_bad_request(mpmfw, tmp_path):
 
 
 #: What takes longer to import than the help may take, or than ``import mpmfw`` may.
-HEAVY = ("numba", "xarray", "matplotlib", "pint", "numpy", "rich", "multiprocessing", "mpmfw.discovery")
+HEAVY = (
+    "numba",
+    "xarray",
+    "matplotlib",
+    "pint",
+    "numpy",
+    "rich",
+    "multiprocessing",
+    "mpmfw.plugin.discovery",
+)
 
 
 @pytest.mark.parametrize(
@@ -182,7 +191,7 @@ def test_a_failing_run_is_status_1_and_says_where(mpmfw, monkeypatch):
     def run(*_, **__):
         raise SimulationError("left the grid", body="block", index=3, time=0.5)
 
-    monkeypatch.setitem(sys.modules, "mpmfw.runs", SimpleNamespace(run_to_file=run))
+    monkeypatch.setitem(sys.modules, "mpmfw.runs.run", SimpleNamespace(run_to_file=run))
     result = mpmfw("run", "s.toml")
     assert (result.exit_code, result.stdout) == (1, "")
     assert result.stderr == "left the grid: body 'block', point 3, at time 0.5 s\n"
@@ -192,7 +201,7 @@ def test_a_run_gets_the_chosen_scene_and_a_file_named_as_it(mpmfw, monkeypatch):
     seen = {}
     monkeypatch.setitem(
         sys.modules,
-        "mpmfw.runs",
+        "mpmfw.runs.run",
         SimpleNamespace(run_to_file=lambda scene, **arguments: seen.update(arguments, scene=scene)),
     )
     result = mpmfw(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mpmfw.api import ContactStrategy, SimulationError, hookimpl
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import two_blocks
 
 

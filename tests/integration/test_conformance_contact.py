@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from pydantic import BaseModel, Field
 
-import mpmfw.discovery
+import mpmfw.plugin.discovery
 from faulty_plugins.contact import frame, keeping, momentum, several, slip, springs, units
 from faulty_plugins.contact.plain import PlainContact
 from mpmfw.api import ContactStrategy, SceneError, hookimpl
@@ -175,7 +175,9 @@ LACKS_SEPARATE = {
 def _entry_points_are_read_once():
     """Nothing is installed while these tests run; reading it anew for every simulation takes most of their time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(mpmfw.discovery, "entry_points", functools.cache(mpmfw.discovery.entry_points))
+        patch.setattr(
+            mpmfw.plugin.discovery, "entry_points", functools.cache(mpmfw.plugin.discovery.entry_points)
+        )
         yield
 
 

@@ -10,10 +10,10 @@ import pytest
 
 from contact_scenes import impact, run
 from mpmfw.contact.joined import joined
-from mpmfw.discovery import available, choices
 from mpmfw.errors import ResultsWarning, SceneError
+from mpmfw.plugin.discovery import available, choices
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from mpmfw.simulation import Simulation
 from mpmfw_contact.penalty import PenaltyLaw
 from mpmfw_contact.surfaces import Surfaces
 from scenes_for_tests import two_blocks

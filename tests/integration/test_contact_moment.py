@@ -121,7 +121,7 @@ def test_a_point_of_the_wrong_dimension_is_refused():
 
 
 def test_where_none_is_measured_the_plan_says_why():
-    from mpmfw.simulation import Simulation
+    from mpmfw.runs.simulation import Simulation
 
     for method in ("none", "separate"):
         simulation = Simulation(two_blocks(method, output={"contact_moment": "centre_of_mass"}))

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from mpmfw.simulation import Simulation
 
 CELL = 0.25
 SEGMENT = 0.5 * CELL

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import mpmfw
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import two_blocks
 
 SCENES = {

@@ -11,7 +11,7 @@ import pytest
 
 import mpmfw
 from effects_table import arrays_of
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import block, disc, two_blocks
 
 pytestmark = pytest.mark.effects
@@ -185,7 +185,7 @@ def test_exactly_the_hooks_that_the_scene_needs(name: str) -> None:
 VERDICT = {"mpmfw.effects.verdict", "mpmfw.effects.ledger_energies"}  # every run is judged
 MODULES = """
 import json, sys
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 Simulation(json.loads(sys.argv[1])).advance(2)
 print(json.dumps([name for name in sys.modules if name.startswith("mpmfw")]))
 """

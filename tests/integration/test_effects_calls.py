@@ -10,8 +10,8 @@ import pytest
 
 from effects_table import CASES
 from mpmfw.contact import rows
-from mpmfw.hooks import BoundHooks
-from mpmfw.simulation import Simulation
+from mpmfw.plugin.hooks import BoundHooks
+from mpmfw.runs.simulation import Simulation
 from mpmfw_contact import _springs
 from mpmfw_contact.surfaces import cells, detection, near_facets, search
 from scenes_for_tests import two_blocks, with_changes

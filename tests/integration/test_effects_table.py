@@ -11,7 +11,7 @@ import pytest
 
 import mpmfw
 from effects_table import CASES, Case, arrays_of, hooks_of
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 
 pytestmark = pytest.mark.effects
 each_case = pytest.mark.parametrize("case", CASES.values(), ids=CASES)
@@ -22,7 +22,7 @@ STEPS = 12
 #: One process for all scenes, which forgets plug-ins and effects in between, so that each scene imports its own anew.
 RUN = """
 import json, sys
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 parents = ("mpmfw_contact.", "mpmfw_load.", "mpmfw_shape.", "mpmfw_material.", "mpmfw.effects.")
 found = {}
 for name, scene in json.load(sys.stdin).items():

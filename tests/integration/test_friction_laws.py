@@ -14,8 +14,8 @@ import mpmfw
 from mpmfw.cli.arguments import chosen_scene
 from mpmfw.cli.unused import unused_facts
 from mpmfw.errors import ResultsWarning, SceneError
-from mpmfw.references import rolling
-from mpmfw.simulation import Simulation
+from mpmfw.results.references import rolling
+from mpmfw.runs.simulation import Simulation
 from mpmfw_contact.impulse import Impulse
 from mpmfw_contact.surfaces import Surfaces
 from scenes_for_tests import two_blocks

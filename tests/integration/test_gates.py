@@ -7,10 +7,10 @@ import pytest
 from scipy.spatial import cKDTree
 
 import mpmfw
-from mpmfw.analysis import energy_kept
 from mpmfw.errors import ResultsWarning
-from mpmfw.references import reference_of
 from mpmfw.report.table import gap_measures, rings_measures, rolling_measures
+from mpmfw.results.analysis import energy_kept
+from mpmfw.results.references import reference_of
 
 
 def measured(scene, contact, shape="cpdi", **keys):

@@ -11,8 +11,8 @@ import pytest
 import mpmfw
 from mpmfw.api import ContactStrategy, Grid, State, hookimpl
 from mpmfw.errors import ResultsWarning, SceneError, SimulationError
-from mpmfw.hooks import make_manager
-from mpmfw.simulation import Simulation
+from mpmfw.plugin.hooks import make_manager
+from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import ball, block, disc, two_blocks
 
 LEAVES = disc(bodies__solid__velocity=[20.0, 0.0], time={"end": 0.1, "output_interval": 0.02})

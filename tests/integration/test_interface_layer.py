@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 
 THICKNESS = 0.02
 

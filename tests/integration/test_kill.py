@@ -14,7 +14,7 @@ from mpmfw.results.writing import WRITTEN_EVERY
 WRITE_FOR_EVER = """
 import sys
 import numpy as np
-from mpmfw.fields import PARTICLE_FIELDS, SERIES_FIELDS
+from mpmfw.state.fields import PARTICLE_FIELDS, SERIES_FIELDS
 from mpmfw.results import Frame, RunHeader, RunWriter, writing
 
 writing.WRITTEN_EVERY = float(sys.argv[2])

@@ -8,7 +8,7 @@ import pytest
 import mpmfw
 from contact_scenes import CELL, impact, run, simulation
 from mpmfw.errors import ResultsWarning
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 
 
 def deepest(contact, steps=120):

@@ -12,7 +12,7 @@ from contact_scenes import CELL, disc, rectangle, scene
 from mpmfw import run
 from mpmfw.contact.rows import ContactRows
 from mpmfw.errors import ResultsWarning
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from mpmfw_contact._leaning import LARGEST, LeanSums, add_lean
 
 TOP = 0.37 * CELL  # m, of the plane: off the grid lines

@@ -12,8 +12,8 @@ from mpmfw import run
 from mpmfw.api import SimulationError, hookimpl
 from mpmfw.effects.energy_guard import GROWTH_LIMIT, EnergyGuard
 from mpmfw.effects.ledger import CHECK_EVERY
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene, shipped_scenes
-from mpmfw.simulation import Simulation
 
 TERMS = (
     "gravity_work",

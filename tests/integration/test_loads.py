@@ -11,7 +11,7 @@ import pytest
 
 import mpmfw
 from mpmfw.errors import ResultsWarning, SceneError
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import BULK, DENSITY, SHEAR, SOFT, block, box, disc
 
 LAME, P_WAVE = BULK - 2.0 * SHEAR / 3.0, BULK + 4.0 * SHEAR / 3.0

@@ -11,9 +11,9 @@ import xarray as xr
 
 import mpmfw
 from many_discs import many_discs
-from mpmfw.analysis import energy_kept
-from mpmfw.pairs import FEW
-from mpmfw.simulation import Simulation
+from mpmfw.results.analysis import energy_kept
+from mpmfw.runs.simulation import Simulation
+from mpmfw.state.pairs import FEW
 
 METHODS = ("none", "separate", "bardenhagen", "penalty")
 
@@ -108,7 +108,7 @@ def test_a_body_moves_and_is_pushed_as_it_is_where_all_pairs_are_listed(
 ) -> None:
     scene = row_meets_row(method)
     near = mpmfw.run(scene)["series"].to_dataset()
-    monkeypatch.setattr("mpmfw.build.FEW", 1000)
+    monkeypatch.setattr("mpmfw.runs.build.FEW", 1000)
     every = mpmfw.run(scene)["series"].to_dataset()
     assert every.sizes["pair"] == 36 * 35 // 2 > near.sizes["pair"]
     for name in near.data_vars:

@@ -11,9 +11,9 @@ from pydantic import BaseModel
 
 import mpmfw
 from mpmfw.api import BodyLoad, FloatArray, LoadedFacets, Particles, SurfaceLoad
-from mpmfw.discovery import available
 from mpmfw.errors import PluginError, SceneError
-from mpmfw.simulation import Simulation
+from mpmfw.plugin.discovery import available
+from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import BULK, DENSITY, SHEAR, SOFT, block, box, disc, two_blocks
 
 P_WAVE = BULK + 4.0 * SHEAR / 3.0
@@ -359,7 +359,7 @@ def installed(monkeypatch: pytest.MonkeyPatch) -> None:
     """The loads of this module as if they were installed."""
     from importlib.metadata import EntryPoint
 
-    from mpmfw import discovery
+    from mpmfw.plugin.base import discovery
 
     def entry(name: str) -> EntryPoint:
         return EntryPoint(name.lower(), f"{__name__}:{name}", "mpmfw.load")

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import mpmfw
-from mpmfw import discovery
 from mpmfw.api import AnyArray, Boundary, Field, FloatArray, OutputSeries, State
 from mpmfw.errors import PluginError, SceneError
-from mpmfw.simulation import Simulation
+from mpmfw.plugin.base import discovery
+from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import block, two_blocks
 
 

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from mpmfw import discovery
-from mpmfw.discovery import Kind, available, load
+from mpmfw.plugin.base import discovery
+from mpmfw.plugin.discovery import Kind, available, load
 from options_found import NO_OPTIONS, option_models, outcome
 from options_table import CORE, PLUGINS, REFUSED, Acts, mesh_file, surface_mesh
 from scenes_for_tests import with_changes

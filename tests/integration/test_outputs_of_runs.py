@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 
 import mpmfw
 from mpmfw.cli import app
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import two_blocks
 
 DENSE = {"end": 0.02, "output_interval": 0.0013}
@@ -86,7 +86,7 @@ def test_readers_find_the_frame_and_the_outline_of_a_time():
     assert float(found["time"]) == pytest.approx(0.01)
     stored = tree["particles/left/velocity"].sel(time=0.01, method="nearest")[:, 0]
     np.testing.assert_array_equal(found.values[: len(stored)], stored)
-    from mpmfw.outputs import frame_at, frame_of
+    from mpmfw.results.outputs import frame_at, frame_of
 
     outline = frame_of(tree, "surface/left", frame_at(tree, 0.01))
     np.testing.assert_array_equal(outline["position"], tree["surface/left/position"][10])

@@ -15,7 +15,7 @@ from mpmfw import run
 from mpmfw.api import SimulationError
 from mpmfw.effects.verdict import DEEP
 from mpmfw.errors import ResultsWarning
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from mpmfw_contact.surfaces import detection, travel
 
 SOLID = material(1e6, 1000.0)  # K 1 MPa, G 0.5 MPa

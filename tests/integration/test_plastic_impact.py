@@ -10,7 +10,7 @@ import pytest
 
 from mpmfw import run
 from mpmfw.errors import ResultsWarning, SimulationError
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 
 #: A copper disc of ten cells on a free copper block, at 500 m/s, until the jets at the rim are drawn out.
 SPRAY: dict[str, Any] = {

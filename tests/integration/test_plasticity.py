@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import mpmfw
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 
 SOFT = {
     "model": "j2",

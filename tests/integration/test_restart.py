@@ -16,11 +16,11 @@ import numpy as np
 import pytest
 
 from many_discs import many_discs
-from mpmfw.declared_history import NotSaved, Snapshot
-from mpmfw.discovery import available, choices
 from mpmfw.errors import MpmfwError
+from mpmfw.plugin.discovery import available, choices
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene, shipped_scenes
-from mpmfw.simulation import Simulation
+from mpmfw.state.history import NotSaved, Snapshot
 from scenes_for_tests import two_blocks, with_changes
 
 pytestmark = pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")  # settling is cut short
@@ -227,7 +227,7 @@ def test_three_dimensions(tmp_path):
 IN_A_NEW_PROCESS = """
 import pickle, sys
 sys.path[:0] = sys.argv[3:]
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from test_restart import COARSE, array_bytes, run
 from mpmfw.scene import load_scene
 simulation = Simulation(load_scene("rolling-cylinder-slip", set=COARSE["rolling-cylinder-slip"]))

@@ -25,12 +25,12 @@ from typer.testing import CliRunner
 import mpmfw
 from mpmfw.cli import app
 from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, SimulationError
-from mpmfw.restart import seconds_between
 from mpmfw.results.reading import read
-from mpmfw.resuming import resume
+from mpmfw.runs.restart import seconds_between
+from mpmfw.runs.resuming import resume
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from mpmfw.simulation import Simulation
-from mpmfw.steppers.operations import integrate_momentum
+from mpmfw.step.operations import integrate_momentum
 from mpmfw_contact.penalty import Penalty
 from mpmfw_shape.cpdi import Cpdi
 from scenes_for_tests import two_blocks, with_changes
@@ -95,7 +95,7 @@ def stopped(scene: Any, path: Path, after: int, *numbers: int, **arguments: Any)
 
     with pytest.MonkeyPatch.context() as patch:
         for scheme in ("usl", "musl", "usf"):
-            patch.setattr(f"mpmfw.steppers.{scheme}.integrate_momentum", counted)
+            patch.setattr(f"mpmfw.step.{scheme}.integrate_momentum", counted)
         with pytest.raises(Interrupted) as caught:
             mpmfw.run(scene, output=path, **arguments)
     return caught.value
@@ -233,13 +233,13 @@ def test_text_in_place_of_results_is_not_replaced(tmp_path):
 
 
 def test_a_signal_after_the_last_step_leaves_a_complete_file(tmp_path, monkeypatch):
-    path, end = tmp_path / "run.nc", mpmfw.runs._end
+    path, end = tmp_path / "run.nc", mpmfw.runs.run._end
 
     def at_the_end(*arguments: Any) -> Any:
         os.kill(os.getpid(), signal.SIGTERM)
         return end(*arguments)
 
-    monkeypatch.setattr("mpmfw.runs._end", at_the_end)
+    monkeypatch.setattr("mpmfw.runs.run._end", at_the_end)
     with pytest.raises(Interrupted, match=r"run.nc is complete$"):
         mpmfw.run(BLOCKS, output=path, checkpoint=0.0)
     assert mpmfw.open(path).attrs["status"] == "ok"
@@ -274,7 +274,7 @@ def test_a_run_may_be_taken_up_many_times(tmp_path):
                 os.kill(os.getpid(), signal.SIGTERM)
             integrate_momentum(grid, dt)
 
-        patch.setattr("mpmfw.steppers.usl.integrate_momentum", counted)
+        patch.setattr("mpmfw.step.usl.integrate_momentum", counted)
         for _ in range(100):
             try:
                 tree = resume(path)
@@ -308,8 +308,8 @@ def test_a_strategy_object_is_given_again(tmp_path):
 def test_another_version_is_refused_with_what_differs(tmp_path, monkeypatch):
     path = tmp_path / "run.nc"
     stopped(BLOCKS, path, 9)
-    monkeypatch.setattr("mpmfw.identity.version", lambda _: "99")
-    monkeypatch.setattr("mpmfw.identity.package", lambda _: "changed")
+    monkeypatch.setattr("mpmfw.runs.identity.version", lambda _: "99")
+    monkeypatch.setattr("mpmfw.runs.identity.package", lambda _: "changed")
     expected = r"another version would go on than began: mpmfw_contact \(.{8} then, changed now\), .*numpy \(.* then, 99 now\)"
     with pytest.raises(SceneError, match=expected):
         resume(path)
@@ -369,7 +369,7 @@ def test_a_full_disk_loses_the_checkpoint_and_not_the_run(tmp_path, monkeypatch)
     def full(*_: Any) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("mpmfw.restart.os.replace", full)
+    monkeypatch.setattr("mpmfw.runs.restart.os.replace", full)
     with pytest.warns(
         ResultsWarning, match="no checkpoints are written: cannot write '.*checkpoint': No space left"
     ) as said:
@@ -422,9 +422,9 @@ def test_none_are_written_where_none_are_wanted(tmp_path):
 
 
 def test_short_runs_write_no_checkpoint(tmp_path, monkeypatch):
-    monkeypatch.setattr("mpmfw.restart.write_snapshot", lambda *_: pytest.fail("a checkpoint"))
-    monkeypatch.setattr("mpmfw.restart.code_of", lambda *_: pytest.fail("sources are read"))
-    monkeypatch.setattr("mpmfw.restart.ASKED_AFTER", 600.0)
+    monkeypatch.setattr("mpmfw.runs.restart.write_snapshot", lambda *_: pytest.fail("a checkpoint"))
+    monkeypatch.setattr("mpmfw.runs.restart.code_of", lambda *_: pytest.fail("sources are read"))
+    monkeypatch.setattr("mpmfw.runs.restart.ASKED_AFTER", 600.0)
     mpmfw.run(BLOCKS, output=tmp_path / "run.nc")
 
 

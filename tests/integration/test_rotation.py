@@ -7,7 +7,7 @@ import pytest
 
 from measures_for_tests import Torque, angular_momentum, angular_velocity, gyration, total_energy, turn_under
 from mpmfw.api import Grid, State, Stencil, hookimpl
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import BULK, DENSITY, SHEAR, ball, block, disc, one_body, with_changes
 
 RECOMMENDED = ("gimp", "cpdi", "cpdi2", "bspline")

@@ -10,9 +10,9 @@ import pytest
 
 from interpreted import interpreted
 from mpmfw.effects.local_spin import correct_spin, find_excess
-from mpmfw.fields import FloatArray
-from mpmfw.simulation import Simulation
-from mpmfw.steppers.operations import project_mass_momentum
+from mpmfw.runs.simulation import Simulation
+from mpmfw.state.fields import FloatArray
+from mpmfw.step.operations import project_mass_momentum
 from scenes_for_tests import BULK, SHEAR, one_body, with_changes
 
 LAME = BULK - 2.0 * SHEAR / 3.0

@@ -68,7 +68,7 @@ def test_a_renamed_template_has_nothing_of_the_old_name_in_its_code(kind: str, t
         compile(text, str(path), "exec")
         assert f"mpmfw_{known}" not in text
         assert name not in text
-    code = "from mpmfw.discovery import load; print(load({!r}, 'soft_wall').__name__)"
+    code = "from mpmfw.plugin.discovery import load; print(load({!r}, 'soft_wall').__name__)"
     group = "law" if kind == "contact" else kind
     found = subprocess.run(
         [sys.executable, "-c", code.format(group)], capture_output=True, text=True, check=False,

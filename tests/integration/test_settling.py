@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 import mpmfw
-from mpmfw import settling
-from mpmfw.clock import STEP_STAGES
-from mpmfw.settling import stop_motion
-from mpmfw.simulation import Simulation
-from mpmfw.state import State
+from mpmfw.effects import settling
+from mpmfw.effects.settling import stop_motion
+from mpmfw.runs.simulation import Simulation
+from mpmfw.state.clock import STEP_STAGES
+from mpmfw.state.structs import State
 
 DENSITY, HEIGHT, G = 1000.0, 0.5, 10.0
 

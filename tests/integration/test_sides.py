@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mpmfw.errors import SceneError
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import BULK, DENSITY, SHEAR, block, box, disc, one_body, with_changes
 
 SPEED = math.sqrt((BULK + 4.0 * SHEAR / 3.0) / DENSITY)

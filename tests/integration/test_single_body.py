@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from measures_for_tests import angular_momentum, momentum
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import ball, block, box, disc
 
 SHAPES = ("linear", "gimp", "cpdi", "cpdi2", "bspline")

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from mpmfw.errors import SceneError
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import SOFT, with_changes
 
 SLEEP = {"sleep": {}}
@@ -210,11 +210,11 @@ def test_nothing_of_it_in_other_runs() -> None:
     code = (
         "import sys; sys.path.insert(0, 'tests'); sys.path.insert(0, 'tests/integration')\n"
         "from test_sleep import hit\n"
-        "from mpmfw.simulation import Simulation\n"
-        "from mpmfw.steppers import SCHEMES\n"
+        "from mpmfw.runs.simulation import Simulation\n"
+        "from mpmfw.step import SCHEMES\n"
         "s = Simulation(hit())\n"
         "assert s._step is SCHEMES['usl'] and s._sleep is None\n"
-        "assert not {'mpmfw.sleeping', 'mpmfw.numbers'} & set(sys.modules)\n"
+        "assert not {'mpmfw.runs.sleeping', 'mpmfw.state.numbers'} & set(sys.modules)\n"
     )
     subprocess.run(
         [sys.executable, "-c", code], check=True, cwd=Path(__file__).parents[2], env={**os.environ}

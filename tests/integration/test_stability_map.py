@@ -14,9 +14,9 @@ from mpmfw import open as open_results
 from mpmfw.api import SceneError, hookimpl
 from mpmfw.campaigns.executors import Pool
 from mpmfw.cli.app import app
-from mpmfw.discovery import load
 from mpmfw.errors import ResultsWarning
 from mpmfw.plots import figures_of, plot_file
+from mpmfw.plugin.discovery import load
 from mpmfw.scene.toml_text import toml_text
 from mpmfw.stability import CLASSES, probe, stability_map
 from mpmfw.stability.chart import CFL, KAPPA, largest_stable

@@ -11,7 +11,7 @@ import pytest
 from contact_scenes import impact
 from mpmfw import run
 from mpmfw.errors import ResultsWarning
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 
 
 def colliding(kappa=1.0, gap=0.01, end=0.12, **keys):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from contact_scenes import disc, impact, scene
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 
 
 def discs(**keys):

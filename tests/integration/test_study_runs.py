@@ -20,10 +20,10 @@ from mpmfw.campaigns.executors import InProcess, Pool
 from mpmfw.campaigns.outcome import Outcome
 from mpmfw.campaigns.work import Finished, Task
 from mpmfw.cli import app
-from mpmfw.clock import STEP_STAGES
-from mpmfw.discovery import KINDS, available, load
 from mpmfw.errors import ResultsWarning, SceneError
+from mpmfw.plugin.discovery import KINDS, available, load
 from mpmfw.scene.toml_text import toml_text
+from mpmfw.state.clock import STEP_STAGES
 from mpmfw.studies.study import relative_error
 from studies_for_tests import SLIDING, tiny_study
 
@@ -112,8 +112,8 @@ def test_kappa_is_that_of_the_contact_that_runs(monkeypatch):
     monkeypatch.setitem(sys.modules, "strange_law", types.SimpleNamespace(MyPenalty=law))
     found = {kind: {name: [entry] for name, entry in available(kind).items()} for kind in KINDS}
     found["contact"]["mypenalty"] = [EntryPoint("mypenalty", "strange_law:MyPenalty", "mpmfw.contact")]
-    monkeypatch.setattr("mpmfw.discovery._announced", lambda kind, *_: found[kind])
-    monkeypatch.setattr("mpmfw.identity.package", lambda name: name)
+    monkeypatch.setattr("mpmfw.plugin.discovery._announced", lambda kind, *_: found[kind])
+    monkeypatch.setattr("mpmfw.runs.identity.package", lambda name: name)
     monkeypatch.setattr("mpmfw.campaigns.grid.is_strange", lambda _: False)  # no other process knows it
     study = tiny_study(vary={"contact": ["penalty", "mypenalty"], "kappa": [0.25, 1.0]})
     dataset = mpmfw.study(study, jobs=1)
@@ -362,7 +362,7 @@ def test_exit_statuses_of_the_command(tmp_path):
 
 
 def test_runs_past_the_limits_are_refused_unless_forced(tmp_path, monkeypatch):
-    monkeypatch.setattr("mpmfw.limits.MOST_FRAMES", 1)
+    monkeypatch.setattr("mpmfw.runs.limits.MOST_FRAMES", 1)
     refused = mpmfw.study(tiny_study(), output=tmp_path / "tiny.nc", jobs=1)
     assert all("--force" in str(status) for status in refused["status"].values.flat)
     forced = mpmfw.study(tiny_study(), output=tmp_path / "tiny.nc", jobs=1, force=True)

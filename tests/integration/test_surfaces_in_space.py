@@ -8,8 +8,8 @@ import pytest
 import mpmfw
 from mpmfw.errors import SceneError
 from mpmfw.geometry.solid import turning
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from mpmfw.simulation import Simulation
 
 CELL = 0.25
 SOFT = {"model": "neo_hookean", "density": 1000.0, "bulk_modulus": 12e6, "shear_modulus": 6e6}

@@ -9,7 +9,7 @@ import pytest
 
 from mpmfw.errors import SceneError
 from mpmfw.geometry import Ball, Box, Disc, Polygon, Rectangle, Ring
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 
 CELL, BULK, SHEAR, DENSITY = 0.1, 8e5, 4e5, 1000.0
 TICK = CELL / np.sqrt((BULK + 4.0 / 3.0 * SHEAR) / DENSITY)

@@ -19,13 +19,13 @@ from typer.testing import CliRunner
 import mpmfw
 from mpmfw.benchmark import measure_threads
 from mpmfw.cli import app
-from mpmfw.discovery import available
 from mpmfw.errors import ResultsWarning, SceneError, SimulationError
-from mpmfw.identity import key_of
-from mpmfw.limits import cores
-from mpmfw.resuming import resume
+from mpmfw.plugin.discovery import available
+from mpmfw.runs.identity import key_of
+from mpmfw.runs.limits import cores
+from mpmfw.runs.resuming import resume
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from mpmfw.simulation import Simulation
 from scenes_for_tests import ball_on_a_box, box, disc, one_body, two_blocks, with_changes
 
 pytestmark = pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")  # more threads than cores
@@ -276,7 +276,7 @@ def test_a_forked_process_starts_threads_of_its_own() -> None:
     code = """
 import os
 from scenes_for_tests import two_blocks
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 simulation = Simulation(two_blocks("penalty"), threads=2)
 simulation.advance(2)
 child = os.fork()
@@ -293,13 +293,13 @@ def test_one_thread_imports_nothing_of_it() -> None:
     code = """
 import sys
 from scenes_for_tests import two_blocks
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 simulation = Simulation(two_blocks("penalty"))
 simulation.advance(2)
 from mpmfw.kernels import projection
 compiled = [len(signature) for signature in projection.add_internal_force.signatures]
 assert simulation.state.particles.threads is None
-print([name for name in sys.modules if name in ("mpmfw.threads", "mpmfw.kernels._waiting")], len(compiled))
+print([name for name in sys.modules if name in ("mpmfw.state.threads", "mpmfw.kernels._waiting")], len(compiled))
 """
     assert run_python(code) == "[] 1"
 

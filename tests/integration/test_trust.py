@@ -13,9 +13,9 @@ from typer.testing import CliRunner
 
 import mpmfw
 from mpmfw.cli import app
-from mpmfw.domains import triangles_of
 from mpmfw.errors import SceneError
-from mpmfw.references import RollingReference, reference_of
+from mpmfw.results.domains import triangles_of
+from mpmfw.results.references import RollingReference, reference_of
 from mpmfw.scene import load_scene, shipped_scenes
 from mpmfw.scene.toml_text import toml_text
 from mpmfw.studies.grid import make_grid

@@ -12,7 +12,7 @@ import mpmfw
 from mpmfw.cli.app import app
 from mpmfw.cli.unused import unused_facts
 from mpmfw.errors import ResultsWarning
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import block, two_blocks
 
 pytestmark = pytest.mark.effects

@@ -17,7 +17,7 @@ import mpmfw
 from mpmfw.api import ContactStrategy, hookimpl
 from mpmfw.cli.app import app
 from mpmfw.errors import ResultsWarning, SceneError
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import block, with_changes
 
 CELL, SPEED = 0.1, 5.0

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import BULK, DENSITY, SHEAR, SOFT, one_body
 
 LENGTH = 4.0

@@ -29,8 +29,8 @@ from contact_scenes import (
     three_meet,
     turned,
 )
-from mpmfw.discovery import load
-from mpmfw.simulation import Simulation
+from mpmfw.plugin.discovery import load
+from mpmfw.runs.simulation import Simulation
 
 LAYER = "the interface layer has inertia, contact or not"
 

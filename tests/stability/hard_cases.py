@@ -33,8 +33,8 @@ from hard_scenes_in_space import thin as thin_in_space
 from places import placed
 
 from mpmfw.api import SimulationError
-from mpmfw.discovery import load
-from mpmfw.simulation import Simulation
+from mpmfw.plugin.discovery import load
+from mpmfw.runs.simulation import Simulation
 from mpmfw.stability import Invariants, probe
 
 

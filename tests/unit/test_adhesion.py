@@ -8,8 +8,8 @@ from scipy.integrate import quad
 
 from contact_scenes import rectangle, scene
 from mpmfw.errors import SceneError
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from mpmfw.simulation import Simulation
 from mpmfw_contact.adhesion import energy_of, normal_force, reach_of
 
 K, PULL = 50.0, 2.0  # the spring comes to the pull at 0.04

@@ -6,15 +6,15 @@ import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mpmfw import analysis
-from mpmfw.references import (
+from mpmfw.report.table import gap_measures
+from mpmfw.results import analysis
+from mpmfw.results.references import (
     RingsReference,
     RollingReference,
     cell_size_of,
     reference_of,
     rings_table,
 )
-from mpmfw.report.table import gap_measures
 from mpmfw.scene.loading import shipped_scenes
 
 SLIP = (np.radians(60.0), 0.286, 10.0, 1.6)

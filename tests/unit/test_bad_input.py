@@ -7,9 +7,9 @@ from typer.testing import CliRunner
 from checkpoints_for_tests import LAST, content, header
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
 from mpmfw.scene.toml_text import toml_text
-from mpmfw.simulation import Simulation
 from scenes_for_tests import block, one_body
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from mpmfw.campaigns.costs import costs_of, least, over_repeats
 from mpmfw.campaigns.outcome import COSTS, Cost
-from mpmfw.clock import STEP_STAGES
+from mpmfw.state.clock import STEP_STAGES
 
 
 def cost(cpu_time: float, stage: float, peak_memory: float = math.nan) -> Cost:

@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from mpmfw.campaigns.comparison import compare as compare_really
 from mpmfw.campaigns.grid import labels_of
 from mpmfw.cli.summary import print_comparison
-from mpmfw.clock import STEP_STAGES
-from mpmfw.comparison import compare as compare_really
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, SimulationError
-from mpmfw.fields import CONTACT_SERIES, MIN_GAP, SERIES_FIELDS, SURFACE_FIELDS
-from mpmfw.joining import join, loops, union_of_times
 from mpmfw.plots import figures_of, plot_file, plot_files, positions
-from mpmfw.references import described, rings_table
 from mpmfw.report import table, write_report
 from mpmfw.results import Frame, RunHeader, RunWriter
 from mpmfw.results import open as open_results
+from mpmfw.results.joining import join, loops, union_of_times
+from mpmfw.results.references import described, rings_table
 from mpmfw.scene.loading import shipped_scenes
+from mpmfw.state.clock import STEP_STAGES
+from mpmfw.state.fields import CONTACT_SERIES, MIN_GAP, SERIES_FIELDS, SURFACE_FIELDS
 
 SERIES = {field.name: field for field in (*SERIES_FIELDS, *CONTACT_SERIES, MIN_GAP)}
 ERRORS = {"penalty": 0.01, "bardenhagen": -0.08, "none": 0.0}

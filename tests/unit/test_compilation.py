@@ -10,7 +10,7 @@ SCRIPT = """
 import json, sys
 import numba
 import numpy as np
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 
 simulation = Simulation("colliding-rings", contact="penalty")
 simulation.advance(1)

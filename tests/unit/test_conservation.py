@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import mpmfw
-from mpmfw.conservation import dissipation, energy_error, energy_put_in, momentum_change
+from mpmfw.results.conservation import dissipation, energy_error, energy_put_in, momentum_change
 from mpmfw.scene import load_scene
 from scenes_for_tests import two_blocks
 

@@ -15,7 +15,7 @@ from mpmfw.api import SimulationError
 from mpmfw.contact.events import FEWEST_STEPS
 from mpmfw.kernels.facets import node_normal
 from mpmfw.kernels.gaps import BLOCK, minimum_gap
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from mpmfw_contact import nodes
 from mpmfw_contact.nodes import LEAST_MASS
 from mpmfw_contact.surfaces import search

@@ -8,7 +8,7 @@ import pytest
 
 import mpmfw
 from mpmfw.api import ContactStrategy, Grid, SceneError, hookimpl
-from mpmfw.dead_hooks import refuse_dead_hooks
+from mpmfw.plugin.dead_hooks import refuse_dead_hooks
 from scenes_for_tests import two_blocks
 
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from checkpoints_for_tests import LAST, content, entry, header
-from mpmfw.declared_history import NotSaved, check_indices, put, take
 from mpmfw.errors import MpmfwError
-from mpmfw.restart import is_foreign, read_snapshot, write_snapshot
+from mpmfw.runs.restart import is_foreign, read_snapshot, write_snapshot
+from mpmfw.state.history import NotSaved, check_indices, put, take
 
 
 class Part:

@@ -7,9 +7,9 @@ import pytest
 from typer.testing import CliRunner
 
 from mpmfw.cli import app
-from mpmfw.dead_hooks import refuse_dead_hooks
-from mpmfw.discovery import KINDS, available, distribution_of, load
 from mpmfw.errors import SceneError
+from mpmfw.plugin.dead_hooks import refuse_dead_hooks
+from mpmfw.plugin.discovery import KINDS, available, distribution_of, load
 
 
 @pytest.fixture
@@ -54,7 +54,7 @@ def test_finding_imports_nothing_and_loading_imports_one(install):
 
 def test_discovery_itself_imports_no_plugin():
     code = (
-        "import mpmfw.discovery as discovery, sys; discovery.available('shape'); "
+        "import mpmfw.plugin.discovery as discovery, sys; discovery.available('shape'); "
         "print([name for name in sys.modules if 'mpmfw_' in name])"
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

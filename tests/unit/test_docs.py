@@ -13,11 +13,11 @@ from typing import Any
 
 import pytest
 
-from mpmfw.discovery import KINDS, available, load
-from mpmfw.fields import CONTACT_SERIES, MIN_GAP, PARTICLE_FIELDS, SERIES_FIELDS, SURFACE_FIELDS
-from mpmfw.hooks import hook_names
-from mpmfw.hookspecs import HookSpecs
+from mpmfw.plugin.discovery import KINDS, available, load
+from mpmfw.plugin.hooks import hook_names
+from mpmfw.plugin.hookspecs import HookSpecs
 from mpmfw.scene import json_schema
+from mpmfw.state.fields import CONTACT_SERIES, MIN_GAP, PARTICLE_FIELDS, SERIES_FIELDS, SURFACE_FIELDS
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -104,9 +104,12 @@ def test_links_and_names_of_the_documentation_resolve(capsys):
     [
         ("[a](nowhere.md)", "no file nowhere.md"),
         ("[a](page.md#Missing)", "no heading page.md#Missing"),
-        ("`mpmfw.state.Stencl`", "no name mpmfw.state.Stencl"),
+        ("`mpmfw.state.structs.Stencl`", "no name mpmfw.state.structs.Stencl"),
         ("`mpmfw.nothing`", "no name mpmfw.nothing"),
-        ("[a](#a-heading), `mpmfw.state.Stencil.row`, `mpmfw.run(scene)`, [b](https://example.org)", None),
+        (
+            "[a](#a-heading), `mpmfw.state.structs.Stencil.row`, `mpmfw.run(scene)`, [b](https://example.org)",
+            None,
+        ),
     ],
 )
 def test_the_check_finds_what_does_not_resolve(tmp_path, monkeypatch, line, problem):

@@ -17,7 +17,7 @@ from mpmfw.effects.faces import FLAT
 from mpmfw.effects.side_rows import QUADRATURE, list_rows, quadrature, splines
 from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, weigh_by_mass, weigh_plain
 from mpmfw.kernels.stencil import LEAST_SHARE, linear_weights
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import block
 from sides_for_tests import upper_side
 

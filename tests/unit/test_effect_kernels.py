@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from mpmfw.effects.rotation import correct_rotation
+from mpmfw.effects.settling import damp_locally
 from mpmfw.effects.side_rows import SideTable, list_rows, meet, quadrature, splines
 from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, move_points, weigh_by_mass, weigh_plain
-from mpmfw.load import add_facet_forces, add_point_forces, measure_facets
-from mpmfw.settling import damp_locally
+from mpmfw.plugin.load import add_facet_forces, add_point_forces, measure_facets
 from mpmfw_shape.cpdi2 import fill_cpdi2, move_corners
 from sides_for_tests import upper_side
 

@@ -17,15 +17,15 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
 import mpmfw
 from drop_for_tests import drop, drop_scene
-from mpmfw.build import build
 from mpmfw.cli import app
-from mpmfw.domains import domains_of
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
 from mpmfw.geometry.facets import neighbours_of, stars_of
 from mpmfw.geometry.triangles import sphere_surface
 from mpmfw.kernels import Facets, minimum_gap
 from mpmfw.paraview.gaps import signed_distances
 from mpmfw.paraview.triangles import distances_in_space
+from mpmfw.results.domains import domains_of
+from mpmfw.runs.build import build
 from mpmfw.scene import load_scene
 from scenes_for_tests import ball_on_a_box, box, with_changes
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from faulty_plugins.small.geometry import Sound, SoundSolid
-from mpmfw.build import build
 from mpmfw.errors import SceneError
 from mpmfw.geometry.discretise import refuse_incomplete
+from mpmfw.runs.build import build
 from mpmfw.scene import load_scene
 from mpmfw.scene.geometries import with_geometries
 from mpmfw.scene.schema import json_schema

@@ -10,7 +10,7 @@ import pytest
 from mpmfw.effects.contact_moment import CONTACT_MOMENT
 from mpmfw.effects.ledger import LEDGER_FIELDS
 from mpmfw.effects.time_step_series import TIME_STEP_FIELDS
-from mpmfw.fields import (
+from mpmfw.state.fields import (
     AFFINE_ENERGY,
     CONTACT_SERIES,
     MIN_GAP,

@@ -12,9 +12,9 @@ import pytest
 
 import mpmfw
 from mpmfw.api import hookimpl
-from mpmfw.clock import Clock
-from mpmfw.hooks import BoundHooks, hook_names, make_manager
-from mpmfw.hookspecs import HookSpecs
+from mpmfw.plugin.hooks import BoundHooks, hook_names, make_manager
+from mpmfw.plugin.hookspecs import HookSpecs
+from mpmfw.state.clock import Clock
 
 NAMES = hook_names()
 

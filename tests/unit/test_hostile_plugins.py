@@ -12,9 +12,9 @@ import pytest
 
 import mpmfw
 from mpmfw.api import ContactStrategy
-from mpmfw.blame import bundled, described
 from mpmfw.contact.joined import joined
 from mpmfw.errors import MpmfwError, PluginError, ResultsWarning, SceneError
+from mpmfw.plugin.blame import bundled, described
 from mpmfw.report import write_report
 from mpmfw.results.reading import read
 from mpmfw.results.writing import WRITTEN_EVERY
@@ -305,7 +305,7 @@ def test_a_folder_that_is_changed_loses_no_file(install, tmp_path):
 )
 def test_no_plugin_brings_down_the_others_of_a_comparison(does, message, install, monkeypatch):
     if "sleep" in does:
-        monkeypatch.setattr("mpmfw.own_process.PATIENCE", 15.0)
+        monkeypatch.setattr("mpmfw.runs.own_process.PATIENCE", 15.0)
     # What waits to be written is in the file a moment later
     install(
         "@hookimpl\ndef end_step(self, state):\n    import time\n"

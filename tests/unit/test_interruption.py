@@ -6,7 +6,7 @@ import threading
 import pytest
 
 from mpmfw.errors import Interrupted
-from mpmfw.interruption import interruptible, unbroken
+from mpmfw.runs.interruption import interruptible, unbroken
 
 
 def test_a_signal_takes_effect_after_what_must_be_whole():

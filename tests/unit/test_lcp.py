@@ -11,7 +11,7 @@ from scipy.optimize import nnls
 from contact_scenes import CELL, disc, rectangle, scene
 from interpreted import interpreted
 from lcp_problems import DT, operator, problem
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from mpmfw_contact import lcp
 from mpmfw_contact._gauss_seidel import ROUNDING, add_friction_work, solve, state_problem
 from mpmfw_contact.lcp import Lcp

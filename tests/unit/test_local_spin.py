@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from interpreted import interpreted
 from mpmfw.effects.local_spin import LEAST_SHARE, correct_spin, find_excess
-from mpmfw.fields import FloatArray
+from mpmfw.state.fields import FloatArray
 
 H, FIRST = 0.3, 5  #: cell size, and nodes of another window before this one
 EXTENT = {2: (6, 5), 3: (4, 3, 5)}

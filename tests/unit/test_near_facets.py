@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from mpmfw_contact.surfaces.near_facets import SKIN, STALE, WORTH, NearFacets, find_listed
 from scenes_for_tests import SOFT
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from mpmfw.kernels.boxes import sweep_strips
 from mpmfw.kernels.pair_table import pair_index, pair_table
-from mpmfw.pairs import FEW, NearPairs, _strips, overlapping
+from mpmfw.state.pairs import FEW, NearPairs, _strips, overlapping
 
 
 def brute_force(lower, upper):

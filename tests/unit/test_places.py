@@ -11,8 +11,8 @@ import pytest
 import mpmfw
 from faulty_plugins.contact.plain import PlainContact
 from mpmfw.errors import SceneError
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from mpmfw.simulation import Simulation
 from mpmfw_contact.penalty import Penalty
 from mpmfw_shape.linear import Linear
 from mpmfw_testing.contact.meeting import Meeting

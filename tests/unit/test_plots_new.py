@@ -11,11 +11,11 @@ import mpmfw
 from drop_for_tests import drop, drop_scene
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
-from mpmfw.outputs import frame_of
 from mpmfw.plots.generic import series_overview
 from mpmfw.plots.style import Look, installed
 from mpmfw.plots.units import readable, time_scale, with_prefix
-from mpmfw.point_fields import point_field, point_fields
+from mpmfw.results.outputs import frame_of
+from mpmfw.results.point_fields import point_field, point_fields
 from scenes_for_tests import box
 
 BODIES = ("upper", "floor")

@@ -5,10 +5,10 @@ import math
 import pytest
 
 from contact_scenes import impact
-from mpmfw.clock import STEP_STAGES
-from mpmfw.prediction import predict
+from mpmfw.runs.prediction import predict
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from mpmfw.simulation import Simulation
+from mpmfw.state.clock import STEP_STAGES
 
 
 def made(contact="penalty", shape="cpdi", **tables):

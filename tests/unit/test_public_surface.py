@@ -103,7 +103,7 @@ def test_plugins_and_templates_import_the_public_modules_alone() -> None:
         if name.split(".")[0] == "mpmfw" and not OPEN.match(name)
     }
     assert foreign == set()
-    assert list(imports("if x:\n    from mpmfw.state import Grid")) == ["mpmfw.state.Grid"]
+    assert list(imports("if x:\n    from mpmfw.state.structs import Grid")) == ["mpmfw.state.structs.Grid"]
 
 
 @pytest.mark.parametrize("package", PACKAGES)

@@ -9,7 +9,7 @@ import pytest
 
 import mpmfw_shape._rectangles as module
 from mpmfw.geometry.box import Box
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from mpmfw_shape._rectangles import Rectangles
 from scenes_for_tests import SOFT
 

@@ -11,12 +11,12 @@ import pytest
 import xarray as xr
 
 from mpmfw.errors import MpmfwError
-from mpmfw.fields import CONTACT_SERIES, PARTICLE_FIELDS, SERIES_FIELDS, SURFACE_FIELDS, Field
 from mpmfw.results import Frame, RunHeader, RunWriter
 from mpmfw.results.layout import unit
 from mpmfw.results.memory import peak_memory, restart_peak_memory
 from mpmfw.results.reading import read as open_results
 from mpmfw.results.resampling import series_at_outputs
+from mpmfw.state.fields import CONTACT_SERIES, PARTICLE_FIELDS, SERIES_FIELDS, SURFACE_FIELDS, Field
 
 FIELDS = tuple(
     field for field in (*PARTICLE_FIELDS, *SURFACE_FIELDS, *SERIES_FIELDS, *CONTACT_SERIES) if field.output

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from mpmfw.round_off import without_round_off
+from mpmfw.results.round_off import without_round_off
 
 
 def series(noise: float) -> xr.Dataset:

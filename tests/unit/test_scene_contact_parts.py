@@ -6,9 +6,9 @@ import pytest
 
 from mpmfw.cli.arguments import chosen_scene
 from mpmfw.errors import SceneError
-from mpmfw.identity import key_of
+from mpmfw.runs.identity import key_of
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from mpmfw.simulation import Simulation
 from scenes_for_tests import two_blocks
 
 OPTIONS = {"nodes": {"cut_off": 0.7}, "penalty": {"kappa": 2}}

@@ -139,6 +139,6 @@ def test_a_method_that_failed_has_no_field():
 
 
 def _runs(dataset):
-    from mpmfw.selection import runs_of
+    from mpmfw.results.selection import runs_of
 
     return runs_of(dataset)

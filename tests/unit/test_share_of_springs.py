@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from mpmfw.share_of_springs import driven_speed, share_of_springs
-from mpmfw.simulation import Simulation
+from mpmfw.runs.share_of_springs import driven_speed, share_of_springs
+from mpmfw.runs.simulation import Simulation
 
 CELL = 0.1
 

@@ -7,11 +7,11 @@ import tracemalloc
 import pytest
 
 import mpmfw
-from mpmfw import sizing
 from mpmfw.errors import ResultsWarning, SceneError
-from mpmfw.limits import MOST_FRAMES, MOST_STEPS, bytes_of_groups, frames_of, results_size
+from mpmfw.runs.limits import MOST_FRAMES, MOST_STEPS, bytes_of_groups, frames_of, results_size
+from mpmfw.runs.run import sizing
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene, shipped_scenes
-from mpmfw.simulation import Simulation
 
 DISC = {
     "grid": {"cell_size": 0.5, "lower": [-3, -3], "upper": [3, 3]},
@@ -126,7 +126,7 @@ def test_there_are_at_most_so_many_points(geometry, layout, size):
 
 
 def test_a_forced_run_begins_whatever_its_length(monkeypatch):
-    monkeypatch.setattr("mpmfw.limits.MOST_STEPS", 1)
+    monkeypatch.setattr("mpmfw.runs.limits.MOST_STEPS", 1)
     assert "takes 4 steps, more than 1" in refusal(**{"time.end": 0.02, "time.step": 0.005})
     tree = mpmfw.run(DISC, set={"time.end": 0.02, "time.step": 0.005}, force=True)
     assert tree.attrs["status"] == "ok"
@@ -166,7 +166,7 @@ def test_what_resolves_no_body_is_warned_of(overrides, message):
 
 
 def test_large_results_are_announced(tmp_path, monkeypatch):
-    monkeypatch.setattr("mpmfw.limits.LARGE_RESULTS", 1e3)
+    monkeypatch.setattr("mpmfw.runs.limits.LARGE_RESULTS", 1e3)
     with pytest.warns(ResultsWarning, match=r"the results take up to .* kB: 2 frames of"):
         mpmfw.run(DISC, output=tmp_path / "run.nc")
 

@@ -10,12 +10,13 @@ from typer.testing import CliRunner
 
 from contact_scenes import STRATEGIES, impact
 from mpmfw.api import PlugIn
+from mpmfw.campaigns.comparison import compare
 from mpmfw.cli import app
-from mpmfw.comparison import compare
-from mpmfw.discovery import load
 from mpmfw.errors import SceneError
-from mpmfw.identity import key_of
-from mpmfw.runs import run
+from mpmfw.plugin.discovery import load
+from mpmfw.runs.identity import key_of
+from mpmfw.runs.run import run
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
 from mpmfw.scene.specification import (
     Specification,
@@ -23,7 +24,6 @@ from mpmfw.scene.specification import (
     parse_specification,
     split_specifications,
 )
-from mpmfw.simulation import Simulation
 from mpmfw.stability.request import check_overrides
 from mpmfw.studies.grid import make_grid
 from mpmfw.studies.loading import load_study
@@ -317,7 +317,7 @@ def test_the_command_line_runs_it(monkeypatch):
 
     seen = {}
     stand_in = SimpleNamespace(run_to_file=lambda scene, **_: seen.update(scene=scene))
-    monkeypatch.setitem(sys.modules, "mpmfw.runs", stand_in)
+    monkeypatch.setitem(sys.modules, "mpmfw.runs.run", stand_in)
     result = CliRunner().invoke(app, ["run", SCENE, "--contact", STRONG, "-o", "unused.nc"])
     assert result.exit_code == 0, result.stderr
     assert seen["scene"].contact.options.criterion == "position"

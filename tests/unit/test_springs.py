@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from contact_scenes import impact, wave_speed
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from mpmfw_contact._springs import NOISE, WEAK, changed_spring, new_rest
 
 CELL = 0.1  # m

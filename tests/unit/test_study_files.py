@@ -8,9 +8,9 @@ import pytest
 import mpmfw
 from mpmfw.campaigns.exact import column, incline
 from mpmfw.campaigns.keys import as_number, dimension_names, finer, is_numerical, overrides_of
-from mpmfw.discovery import available
 from mpmfw.errors import SceneError
-from mpmfw.identity import key_of
+from mpmfw.plugin.discovery import available
+from mpmfw.runs.identity import key_of
 from mpmfw.scene import load_scene
 from mpmfw.scene.loading import shipped_scenes
 from mpmfw.studies.loading import load_study, shipped_studies
@@ -118,7 +118,7 @@ def test_several_mistakes_are_a_line_each(tmp_path):
 
 def test_shipped_studies_are_valid_and_their_scenes_have_the_error_that_they_ask_for(monkeypatch):
     installed = functools.cache(available)  # they do not change, and are looked up for every scene
-    monkeypatch.setattr("mpmfw.discovery.available", installed)
+    monkeypatch.setattr("mpmfw.plugin.discovery.available", installed)
     anatomy = {f"anatomy-{part}" for part in ("cylinder", "block", "contact-stress", "rings")}
     assert anatomy | {"rolling-cylinder", "rings", "contact-stress", "sliding-block"} == set(
         shipped_studies()

@@ -8,8 +8,8 @@ import pytest
 from pydantic import BaseModel, Field
 
 from mpmfw.api import ContactStrategy, ImpulseLaw
-from mpmfw.discovery import available, load
 from mpmfw.errors import SceneError
+from mpmfw.plugin.discovery import available, load
 from mpmfw_contact.penalty import Penalty
 from mpmfw_testing import check_plugin, contact_checks, examine, subject_of
 from mpmfw_testing.option_values import candidates

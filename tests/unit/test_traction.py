@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from contact_scenes import CELL, impact, run
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 
 DT = 1e-4
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mpmfw.transfer import TRANSFERS, make_transfer
+from mpmfw.step.transfer import TRANSFERS, make_transfer
 
 
 @pytest.mark.parametrize(

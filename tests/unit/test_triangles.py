@@ -16,8 +16,8 @@ from mpmfw.geometry.polygon import Polygon
 from mpmfw.geometry.revolution import Revolution, Torus
 from mpmfw.geometry.ring import Ring
 from mpmfw.geometry.solid import joined, turning
+from mpmfw.runs.sizing import size_of
 from mpmfw.scene.tables import Body
-from mpmfw.sizing import size_of
 
 ELL = ((0, 0), (2, 0), (2, 0.8), (0.9, 1), (0.9, 2), (0, 2))
 HOLE = ((0.3, 0.3), (0.6, 0.3), (0.45, 0.7))

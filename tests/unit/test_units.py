@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
-from mpmfw import units
+from mpmfw.scene import units
 
 
 @pytest.mark.parametrize(

@@ -10,10 +10,10 @@ from typing import Any
 import pytest
 
 import mpmfw
-from mpmfw.runs import run
+from mpmfw.runs.run import run
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from mpmfw.simulation import Simulation
-from mpmfw.steppers import SCHEMES
+from mpmfw.step import SCHEMES
 
 ROOT = Path(mpmfw.__file__).parent
 #: What builds, plans and runs. The rest holds data and errors, or is entered whole (scene, geometry, results), or is what a
@@ -22,16 +22,13 @@ ROOMS = {
     str(ROOT / name): name
     for name in (
         *(
-            "runs.py",
-            "restart.py",
-            "simulation.py",
-            "build.py",
-            "bodies.py",
-            "plan.py",
-            "recording.py",
-            "setup.py",
+            f"runs/{name}.py"
+            for name in (
+                *("run", "restart", "simulation", "build", "bodies", "plan", "recording", "frames"),
+                "initial_motion",
+            )
         ),
-        *("hooks.py", "windows.py", "timestep.py", "frames.py", "settling.py", "initial_motion.py"),
+        *("plugin/setup.py", "plugin/hooks.py", "state/windows.py", "runs/timestep.py"),
         "contact/planning.py",
         *(path.relative_to(ROOT).as_posix() for path in sorted((ROOT / "effects").glob("*.py"))),
     )

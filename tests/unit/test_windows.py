@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mpmfw.windows import MARGIN, lay_windows, make_grid
+from mpmfw.state.windows import MARGIN, lay_windows, make_grid
 
 H = 0.25
 

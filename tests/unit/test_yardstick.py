@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mpmfw.benchmark import table
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from yardstick.block import make_block, make_rings
 from yardstick.kernels import SHAPES, measure_kernels
 from yardstick.plain import STAGES, PlainLoop, compilers

@@ -8,18 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.bodies import lay_out
-from mpmfw.clock import Clock
-from mpmfw.discovery import load
-from mpmfw.fields import FloatArray
 from mpmfw.geometry.layout import Layout, layout_of_boxes
-from mpmfw.hooks import BoundHooks, make_manager
+from mpmfw.plugin.discovery import load
+from mpmfw.plugin.hooks import BoundHooks, make_manager
+from mpmfw.plugin.setup import Setup
+from mpmfw.runs.bodies import lay_out
 from mpmfw.scene.loading import load_scene
-from mpmfw.setup import Setup
-from mpmfw.state import Body, Particles, State
-from mpmfw.steppers import usl
-from mpmfw.transfer import Transfer, make_transfer
-from mpmfw.windows import MARGIN, allocate_nodes, make_grid
+from mpmfw.state.clock import Clock
+from mpmfw.state.fields import FloatArray
+from mpmfw.state.structs import Body, Particles, State
+from mpmfw.state.windows import MARGIN, allocate_nodes, make_grid
+from mpmfw.step import usl
+from mpmfw.step.transfer import Transfer, make_transfer
 
 #: All is of order one: h = 1 m, density 1 kg/m^3, moduli [Pa]; the step [s] is well below its limit.
 CELL_SIZE, BULK, SHEAR, DT = 1.0, 1.0, 0.5, 0.1

@@ -10,7 +10,7 @@ import math
 import numpy as np
 from xarray import DataTree
 
-from mpmfw.fields import FloatArray
+from mpmfw.state.fields import FloatArray
 
 BULK, SHEAR, STRAIN = 12e6, 6e6, 0.1  # Pa, Pa, 1: as in scene.toml
 TURN = math.radians(30.0)

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from xarray import DataTree
 
-from mpmfw.fields import FloatArray
 from mpmfw.plots.style import dress, legend_below, new_figure
+from mpmfw.state.fields import FloatArray
 from mpmfw.validation import CaseRun
 
 LENGTH, SPEED, THICKNESS, GAP = 10.0, 0.01, 0.25, 0.06  # m, m/s, m, m: as in scene.toml

@@ -10,7 +10,7 @@ from rings_fem import Collision, collide, distance, regenerate
 from rings_fem import verification as verify
 from rings_fem.figures import convergence, stresses
 
-from mpmfw.analysis import contact_phases
+from mpmfw.results.analysis import contact_phases
 
 if TYPE_CHECKING:
     from mpmfw.validation import Case

@@ -11,7 +11,7 @@ from drawing import positions
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from mpmfw.fields import FloatArray
+    from mpmfw.state.fields import FloatArray
     from mpmfw.validation import CaseRun
 
 

@@ -13,8 +13,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from rolling import BODY, motion_of
 
-from mpmfw.fields import FloatArray
 from mpmfw.plots.style import dress, legend_below, new_figure
+from mpmfw.state.fields import FloatArray
 from mpmfw.validation import CLASSICAL, Method
 
 _COLOURS = {"penalty": "#0072B2", **dict(zip(CLASSICAL, ("#D55E00", "#117733"), strict=True))}

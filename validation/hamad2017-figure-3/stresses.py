@@ -11,9 +11,9 @@ import numpy as np
 import shapely
 import xarray as xr
 
-from mpmfw.fields import FloatArray
 from mpmfw.geometry.layout import parallelogram_corners
 from mpmfw.geometry.ring import Ring
+from mpmfw.state.fields import FloatArray
 
 TIMES = (0.0, 0.4e-3, 1.6e-3, 3.2e-3)  #: of [H17] figure 3 [s]
 BODIES = {"left": -0.042, "right": 0.042}  #: x of the rings' centres at the start [m]

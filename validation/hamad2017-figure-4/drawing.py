@@ -13,10 +13,10 @@ from matplotlib.lines import Line2D
 from rings import force_of, reference_impulse, series_of
 from rings_fem import Collision
 
-from mpmfw.analysis import averaged, impulse
-from mpmfw.fields import FloatArray
 from mpmfw.plots.style import Look, dress, legend_below, new_figure
-from mpmfw.references import rings_table
+from mpmfw.results.analysis import averaged, impulse
+from mpmfw.results.references import rings_table
+from mpmfw.state.fields import FloatArray
 from mpmfw.validation import CONTACTS, SHAPES, Method
 
 INTERVAL = 5e-6  #: over which every force that is called raw is a mean: the runs' outputs [s]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mpmfw.conservation import dissipation, energy_error, momentum_change
+from mpmfw.results.conservation import dissipation, energy_error, momentum_change
 from mpmfw.scene import load_scene
 
 if TYPE_CHECKING:

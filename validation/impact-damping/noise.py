@@ -9,9 +9,9 @@ import numpy as np
 import xarray as xr
 from rings import force_of, reference_impulse
 
-from mpmfw.analysis import averaged, energy_kept, impulse, relative_l2
-from mpmfw.fields import FloatArray
-from mpmfw.references import rings_table
+from mpmfw.results.analysis import averaged, energy_kept, impulse, relative_l2
+from mpmfw.results.references import rings_table
+from mpmfw.state.fields import FloatArray
 
 WINDOW = 100e-6  #: of the mean against which noise is told [s]
 SHORT = 25e-6  #: of the mean that leaves only what changes from node to node [s]

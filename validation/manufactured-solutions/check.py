@@ -14,8 +14,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from mpmfw.errors import SimulationError
-from mpmfw.fields import FloatArray
 from mpmfw.plots.style import dress, legend_below, new_figure
+from mpmfw.state.fields import FloatArray
 from mpmfw.validation import SHAPES, Case
 from mpmfw.validation.case import Method
 

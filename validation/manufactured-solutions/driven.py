@@ -9,8 +9,8 @@ import numpy as np
 from manufactured import WAVE, Motion
 
 from mpmfw.api import FloatArray, Grid, State, Stencil, hookimpl
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from mpmfw.simulation import Simulation
 
 FOLDER = Path(__file__).parent
 

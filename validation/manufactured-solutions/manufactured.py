@@ -12,7 +12,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from mpmfw.fields import FloatArray
+from mpmfw.state.fields import FloatArray
 
 BULK, SHEAR, DENSITY = 1.0, 0.5, 1.0  # Pa, Pa, kg/m³: as in the scenes
 WAVE = math.sqrt((BULK + 4.0 * SHEAR / 3.0) / DENSITY)  # m/s

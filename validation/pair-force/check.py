@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from mpmfw.fields import FloatArray
 from mpmfw.kernels.contact import Records
 from mpmfw.kernels.facets import segment_coordinate
 from mpmfw.kernels.pair_table import pair_table
 from mpmfw.plots.style import dress, legend_below, new_figure
+from mpmfw.state.fields import FloatArray
 from mpmfw.validation import Case
 from mpmfw_contact._springs import spring_forces
 from mpmfw_contact.surfaces.assembly import SurfaceTable, assemble

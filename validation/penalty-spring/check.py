@@ -11,9 +11,9 @@ import numpy as np
 import spring
 from matplotlib.figure import Figure
 
-from mpmfw.fields import FloatArray
 from mpmfw.plots.style import dress, legend_below, new_figure
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
+from mpmfw.state.fields import FloatArray
 from mpmfw.validation import SHAPES, Case
 
 #: Energy gained in the worst phase by the two numbers of :func:`spring.exact_gain`, by steps per contact.

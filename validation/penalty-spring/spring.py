@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mpmfw.errors import SimulationError
-from mpmfw.fields import FloatArray
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from mpmfw.simulation import Simulation
+from mpmfw.state.fields import FloatArray
 
 FOLDER = Path(__file__).parent
 

@@ -12,7 +12,7 @@ from questions import CYLINDER_MASS, GRAVITY
 from rolling import DISTANCE, NO_SLIP, SLIP, errors
 from viscous import displacement_after, viscosity
 
-from mpmfw.references import scene_of
+from mpmfw.results.references import scene_of
 
 if TYPE_CHECKING:
     import xarray as xr

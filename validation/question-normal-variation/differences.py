@@ -10,8 +10,8 @@ import numpy as np
 from rings import force_of, series_of
 from rolling import DISTANCE, NO_SLIP, SLIP, motion_of
 
-from mpmfw.analysis import impulse
-from mpmfw.fields import FloatArray
+from mpmfw.results.analysis import impulse
+from mpmfw.state.fields import FloatArray
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from mpmfw.stability import probe
 
 CELL, SIDE = 0.1, 0.3  #: [m]

@@ -11,7 +11,7 @@ from drawing import draw
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from mpmfw.fields import FloatArray
+    from mpmfw.state.fields import FloatArray
     from mpmfw.validation import CaseRun
 
 NAMES = ("displacement", "acceleration", "spin", "angular acceleration")

@@ -10,7 +10,7 @@ import numpy as np
 from drawing import Found, draw
 from questions import PRESSURE
 
-from mpmfw.references import scene_of
+from mpmfw.results.references import scene_of
 
 if TYPE_CHECKING:
     import xarray as xr

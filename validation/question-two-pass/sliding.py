@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from mpmfw.analysis import fitted_acceleration
+from mpmfw.results.analysis import fitted_acceleration
 
 if TYPE_CHECKING:
     import xarray as xr

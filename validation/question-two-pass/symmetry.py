@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from scipy.spatial import cKDTree
 
-from mpmfw.fields import FloatArray
+from mpmfw.state.fields import FloatArray
 
 
 def mirror_errors(tree: xr.DataTree) -> tuple[FloatArray, FloatArray]:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mpmfw.analysis import fitted_acceleration
 from mpmfw.geometry.solid import turning
-from mpmfw.references import RollingReference, reference_of
+from mpmfw.results.analysis import fitted_acceleration
+from mpmfw.results.references import RollingReference, reference_of
 from mpmfw.scene import shipped_scenes
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from mpmfw.api import FloatArray, Grid, Particles, State, Stencil, hookimpl
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import Scene
-from mpmfw.simulation import Simulation
 
 
 def about_centre(particles: Particles) -> tuple[FloatArray, FloatArray]:

@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from xarray import Dataset, DataTree
 
-from mpmfw.analysis import energy_kept
-from mpmfw.fields import FloatArray
 from mpmfw.plots.style import dress, legend_below, new_figure
+from mpmfw.results.analysis import energy_kept
+from mpmfw.state.fields import FloatArray
 from mpmfw.validation import CaseRun
 
 BULK, SHEAR, DENSITY, SPIN = 6e6, 3e6, 1000.0, 10.0  # Pa, Pa, kg/m³, rad/s, R = 1 m: as in scene.toml

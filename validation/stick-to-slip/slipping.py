@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mpmfw.references import scene_of
+from mpmfw.results.references import scene_of
 
 if TYPE_CHECKING:
     import xarray as xr

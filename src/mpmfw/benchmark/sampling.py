@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.fields import FloatArray
+from mpmfw.state.fields import FloatArray
 
 
 def stage_times(wall: FloatArray, cpu: FloatArray) -> FloatArray:

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from mpmfw.benchmark.sampling import quartiles, stage_times
-from mpmfw.clock import STEP_STAGES
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
+from mpmfw.state.clock import STEP_STAGES
 
 #: Steps before the first sample: kernels are compiled, windows laid, contact searched.
 WARM_UP = 5

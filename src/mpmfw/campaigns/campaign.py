@@ -17,7 +17,7 @@ from mpmfw.campaigns.judging import judge_all
 from mpmfw.campaigns.outcome import COSTS
 from mpmfw.campaigns.running import Event, Progress, Repeats
 from mpmfw.errors import ResultsWarning, SceneError
-from mpmfw.joining import join
+from mpmfw.results.joining import join
 
 
 def campaign(

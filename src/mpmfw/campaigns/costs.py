@@ -11,7 +11,7 @@ import xarray as xr
 from mpmfw.campaigns.grid import Index
 from mpmfw.campaigns.machine import LOADED
 from mpmfw.campaigns.outcome import COSTS, Cost
-from mpmfw.clock import STEP_STAGES
+from mpmfw.state.clock import STEP_STAGES
 
 _SPREAD = {"units": "s", "long_name": "half the range of the repeats; NaN of a single one"}
 _REPEATS = {"units": "1", "long_name": "runs of the cost"}

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmfw.geometry import Rectangle
-from mpmfw.references import at_rest, rings, rolling, rolling_sphere, tilt_of
+from mpmfw.results.references import at_rest, rings, rolling, rolling_sphere, tilt_of
 from mpmfw.scene import Scene
 
 

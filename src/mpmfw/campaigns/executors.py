@@ -23,8 +23,8 @@ from multiprocessing import connection
 from typing import Any, Protocol, TypeVar
 
 from mpmfw.errors import SceneError
-from mpmfw.interruption import unbroken
-from mpmfw.limits import cores
+from mpmfw.runs.interruption import unbroken
+from mpmfw.runs.limits import cores
 
 T = TypeVar("T")
 R = TypeVar("R")

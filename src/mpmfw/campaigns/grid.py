@@ -21,9 +21,9 @@ from mpmfw.campaigns.keys import (
     written_alike,
 )
 from mpmfw.campaigns.work import Task
-from mpmfw.discovery import available, choices, distribution_of, load
 from mpmfw.errors import SceneError
-from mpmfw.identity import code_of, key_of
+from mpmfw.plugin.discovery import available, choices, distribution_of, load
+from mpmfw.runs.identity import code_of, key_of
 from mpmfw.scene import Scene, load_scene
 from mpmfw.scene.sources import plain
 from mpmfw.scene.specification import parse_specification

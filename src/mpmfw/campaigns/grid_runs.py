@@ -19,7 +19,7 @@ from mpmfw.campaigns.running import Progress, Repeats, complete, counted, do, re
 from mpmfw.campaigns.store import Store, store_of
 from mpmfw.campaigns.work import Task
 from mpmfw.errors import ResultsWarning, is_complete
-from mpmfw.measure import Measure
+from mpmfw.plugin.measure import Measure
 
 
 class GridRuns:

@@ -11,15 +11,15 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from mpmfw.analysis import relative_l2
 from mpmfw.campaigns.grid import Index, RunGrid
 from mpmfw.campaigns.keys import as_number, finer
 from mpmfw.campaigns.measures import exact_of, measure_of
 from mpmfw.errors import SceneError
-from mpmfw.fields import FloatArray
-from mpmfw.measure import About, Exact, Measure, Measured
+from mpmfw.plugin.measure import About, Exact, Measure, Measured
+from mpmfw.results.analysis import relative_l2
 from mpmfw.scene import Scene
 from mpmfw.scene.base import Axis, Table
+from mpmfw.state.fields import FloatArray
 from mpmfw.units import Number
 
 #: Results of a combination; None where there are none.

@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
-from mpmfw.discovery import available
 from mpmfw.errors import SceneError
+from mpmfw.plugin.discovery import available
 from mpmfw.scene.locator import dotted
 from mpmfw.scene.override import parse_path
 from mpmfw.scene.specification import parse_specification

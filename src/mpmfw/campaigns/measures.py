@@ -13,13 +13,13 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 import xarray as xr
 
-from mpmfw.analysis import fitted_acceleration, force_noise, impulse, value_at
 from mpmfw.campaigns.exact import Incline, column, incline, kind_of
-from mpmfw.conservation import dissipation, energy_error, momentum_change
-from mpmfw.discovery import REFERENCES, available, did_you_mean, full_name, load
 from mpmfw.errors import SceneError
-from mpmfw.measure import About, Exact, Measure, Measured, Reference
-from mpmfw.references import rings, rings_table
+from mpmfw.plugin.discovery import REFERENCES, available, did_you_mean, full_name, load
+from mpmfw.plugin.measure import About, Exact, Measure, Measured, Reference
+from mpmfw.results.analysis import fitted_acceleration, force_noise, impulse, value_at
+from mpmfw.results.conservation import dissipation, energy_error, momentum_change
+from mpmfw.results.references import rings, rings_table
 from mpmfw.scene import Scene
 
 Kind: TypeAlias = Literal["number", "curve", "field"]

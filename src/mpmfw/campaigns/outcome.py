@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from mpmfw.clock import COSTS as RUN_COSTS
+from mpmfw.state.clock import COSTS as RUN_COSTS
 
 #: Root attributes of a run that are its costs: name, unit, meaning.
 COSTS: tuple[tuple[str, str, str], ...] = (*RUN_COSTS, ("settle_steps", "1", "time steps of settling"))
@@ -47,7 +47,7 @@ class Outcome:
     Attributes
     ----------
     key
-        Of :func:`mpmfw.identity.key_of`.
+        Of :func:`mpmfw.runs.identity.key_of`.
     status
         ``ok``, ``suspect: …``, or why there is no complete result.
     name, scene

@@ -13,7 +13,7 @@ from mpmfw.campaigns.outcome import Cost, Finished, Outcome
 from mpmfw.campaigns.store import Store
 from mpmfw.campaigns.work import Task, run_once, time_once
 from mpmfw.errors import Interrupted, is_complete
-from mpmfw.interruption import interruptible
+from mpmfw.runs.interruption import interruptible
 
 #: CPU seconds below which a run is short: it is repeated where nobody says how often, since its time is noisy.
 SHORT = 1.0

@@ -17,14 +17,14 @@ from typing import Any
 
 import xarray as xr
 
-from mpmfw.blame import cause
 from mpmfw.campaigns.machine import Load, processor
 from mpmfw.campaigns.outcome import COSTS, Cost, Finished, Outcome
-from mpmfw.clock import STEP_STAGES
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, SimulationError
-from mpmfw.identity import code_of
-from mpmfw.runs import run
+from mpmfw.plugin.blame import cause
+from mpmfw.runs.identity import code_of
+from mpmfw.runs.run import run
 from mpmfw.scene import Scene
+from mpmfw.state.clock import STEP_STAGES
 
 _log = logging.getLogger("mpmfw")
 

@@ -10,7 +10,7 @@ import typer
 from mpmfw.errors import SceneError
 
 if TYPE_CHECKING:
-    from mpmfw.discovery import Kind
+    from mpmfw.plugin.discovery import Kind
     from mpmfw.scene import Scene
 
 SceneArgument: TypeAlias = Annotated[

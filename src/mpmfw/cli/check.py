@@ -19,7 +19,7 @@ from mpmfw.cli.tables import print_rows
 from mpmfw.errors import MpmfwError, SceneError
 
 if TYPE_CHECKING:
-    from mpmfw.discovery import Kind
+    from mpmfw.plugin.discovery import Kind
     from mpmfw_testing import Check, Outcome
 
 
@@ -166,7 +166,7 @@ def _run_apart(arguments: list[str], *, bounds: bool) -> None:
 
 def _is_strange(plugin: str, kind: Kind) -> bool:
     """Whether it is none of mpmfw's own, which may bring down its process."""
-    from mpmfw.discovery import choices, distribution_of
+    from mpmfw.plugin.discovery import choices, distribution_of
     from mpmfw.scene.specification import parse_specification
 
     entry = choices(kind).get(parse_specification(plugin).name)
@@ -182,7 +182,7 @@ def _kind_of(text: str, kind: str | None) -> Kind:
         No plug-in or several have the name.
     """
     from mpmfw.campaigns.measures import names_of_measures
-    from mpmfw.discovery import available, choices, did_you_mean, load
+    from mpmfw.plugin.discovery import available, choices, did_you_mean, load
     from mpmfw.scene.specification import parse_specification
     from mpmfw_testing.parametrised import CHECKED, kind_of
 

@@ -80,7 +80,7 @@ def compare(
     contacts = contacts or [loaded.contact.method if loaded.contact else "none"]
     shapes = shapes or [loaded.shape.method]
     check_compared(loaded, {"contact": contacts, "shape": shapes}, shared, varied, ("--set", "--vary"))
-    from mpmfw.comparison import compare as run_all
+    from mpmfw.campaigns.comparison import compare as run_all
     from mpmfw.report import write_report
 
     with campaign_progress() as (progress, within):

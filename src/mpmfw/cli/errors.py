@@ -141,7 +141,7 @@ def _check_beside(path: Path, kind: str, force: bool) -> None:
                 f"{path}: its finished runs are kept in {beside}, which is a file; give another name"
             )
         return
-    from mpmfw.restart import is_foreign
+    from mpmfw.runs.restart import is_foreign
 
     if is_foreign(str(beside)):
         raise SceneError(

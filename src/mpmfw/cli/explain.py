@@ -21,8 +21,8 @@ from mpmfw.cli.unused import unused_facts
 from mpmfw.errors import SceneError
 
 if TYPE_CHECKING:
-    from mpmfw.prediction import Prediction
-    from mpmfw.simulation import Simulation
+    from mpmfw.runs.prediction import Prediction
+    from mpmfw.runs.simulation import Simulation
 
 
 def explain(
@@ -41,8 +41,8 @@ def explain(
     """Print what SCENE would run: effects, the time step, its cost, and facts that are not used."""
     loaded = chosen_scene(scene, contact, shape, set_, trust)
 
+    from mpmfw.runs.simulation import Simulation
     from mpmfw.scene import located
-    from mpmfw.simulation import Simulation
 
     try:
         simulation = Simulation(loaded)
@@ -55,7 +55,7 @@ def explain(
         _print_arrays(simulation)
     else:
         _print_effect_names(simulation)
-    from mpmfw.prediction import predict
+    from mpmfw.runs.prediction import predict
 
     found = predict(simulation, [array.nbytes for _, array in named_arrays(simulation.state)])
     _print_step(simulation, found, everything)
@@ -79,7 +79,7 @@ def _print_head(simulation: Simulation) -> None:
 
 def _of_threads(simulation: Simulation) -> str:
     """How many threads share which work, and whether there are cores for them."""
-    from mpmfw.limits import remark_on_threads
+    from mpmfw.runs.limits import remark_on_threads
 
     what = (
         "points and sums at nodes"
@@ -146,7 +146,7 @@ def _print_step(simulation: Simulation, found: Prediction, everything: bool) -> 
 
 def _print_share_of_springs(simulation: Simulation) -> None:
     """Part of driven sides' motion and of initial overlaps that contact springs take, where a scene has either."""
-    from mpmfw.share_of_springs import driven_speed, share_of_springs
+    from mpmfw.runs.share_of_springs import driven_speed, share_of_springs
 
     speed = driven_speed(simulation)
     axis = int(speed.argmax()) if speed.any() else None
@@ -161,9 +161,9 @@ def _print_share_of_springs(simulation: Simulation) -> None:
 
 def _print_cost(simulation: Simulation, found: Prediction, everything: bool) -> None:
     """Steps, CPU time, by stage where ``everything`` is printed, and memory, predicted from a trial."""
-    from mpmfw.limits import results_size
-    from mpmfw.prediction import TIMED
-    from mpmfw.sizing import most_memory, shown_bytes
+    from mpmfw.runs.limits import results_size
+    from mpmfw.runs.prediction import TIMED
+    from mpmfw.runs.sizing import most_memory, shown_bytes
 
     if everything:
         rows = [{"stage": stage, "CPU [s]": f"{seconds:.3g}"} for stage, seconds in found.stages.items()]

@@ -14,7 +14,7 @@ from mpmfw.errors import SceneError
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-    from mpmfw.discovery import Kind
+    from mpmfw.plugin.discovery import Kind
 
 
 def plugins() -> None:
@@ -23,7 +23,7 @@ def plugins() -> None:
     One that cannot be used says why: BROKEN. Measures that mpmfw registers itself are listed as well.
     """
     from mpmfw.campaigns.measures import MEASURES
-    from mpmfw.discovery import KINDS, available, unknown_groups
+    from mpmfw.plugin.discovery import KINDS, available, unknown_groups
 
     rows = [_row(kind, name, entry) for kind in KINDS for name, entry in available(kind).items()]
     own = [
@@ -42,7 +42,7 @@ def first_sentence(text: str | None) -> str:
 
 
 def _row(kind: Kind, name: str, entry: EntryPoint) -> dict[str, Any]:
-    from mpmfw.discovery import distribution_of, load
+    from mpmfw.plugin.discovery import distribution_of, load
 
     version = "" if entry.dist is None else entry.dist.version
     try:

@@ -32,7 +32,7 @@ def resume(
     trust: TrustOption = False,
 ) -> None:
     """Go on with RUN.nc from its last checkpoint, to the end that it would have had."""
-    from mpmfw.resuming import last_checkpoint, resume_to_file
+    from mpmfw.runs.resuming import last_checkpoint, resume_to_file
 
     time, end = last_checkpoint(results, trust)
     typer.echo(f"{results}: goes on at {time:.6g} s of {end:g} s", err=True)

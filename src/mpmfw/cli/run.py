@@ -33,7 +33,7 @@ def run(
     loaded = chosen_scene(scene, contact, shape, set_, trust)
     path = result_path(output, loaded, "", "run", "run's results", force)
 
-    from mpmfw.runs import run_to_file
+    from mpmfw.runs.run import run_to_file
 
     with run_progress(loaded.time.end) as progress:
         run_to_file(loaded, output=path, progress=progress, force=force, checkpoint=checkpoint)

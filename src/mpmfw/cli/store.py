@@ -30,7 +30,7 @@ def prune(
     results files such as FILE.nc.
     """
     from mpmfw.campaigns.store import Store
-    from mpmfw.identity import is_current
+    from mpmfw.runs.identity import is_current
 
     for folder in folders:
         if not folder.is_dir():

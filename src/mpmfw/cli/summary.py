@@ -19,10 +19,10 @@ _LEFT_OUT = {"largest_penetration", "material_points", "steps"}
 
 def print_comparison(dataset: xr.Dataset) -> None:
     """Print the table of a comparison, as wide as the terminal allows, and why runs failed."""
-    from mpmfw.references import described
     from mpmfw.report import CHOICES, COLUMNS, method_dims, shown, table
     from mpmfw.report.columns import column_of
     from mpmfw.report.table import measured as own_errors
+    from mpmfw.results.references import described
 
     console, rows = Console(), table(dataset)
     labels = [str(dim) for dim in method_dims(dataset)]

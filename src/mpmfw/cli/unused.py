@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from mpmfw.simulation import Simulation
+    from mpmfw.runs.simulation import Simulation
 
 
 def unused_facts(simulation: Simulation) -> list[str]:

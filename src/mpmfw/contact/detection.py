@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from mpmfw.contact.rows import ContactRows
-from mpmfw.fields import AnyArray, Field
-from mpmfw.plugin import PlugIn
-from mpmfw.setup import Setup
-from mpmfw.state import Grid, Particles, State, Stencil
+from mpmfw.plugin.base import PlugIn
+from mpmfw.plugin.setup import Setup
+from mpmfw.state.fields import AnyArray, Field
+from mpmfw.state.structs import Grid, Particles, State, Stencil
 
 if TYPE_CHECKING:
-    from mpmfw.numbers import Numbers
+    from mpmfw.state.numbers import Numbers
 
 
 class Detection(PlugIn):

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mpmfw.declared_history import NotSaved
-from mpmfw.fields import AnyArray, Field, FloatArray
-from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels import kernel
 from mpmfw.kernels.contact import Rows
 from mpmfw.kernels.types import Floats, Ints
-from mpmfw.setup import Setup
-from mpmfw.state import State
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.plugin.setup import Setup
+from mpmfw.state.fields import AnyArray, Field, FloatArray
+from mpmfw.state.history import NotSaved
+from mpmfw.state.structs import State
 
 if TYPE_CHECKING:
     from mpmfw.contact.row_contact import RowContact

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import ClassVar
 
 from mpmfw.contact.rows import ContactRows
-from mpmfw.fields import FloatArray
-from mpmfw.plugin import PlugIn
+from mpmfw.plugin.base import PlugIn
+from mpmfw.state.fields import FloatArray
 
 
 class FrictionLaw(PlugIn):

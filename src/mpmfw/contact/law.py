@@ -8,10 +8,10 @@ from typing import Any, ClassVar
 
 from mpmfw.contact.records import PairRecords
 from mpmfw.contact.rows import ContactRows
-from mpmfw.fields import AnyArray, Field, FloatArray
-from mpmfw.plugin import PlugIn
-from mpmfw.setup import Setup
-from mpmfw.state import Grid, Pair, State
+from mpmfw.plugin.base import PlugIn
+from mpmfw.plugin.setup import Setup
+from mpmfw.state.fields import AnyArray, Field, FloatArray
+from mpmfw.state.structs import Grid, Pair, State
 
 
 class ContactLaw(PlugIn):

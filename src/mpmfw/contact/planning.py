@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mpmfw.effect import Plan
-from mpmfw.pairs import overlapping
-from mpmfw.state import Body
+from mpmfw.plugin.effect import Plan
+from mpmfw.state.pairs import overlapping
+from mpmfw.state.structs import Body
 
 if TYPE_CHECKING:
-    from mpmfw.build import Build
+    from mpmfw.runs.build import Build
 
 
 def planned(made: Build, plan: Plan) -> None:

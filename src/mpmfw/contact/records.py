@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.fields import CONTACT_SERIES, AnyArray, Field
 from mpmfw.kernels.contact import Records
-from mpmfw.setup import Setup
-from mpmfw.state import State
+from mpmfw.plugin.setup import Setup
+from mpmfw.state.fields import CONTACT_SERIES, AnyArray, Field
+from mpmfw.state.structs import State
 
 _DECLARED = (
     Field("impulse", ("pair", "axis"), "N s m-1", "impulse on the pair's first body", "contact"),

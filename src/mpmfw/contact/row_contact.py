@@ -16,15 +16,15 @@ from mpmfw.contact.reach import refuse_short_reach
 from mpmfw.contact.records import PairRecords
 from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.strategy import ContactStrategy
-from mpmfw.declared_history import check_indices
 from mpmfw.errors import SceneError
-from mpmfw.fields import AnyArray, Field, FloatArray
-from mpmfw.hookspecs import hookimpl
-from mpmfw.setup import Setup
-from mpmfw.state import Grid, Pair, Particles, State, Stencil
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.plugin.setup import Setup
+from mpmfw.state.fields import AnyArray, Field, FloatArray
+from mpmfw.state.history import check_indices
+from mpmfw.state.structs import Grid, Pair, Particles, State, Stencil
 
 if TYPE_CHECKING:
-    from mpmfw.numbers import Numbers
+    from mpmfw.state.numbers import Numbers
 
 
 class RowContact(ContactStrategy):

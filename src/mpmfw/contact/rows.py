@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mpmfw.declared_history import NotSaved, check_indices
-from mpmfw.fields import AnyArray, FloatArray
 from mpmfw.kernels import struct
 from mpmfw.kernels.contact import (
     Records,
@@ -21,10 +19,12 @@ from mpmfw.kernels.contact import (
     relative_motion,
     relative_velocity,
 )
-from mpmfw.state import Grid
+from mpmfw.state.fields import AnyArray, FloatArray
+from mpmfw.state.history import NotSaved, check_indices
+from mpmfw.state.structs import Grid
 
 if TYPE_CHECKING:
-    from mpmfw.numbers import Numbers
+    from mpmfw.state.numbers import Numbers
 
 #: Which arrays have a vector in every row, which are of integers, and which have rows for the entries of B.
 _VECTORS = ("normal", "motion", "force", "couple", "tilt")

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, ClassVar, Literal
 
-from mpmfw.plugin import PlugIn
-from mpmfw.state import Pair
+from mpmfw.plugin.base import PlugIn
+from mpmfw.state.structs import Pair
 
 
 class ContactStrategy(PlugIn):
     """Base of contact strategies.
 
     Subclasses implement the hooks of their place in the step. Their series are those of
-    :data:`mpmfw.fields.CONTACT_SERIES` as far as they declare them.
+    :data:`mpmfw.state.fields.CONTACT_SERIES` as far as they declare them.
     """
 
     #: One velocity field for all bodies, or one per body.

@@ -11,15 +11,15 @@ import numpy as np
 from mpmfw.effects.faces import FLAT, face_of, sides_of
 from mpmfw.effects.side_rows import PlaneSides, SideTable, list_rows, meet, quadrature
 from mpmfw.errors import SceneError
-from mpmfw.fields import FloatArray
-from mpmfw.hookspecs import hookimpl
-from mpmfw.setup import Setup
-from mpmfw.state import Body, Grid
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.plugin.setup import Setup
+from mpmfw.state.fields import FloatArray
+from mpmfw.state.structs import Body, Grid
 
 if TYPE_CHECKING:
-    from mpmfw.build import Build
-    from mpmfw.numbers import Numbers
+    from mpmfw.runs.build import Build
     from mpmfw.scene.tables import Settle, Side
+    from mpmfw.state.numbers import Numbers
 
 #: Largest number of passes over rows that share nodes; two sides may ask for different velocities at their corner.
 PASSES = 100

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.fields import AnyArray, Field, FloatArray, IntArray
-from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels import kernel
 from mpmfw.kernels.types import Floats, Ints
-from mpmfw.state import Grid, State
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.state.fields import AnyArray, Field, FloatArray, IntArray
+from mpmfw.state.structs import Grid, State
 
 #: Hooks by which a contact strategy acts on momenta and on forces.
 IMPULSES, FORCES = ("after_momentum_projection", "after_momentum_update"), ("add_nodal_force",)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from mpmfw.errors import SimulationError
-from mpmfw.state import State
+from mpmfw.state.structs import State
 
 #: Growth, as a share of the energy at the start and what was put in since, past which a run is stopped.
 GROWTH_LIMIT = 0.5
@@ -15,7 +15,7 @@ GROWTH_LIMIT = 0.5
 #: Energy per stiffness and volume that counts as nothing: rounding in bodies at rest is no growth.
 NOTHING = 1e-12
 
-#: Where energy may come from: its name, and what helps, by the names of :mod:`mpmfw.remedies` or in words.
+#: Where energy may come from: its name, and what helps, by the names of :mod:`mpmfw.effects.remedies` or in words.
 CAUSES = {
     "contact": ("contact", ("step", "contact")),
     "inertia": ("the inertia correction", ("step", "rotation = 'lumped'")),
@@ -32,7 +32,7 @@ class EnergyGuard:
     nothing
         Energy that counts as nothing [J/m].
     remedies
-        What may help (:func:`mpmfw.remedies.remedies`).
+        What may help (:func:`mpmfw.effects.remedies.remedies`).
     """
 
     history = ("start", "given", "input", "loaded", "fallen", "depth")

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mpmfw.fields import FloatArray
 from mpmfw.scene.sides import AXIS, UPPER
-from mpmfw.state import Body
+from mpmfw.state.fields import FloatArray
+from mpmfw.state.structs import Body
 
 if TYPE_CHECKING:
-    from mpmfw.build import Build
+    from mpmfw.runs.build import Build
     from mpmfw.scene.tables import Side
 
 #: Distance within which an outline lies on a side [cells].

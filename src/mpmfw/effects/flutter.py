@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.fields import AnyArray, FloatArray
-from mpmfw.hookspecs import hookimpl
-from mpmfw.state import State
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.state.fields import AnyArray, FloatArray
+from mpmfw.state.structs import State
 
 #: Successive outputs over which bodies slide.
 OUTPUTS = 6

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mpmfw.fields import FloatArray
-from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels.nodal import add_body_force
-from mpmfw.state import Grid, State
-from mpmfw.time_table import TimeTable
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.state.fields import FloatArray
+from mpmfw.state.structs import Grid, State
+from mpmfw.state.time_table import TimeTable
 
 if TYPE_CHECKING:
-    from mpmfw.build import Build
+    from mpmfw.runs.build import Build
     from mpmfw.scene.tables import Settle
 
 

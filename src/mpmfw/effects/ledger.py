@@ -15,18 +15,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mpmfw.effect import Plan
 from mpmfw.effects.energy_guard import EnergyGuard
 from mpmfw.effects.ledger_energies import add_change, grid_energy, impulse_work, motion_energy
 from mpmfw.effects.ledger_half_step import HalfStep
-from mpmfw.fields import AnyArray, Field, FloatArray
-from mpmfw.hookspecs import hookimpl
-from mpmfw.remedies import remedies
-from mpmfw.series import StrainEnergies
-from mpmfw.state import Grid, State
+from mpmfw.effects.remedies import remedies
+from mpmfw.effects.series import StrainEnergies
+from mpmfw.plugin.effect import Plan
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.state.fields import AnyArray, Field, FloatArray
+from mpmfw.state.structs import Grid, State
 
 if TYPE_CHECKING:
-    from mpmfw.build import Build
+    from mpmfw.runs.build import Build
 
 #: Steps between two looks at the strain energy by what stops a run whose energy grows.
 CHECK_EVERY = 20

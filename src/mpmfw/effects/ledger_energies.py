@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mpmfw.kernels import kernel
 from mpmfw.kernels.types import Floats
-from mpmfw.state import Particles
+from mpmfw.state.structs import Particles
 
 
 @kernel

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from mpmfw.kernels import kernel
 from mpmfw.kernels.types import Floats
-from mpmfw.state import Grid, Particles
+from mpmfw.state.structs import Grid, Particles
 
 
 @kernel

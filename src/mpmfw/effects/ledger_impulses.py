@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from mpmfw.effects.ledger import EnergyLedger
-from mpmfw.hookspecs import hookimpl
-from mpmfw.state import Grid
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.state.structs import Grid
 
 
 class BeforeImpulses:

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mpmfw.effects.second_moments import inertia_of, moments_of_domains, moments_of_nodes
-from mpmfw.fields import Field, FloatArray
-from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.rows import add_scaled_row, set_scaled_row
 from mpmfw.kernels.small_matrix import determinant, invert
 from mpmfw.kernels.types import Float, Floats, Ints
-from mpmfw.setup import Setup
-from mpmfw.state import Body, Grid, Particles
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.plugin.setup import Setup
+from mpmfw.state.fields import Field, FloatArray
+from mpmfw.state.structs import Body, Grid, Particles
 
 if TYPE_CHECKING:
     from mpmfw.effects.constraint import Constraint

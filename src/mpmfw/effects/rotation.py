@@ -13,12 +13,12 @@ with I_grid in place of I: what is added is the difference of both. Else the bod
 from __future__ import annotations
 
 from mpmfw.effects.second_moments import inertia_of, moments_of_domains, moments_of_nodes
-from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.small_matrix import invert
 from mpmfw.kernels.types import Floats
-from mpmfw.setup import Setup
-from mpmfw.state import Body, Grid, Particles
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.plugin.setup import Setup
+from mpmfw.state.structs import Body, Grid, Particles
 
 
 @device

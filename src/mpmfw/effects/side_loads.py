@@ -8,13 +8,13 @@ import numpy as np
 
 from mpmfw.effects.faces import FLAT, face_of, sides_of
 from mpmfw.errors import SceneError
-from mpmfw.fields import FloatArray, IntArray
-from mpmfw.load import LoadedFacets, SurfaceLoad, tracked
-from mpmfw.state import Body
-from mpmfw.time_table import TimeTable
+from mpmfw.plugin.load import LoadedFacets, SurfaceLoad, tracked
+from mpmfw.state.fields import FloatArray, IntArray
+from mpmfw.state.structs import Body
+from mpmfw.state.time_table import TimeTable
 
 if TYPE_CHECKING:
-    from mpmfw.build import Build
+    from mpmfw.runs.build import Build
     from mpmfw.scene.tables import Side
 
 

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.fields import FloatArray
 from mpmfw.kernels import Struct, device, kernel
 from mpmfw.kernels.types import Float, Floats, Ints
+from mpmfw.state.fields import FloatArray
 
 #: Share of c² m, m the mass of a full cell, below which a node counts as empty: under a straight side it has c² m / 2.
 LIGHT = 0.05

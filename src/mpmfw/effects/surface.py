@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from mpmfw.fields import MIN_GAP, AnyArray, Field
-from mpmfw.hookspecs import hookimpl
 from mpmfw.kernels import kernel, scratch
 from mpmfw.kernels.rows import add_scaled_row
 from mpmfw.kernels.table import entries
 from mpmfw.kernels.types import Floats, Indices, Ints
-from mpmfw.setup import Setup
-from mpmfw.state import Grid, State
-from mpmfw.surface import least_gaps, make_surface
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.plugin.setup import Setup
+from mpmfw.state.fields import MIN_GAP, AnyArray, Field
+from mpmfw.state.structs import Grid, State
+from mpmfw.state.surface import least_gaps, make_surface
 
 if TYPE_CHECKING:
-    from mpmfw.build import Build
+    from mpmfw.runs.build import Build
 
 SurfaceMap = Literal["plain", "mass_weighted"]
 

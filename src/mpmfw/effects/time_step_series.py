@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from mpmfw.fields import AnyArray, Field
-from mpmfw.hookspecs import hookimpl
-from mpmfw.state import State
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.state.fields import AnyArray, Field
+from mpmfw.state.structs import State
 
 TIME_STEP_FIELDS = [
     Field(

@@ -12,17 +12,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mpmfw.effects.ledger_energies import kinetic_energy
-from mpmfw.fields import AnyArray, FloatArray
-from mpmfw.hookspecs import hookimpl
+from mpmfw.effects.series import StrainEnergies
 from mpmfw.kernels import Facets
 from mpmfw.kernels.sides import fastest_approach, find_inside, least_own_gaps, node_normals
-from mpmfw.series import StrainEnergies
-from mpmfw.state import State, Surface
-from mpmfw.surface import make_surface
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.state.fields import AnyArray, FloatArray
+from mpmfw.state.structs import State, Surface
+from mpmfw.state.surface import make_surface
 
 if TYPE_CHECKING:
-    from mpmfw.build import Build
-    from mpmfw.effect import Plan
+    from mpmfw.plugin.effect import Plan
+    from mpmfw.runs.build import Build
 
 #: Penetration beyond that of the start, over the cell size, past which results carry a warning, and are suspect.
 DEEP, TOO_DEEP = 0.15, 0.5

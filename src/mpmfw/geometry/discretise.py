@@ -15,7 +15,6 @@ from pydantic import (
     WrapValidator,
 )
 
-from mpmfw.discovery import available, load, only_bundled
 from mpmfw.errors import SceneError
 from mpmfw.geometry.ball import Ball
 from mpmfw.geometry.base import BodyGeometry
@@ -30,6 +29,7 @@ from mpmfw.geometry.rectangle import Rectangle
 from mpmfw.geometry.revolution import Revolution, Torus
 from mpmfw.geometry.ring import Ring
 from mpmfw.geometry.surface_mesh import SurfaceMesh
+from mpmfw.plugin.discovery import available, load, only_bundled
 
 
 def geometry_class(name: str) -> type[BodyGeometry]:

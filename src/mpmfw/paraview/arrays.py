@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from mpmfw.fields import AnyArray, FloatArray
+from mpmfw.state.fields import AnyArray, FloatArray
 
 #: Out-of-plane component of tensors in 2D, plane strain, where it is known; it is NaN for the others.
 _ACROSS = {"deformation_gradient": 1.0, "velocity_gradient": 0.0, "affine": 0.0}

@@ -11,12 +11,12 @@ from pathlib import Path
 
 import xarray as xr
 
-from mpmfw.domains import domains_of
 from mpmfw.errors import MpmfwError, ResultsWarning
-from mpmfw.outputs import Results, attribute, bodies_of, chosen_frames, opened_run, times_of
 from mpmfw.paraview.files import Mesh, write_collection, write_mesh
 from mpmfw.paraview.meshes import left_out, points_mesh, surface_mesh, surfaces_of, unit_of
 from mpmfw.paraview.table import write_series
+from mpmfw.results.domains import domains_of
+from mpmfw.results.outputs import Results, attribute, bodies_of, chosen_frames, opened_run, times_of
 from mpmfw.results.replacing import check_new
 
 #: Root attributes of a run that go into every file.

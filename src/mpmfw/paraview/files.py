@@ -13,8 +13,8 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from mpmfw.fields import AnyArray, FloatArray, IntArray
 from mpmfw.results.replacing import replace_bytes
+from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 
 #: VTK's numbers of the kinds of cells, by the number of nodes.
 _KINDS = {1: 1, 2: 3, 3: 5, 4: 9}

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from mpmfw.fields import FloatArray, IntArray
 from mpmfw.paraview.triangles import distances_in_space
+from mpmfw.state.fields import FloatArray, IntArray
 
 #: Pairs of a node and a segment that are measured at once.
 _AT_ONCE = 1_000_000

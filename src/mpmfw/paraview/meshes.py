@@ -7,13 +7,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from mpmfw.domains import Domains, triangles_of
 from mpmfw.errors import MpmfwError
-from mpmfw.fields import AnyArray, FloatArray, IntArray
-from mpmfw.outputs import frame_of
 from mpmfw.paraview.arrays import arrays_of, stacked, vectors
 from mpmfw.paraview.files import Mesh
 from mpmfw.paraview.gaps import surface_gaps
+from mpmfw.results.domains import Domains, triangles_of
+from mpmfw.results.outputs import frame_of
+from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 
 #: What the results call the geometry, which is that of the mesh and no field beside it.
 _GEOMETRY = ("position", "corners", "next")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.fields import FloatArray, IntArray
 from mpmfw.geometry.facets import neighbours_of
+from mpmfw.state.fields import FloatArray, IntArray
 
 #: Pairs of a point and a triangle that are measured at once.
 _AT_ONCE = 500_000

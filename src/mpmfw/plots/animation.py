@@ -13,8 +13,8 @@ import xarray as xr
 from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
 
 from mpmfw.errors import SceneError
-from mpmfw.outputs import Results, chosen_frames, frame_at, times_of
 from mpmfw.plots.field_figure import Drawing, labelled, panels_of
+from mpmfw.results.outputs import Results, chosen_frames, frame_at, times_of
 from mpmfw.results.replacing import replacement
 
 #: Pixels an inch: a column of 85 mm is 502 wide.

@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from mpmfw.clock import STEP_STAGES
 from mpmfw.plots.style import combinations, dress, head, journal_style, legend_below, new_figure, on_lines
+from mpmfw.state.clock import STEP_STAGES
 
 _STAGE_COLOURS = ("#0072B2", "#56B4E9", "#009E73", "#D55E00", "#E69F00", "#CC79A7")
 #: Letters of a bar's name beside which a column leaves room for the bars.

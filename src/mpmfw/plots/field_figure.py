@@ -15,13 +15,13 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from mpmfw.errors import SceneError
-from mpmfw.fields import FloatArray
-from mpmfw.outputs import Results, attribute, frame_at, opened, opened_run
 from mpmfw.plots.field_panel import Box, FieldPanel, Scales
 from mpmfw.plots.plane_cut import plane_cut
 from mpmfw.plots.style import PANEL, dress, journal_style, new_figure
 from mpmfw.plots.units import in_brackets, length_scale, readable, with_prefix
-from mpmfw.selection import runs_of
+from mpmfw.results.outputs import Results, attribute, frame_at, opened, opened_run
+from mpmfw.results.selection import runs_of
+from mpmfw.state.fields import FloatArray
 
 #: Drawings wider than this, in heights, stand one above the other; narrower ones two in a row.
 _WIDE = 2.5
@@ -50,7 +50,7 @@ def field(
         A run or a comparison, or the name of its file.
     name
         Of the field: ``von_mises``, ``velocity`` (its size), ``velocity_x``, ``stress_xy``, ``in_plane_pressure``,
-        ``volume_ratio`` …, see :func:`mpmfw.point_fields.point_fields`.
+        ``volume_ratio`` …, see :func:`mpmfw.results.point_fields.point_fields`.
     time
         [s]; the nearest output is drawn, the last one by default.
     bodies

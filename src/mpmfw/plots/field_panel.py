@@ -12,14 +12,14 @@ import xarray as xr
 from matplotlib.collections import EllipseCollection, PolyCollection
 from matplotlib.colors import Normalize
 
-from mpmfw.domains import Domains, domains_of
 from mpmfw.errors import SceneError
-from mpmfw.fields import FloatArray
-from mpmfw.joining import loops
-from mpmfw.outputs import bodies_of, frame_of, times_of
 from mpmfw.plots.style import on_lines
 from mpmfw.plots.units import time_scale
-from mpmfw.point_fields import PointField, point_field
+from mpmfw.results.domains import Domains, domains_of
+from mpmfw.results.joining import loops
+from mpmfw.results.outputs import bodies_of, frame_of, times_of
+from mpmfw.results.point_fields import PointField, point_field
+from mpmfw.state.fields import FloatArray
 
 #: Letters of a title that a panel of a journal's column has room for.
 TITLE_WIDTH = 44
@@ -60,7 +60,7 @@ class FieldPanel:
     tree
         Results of a run in 2D; arrays are read when they are drawn.
     name
-        Of the field, see :func:`mpmfw.point_fields.point_fields`.
+        Of the field, see :func:`mpmfw.results.point_fields.point_fields`.
     bodies
         Only these bodies.
 

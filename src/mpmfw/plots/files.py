@@ -12,7 +12,6 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from mpmfw.errors import MpmfwError, SceneError
-from mpmfw.outputs import series_of
 from mpmfw.plots.costs import cost_bars
 from mpmfw.plots.generic import gap_history, series_overview
 from mpmfw.plots.rings import contact_force
@@ -30,10 +29,11 @@ from mpmfw.plots.scene import (
 from mpmfw.plots.stability import stability_figures
 from mpmfw.plots.study import study_figures
 from mpmfw.plots.style import at_last, drawn_reference, drawn_values, journal_style
-from mpmfw.references import RingsReference, RollingReference
 from mpmfw.results import open as open_results
+from mpmfw.results.outputs import series_of
+from mpmfw.results.references import RingsReference, RollingReference
 from mpmfw.results.replacing import check_new, replace_bytes
-from mpmfw.round_off import without_round_off
+from mpmfw.results.round_off import without_round_off
 
 #: Metadata by format without which two drawings of the same figure would differ.
 _UNDATED = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from mpmfw.plots.style import Look, combinations, dress, head, journal_style, legend_below, new_figure
 from mpmfw.plots.units import scaled_label
-from mpmfw.references import cell_size
+from mpmfw.results.references import cell_size
 
 _PANELS = (
     ("centre_of_mass", "centre of mass", "body"),

@@ -15,11 +15,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from mpmfw.errors import SceneError
-from mpmfw.outputs import Results, checked_name, opened, series_of
 from mpmfw.plots.field_figure import labelled
 from mpmfw.plots.style import PANEL, Look, combinations, dress, head, journal_style, legend_below, new_figure
 from mpmfw.plots.units import count_in, scaled_label, time_scale
-from mpmfw.round_off import without_round_off
+from mpmfw.results.outputs import Results, checked_name, opened, series_of
+from mpmfw.results.round_off import without_round_off
 
 #: Letters of a legend that fit below one panel.
 _LETTERS = 52

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.transforms import offset_copy
 
-from mpmfw.fields import FloatArray
+from mpmfw.state.fields import FloatArray
 
 #: Distance of two markers, as a share of the sum of their half sizes: at 1 circles touch, at 0.6 each can be told.
 _SHARE = 0.6

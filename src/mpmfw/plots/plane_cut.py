@@ -9,13 +9,13 @@ from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.figure import Figure
 
-from mpmfw.domains import triangles_of
 from mpmfw.errors import SceneError
-from mpmfw.fields import FloatArray, IntArray
-from mpmfw.outputs import Results, bodies_of, frame_at, frame_of, opened_run, times_of
 from mpmfw.plots.style import journal_style
 from mpmfw.plots.units import in_brackets, with_prefix
-from mpmfw.point_fields import point_field
+from mpmfw.results.domains import triangles_of
+from mpmfw.results.outputs import Results, bodies_of, frame_at, frame_of, opened_run, times_of
+from mpmfw.results.point_fields import point_field
+from mpmfw.state.fields import FloatArray, IntArray
 
 #: Rounding of positions, which files have in single precision, over the bodies' extent.
 SINGLE_PRECISION = 1e-6

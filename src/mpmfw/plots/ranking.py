@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 
-from mpmfw.fields import FloatArray
 from mpmfw.plots.style import Look, dress, journal_style, legend_below, new_figure
+from mpmfw.state.fields import FloatArray
 
 
 def _ticks(end: float) -> list[float]:

@@ -12,13 +12,13 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from scipy.spatial import cKDTree
 
-from mpmfw.domains import triangles_of
 from mpmfw.errors import SceneError
-from mpmfw.fields import AnyArray, FloatArray, IntArray
-from mpmfw.outputs import Results, bodies_of, frame_at, frame_of, opened_run, times_of
 from mpmfw.plots.style import PANEL, journal_style
 from mpmfw.plots.units import in_brackets, with_prefix
-from mpmfw.point_fields import point_field
+from mpmfw.results.domains import triangles_of
+from mpmfw.results.outputs import Results, bodies_of, frame_at, frame_of, opened_run, times_of
+from mpmfw.results.point_fields import point_field
+from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 
 #: Width and height of the picture in pixels: a journal's column at 300 dpi, drawn twice as large as it is shown.
 PIXELS = (2000, 1500)

@@ -10,8 +10,6 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from mpmfw import analysis
-from mpmfw.fields import FloatArray
 from mpmfw.plots.style import (
     Look,
     combinations,
@@ -22,7 +20,9 @@ from mpmfw.plots.style import (
     legend_below,
     new_figure,
 )
-from mpmfw.references import RingsReference, rings_table
+from mpmfw.results import analysis
+from mpmfw.results.references import RingsReference, rings_table
+from mpmfw.state.fields import FloatArray
 
 WINDOW = 100e-6  #: of the averaged panel [s]
 

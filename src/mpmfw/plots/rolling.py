@@ -22,7 +22,7 @@ from mpmfw.plots.style import (
     new_figure,
     on_lines,
 )
-from mpmfw.references import RollingReference, cell_size, grid_lower_of, own_attributes
+from mpmfw.results.references import RollingReference, cell_size, grid_lower_of, own_attributes
 
 _EXACT: dict[str, Any] = {"color": "black", "linewidth": 0.8, "zorder": 5}
 

@@ -24,7 +24,7 @@ from mpmfw.plots.style import (
     new_figure,
 )
 from mpmfw.plots.units import length_scale, scaled_label, time_scale
-from mpmfw.references import cell_size
+from mpmfw.results.references import cell_size
 
 #: Bodies by colour, in the scene's order; those that move no further than this part of what moves most are grey.
 _BODIES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")

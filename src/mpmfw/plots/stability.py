@@ -12,8 +12,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-from mpmfw.fields import FloatArray
 from mpmfw.plots.style import dress, journal_style, legend_below, new_figure
+from mpmfw.state.fields import FloatArray
 
 #: Colours of the classes in their order; they differ in lightness too.
 COLOURS = ("#F2F2F2", "#9BD0E8", "#E69F00", "#8C1515")

@@ -18,8 +18,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from mpmfw.discovery import Kind, available, distribution_of
-from mpmfw.references import Reference, own_attributes, reference_of
+from mpmfw.plugin.discovery import Kind, available, distribution_of
+from mpmfw.results.references import Reference, own_attributes, reference_of
 
 #: Width of one panel [inch]: 85 mm, a journal's column.
 PANEL = 85.0 / 25.4

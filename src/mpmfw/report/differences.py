@@ -9,10 +9,10 @@ import numpy as np
 import xarray as xr
 
 from mpmfw.errors import is_complete
-from mpmfw.fields import FloatArray
 from mpmfw.plots.style import at_last
-from mpmfw.references import cell_size
-from mpmfw.round_off import without_round_off
+from mpmfw.results.references import cell_size
+from mpmfw.results.round_off import without_round_off
+from mpmfw.state.fields import FloatArray
 
 
 @dataclass(frozen=True)

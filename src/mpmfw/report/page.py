@@ -16,10 +16,10 @@ from matplotlib.figure import Figure
 
 from mpmfw.plots import figures_of
 from mpmfw.plots.style import journal_style
-from mpmfw.references import described
 from mpmfw.report.columns import CHOICES, COLUMNS, COSTS, column_of
 from mpmfw.report.differences import differences, refinement
 from mpmfw.report.table import method_dims, shown, table
+from mpmfw.results.references import described
 from mpmfw.results.replacing import replace_bytes
 
 _STYLE = """body{font:15px/1.5 system-ui,sans-serif;max-width:75em;margin:2em auto;padding:0 1em;color:#222}

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from mpmfw import analysis
-from mpmfw.conservation import dissipation
-from mpmfw.fields import FloatArray
-from mpmfw.references import (
+from mpmfw.report.columns import CHOICES, Column
+from mpmfw.results import analysis
+from mpmfw.results.conservation import dissipation
+from mpmfw.results.references import (
     RingsReference,
     RollingReference,
     cell_size,
@@ -21,7 +21,7 @@ from mpmfw.references import (
     rings_table,
     scene_of_results,
 )
-from mpmfw.report.columns import CHOICES, Column
+from mpmfw.state.fields import FloatArray
 
 
 def method_dims(dataset: xr.Dataset) -> list[Hashable]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from mpmfw.fields import AnyArray, Field, IntArray
+from mpmfw.state.fields import AnyArray, Field, IntArray
 
 
 @dataclass(frozen=True)

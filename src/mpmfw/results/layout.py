@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from mpmfw.fields import Field
+from mpmfw.state.fields import Field
 
 AXES = ("x", "y", "z")
 

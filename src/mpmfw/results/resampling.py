@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mpmfw.fields import AnyArray, FloatArray
 from mpmfw.results.reading import output_times
+from mpmfw.state.fields import AnyArray, FloatArray
 
 if TYPE_CHECKING:
     import xarray as xr

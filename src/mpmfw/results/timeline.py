@@ -11,8 +11,8 @@ import netCDF4
 import numpy as np
 
 from mpmfw.errors import MpmfwError
-from mpmfw.fields import AnyArray, Field
 from mpmfw.results import layout
+from mpmfw.state.fields import AnyArray, Field
 
 
 @dataclasses.dataclass(slots=True)

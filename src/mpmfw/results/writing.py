@@ -15,13 +15,13 @@ import netCDF4
 import numpy as np
 
 from mpmfw.errors import MpmfwError
-from mpmfw.fields import AnyArray, Field
 from mpmfw.results import layout
 from mpmfw.results.frame import Frame, RunHeader
 from mpmfw.results.reading import read_run, tree_of
 from mpmfw.results.room import check_room
 from mpmfw.results.timeline import Timeline
 from mpmfw.results.writers import claim, release, replace_claimed
+from mpmfw.state.fields import AnyArray, Field
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -10,8 +10,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from mpmfw.discovery import available, load
 from mpmfw.errors import SceneError
+from mpmfw.plugin.discovery import available, load
 from mpmfw.scene.locator import Path
 from mpmfw.scene.problem import Problem
 from mpmfw.scene.wording import choice_message, shown

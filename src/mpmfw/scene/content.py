@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from mpmfw.discovery import names_code
+from mpmfw.plugin.discovery import names_code
 from mpmfw.scene.locator import Path
 from mpmfw.scene.override import parse_value
 from mpmfw.scene.problem import Problem

@@ -8,7 +8,7 @@ import tomllib
 from collections.abc import Mapping
 from typing import Any
 
-from mpmfw.discovery import nearest
+from mpmfw.plugin.discovery import nearest
 from mpmfw.scene.locator import Path, dotted
 from mpmfw.scene.problem import Problem
 

@@ -6,8 +6,8 @@ import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal
 
-from mpmfw.discovery import choices
 from mpmfw.errors import SceneError
+from mpmfw.plugin.discovery import choices
 from mpmfw.scene.contact_parts import PARTS
 from mpmfw.scene.loading import load_scene
 from mpmfw.scene.locator import Path

@@ -73,7 +73,7 @@ class Scene(Tables):
         """Whether friction is Coulomb's with the μ of :attr:`pairs`, and not a law that makes something else of it."""
         if self.contact is None or self.contact.friction_law is None:
             return True
-        from mpmfw.discovery import load
+        from mpmfw.plugin.discovery import load
 
         return bool(load("friction", self.contact.friction_law).is_coulomb)
 

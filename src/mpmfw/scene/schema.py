@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from mpmfw.discovery import Kind, available, load, only_bundled
+from mpmfw.plugin.discovery import Kind, available, load, only_bundled
 from mpmfw.scene.geometries import with_geometries
 from mpmfw.scene.tables import Tables
 

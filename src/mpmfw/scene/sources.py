@@ -10,8 +10,8 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from mpmfw.discovery import nearest
 from mpmfw.errors import SceneError
+from mpmfw.plugin.discovery import nearest
 from mpmfw.scene.content import TOO_DEEP
 from mpmfw.scene.scene import Source
 

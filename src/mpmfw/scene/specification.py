@@ -12,8 +12,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from mpmfw.discovery import Kind, choices, did_you_mean, load
 from mpmfw.errors import SceneError
+from mpmfw.plugin.discovery import Kind, choices, did_you_mean, load
 from mpmfw.scene.locator import Path
 from mpmfw.scene.options import with_options
 from mpmfw.scene.override import parse_path, parse_value

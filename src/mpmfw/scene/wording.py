@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from mpmfw.discovery import available, nearest, one_of
+from mpmfw.plugin.discovery import available, nearest, one_of
 from mpmfw.scene.cells import may_be_in_cells
 from mpmfw.scene.expectation import Schema, as_written, expected, keys, subschemas
 from mpmfw.scene.geometries import strangers, with_geometries

@@ -19,17 +19,17 @@ from mpmfw._version import __version__
 from mpmfw.campaigns.grid import Combination, Index, RunGrid, make_grid
 from mpmfw.campaigns.grid_runs import GridRuns
 from mpmfw.campaigns.running import Progress
-from mpmfw.discovery import load
 from mpmfw.errors import ResultsWarning, SceneError
-from mpmfw.fields import FloatArray
-from mpmfw.identity import package
+from mpmfw.plugin.discovery import load
 from mpmfw.results.replacing import check_replaceable, replace_dataset
+from mpmfw.runs.identity import package
+from mpmfw.runs.simulation import Simulation, chosen_methods
 from mpmfw.scene import Scene, load_scene, located
 from mpmfw.scene.specification import specification_of
-from mpmfw.simulation import Simulation, chosen_methods
 from mpmfw.stability.invariants import Invariants, probe_once
 from mpmfw.stability.ratio import stiffness_ratio
 from mpmfw.stability.request import Axis, axis_of, check_overrides, check_values
+from mpmfw.state.fields import FloatArray
 
 #: Classes of a point, by number; the bounds are those of the largest energy ratio.
 CLASSES = ("no contact", "stable", "bounded", "diverged")

@@ -11,15 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.blame import cause
 from mpmfw.campaigns.outcome import Finished, Outcome
 from mpmfw.campaigns.work import Task
 from mpmfw.errors import PastStabilityLimit, PluginError, ResultsWarning, SceneError, SimulationError
-from mpmfw.fields import FloatArray
+from mpmfw.plugin.blame import cause
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from mpmfw.simulation import Simulation
 from mpmfw.stability.record import Hopeless, Record
-from mpmfw.state import State
+from mpmfw.state.fields import FloatArray
+from mpmfw.state.structs import State
 
 #: What a run must record to be judged, and need not.
 OUTPUT = {

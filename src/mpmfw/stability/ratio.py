@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from mpmfw.errors import SceneError
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import Scene
-from mpmfw.simulation import Simulation
 
 
 def stiffness_ratio(scene: Scene, ratio: float) -> dict[str, Any]:

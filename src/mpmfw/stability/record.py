@@ -12,9 +12,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from mpmfw.fields import FloatArray
 from mpmfw.results import Frame
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
+from mpmfw.state.fields import FloatArray
 
 #: Energy ratio past which a run is not followed any further.
 HOPELESS = 1e3

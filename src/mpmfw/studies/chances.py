@@ -43,8 +43,8 @@ def chances(methods: Sequence[Method], errors: Mapping[Method, float], target: f
 
 def price(scene: Scene | None) -> float:
     """Predicted CPU time of a run [s], settling included; 0 of one that is refused."""
-    from mpmfw.prediction import predict
-    from mpmfw.simulation import Simulation
+    from mpmfw.runs.prediction import predict
+    from mpmfw.runs.simulation import Simulation
 
     if scene is None:
         return 0.0

@@ -16,7 +16,7 @@ from mpmfw.campaigns.grid_runs import GridRuns
 from mpmfw.campaigns.measures import MEASURES, exact_of, measure_of, names_of_measures
 from mpmfw.campaigns.running import Progress
 from mpmfw.errors import SceneError
-from mpmfw.measure import About, Measure
+from mpmfw.plugin.measure import About, Measure
 from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene import Scene, load_scene
 from mpmfw.studies.pilots import Pilots

@@ -14,8 +14,8 @@ from mpmfw.campaigns.grid_runs import GridRuns
 from mpmfw.campaigns.judging import Judge
 from mpmfw.campaigns.measures import measure_of
 from mpmfw.campaigns.outcome import COSTS, Cost
-from mpmfw.discovery import load
-from mpmfw.joining import STEPPING
+from mpmfw.plugin.discovery import load
+from mpmfw.results.joining import STEPPING
 from mpmfw.results.provenance import provenance
 from mpmfw.scene import Scene
 from mpmfw.studies.loading import Study

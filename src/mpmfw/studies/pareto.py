@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mpmfw.fields import FloatArray
+from mpmfw.state.fields import FloatArray
 
 
 def front(error: FloatArray, cost: FloatArray) -> NDArray[np.bool_]:

@@ -14,7 +14,7 @@ from mpmfw.campaigns.grid import Index, RunGrid
 from mpmfw.campaigns.grid_runs import GridRuns
 from mpmfw.campaigns.judging import ErrorTable, Judge
 from mpmfw.errors import SimulationError
-from mpmfw.measure import Measure
+from mpmfw.plugin.measure import Measure
 from mpmfw.results.provenance import provenance
 from mpmfw.studies.chances import chances, price
 from mpmfw.studies.fitting import CostFit, ErrorFit, Pilot

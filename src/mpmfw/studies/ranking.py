@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from mpmfw.errors import SceneError
-from mpmfw.fields import AnyArray, FloatArray
+from mpmfw.state.fields import AnyArray, FloatArray
 from mpmfw.studies.conclusion import rows
 
 #: Relative errors that a method may reach; those of other quantities than the error are the same numbers.
@@ -188,8 +188,8 @@ def _runs(given: str | os.PathLike[str] | xr.Dataset, by: str) -> Iterator[dict[
 
 
 def _opened(path: str | os.PathLike[str]) -> xr.Dataset:
-    from mpmfw.outputs import series_of
     from mpmfw.results import check_results
+    from mpmfw.results.outputs import series_of
     from mpmfw.results.reading import read
 
     check_results(Path(path))

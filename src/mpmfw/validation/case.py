@@ -122,7 +122,7 @@ class Case:
         SimulationError, SceneError
             As :func:`mpmfw.run`; :meth:`runs` records them instead.
         """
-        from mpmfw.runs import run
+        from mpmfw.runs.run import run
 
         loaded = scene if isinstance(scene, Scene) else self.scene(scene, method, set or {})
         with warnings.catch_warnings():

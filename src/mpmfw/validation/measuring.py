@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 from mpmfw.campaigns.measures import exact_of, measure_of
 from mpmfw.errors import SceneError, SimulationError
-from mpmfw.measure import About
+from mpmfw.plugin.measure import About
 from mpmfw.scene import Scene
 from mpmfw.validation.case import Case, Method
 from mpmfw.validation.tables import (

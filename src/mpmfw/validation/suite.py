@@ -14,7 +14,7 @@ from mpmfw.campaigns.outcome import Outcome
 from mpmfw.campaigns.running import Progress, do, resumable
 from mpmfw.campaigns.store import Store
 from mpmfw.errors import SceneError
-from mpmfw.identity import code_of_plugins, digest, package, sources
+from mpmfw.runs.identity import code_of_plugins, digest, package, sources
 from mpmfw.validation.checking import CaseTask, check_once
 from mpmfw.validation.rows import Row, Verdict
 

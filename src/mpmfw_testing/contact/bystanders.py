@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mpmfw.contact.strategy import NoInteraction
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from mpmfw_testing.check import Violation
 from mpmfw_testing.contact.bounds import search_meetings
 from mpmfw_testing.contact.meeting import CELL, EXTENT, Meeting, body, rectangle

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.fields import FloatArray
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
+from mpmfw.state.fields import FloatArray
 from mpmfw_testing.contact.bounds import within
 from mpmfw_testing.contact.drawing import histories, impulses_at
 from mpmfw_testing.contact.meeting import (

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.fields import FloatArray
 from mpmfw.plots.style import dress
+from mpmfw.state.fields import FloatArray
 from mpmfw_testing.check import Picture
 from mpmfw_testing.contact.motion import Motion
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.errors import SimulationError
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from mpmfw_testing.check import Inapplicable, Violation
 from mpmfw_testing.contact.bounds import search_meetings, within
 from mpmfw_testing.contact.drawing import histories

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.fields import FloatArray
+from mpmfw.state.fields import FloatArray
 from mpmfw_testing.check import Inapplicable
 from mpmfw_testing.contact.bounds import search_meetings, within
 from mpmfw_testing.contact.drawing import impulse_history, impulses_at

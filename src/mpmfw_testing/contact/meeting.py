@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.discovery import available
-from mpmfw.fields import FloatArray
+from mpmfw.plugin.discovery import available
+from mpmfw.state.fields import FloatArray
 
 CELL = 0.1  #: h [m]
 EXTENT = 1.5  #: half the edge of the grid [m]

@@ -13,7 +13,7 @@ import numpy as np
 from mpmfw.api import FloatArray, Grid, IntArray, State, hookimpl
 from mpmfw.errors import PluginError, SimulationError
 from mpmfw.results import Frame
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from mpmfw_testing.check import Inapplicable, Violation
 from mpmfw_testing.contact.finite import FiniteWatch
 from mpmfw_testing.saving import remember

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from mpmfw.contact.strategy import NoInteraction
-from mpmfw.discovery import available, distribution_of
 from mpmfw.errors import SceneError
-from mpmfw.simulation import Simulation
+from mpmfw.plugin.discovery import available, distribution_of
+from mpmfw.runs.simulation import Simulation
 from mpmfw_testing.check import Inapplicable, Violation
 from mpmfw_testing.contact.bounds import within
 from mpmfw_testing.contact.drawing import impulses_at

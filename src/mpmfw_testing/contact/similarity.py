@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from mpmfw_testing.check import Violation
 from mpmfw_testing.contact.bounds import within
 from mpmfw_testing.contact.drawing import histories, places

@@ -6,7 +6,7 @@ import functools
 
 import numpy as np
 
-from mpmfw.fields import FloatArray
+from mpmfw.state.fields import FloatArray
 from mpmfw_testing.check import Inapplicable, Picture, Violation
 from mpmfw_testing.contact.bounds import within
 from mpmfw_testing.contact.conservation import FAINT, LEVER, ROUNDING

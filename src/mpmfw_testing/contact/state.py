@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.declared_history import NotSaved
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
+from mpmfw.state.history import NotSaved
 from mpmfw_testing.check import Picture, Violation
 from mpmfw_testing.contact.bounds import search_meetings, within
 from mpmfw_testing.contact.drawing import histories

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.fields import FloatArray
+from mpmfw.state.fields import FloatArray
 from mpmfw_testing.contact.bounds import within
 from mpmfw_testing.contact.drawing import places
 from mpmfw_testing.contact.meeting import CELL, NAMES, Meeting, body, material, rectangle, scene

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.api import AnyArray, Grid, Particles, Stencil, hookimpl
-from mpmfw.simulation import Simulation
+from mpmfw.runs.simulation import Simulation
 from mpmfw_testing.check import Violation
 from mpmfw_testing.contact.bounds import within
 from mpmfw_testing.contact.meeting import Meeting

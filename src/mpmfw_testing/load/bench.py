@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.discovery import available, load
-from mpmfw.fields import FloatArray
-from mpmfw.named import NamedPlugIn
+from mpmfw.plugin.discovery import available, load
+from mpmfw.plugin.named import NamedPlugIn
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from mpmfw.simulation import Simulation
-from mpmfw.steppers.operations import interpolate, project_mass_momentum
+from mpmfw.state.fields import FloatArray
+from mpmfw.step.operations import interpolate, project_mass_momentum
 from mpmfw_testing.check import Inapplicable, Violation
 from mpmfw_testing.saving import remember
 from mpmfw_testing.subject import Subject

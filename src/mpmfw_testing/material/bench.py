@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.clock import Clock
-from mpmfw.fields import FloatArray
-from mpmfw.hooks import BoundHooks, make_manager
-from mpmfw.setup import Setup
-from mpmfw.state import Body, Particles, State
-from mpmfw.windows import make_grid
+from mpmfw.plugin.hooks import BoundHooks, make_manager
+from mpmfw.plugin.setup import Setup
+from mpmfw.state.clock import Clock
+from mpmfw.state.fields import FloatArray
+from mpmfw.state.structs import Body, Particles, State
+from mpmfw.state.windows import make_grid
 from mpmfw_testing.check import Inapplicable, Violation
 from mpmfw_testing.subject import Subject
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.fields import FloatArray
+from mpmfw.state.fields import FloatArray
 from mpmfw_testing.check import Check, Violation
 from mpmfw_testing.material.bench import Bench, dims_of, path, within
 from mpmfw_testing.subject import Subject

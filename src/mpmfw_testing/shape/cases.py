@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.fields import FloatArray
+from mpmfw.state.fields import FloatArray
 from mpmfw_testing.check import Inapplicable, Violation
 from mpmfw_testing.searching import hypothesis, search
 from mpmfw_testing.shape.picture import picture_of

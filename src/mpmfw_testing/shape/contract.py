@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.declared_history import NotSaved, put, take
-from mpmfw.fields import AnyArray, FloatArray
 from mpmfw.plots.style import dress
-from mpmfw.state import Stencil
-from mpmfw.windows import set_windows
+from mpmfw.state.fields import AnyArray, FloatArray
+from mpmfw.state.history import NotSaved, put, take
+from mpmfw.state.structs import Stencil
+from mpmfw.state.windows import set_windows
 from mpmfw_testing.check import Check, Picture, Violation
 from mpmfw_testing.searching import hypothesis
 from mpmfw_testing.shape.cases import CELLS, MIDDLE, dimensions_of, points, search_dimensions, within

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.fields import AnyArray, FloatArray
 from mpmfw.geometry.disc import Disc
-from mpmfw.state import Stencil
+from mpmfw.state.fields import AnyArray, FloatArray
+from mpmfw.state.structs import Stencil
 from mpmfw_testing.check import Check, Inapplicable, Violation
 from mpmfw_testing.searching import hypothesis, ladder
 from mpmfw_testing.shape.cases import (

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.fields import FloatArray
+from mpmfw.state.fields import FloatArray
 from mpmfw_testing.check import Check
 from mpmfw_testing.searching import hypothesis, ladder
 from mpmfw_testing.shape.cases import AXES, MIDDLE, one_point, points, require, search_dimensions, two_points

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.state import OutsideGrid, Stencil
+from mpmfw.state.structs import OutsideGrid, Stencil
 from mpmfw_testing.check import Check
 from mpmfw_testing.options import every_option_acts
 from mpmfw_testing.shape.cases import CELLS, MIDDLE, dimensions_of, two_points, velocity_gradient

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.fields import FloatArray
 from mpmfw.plots.style import dress
-from mpmfw.state import OutsideGrid, Stencil
+from mpmfw.state.fields import FloatArray
+from mpmfw.state.structs import OutsideGrid, Stencil
 from mpmfw_testing.check import Picture
 from mpmfw_testing.shape.placement import Placement
 from mpmfw_testing.shape.sums import entries_of

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from mpmfw.api import ShapeFunction
-from mpmfw.clock import Clock
-from mpmfw.fields import FloatArray
 from mpmfw.geometry.layout import Layout, layout_of_boxes
-from mpmfw.hooks import BoundHooks, make_manager
-from mpmfw.setup import Setup
-from mpmfw.state import Body, Grid, Particles, State, Stencil
-from mpmfw.windows import lay_windows, make_grid
+from mpmfw.plugin.hooks import BoundHooks, make_manager
+from mpmfw.plugin.setup import Setup
+from mpmfw.state.clock import Clock
+from mpmfw.state.fields import FloatArray
+from mpmfw.state.structs import Body, Grid, Particles, State, Stencil
+from mpmfw.state.windows import lay_windows, make_grid
 from mpmfw_testing.subject import Subject
 
 #: h [m]; not 1, so that a factor of h cannot hide. A power of two, so that cells begin exactly where they should.

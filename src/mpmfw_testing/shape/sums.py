@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.fields import FloatArray, IntArray
-from mpmfw.state import Grid, Stencil
+from mpmfw.state.fields import FloatArray, IntArray
+from mpmfw.state.structs import Grid, Stencil
 
 
 def entries_of(table: Stencil, point: int) -> slice:

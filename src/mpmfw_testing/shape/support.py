@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from mpmfw.errors import SceneError
-from mpmfw.fields import FloatArray
-from mpmfw.state import OutsideGrid, Stencil
+from mpmfw.state.fields import FloatArray
+from mpmfw.state.structs import OutsideGrid, Stencil
 from mpmfw_testing.check import Check, Violation
 from mpmfw_testing.searching import hypothesis
 from mpmfw_testing.shape.cases import (

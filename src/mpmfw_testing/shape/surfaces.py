@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.fields import FloatArray
+from mpmfw.state.fields import FloatArray
 from mpmfw_testing.check import Check, Inapplicable, Violation
 from mpmfw_testing.searching import ladder
 from mpmfw_testing.shape.cases import MIDDLE, coordinates, require, search_dimensions, two_points, within

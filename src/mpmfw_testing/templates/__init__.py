@@ -7,8 +7,8 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
-from mpmfw.discovery import available, did_you_mean
 from mpmfw.errors import SceneError
+from mpmfw.plugin.discovery import available, did_you_mean
 from mpmfw_testing.templates.texts import MODULE_OF, PYPROJECT, README, RUN, TESTS
 
 #: Kinds that are whole distributions among the documentation: the folder, and name and class of the plug-in in it.

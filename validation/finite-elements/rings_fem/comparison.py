@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpmfw.analysis import averaged, relative_l2
-from mpmfw.references import rings_table
+from mpmfw.results.analysis import averaged, relative_l2
+from mpmfw.results.references import rings_table
 from rings_fem.collision import Collision, collide
 from rings_fem.compiled import Floats
 

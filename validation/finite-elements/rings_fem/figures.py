@@ -10,7 +10,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from mpmfw.plots.style import dress, new_figure
-from mpmfw.references import rings_table
+from mpmfw.results.references import rings_table
 from rings_fem.collision import Collision, Snapshot
 from rings_fem.comparison import distance, mean_force
 from rings_fem.mesh import Mesh

@@ -1,0 +1,206 @@
+"""Run a scene with several methods and join the results on new dimensions."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+import xarray as xr
+
+from mpmfw.campaigns.campaign import campaign
+from mpmfw.campaigns.grid import given_twice, label_of
+from mpmfw.campaigns.measures import exact_of, measure_of, names_of_measures
+from mpmfw.campaigns.running import Progress, Repeats
+from mpmfw.campaigns.store import store_of
+from mpmfw.errors import SceneError
+from mpmfw.plugin.discovery import Kind, object_of
+from mpmfw.plugin.measure import About
+from mpmfw.results.references import reference_of
+from mpmfw.results.replacing import check_replaceable, replace_dataset
+from mpmfw.scene import Scene, load_scene
+from mpmfw.scene.requested import check_compared, check_requested
+from mpmfw.scene.sources import plain
+from mpmfw.scene.specification import called, written
+from mpmfw.scene.toml_text import value_text
+
+
+def compare(
+    scene: Any,
+    contact: Sequence[Any],
+    shape: Sequence[Any],
+    vary: Mapping[str, Sequence[Any]] | None = None,
+    *,
+    output: str | os.PathLike[str] | None = None,
+    progress: Progress | None = None,
+    report: Callable[[float, int], None] | None = None,
+    set: Mapping[str, Any] | None = None,
+    force: bool = False,
+    jobs: int | None = 1,
+    executor: Any = None,
+    store: str | os.PathLike[str] | None = None,
+    repeats: Repeats = "auto",
+    measures: Iterable[str] | None = None,
+) -> xr.Dataset:
+    """Run a scene with every combination of contact and shape (and varied keys) and join what they give.
+
+    Parameters
+    ----------
+    scene
+        A file, the name of a shipped scene, or a mapping.
+    contact, shape
+        Methods: names of plug-ins, names with options such as ``"penalty(kappa=2)"``, ``"module:Class"``, strategy objects or
+        their classes, each once. Options beside a name are set over those of the scene's own table of the method; an object has
+        its own alone.
+        An object is labelled by its ``label``, else its ``name``; a label that occurs again gets ``#2``, ``#3`` …
+    vary
+        Scene keys and their values, such as ``{"grid.cell_size": [0.4, 0.2]}``; the key's last part names the
+        dimension. Values that are not all numbers or all texts, such as vectors, are labelled by their text.
+    output
+        NetCDF file to write, brought up to date after every run; it replaces nothing but another comparison. Finished runs
+        are kept in the folder ``<output>.runs`` beside it: one that was broken off, or is changed, takes what still applies.
+    set
+        Scene keys that all runs share. A comparison keeps the series and the first and last outlines. It keeps the fields of
+        material points if ``output.particles`` is set here or in the scene and all runs have the same points.
+    jobs, executor, store, repeats, measures, progress, report, force
+        As :func:`mpmfw.campaign` takes them; without measures those of which the scene has a closed form or a reference.
+
+    Returns
+    -------
+    xarray.Dataset
+        Series with dims (contact, shape, *vary, time, body | pair, axis), costs with dims (contact, shape,
+        *vary[, stage]), ``status`` ("ok", "suspect: …", "failed: …" or "refused: …"). A failing method does not stop the
+        others; what it did not reach is NaN.
+
+    Raises
+    ------
+    SceneError
+        The request as a whole is wrong: a misspelt plug-in, a method or value given twice, a key that chooses
+        a method, is both set and varied or belongs to a method that does not run, a scene that no combination
+        can run; or the output is a file of another kind.
+    MpmfwError
+        The output cannot be written.
+    Interrupted
+        Ctrl-C or SIGTERM; the output keeps the runs that were done.
+    """
+    methods = {"contact": _methods("contact", contact), "shape": _methods("shape", shape)}
+    varied = dict(vary or {})
+    _check(scene, methods, set or {}, varied)
+    if output is not None:
+        check_replaceable(output, "compare", "comparison")
+    path = None if output is None else os.path.abspath(output)
+    first = _first(scene, methods, set or {})
+    known = _applicable_measures(first) if measures is None else list(measures)
+    # The scene's own word counts; one that says nothing has material points where a measure reads them
+    said = first is not None and "particles" in first.output.model_fields_set
+    particles = {} if said else {"output.particles": any(measure_of(name).particles for name in known)}
+
+    def grown(dataset: xr.Dataset) -> None:
+        if path is not None and dataset["steps"].notnull().any():
+            _write(dataset, path)
+
+    try:
+        dataset = campaign(
+            scene,
+            {**methods, **varied},
+            set={**particles, **(set or {})},
+            store=store if store is not None else store_of(path),
+            executor=executor,
+            jobs=jobs,
+            repeats=repeats,
+            measures=known,
+            progress=progress,
+            report=report,
+            force=force,
+            grown=grown,
+            threads=1 if first is None else first.threads,
+        )
+    except SceneError as error:
+        names = {kind: f"{kind} {label_of(chosen[0])}" for kind, chosen in methods.items()}
+        raise SceneError(_named(str(error), varied, names)) from error
+    for index in zip(*(dataset["status"].values != "ok").nonzero(), strict=True):
+        names = {kind: f"{kind} {dataset[kind].values[index[k]]}" for k, kind in enumerate(methods)}
+        dataset["status"].values[index] = _named(dataset["status"].values[index], varied, names)
+    if path is not None:
+        _write(dataset, path)
+    return dataset
+
+
+def _first(scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str, Any]) -> Scene | None:
+    """The scene with the first methods; None where it is refused, which the campaign says, if no combination can run."""
+    named = {f"{kind}.method": chosen[0] for kind, chosen in methods.items() if isinstance(chosen[0], str)}
+    try:
+        return load_scene(scene, set={**shared, **named})
+    except SceneError:
+        return None
+
+
+def _applicable_measures(scene: Scene | None) -> list[str]:
+    """Measures that the scene can be judged by, but for those that a report reads off the series itself."""
+    if scene is None or reference_of({"scene": scene.text}) is not None:
+        return []
+    measures = [measure_of(name) for name in names_of_measures()]
+    kept = scene.output.particles or "particles" not in scene.output.model_fields_set
+    return [
+        one.name
+        for one in measures
+        if one.kind != "curve" and (kept or not one.particles) and exact_of(one, scene, About()) is not None
+    ]
+
+
+def _write(dataset: xr.Dataset, path: str) -> None:
+    packed = dataset.copy()
+    for array in packed.data_vars.values():
+        array.encoding = {"zlib": True, "complevel": 1} if array.dtype.kind == "f" else {}
+    replace_dataset(packed, path)
+
+
+def _named(message: str, varied: Iterable[str], methods: Mapping[str, str]) -> str:
+    """The message with methods and the keys that are varied called so: to a run they are set as others are."""
+    begin, text = (
+        ("refused: ", message.removeprefix("refused: ")) if message.startswith("refused: ") else ("", message)
+    )
+    text = called(text, methods)
+    for key in varied:
+        text = re.sub(rf"^--set (?={re.escape(key)}(?::|$))", "--vary ", text, flags=re.MULTILINE)
+    return begin + text
+
+
+def _methods(kind: Kind, chosen: Sequence[Any]) -> list[Any]:
+    """Methods, names in the one way of writing that labels have; a name that is not installed is an error at once."""
+    if isinstance(chosen, str) or len(chosen) == 0:
+        raise SceneError(f"{kind}: expected a list of at least one method, got {chosen!r}")
+    methods = [written(kind, one, kind) if isinstance(one, str) else object_of(one) for one in chosen]
+    for k in given_twice(methods):
+        method = methods[k]
+        raise SceneError(f"{kind}: {method if isinstance(method, str) else label_of(method)} is given twice")
+    return methods
+
+
+def _check(
+    scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str, Any], varied: Mapping[str, Any]
+) -> None:
+    """Refuse keys that choose methods, have no effect on those that run, or take each other's place."""
+    check_requested(shared, varied)
+    check_compared(scene, methods, shared, varied)
+    for key, values in varied.items():
+        _check_values(key, values)
+
+
+def _check_values(key: str, values: Sequence[Any]) -> None:
+    """Ask for a list of values, each once.
+
+    Raises
+    ------
+    SceneError
+        There is no value, or one is given twice.
+    """
+    if isinstance(values, str) or not hasattr(values, "__len__"):
+        raise SceneError(f"vary {key}: expected a list of values, got {values!r}")
+    if len(values) == 0:
+        raise SceneError(f"vary: {key} has no values")
+    for k in given_twice(values):
+        value = plain(values[k])
+        text = value if isinstance(value, str) else value_text(value)
+        raise SceneError(f"vary {key}: {text} is given twice")

@@ -1,0 +1,244 @@
+"""Settling to static equilibrium before time zero, by local non-viscous damping (Cundall 1982).
+
+At every node a share of the unbalanced force's magnitude is taken against the direction of motion. No
+frequency has to be known, every mode is damped alike, and as the unbalanced force vanishes so does the
+damping: nothing of it stays in the stresses.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mpmfw.errors import ResultsWarning
+from mpmfw.kernels import kernel
+from mpmfw.kernels.types import Floats
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.state.clock import STEP_STAGES, Clock
+from mpmfw.state.structs import Body, Grid, State
+
+if TYPE_CHECKING:
+    from mpmfw.runs.simulation import Simulation
+    from mpmfw.scene import Scene
+    from mpmfw.scene.tables import Settle
+
+#: Share of the unbalanced force.
+DAMPING = 0.8
+
+#: Share of FLIP while settling: the rest filters the motion of points within a cell, which the grid cannot
+#: see and so not damp.
+FLIP_SHARE = 0.9
+
+#: Kinetic over strain energy above which a scene that should be at rest moves: 3 % of the static displacement.
+MOTION_LEFT = 1e-3
+
+#: Crossings of the longest body by its elastic wave after which settling gives up, unless the scene says
+#: otherwise.
+CROSSINGS = 100
+
+#: The residual is the mean over the last so many steps: a moment of balance in an oscillation does not count, nor does a
+#: point of linear shape functions that crosses a grid line.
+STEPS_OF_MEAN = 50
+
+
+@kernel
+def damp_locally(
+    share: float,
+    node_mass: Floats,
+    node_start_velocity: Floats,
+    node_momentum: Floats,
+    spacing: tuple[float, ...],
+) -> float:
+    """(m v)_i −= share |Δ(m v)_i| sign(v_i), component by component; return Σ |Δ(m v)_i| before damping."""
+    total = 0.0
+    for i in range(len(node_mass)):
+        for d in range(len(spacing)):
+            change = node_momentum[i, d] - node_mass[i] * node_start_velocity[i, d]
+            total += abs(change)
+            if node_momentum[i, d] > 0.0:
+                node_momentum[i, d] -= share * abs(change)
+            elif node_momentum[i, d] < 0.0:
+                node_momentum[i, d] += share * abs(change)
+    return total
+
+
+def called_for(asked: Settle | None) -> tuple[bool, str]:
+    """Whether a scene settles, and the reason: the damping itself is registered only meanwhile."""
+    if asked is None:
+        return False, "no [settle]"
+    given_up = f"{CROSSINGS} crossings" if asked.max_time is None else f"{asked.max_time:g} s"
+    return True, f"[settle]: to {asked.tolerance:g} of the internal forces, for {given_up} at most"
+
+
+def is_settled_for_good(scene: Scene) -> bool:
+    """Return whether the scene should stay at rest: what it settles under goes on, and nothing sets it in motion."""
+    constant = scene.gravity is None or scene.gravity.is_constant
+    return (
+        scene.settle is not None
+        and (scene.settle.gravity is None and constant and not scene.loads)
+        and all(body.velocity is None and body.angular_velocity is None for body in scene.bodies.values())
+        and all(side.is_constant for body in scene.bodies.values() for side in body.sides)
+    )
+
+
+def concern(settled: Mapping[str, float]) -> list[str]:
+    """Return a sentence if the kinetic energy at the first output after settling is too large a share of the strain energy."""
+    share = settled.get("settle_motion", 0.0)
+    if share <= MOTION_LEFT:
+        return []
+    return [
+        f"the scene still moved at the first output after settling, with {100 * share:.2g} % of the strain energy as "
+        "kinetic energy; try a smaller settle.tolerance, or a longer settle.max_time"
+    ]
+
+
+def longest_settling(asked: Settle, bodies: Iterable[Body]) -> float:
+    """Simulated time after which settling gives up [s]."""
+    if asked.max_time is not None:
+        return float(asked.max_time)
+    return CROSSINGS * max(
+        float(np.subtract(body.upper, body.lower).max()) / body.wave_speed for body in bodies
+    )
+
+
+class LocalDamping:
+    """The damping as a plug-in that is registered only while a scene settles."""
+
+    name = "settling"
+    history = ("impulse", "_integrated")
+
+    def __init__(self) -> None:
+        self.impulse = 0.0  #: Σ |Δ(m v)_i| of the last step [N s/m]
+        self.internal = 0.0  #: Σ |f_i| of the internal forces of the last step [N/m]
+        self._integrated = False
+
+    @hookimpl(tryfirst=True)
+    def add_nodal_force(self, grid: Grid) -> None:
+        """Sum the internal forces, which balance all others at rest, before any other is added."""
+        self.internal = float(np.abs(grid.force).sum())
+
+    @hookimpl
+    def after_momentum_update(self) -> None:
+        """The momentum is integrated: the next boundary condition is that of the forces."""
+        self._integrated = True
+
+    @hookimpl(trylast=True)
+    def constrain_momentum(self, grid: Grid) -> None:
+        """After the boundary conditions, so that reactions balance; once a step."""
+        if self._integrated:
+            self._integrated = False
+            self.impulse = damp_locally(DAMPING, grid.mass, grid.start_velocity, grid.momentum, grid.spacing)
+
+
+def stop_motion(state: State) -> None:
+    """Set velocities and affine fields to zero."""
+    p = state.particles
+    p.velocity.fill(0.0)
+    for array in (p.affine, p.moment):
+        if array is not None:
+            array.fill(0.0)
+
+
+class Settling:
+    """Brings a scene to rest under its loads, sides that move standing still; time zero comes after it.
+
+    All that it knows between two steps is its own, so that it can be saved there with the simulation.
+
+    Parameters
+    ----------
+    simulation
+        Before its first step.
+    asked
+        The scene's table ``settle``.
+    """
+
+    history = ("ratios", "residual", "elapsed", "damping")
+
+    def __init__(self, simulation: Simulation, asked: Settle) -> None:
+        self.limit = longest_settling(asked, simulation.state.bodies)
+        self.tolerance = asked.tolerance
+        _tell(simulation, asked)
+        self.transfer = simulation.transfer
+        simulation.transfer = replace(self.transfer, flip=min(self.transfer.flip, FLIP_SHARE))
+        simulation.clock.restart()
+        self.damping = LocalDamping()
+        self.residual, self.elapsed = 1.0, 0.0
+        self.ratios = np.ones(STEPS_OF_MEAN)  #: of residual to internal forces, of the last steps
+
+    def finish(
+        self, simulation: Simulation, after_step: Callable[[], None] | None = None
+    ) -> dict[str, float]:
+        """Step until the residual force is below the tolerance times the present internal forces.
+
+        Both are sums over all nodes and axes of magnitudes, as the ratio of unbalanced forces of Cundall's codes is.
+
+        Parameters
+        ----------
+        simulation
+            The one that it began with.
+        after_step
+            Called after every step.
+
+        Returns
+        -------
+        ``settle_residual``, ``settle_steps``, ``settle_simulated_time`` [s], ``settle_time`` and
+        ``settle_cpu_<stage>`` [s] for the results' file. If the limit of time is reached first, a warning says so and
+        the residual tells how far it got.
+        """
+        with simulation.extra_plugin(self.damping):
+            while self.residual > self.tolerance and self.elapsed < self.limit:
+                self._step(simulation)
+                if after_step is not None:
+                    after_step()
+        if self.residual > self.tolerance:
+            warnings.warn(
+                f"settling stopped after {self.elapsed:.3g} s with a residual force of {self.residual:.2g} of the internal "
+                f"forces (asked for: {self.tolerance:.2g})",
+                ResultsWarning,
+                stacklevel=3,
+            )
+        steps = simulation.state.steps
+        self._begin_at_zero(simulation)
+        found = {
+            "settle_residual": self.residual,
+            "settle_steps": steps,
+            "settle_simulated_time": self.elapsed,
+        }
+        return {**found, **_costs(simulation.clock)}
+
+    def _step(self, simulation: Simulation) -> None:
+        state = simulation.state
+        state.time = 0.0  # loads that change in time stand still at their start
+        simulation.step()
+        self.elapsed += state.dt
+        force, internal = self.damping.impulse / state.dt, self.damping.internal
+        ratio = min(1.0, force / internal) if internal > 0.0 else float(force > 0.0)
+        self.ratios[state.steps % STEPS_OF_MEAN] = ratio
+        self.residual = float(self.ratios.mean())
+
+    def _begin_at_zero(self, simulation: Simulation) -> None:
+        """Loads, sides and transfer as the scene has them, no motion, and nothing recorded."""
+        simulation.transfer = self.transfer
+        stop_motion(simulation.state)
+        simulation.clock.flush()
+        _tell(simulation, None)
+        if simulation.contact is not None:
+            simulation.contact.restart()
+        simulation.state.time, simulation.state.steps = 0.0, 0
+
+
+def _tell(simulation: Simulation, asked: Settle | None) -> None:
+    """Effects that are different while a scene settles are so until they are told None."""
+    for _, plugin in simulation.manager.list_name_plugin():
+        if hasattr(plugin, "while_settling"):
+            plugin.while_settling(asked)
+
+
+def _costs(clock: Clock) -> dict[str, float]:
+    """CPU time of settling as that of the steps counts it: without compilation, gap diagnostic and output."""
+    cpu = {stage: clock.cpu[stage] for stage in STEP_STAGES}
+    return {"settle_time": sum(cpu.values()), **{f"settle_cpu_{stage}": cpu[stage] for stage in STEP_STAGES}}

@@ -1,0 +1,1 @@
+"""Plug-ins: base classes, hook specifications, bound hooks, setup and discovery."""

@@ -1,0 +1,198 @@
+"""Hook specifications: every place in the algorithm where a plug-in may act.
+
+Hooks are named by their place, not by a method. None of them receives the simulation: what a plug-in needs
+beyond the arguments it takes from :class:`mpmfw.api.Setup`, once, and keeps itself. An implementation may
+leave out arguments that it does not use (pluggy passes those it names).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pluggy
+
+from mpmfw.state.fields import AnyArray, Field, FloatArray, IntArray
+from mpmfw.state.structs import Grid, Particles, State, Stencil
+
+if TYPE_CHECKING:
+    from mpmfw.plugin.setup import Setup
+
+hookspec = pluggy.HookspecMarker("mpmfw")
+hookimpl = pluggy.HookimplMarker("mpmfw")
+
+
+class HookSpecs:
+    """The hooks, in the order in which a run calls them."""
+
+    @hookspec
+    def declare_fields(self) -> list[Field]:
+        """Once, before allocation: declare the arrays and series that the plug-in owns.
+
+        May change nothing.
+
+        Returns
+        -------
+        Declarations; arrays are then allocated with :meth:`mpmfw.api.Setup.allocate`, and series filled by
+        :meth:`diagnostics`.
+        """
+        raise NotImplementedError
+
+    @hookspec
+    def setup(self, setup: Setup) -> None:
+        """Once, after the bodies are discretised: read facts of the scene, allocate declared arrays.
+
+        ``setup`` has the facts and allocates; what is needed later the plug-in keeps. May change the plug-in
+        alone, and the material points' initial state.
+        """
+
+    @hookspec(firstresult=True)
+    def particle_reach(self, particles: Particles) -> FloatArray:
+        """When a window of the grid is laid: half the extent of every particle's domain, (n, dim) [m].
+
+        Implemented by the shape function. May change nothing.
+        """
+        raise NotImplementedError
+
+    @hookspec
+    def add_pairs(self, state: State) -> None:
+        """When bodies have come near that were apart: ``state.pairs`` has more pairs, at its end.
+
+        Who implements it is given, in a scene of many bodies, pairs only as they come near, before anything can act
+        between them; it then lengthens what it has for each pair (:meth:`mpmfw.api.State.lengthen`). Who does not is given
+        all pairs from the start, whose number grows with the square of that of the bodies. Called after windows were laid,
+        and before outputs. May change the plug-in's own arrays alone.
+        """
+
+    @hookspec(firstresult=True)
+    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
+        """Step 1: φ_ip and ∇φ_ip of every material point. Implemented by the shape function.
+
+        May change nothing but its own table.
+
+        Raises
+        ------
+        mpmfw.api.OutsideGrid
+            A support leaves its window; the core lays the window anew, or stops if the grid ends there.
+        """
+        raise NotImplementedError
+
+    @hookspec(firstresult=True)
+    def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
+        """Step 1, after :meth:`interpolate`: N_i at points on the boundary. Implemented by the shape function.
+
+        The basis is the one that matches the particles', Σ V ∇S = ∮ N n dS. Asked only where a surface is
+        tracked. Parameters: ``position`` (n, dim) [m]; ``first`` (n_fields + 1,), the points of velocity field
+        f are ``first[f]:first[f + 1]``. May change nothing but its own table.
+
+        Raises
+        ------
+        mpmfw.api.OutsideGrid
+            As :meth:`interpolate`.
+        """
+        raise NotImplementedError
+
+    @hookspec
+    def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
+        """After step 2, before the length of the step is chosen: detect contacts.
+
+        The points' m_i and (m v)_i are on the grid; what is found here is that of this step, so that
+        :meth:`stable_timestep` speaks of it. May change the plug-in's own arrays alone; called again before the step goes
+        on it finds the same.
+        """
+
+    @hookspec
+    def after_momentum_projection(self, grid: Grid, phi: Stencil, particles: Particles, dt: float) -> None:
+        """After step 2: m_i and (m v)_i of every velocity field are complete.
+
+        May change ``grid.momentum``.
+        """
+
+    @hookspec
+    def add_nodal_force(self, grid: Grid, state: State, phi: Stencil, dt: float) -> None:
+        """Step 3: f_ext and f_cont (eq. 12 of [H17]).
+
+        May add to ``grid.force``.
+        """
+
+    @hookspec
+    def after_momentum_update(self, grid: Grid, phi: Stencil, particles: Particles, dt: float) -> None:
+        """After step 4: (m v)_i is integrated.
+
+        May change ``grid.momentum``.
+        """
+
+    @hookspec
+    def correct_inertia(self, grid: Grid, phi: Stencil, particles: Particles, dt: float) -> None:
+        """After all contact corrections of step 4: mend the inertia of the lumped mass.
+
+        May change ``grid.momentum``.
+        """
+
+    @hookspec
+    def constrain_momentum(self, grid: Grid, time: float) -> None:
+        """After all corrections of the momentum: boundary conditions, which have the last word.
+
+        ``time`` [s] is that at the end of the step. MUSL and USF ask again for the velocity of the strain.
+        May change ``grid.momentum``.
+        """
+
+    @hookspec
+    def after_second_projection(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
+        """MUSL alone, after the second projection: (m v)_i of the points' new velocity is complete.
+
+        May change ``grid.momentum``.
+        """
+
+    @hookspec
+    def advect(self, grid: Grid, dt: float) -> None:
+        """Step 5: whatever else rides on the grid's final velocity ``grid.velocity``, such as surface nodes.
+
+        May change what rides.
+        """
+
+    @hookspec
+    def update_particle_domains(self, particles: Particles, grid: Grid, dt: float) -> None:
+        """Step 6: GIMP lengths or CPDI corners follow the deformation.
+
+        May change the shape function's own arrays.
+        """
+
+    @hookspec
+    def update_stress(self, particles: Particles, dt: float) -> None:
+        """Step 6: σ of the material's own bodies from their F.
+
+        May change ``particles.stress`` of its slices.
+        """
+
+    @hookspec
+    def end_step(self, state: State) -> None:
+        """After the step: records and guards.
+
+        May change the plug-in alone.
+        """
+
+    @hookspec
+    def stable_timestep(self, state: State) -> tuple[float, str] | None:
+        """After :meth:`detect`: the largest stable step [s] and its owner, or None if nothing limits it now.
+
+        The least of all answers rules. Asked in every step, after :meth:`detect`, and once before the first: what has not
+        been detected yet is then taken for granted. May change nothing.
+        """
+
+    @hookspec
+    def diagnostics(self, state: State, interval: float, points: bool) -> dict[str, AnyArray]:
+        """At outputs only: values of the plug-in's declared series and output fields.
+
+        Parameters: ``interval`` [s] since the last output (0 at the first); ``points`` whether this output stores fields
+        of material points, which need not be answered otherwise. May change nothing but accumulators that restart at
+        outputs.
+        """
+        raise NotImplementedError
+
+    @hookspec
+    def concerns(self) -> list[str]:
+        """Once, after the last step: what a reader of the results must know, a sentence each.
+
+        They become warnings, and the attribute ``warnings`` of the results. May change nothing.
+        """
+        raise NotImplementedError

@@ -1,0 +1,205 @@
+"""Loads that a scene names: forces on the material points of bodies, and tractions on their surfaces."""
+
+from __future__ import annotations
+
+import functools
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mpmfw.kernels import kernel, scratch
+from mpmfw.kernels.facets import area_vector, read_corners
+from mpmfw.kernels.types import Floats, Indices, Ints
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.plugin.named import NamedPlugIn
+from mpmfw.state.fields import FloatArray, IntArray
+from mpmfw.state.structs import Grid, Particles, State, Stencil, Surface
+
+if TYPE_CHECKING:
+    from mpmfw.state.numbers import Numbers
+
+
+@kernel
+def add_point_forces(
+    begin: int, row: Ints, nodes: Indices, weight: Floats, force: Floats, node_force: Floats
+) -> None:
+    """f_i += Σ φ_ip f_p over the points from ``begin`` on, of which ``force`` (n, dim) is given."""
+    for q in range(len(force)):
+        for k in range(row[begin + q], row[begin + q + 1]):
+            for d in range(force.shape[1]):
+                node_force[nodes[k], d] += weight[k] * force[q, d]
+
+
+@kernel
+def measure_facets(
+    which: Ints, facets: Ints, position: Floats, centre: Floats, normal: Floats, area: Floats, spacing: tuple[float, ...]
+) -> None:  # fmt: skip
+    """Centre (n, dim) [m], outward unit normal (n, dim) and area (n,) [m^(dim−1)] of some facets."""
+    dim = len(spacing)
+    corners, vector = scratch.matrix(spacing, spacing), scratch.vector(spacing)
+    share = 1.0 if dim == 2 else 0.5  # the area vector of a triangle is twice its area
+    for q in range(len(which)):
+        read_corners(which[q], position, facets, corners, spacing)
+        area_vector(corners, vector, spacing)
+        square = 0.0
+        for d in range(dim):
+            square += vector[d] * vector[d]
+        length = math.sqrt(square)
+        area[q] = share * length
+        for d in range(dim):
+            normal[q, d] = vector[d] / length if length > 0.0 else 0.0
+            centre[q, d] = 0.0
+            for a in range(dim):
+                centre[q, d] += corners[a, d] / dim
+
+
+@kernel
+def add_facet_forces(
+    which: Ints, force: Floats, facets: Ints, row: Ints, nodes: Indices, weight: Floats, node_force: Floats
+) -> None:
+    """f_i += f_m / dim N_i(x_s) from every corner of the facets, as contact forces are mapped (eq. 11 of [H17])."""
+    dim = force.shape[1]
+    for q in range(len(which)):
+        for a in range(dim):
+            node = facets[which[q], a]
+            for k in range(row[node], row[node + 1]):
+                for d in range(dim):
+                    node_force[nodes[k], d] += weight[k] * force[q, d] / dim
+
+
+class Load(NamedPlugIn):
+    """Base of loads: one instance for each table ``[loads.NAME]`` of the scene, with that table's options.
+
+    A load derives from :class:`BodyLoad` or :class:`SurfaceLoad`. Its work counts as external in the energy ledger. What
+    depends on the velocity may implement the hook ``stable_timestep``.
+    """
+
+    history = ("work",)
+    work = 0.0  #: on the bodies so far [J/m]
+
+    @property
+    def ledger_term(self) -> tuple[str, str]:
+        """Term of the energy ledger, and what does the work."""
+        return "external", f"load '{self.title}'"
+
+    def take_over(self, other: Load, numbers: Numbers) -> None:  # noqa: ARG002
+        """Take the work that the same load has done in another simulation of its bodies."""
+        self.work, other.work = self.work + other.work, 0.0
+
+
+class BodyLoad(Load):
+    """Base of loads on material points: subclasses say the force on each, :meth:`forces`."""
+
+    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
+        """Force on each of the points ``own`` of one body, (n, dim) [N].
+
+        Parameters
+        ----------
+        particles
+            All material points, at the beginning of the step; may not be changed.
+        own
+            Those of the body.
+        time
+            [s]
+        """
+        raise NotImplementedError
+
+    @hookimpl
+    def add_nodal_force(self, grid: Grid, state: State, phi: Stencil, dt: float) -> None:
+        """Map the forces with the points' shape functions, f_i = Σ φ_ip f_p: their sum and power are those of the points."""
+        self._impulses = []
+        for body in self.bodies:
+            own = body.particles
+            shape = (own.stop - own.start, state.grid.dim)
+            force = self.checked(self.forces(state.particles, own, state.time), shape, state)
+            add_point_forces(own.start, phi.row, phi.nodes, phi.weight, force, grid.force)
+            self._impulses.append((own, dt * force))
+
+    @hookimpl
+    def end_step(self, state: State) -> None:
+        """Add the work on the points."""
+        for own, impulse in self._impulses:
+            self.work += float(np.vdot(impulse, state.particles.velocity[own]))
+
+
+class LoadedFacets:
+    """The facets that a surface load acts on, at the beginning of a step.
+
+    Attributes
+    ----------
+    position
+        Their centres (n, dim) [m].
+    normal
+        Outward unit normals (n, dim).
+    area
+        (n,) [m²], in the plane times the body's thickness.
+    """
+
+    def __init__(self, state: State, which: IntArray) -> None:
+        """Measure the facets ``which`` (n,) of all surfaces."""
+        surface, dim = tracked(state), state.grid.dim
+        self._state, self._which = state, which
+        self.position, self.normal = np.empty((len(which), dim)), np.empty((len(which), dim))
+        self.area = np.empty(len(which))
+        measure_facets(
+            which, surface.facets, surface.position, self.position, self.normal, self.area, state.grid.spacing
+        )
+        if state.particles.thickness is not None:
+            thickness = np.array([body.thickness for body in state.bodies])
+            self.area *= thickness[surface.body[surface.facets[which, 0]]]
+
+    @functools.cached_property
+    def velocity(self) -> FloatArray:
+        """Mean velocity of the corners (n, dim) [m/s], of the grid's velocity before any force of this step."""
+        surface = tracked(self._state)
+        phi, grid = surface.stencil, self._state.grid
+        assert phi is not None
+        moving = phi.weight[:, None] * grid.start_velocity[phi.nodes]
+        at_nodes = np.add.reduceat(moving, phi.row[:-1])
+        return np.asarray(at_nodes[surface.facets[self._which]].mean(axis=1))
+
+
+class SurfaceLoad(Load):
+    """Base of loads on surfaces: subclasses say the traction on each facet, :meth:`traction`."""
+
+    needs_surface = True
+    #: Facets that it acts on, of all surfaces: (n,).
+    facets: IntArray
+
+    def traction(self, facets: LoadedFacets, time: float) -> FloatArray:
+        """Force on each facet by its present area, (n, dim) [Pa].
+
+        Parameters
+        ----------
+        facets
+            Where they are, and how they move; those of all bodies of the load.
+        time
+            [s]
+        """
+        raise NotImplementedError
+
+    @hookimpl
+    def add_nodal_force(self, grid: Grid, state: State) -> None:
+        """Map the tractions with the surface nodes' shape functions, as contact forces are (eq. 11 of [H17])."""
+        surface, loaded = tracked(state), LoadedFacets(state, self.facets)
+        phi, shape = surface.stencil, (len(self.facets), state.grid.dim)
+        assert phi is not None  # filled at the beginning of the step
+        force = loaded.area[:, None] * self.checked(self.traction(loaded, state.time), shape, state)
+        add_facet_forces(self.facets, force, surface.facets, phi.row, phi.nodes, phi.weight, grid.force)
+        self._force = force
+
+    @hookimpl
+    def end_step(self, state: State) -> None:
+        """Add the work on the facets."""
+        surface = tracked(state)
+        self.work += float(
+            np.vdot(self._force, surface.displacement[surface.facets[self.facets]].mean(axis=1))
+        )
+
+
+def tracked(state: State) -> Surface:
+    """The surfaces, which a load on them needs."""
+    if state.surface is None:
+        raise RuntimeError("loads on surfaces need tracked surfaces")
+    return state.surface

@@ -1,0 +1,103 @@
+"""Base classes of measures, which campaigns read off a run, and of references, which say what a scene's motion must be."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+from mpmfw.state.fields import FloatArray
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from mpmfw.scene import Scene
+
+
+@dataclass(frozen=True)
+class About:
+    """What a quantity is of: names as a study's table ``error`` gives them; None lets the scene decide."""
+
+    body: str | None = None  #: a body's name
+    pair: str | None = None  #: two bodies', ``a-b``
+    axis: str = "x"  #: of the grid
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A quantity of one run; NaN where it is not known."""
+
+    values: FloatArray  #: (1,) for a number, (time,) for a curve, (points,) for a field, in the measure's unit, such as [m]
+    time: FloatArray  #: of a curve (time,) [s]; empty for others
+
+
+@dataclass(frozen=True)
+class Exact:
+    """What a quantity must be; ``at`` a number's or a field's is the same at all times, (1,), in SI units."""
+
+    kind: str  #: ``closed-form`` or ``reference``, as a study's ``error.kind``
+    says: str  #: what it is, for a reader
+    at: Callable[[FloatArray], FloatArray]  #: the value at times (n,) [s]
+
+
+class Measure:
+    """Base of measures, announced as entry points of the group ``mpmfw.measure``; the docstring says what is measured.
+
+    A measure takes no options and keeps nothing: the same run gives the same values.
+
+    Attributes
+    ----------
+    name
+        What studies and campaigns call it.
+    unit
+        Of its values, SI, as ``m s-1``.
+    kind
+        A ``number``, a ``curve`` in time, or a ``field`` at points.
+    keys
+        Of ``body``, ``pair`` and ``axis``, those that it looks at; a study that gives another one is refused.
+    norm
+        Of differences, where a study does not say: ``largest`` or ``l2``.
+    particles
+        Whether it needs the arrays of the material points.
+    """
+
+    name: ClassVar[str]
+    unit: ClassVar[str]
+    kind: ClassVar[Literal["number", "curve", "field"]]
+    keys: ClassVar[tuple[str, ...]] = ()
+    norm: ClassVar[Literal["largest", "l2"]] = "largest"
+    particles: ClassVar[bool] = False
+
+    @property
+    def meaning(self) -> str:
+        """First line of the docstring, for a reader."""
+        return (self.__doc__ or self.name).strip().splitlines()[0].rstrip(".")
+
+    def of(self, run: xr.DataTree, scene: Scene, about: About) -> Measured:
+        """Read it off the results of a ``run``, given its ``scene``, of the body, pair or axis that ``about`` names."""
+        raise NotImplementedError
+
+    def exact(self, scene: Scene, about: About) -> Exact | None:  # noqa: ARG002
+        """What it must be in a ``scene``, of what ``about`` names; None, the default, where nobody knows."""
+        return None
+
+
+class Reference:
+    """Base of references, announced as entry points of the group ``mpmfw.reference``.
+
+    A scene names one as ``[reference] kind = "NAME"``; its closed form then stands in place of those that measures know.
+
+    Attributes
+    ----------
+    name
+        What scenes call it.
+    example
+        A scene of its kind, as nested mappings: what the checks compare with a run.
+    """
+
+    name: ClassVar[str]
+    example: ClassVar[Mapping[str, Any]] = {}
+
+    def exact(self, scene: Scene, measure: str, about: About) -> Exact | None:
+        """What the ``measure`` of a name must be in a ``scene``, of what ``about`` names; None where that is not known."""
+        raise NotImplementedError

@@ -1,0 +1,88 @@
+"""Plug-ins that a scene names as it likes, as many as it wants: loads, boundary conditions and outputs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, ClassVar
+
+import numpy as np
+
+from mpmfw.errors import PluginError
+from mpmfw.plugin.base import PlugIn
+from mpmfw.state.fields import AnyArray, FloatArray
+from mpmfw.state.structs import Body, State
+
+
+class NamedPlugIn(PlugIn):
+    """Base of plug-ins with a table of their own in the scene, such as ``[loads.NAME]``, with that table's options."""
+
+    #: Dimensions that it works in.
+    dimensions: ClassVar[tuple[int, ...]] = (2, 3)
+    #: Whether surfaces must be tracked for it.
+    needs_surface: ClassVar[bool] = False
+    #: What the scene calls it.
+    title: str = ""
+    #: Bodies that it concerns.
+    bodies: tuple[Body, ...] = ()
+
+    @classmethod
+    def problems(cls, options: Any, dim: int) -> Iterable[tuple[tuple[str | int, ...], str]]:  # noqa: ARG003
+        """What is wrong with ``options`` in ``dim`` dimensions: key, index in it where there is one, and what was expected.
+
+        The scene's reader tells it with file and line. Nothing by default.
+        """
+        return ()
+
+    def checked(
+        self, answer: Any, shape: tuple[int, ...], state: State, *, missing: bool = False
+    ) -> FloatArray:
+        """The answer of a method, such as forces (n, dim) [N], as an array of this ``shape``; NaN may be ``missing`` values.
+
+        Raises
+        ------
+        PluginError
+            It has another shape, or is not finite.
+        """
+        array: AnyArray = np.asarray(answer, dtype=float)
+        wrong = ""
+        if array.shape != shape:
+            wrong = f"an array of shape {array.shape}; expected {shape}"
+        elif np.isinf(array).any() or (not missing and np.isnan(array).any()):
+            wrong = "what is not finite"
+        if wrong:
+            raise PluginError(
+                f"'{self.title}' ({self.name}) answered with {wrong}", step=state.steps, time=state.time
+            )
+        return np.ascontiguousarray(array)
+
+
+def shares_near(position: FloatArray, at: FloatArray, cell_size: float) -> FloatArray:
+    """Shares w_p (n,) of points in what is at a place between them, Σ w_p = 1 and Σ w_p x_p = x (moving least squares).
+
+    w_p = k_p (a + b·r_p), r_p = x_p − x, with a kernel k_p that falls to zero 1.5 cells beyond the nearest point: fewer points
+    would not reach a place at a corner.
+
+    Parameters
+    ----------
+    position
+        x_p (n, dim) [m].
+    at
+        x (dim,) [m].
+    cell_size
+        h [m]
+
+    Raises
+    ------
+    ValueError
+        No point is within a cell of the place.
+    """
+    offset = position - at
+    distance = np.sqrt((offset**2).sum(axis=1)) / cell_size
+    if distance.min() > 1.0:
+        raise ValueError(f"the nearest material point is {distance.min():.3g} cells away")
+    kernel = np.maximum(1.0 - distance / (distance.min() + 1.5), 0.0)
+    basis = np.column_stack([np.ones(len(offset)), offset])
+    target = np.zeros(basis.shape[1])
+    target[0] = 1.0
+    moments = basis.T @ (kernel[:, None] * basis)
+    return np.asarray(kernel * (basis @ np.linalg.lstsq(moments, target, rcond=None)[0]))

@@ -1,0 +1,255 @@
+"""Measures of a motion: accelerations, errors against closed forms, impulses and averages of forces.
+
+Pure functions of arrays. A quantity that cannot be measured, because a run failed before or a series is too
+short, is NaN.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from mpmfw.state.fields import FloatArray
+
+
+@dataclass(frozen=True)
+class RollingSolution:
+    """Rigid cylinder (eq. 13 of [H17] and the spin that belongs to it) or sphere on an incline, from rest."""
+
+    acceleration: float  #: of the centre along the plane [m/s²]
+    angular_acceleration: float  #: counter-clockwise positive: negative when rolling towards +x [rad/s²]
+    slips: bool  #: tan θ > 3 μ, of a sphere 3.5 μ
+
+    def displacement(self, time: FloatArray | float) -> FloatArray:
+        """d = a t²/2 [m]."""
+        return np.asarray(0.5 * self.acceleration * np.square(time))
+
+    def velocity(self, time: FloatArray | float) -> FloatArray:
+        """v = a t [m/s]."""
+        return np.asarray(self.acceleration * np.asarray(time))
+
+    def spin(self, time: FloatArray | float) -> FloatArray:
+        """ω = -α t [rad/s]."""
+        return np.asarray(self.angular_acceleration * np.asarray(time))
+
+    def time_to(self, distance: float) -> float:
+        """Time [s] at which the centre has moved by ``distance`` [m]."""
+        return float(np.sqrt(2.0 * distance / self.acceleration))
+
+
+def rolling_solution(
+    tilt: float, friction: float, g: float, radius: float, inertia: float = 0.5
+) -> RollingSolution:
+    """Return the motion of a rigid cylinder or sphere on an inclined plane, released from rest.
+
+    Parameters
+    ----------
+    tilt
+        Angle θ of the plane [rad].
+    friction
+        Coulomb's μ.
+    g
+        Gravitational acceleration [m/s²].
+    radius
+        R of the body [m].
+    inertia
+        β = I/(m R²): 1/2 of a cylinder, 2/5 of a sphere.
+
+    Notes
+    -----
+    With slip (tan θ > (1 + 1/β) μ): a = g (sin θ - μ cos θ), α = μ g cos θ / (β R). Without: a = g sin θ / (1 + β), α = a / R.
+    """
+    slips = bool(np.tan(tilt) > (1.0 + 1.0 / inertia) * friction)
+    if slips:
+        acceleration = g * (np.sin(tilt) - friction * np.cos(tilt))
+        angular = friction * g * np.cos(tilt) / (inertia * radius)
+    else:
+        acceleration = g * np.sin(tilt) / (1.0 + inertia)
+        angular = acceleration / radius
+    return RollingSolution(float(acceleration), -float(angular), slips)
+
+
+def value_at(time: FloatArray, values: FloatArray, at: float) -> float:
+    """Value of a smooth series at ``at``, by the parabola through three outputs; NaN outside the series."""
+    known = np.isfinite(values)
+    time, values = time[known], values[known]
+    slack = 1e-9 * abs(at)
+    if len(time) < 3 or at > time[-1] + slack or at < time[0] - slack:
+        return float("nan")
+    nearest = np.argsort(np.abs(time - at), kind="stable")[:3]
+    scale = float(np.ptp(time[nearest]))
+    return float(np.polyval(np.polyfit((time[nearest] - at) / scale, values[nearest], 2), 0.0))
+
+
+def fitted_acceleration(time: FloatArray, displacement: FloatArray, start: float, end: float) -> float:
+    """Acceleration a of the least-squares fit d0 + v0 t + a t²/2 between ``start`` and ``end``.
+
+    Parameters
+    ----------
+    time, displacement
+        Series of shape (time,) [s], [m].
+    start, end
+        Window [s]; the last 80 % of the motion is the convention here: ``start = 0.2 * end``.
+
+    Returns
+    -------
+    float
+        [m/s²]; NaN if the series ends before the window does, or holds fewer than four outputs in it.
+    """
+    slack = 1e-9 * abs(end)
+    known = np.isfinite(displacement)
+    inside = known & (time >= start - slack) & (time <= end + slack)
+    if inside.sum() < 4 or time[known][-1] < end - float(np.max(np.diff(time[inside]))) - slack:
+        return float("nan")
+    scaled = (time[inside] - start) / (end - start)
+    return float(2.0 * np.polyfit(scaled, displacement[inside], 2)[0] / (end - start) ** 2)
+
+
+def end_displacement_error(
+    time: FloatArray, displacement: FloatArray, acceleration: float, distance: float = 10.0
+) -> float:
+    """Relative error of the displacement when the exact one, a t²/2, is ``distance`` [m].
+
+    Returns
+    -------
+    float
+        (d - distance) / distance; NaN if the series ends before.
+    """
+    return value_at(time, displacement, float(np.sqrt(2.0 * distance / acceleration))) / distance - 1.0
+
+
+def impulse(time: FloatArray, force: FloatArray) -> FloatArray:
+    """Impulse since the first output of a force that is stored as its mean over each output interval.
+
+    Parameters
+    ----------
+    time
+        (time,) [s].
+    force
+        (time, …) [N/m]; ``force[k]`` is the mean between ``time[k - 1]`` and ``time[k]``, ``force[0]``
+        belongs to no interval.
+
+    Returns
+    -------
+    ndarray
+        Same shape as ``force`` [N s/m].
+    """
+    steps = np.diff(time, prepend=time[0]).reshape(-1, *(1,) * (force.ndim - 1))
+    return np.asarray(np.cumsum(np.where(steps > 0.0, force * steps, 0.0), axis=0))
+
+
+def averaged(time: FloatArray, impulses: FloatArray, window: float) -> FloatArray:
+    """Centred mean of a force over ``window`` [s] from its impulse.
+
+    There is no force before the first output, so that the window is whole there; it is cut at the last one,
+    after which the force is not known.
+    """
+    before = time - 0.5 * window
+    after = np.minimum(time + 0.5 * window, time[-1])
+    return np.asarray(
+        (np.interp(after, time, impulses) - np.interp(before, time, impulses)) / (after - before)
+    )
+
+
+def running_average(time: FloatArray, force: FloatArray, window: float) -> FloatArray:
+    """Centred average over ``window`` [s] of a force stored as means over output intervals."""
+    return averaged(time, impulse(time, force), window)
+
+
+#: Output intervals of the mean against which the noise of a force is told.
+NOISE_WINDOW = 20
+
+
+def force_noise(time: FloatArray, force: FloatArray, window: float | None = None) -> float:
+    """Share of a contact force that is noise: rms of the force less its running mean, over the rms of that mean.
+
+    Parameters
+    ----------
+    time
+        (time,) [s].
+    force
+        (time,) or (time, axis) [N/m]: means over the output intervals.
+    window
+        Of the mean [s]; :data:`NOISE_WINDOW` output intervals by default.
+
+    Returns
+    -------
+    float
+        NaN where there is no force, or not twice the window of it.
+    """
+    known = np.isfinite(np.atleast_2d(force.T).T).all(axis=1)
+    if known.sum() < 2 * NOISE_WINDOW:
+        return float("nan")
+    time, force = time[known], force[known].reshape(int(known.sum()), -1)
+    span = NOISE_WINDOW * float(np.median(np.diff(time))) if window is None else window
+    mean = np.stack([running_average(time, one, span) for one in force.T], axis=1)
+    size = float(np.mean(mean**2))
+    return float(np.sqrt(np.mean((force - mean) ** 2) / size)) if size > 0.0 else float("nan")
+
+
+def relative_l2(time: FloatArray, values: FloatArray, reference: FloatArray) -> float:
+    """‖values - reference‖ / ‖reference‖ in L2 over the time; NaN if a value is."""
+    return float(np.sqrt(np.trapezoid((values - reference) ** 2, time) / np.trapezoid(reference**2, time)))
+
+
+@dataclass(frozen=True)
+class ContactPhases:
+    """When a pair's force acts [s]; NaN for what did not happen."""
+
+    first: float  #: first contact
+    gap_start: float  #: start of the longest interval without force in between
+    gap_end: float  #: end of it
+    separation: float  #: last contact
+
+
+def contact_phases(time: FloatArray, force: FloatArray, threshold: float = 1e-6) -> ContactPhases:
+    """Find first contact, the longest interruption and the final separation of a force of shape (time,).
+
+    Parameters
+    ----------
+    threshold
+        Fraction of the largest force below which there is none.
+    """
+    size = np.abs(np.nan_to_num(force))
+    acting = (
+        np.flatnonzero(size > threshold * size.max()) if size.max() > 0.0 else np.empty(0, dtype=np.int64)
+    )
+    nan = float("nan")
+    if len(acting) == 0:
+        return ContactPhases(nan, nan, nan, nan)
+    first = float(time[max(acting[0] - 1, 0)])
+    # A force that still acts at the last output has not ended.
+    ended = acting[-1] < len(time) - 1 and bool(np.isfinite(force[acting[-1] + 1]))
+    separation = float(time[acting[-1]]) if ended else nan
+    breaks = np.diff(acting)
+    if len(breaks) == 0 or breaks.max() == 1:
+        return ContactPhases(first, nan, nan, separation)
+    longest = int(np.argmax(breaks))
+    return ContactPhases(
+        first, float(time[acting[longest]]), float(time[acting[longest + 1] - 1]), separation
+    )
+
+
+#: Series that make up the energy, per body and per pair; friction and damping are work that is gone.
+_ENERGIES = ("kinetic_energy", "strain_energy", "affine_energy")
+_WORKS = ("contact_energy", "frictional_work", "damping_work")
+
+
+def energy_kept(run: xr.Dataset) -> FloatArray:
+    """Energy and the work of friction and contact damping, of the energy at the start; shape (time,).
+
+    Parameters
+    ----------
+    run
+        Series of one run, with dims (time, body) and (time, pair). A series that is absent, or NaN throughout
+        since only other methods of a comparison have it, counts as nothing, and so does a pair before it is listed.
+    """
+    total = np.zeros(run.sizes["time"])
+    for names, dim in ((_ENERGIES, "body"), (_WORKS, "pair")):
+        for name in names:
+            if name in run and bool(run[name].notnull().any()):
+                total = total + run[name].sum(dim, skipna=dim == "pair").values
+    start = total[0] if len(total) else np.nan
+    return np.asarray(total / start) if start > 0.0 else np.full(len(total), np.nan)

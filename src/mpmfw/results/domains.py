@@ -1,0 +1,113 @@
+"""What a stored run leaves out and its scene gives back: domains of CPDI and CPDI2 (2D), triangles of surfaces (3D)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from pydantic import ValidationError
+
+from mpmfw.errors import MpmfwError
+from mpmfw.geometry import discretise
+from mpmfw.geometry.layout import parallelogram_corners
+from mpmfw.geometry.solid import joined
+from mpmfw.results.references import cell_size_of, scene_of
+from mpmfw.scene.cells import with_lengths
+from mpmfw.scene.content import code_in
+from mpmfw.scene.tables import Body
+from mpmfw.state.fields import FloatArray, IntArray
+
+
+class Domains:
+    """Corners of the domains of one body's material points, counter-clockwise.
+
+    CPDI2 stores its corners. Those of CPDI are x_p + F R_0 ξ: x_p and F are stored, and the half-edges R_0 at
+    the start follow from the scene, which the file carries, by the same discretisation as that of the run.
+
+    Parameters
+    ----------
+    half_edges
+        R_0, (n, 2, 2) [m]; None where the corners are stored.
+    """
+
+    def __init__(self, half_edges: FloatArray | None) -> None:
+        self.half_edges = half_edges
+
+    def corners(self, frame: xr.Dataset) -> FloatArray:
+        """Corners (n, 4, 2) [m] at one output.
+
+        Parameters
+        ----------
+        frame
+            The body's material points at that output.
+        """
+        if self.half_edges is None:
+            return np.asarray(frame["corners"].values, dtype=float)
+        deformed = np.asarray(frame["deformation_gradient"].values @ self.half_edges)
+        return parallelogram_corners(np.asarray(frame["position"].values, dtype=float), deformed)
+
+
+def domains_of(tree: xr.DataTree, body: str) -> Domains | None:
+    """Domains of a body's material points, or None where they have none or it is not known.
+
+    Parameters
+    ----------
+    tree
+        Results of a run.
+    body
+        Its name.
+
+    Returns
+    -------
+    Domains or None
+        None in 3D, with other shape functions than CPDI and CPDI2, and where the scene in the file does not give
+        the stored points back: their masses over the initial areas must be one density, to 1e-9.
+    """
+    points = tree[f"particles/{body}"].to_dataset()
+    if points.sizes.get("axis") != 2:
+        return None
+    if "corners" in points and points["corners"].sizes.get("corner") == 4:
+        return Domains(None)
+    needed = {"position", "deformation_gradient", "mass"}
+    if not str(tree.attrs.get("shape", "")).startswith("cpdi") or not needed <= set(points.data_vars):
+        return None
+    half_edges, area = _initial(scene_of({str(name): value for name, value in tree.attrs.items()}), body)
+    mass = np.asarray(points["mass"].values, dtype=float)
+    if half_edges is None or len(area) != len(mass):
+        return None
+    density = mass / area
+    return Domains(half_edges) if np.allclose(density, density[0], rtol=1e-9, atol=0.0) else None
+
+
+def triangles_of(tree: xr.DataTree, body: str) -> IntArray | None:
+    """Triangles (k, 3) of a body's surfaces in space, by its nodes, from the scene that the results carry; None if it has none.
+
+    The surface is made as it was for the run; whether a mesh file is still the same only the number of its nodes says.
+    """
+    attributes = {str(name): value for name, value in tree.attrs.items()}
+    try:
+        table = _table(scene_of(attributes), body)
+        made = table.geometry.surfaces(table.segment_length(cell_size_of(attributes)))
+    except (KeyError, TypeError, ValueError, OSError, ValidationError, MpmfwError):
+        return None
+    return joined(made)[1]
+
+
+def _table(scene: dict[str, Any], body: str) -> Body:
+    """A body of the scene that results carry; code that they name is not imported."""
+    table = with_lengths(scene)["bodies"][body]
+    if problem := next(code_in(table), None):
+        raise ValueError(problem.message)
+    return Body.model_validate(table)
+
+
+def _initial(scene: dict[str, Any], body: str) -> tuple[FloatArray | None, FloatArray]:
+    """Half-edges (n, 2, 2) [m] and areas (n,) [m²] before the motion, from the scene; None if it has no such
+    body."""
+    try:
+        table = _table(scene, body)
+        layout = discretise(table.geometry, table.particles, None)
+    except (KeyError, TypeError, ValueError, OSError, ValidationError, MpmfwError):
+        return None, np.empty(0)  # a scene of another version, or a mesh file that is no longer there
+    return layout.half_edges, layout.volume

@@ -1,0 +1,1 @@
+"""Runs of one scene: building, stepping, writing frames, restart and limits."""

@@ -1,0 +1,186 @@
+"""Bodies of a scene as material points and outlines, and what must hold of them at the start."""
+
+from __future__ import annotations
+
+import functools
+from collections import Counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mpmfw.errors import SceneError
+from mpmfw.geometry import Layout, discretise
+from mpmfw.plugin.blame import blaming, described
+from mpmfw.runs.sizing import check_box_inside
+from mpmfw.state.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, IntArray
+from mpmfw.state.pairs import overlapping
+from mpmfw.state.structs import Body, Particles
+from mpmfw.step.transfer import Transfer
+
+if TYPE_CHECKING:
+    from mpmfw.plugin.material import Material
+    from mpmfw.scene import Scene
+
+
+def lay_out(scene: Scene) -> tuple[Layout, ...]:
+    """Of bodies that are alike but for their centres one is discretised, about the origin, and moved to each centre."""
+    asked = [_alike(body, scene) for body in scene.bodies.values()]
+    made, times, about_the_origin = [], Counter(asked), functools.cache(discretise)
+    for (name, body), alike in zip(scene.bodies.items(), asked, strict=True):
+        geometry, particles, segment = alike
+        try:
+            if geometry is None or times[alike] == 1:
+                made.append(discretise(body.geometry, particles, segment))
+            else:
+                by = np.subtract(body.geometry.centroid, geometry.centroid)
+                made.append(about_the_origin(geometry, particles, segment).moved(by))
+        except ValueError as error:
+            raise SceneError(f"bodies.{name}: {error}") from error
+    return tuple(made)
+
+
+def _alike(body: Any, scene: Scene) -> tuple[Any, Any, float]:
+    """What bodies that differ by their centres alone have in common: the geometry about the origin, None if it has no
+    centre, the division into points, and the length of a segment."""
+    centre, geometry = getattr(body.geometry, "centre", None), None
+    if centre is not None:  # made anew: a copy would have what the original has worked out
+        geometry = type(body.geometry)(**{**dict(body.geometry), "centre": (0.0,) * len(centre)})
+    return geometry, body.particles, body.segment_length(scene.grid.cell_size)
+
+
+def make_bodies(
+    scene: Scene, layouts: tuple[Layout, ...], materials: dict[str, Material], *, per_body: bool
+) -> tuple[Body, ...]:
+    """What the state knows of every body; with a velocity field for each, or one for all."""
+    bodies, start = [], 0
+    for index, (name, model) in enumerate(scene.bodies.items()):
+        layout, material = layouts[index], materials[model.material]
+        count = len(layout.volume)
+        corners = np.concatenate([layout.position, *layout.outlines])
+        reach = np.abs(layout.half_edges).sum(axis=2)
+        lower = np.minimum(corners.min(axis=0), (layout.position - reach).min(axis=0))
+        upper = np.maximum(corners.max(axis=0), (layout.position + reach).max(axis=0))
+        if layout.outlines:  # the true outline, not the particles' bulge beyond it
+            nodes = np.concatenate(layout.outlines)
+            lower, upper = nodes.min(axis=0), nodes.max(axis=0)
+        bodies.append(
+            Body(
+                name=name,
+                index=index,
+                particles=slice(start, start + count),
+                field=index if per_body else 0,
+                density=scene.materials[model.material].density,
+                bulk_modulus=_modulus("bulk_modulus", material),
+                shear_modulus=_modulus("shear_modulus", material),
+                lower=tuple(lower.tolist()),
+                upper=tuple(upper.tolist()),
+                outlines=layout.outlines,
+                facets=layout.facets,
+                thickness=1.0 if model.thickness is None else model.thickness,
+            )
+        )
+        start += count
+    return tuple(bodies)
+
+
+def _modulus(name: str, material: Material) -> float:
+    """Return a modulus of a material [Pa].
+
+    Raises
+    ------
+    SceneError
+        It is no positive number; a shear modulus may be 0.
+    """
+    with blaming([material]):
+        value = getattr(material, name)
+    least = 0.0 if name == "shear_modulus" else np.nextafter(0.0, 1.0)
+    if not isinstance(value, int | float | np.number) or not least <= value < np.inf:
+        raise SceneError(
+            f"{described(material)} has {name} {value!r}; expected a number {'from' if least == 0.0 else 'above'} 0 in Pa"
+        )
+    return float(value)
+
+
+def check_inside(scene: Scene, layouts: tuple[Layout, ...], bodies: tuple[Body, ...]) -> None:
+    """Refuse bodies that the grid does not hold."""
+    for body, layout in zip(bodies, layouts, strict=True):
+        low = np.minimum(layout.position.min(axis=0), body.lower)
+        high = np.maximum(layout.position.max(axis=0), body.upper)
+        check_box_inside(scene, body.name, low, high)
+
+
+def check_overlap(bodies: tuple[Body, ...]) -> None:
+    """Refuse bodies whose surfaces overlap by more than rounding."""
+    if len(bodies) < 2 or any(not body.outlines for body in bodies):
+        return
+    boxes = (np.array([body.lower for body in bodies]), np.array([body.upper for body in bodies]))
+    first, second = overlapping(*boxes)
+    if boxes[0].shape[1] == 3:
+        _check_depth(bodies, first, second)
+        return
+    import shapely
+
+    near = np.union1d(first, second)
+    regions = np.array([_area(bodies[index], shapely) for index in near.tolist()], dtype=object)
+    one, other = (regions[np.searchsorted(near, index)] for index in (first, second))
+    common = shapely.area(shapely.intersection(one, other))
+    too_much = np.flatnonzero(common > 1e-6 * np.minimum(shapely.area(one), shapely.area(other)))
+    for pair in too_much[:1]:
+        raise SceneError(
+            f"bodies.{bodies[first[pair]].name} and bodies.{bodies[second[pair]].name} overlap by {common[pair]:.3g} m² at "
+            "the start; move them apart, or say allow_overlap = true"
+        )
+
+
+def _check_depth(bodies: tuple[Body, ...], first: IntArray, second: IntArray) -> None:
+    """Refuse bodies in space that have nodes inside each other, by more than 1e-6 of the smaller body's size."""
+    from mpmfw.state.surface import least_gaps, make_surface
+
+    gaps = least_gaps(make_surface(bodies, 1, "gap"), first, second, (1.0, 1.0, 1.0))
+    size = [min(np.subtract(body.upper, body.lower)) for body in bodies]
+    for a, b, gap in zip(first.tolist(), second.tolist(), gaps, strict=True):
+        if gap < -1e-6 * min(size[a], size[b]):
+            raise SceneError(
+                f"bodies.{bodies[a].name} and bodies.{bodies[b].name} overlap at the start, by {-gap:.3g} m at one node; "
+                "move them apart, or say allow_overlap = true"
+            )
+
+
+def _area(body: Body, shapely: Any) -> Any:
+    """The body's region as a shapely geometry; loops that run clockwise are holes."""
+    if len(body.outlines) == 1:
+        return shapely.Polygon(body.outlines[0])
+    region = shapely.MultiPolygon()
+    loops = [shapely.Polygon(loop) for loop in body.outlines]
+    for loop, polygon in zip(body.outlines, loops, strict=True):
+        if shapely.LinearRing(loop).is_ccw:
+            region = shapely.union(region, polygon)
+    for loop, polygon in zip(body.outlines, loops, strict=True):
+        if not shapely.LinearRing(loop).is_ccw:
+            region = shapely.difference(region, polygon)
+    return region
+
+
+def make_particles(
+    scene: Scene, layouts: tuple[Layout, ...], bodies: tuple[Body, ...], transfer: Transfer, n_fields: int
+) -> Particles:
+    """The material points of all bodies at rest, with what the transfer needs of them, by velocity field."""
+    volume = np.concatenate([layout.volume for layout in layouts])
+    sizes = {"particle": len(volume), "axis": scene.dim, "axis2": scene.dim}
+    arrays: dict[str, Any] = {declared.name: declared.allocate(sizes) for declared in PARTICLE_FIELDS}
+    arrays["position"][:] = np.concatenate([layout.position for layout in layouts])
+    arrays["initial_volume"][:] = arrays["volume"][:] = volume
+    arrays["deformation_gradient"][:] = np.eye(scene.dim)
+    for body in bodies:
+        arrays["mass"][body.particles] = body.areal_density * volume[body.particles]
+    thickness = None
+    if any(body.thickness is not None for body in scene.bodies.values()):
+        thickness = np.repeat([body.thickness for body in bodies], [len(layout.volume) for layout in layouts])
+    starts = [body.particles.start for body in bodies] if n_fields == len(bodies) else [0]
+    return Particles(
+        **arrays,
+        affine=AFFINE_FIELD.allocate(sizes) if transfer.affine is not None else None,
+        moment=MOMENT_FIELD.allocate(sizes) if transfer.affine == "moment" else None,
+        first=np.array([*starts, len(volume)], dtype=np.int64),
+        thickness=thickness,
+    )

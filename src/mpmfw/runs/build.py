@@ -1,0 +1,310 @@
+"""From a scene to the state and the plug-ins that act on it."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mpmfw.contact.friction import FrictionLaw
+from mpmfw.contact.strategy import ContactStrategy
+from mpmfw.errors import SceneError
+from mpmfw.geometry import BodyGeometry, Layout
+from mpmfw.plugin.blame import distribution_text, refusing
+from mpmfw.plugin.boundary import Boundary
+from mpmfw.plugin.dead_hooks import refuse_dead_hooks
+from mpmfw.plugin.discovery import Kind, full_name, load, object_of, refuse_nameless
+from mpmfw.plugin.hookspecs import HookSpecs
+from mpmfw.plugin.load import Load
+from mpmfw.plugin.material import Material
+from mpmfw.plugin.measure import Measure, Reference
+from mpmfw.plugin.named import NamedPlugIn
+from mpmfw.plugin.output_series import OutputSeries
+from mpmfw.plugin.setup import Setup
+from mpmfw.plugin.shape_function import ShapeFunction
+from mpmfw.runs.bodies import check_inside, check_overlap, lay_out, make_bodies, make_particles
+from mpmfw.runs.sizing import check_memory
+from mpmfw.runs.timestep import stable_length
+from mpmfw.scene.options import NAMED
+from mpmfw.state.pairs import FEW, NearPairs
+from mpmfw.state.structs import Body, State, joined
+from mpmfw.state.windows import make_grid
+from mpmfw.step.transfer import Transfer, make_transfer
+
+if TYPE_CHECKING:
+    from mpmfw.scene import Scene
+
+
+@dataclass
+class Build:
+    """What a simulation is made of, before its plug-ins are set up."""
+
+    scene: Scene
+    layouts: tuple[Layout, ...]
+    state: State
+    shape: ShapeFunction
+    contact: ContactStrategy | None
+    materials: dict[str, Material]
+    scheme: str
+    transfer: Transfer
+    bulk_frequency: float  #: largest 2 c / h over the bodies, of thin ones 2 c / √(h w) [1/s]
+    friction_law: FrictionLaw | None = None  #: that the scene names
+    #: Loads, boundary conditions and outputs by the scene's tables of them and its names.
+    named: dict[str, dict[str, NamedPlugIn]] = field(default_factory=dict)
+    whole: Build | None = None  #: of all bodies, where these are some of them (:func:`build_some`)
+
+    @property
+    def named_plugins(self) -> list[NamedPlugIn]:
+        """All of them."""
+        return [plugin for group in self.named.values() for plugin in group.values()]
+
+
+def build(
+    scene: Scene,
+    contact: ContactStrategy | None = None,
+    shape: ShapeFunction | None = None,
+    loads: Mapping[str, Load] | None = None,
+) -> Build:
+    """Discretise the bodies and make the plug-ins that the scene names; objects take their place, ``loads`` stand beside.
+
+    Raises
+    ------
+    SceneError
+        A body is outside the grid, bodies overlap, or a method cannot run this scene, or anything.
+    """
+    chosen_shape = shape or _plugin("shape", scene.shape.method, scene.shape.options)
+    chosen_contact = contact
+    if chosen_contact is None and scene.contact is not None:
+        chosen_contact = _plugin("contact", scene.contact.method, scene.contact.options)
+    if len(scene.bodies) == 1:
+        _check_unused_contact(scene, contact)
+        chosen_contact = None
+    _check_methods(scene, chosen_shape, chosen_contact)
+    check_memory(scene)
+    layouts = lay_out(scene)
+    materials = {
+        name: _plugin("material", scene.materials[name].model, scene.materials[name].options)
+        for name in dict.fromkeys(body.material for body in scene.bodies.values())
+    }
+    per_body = chosen_contact is not None and chosen_contact.velocity_fields == "per_body"
+    bodies = make_bodies(scene, layouts, materials, per_body=per_body)
+    check_inside(scene, layouts, bodies)
+    if not scene.allow_overlap:
+        check_overlap(bodies)
+    return _put_together(scene, layouts, bodies, chosen_shape, chosen_contact, materials, loads or {})
+
+
+def build_some(made: Build, which: Sequence[int]) -> Build:
+    """Some of the bodies as they were at the start, by themselves; methods are made anew of the same options.
+
+    One body alone has no contact.
+    What all bodies together decide stays: the largest wave speed, whether there is friction, and whether surfaces are tracked.
+    """
+
+    def again(plugin: Any) -> Any:
+        return None if plugin is None else type(plugin).from_options(plugin.options)
+
+    names = [made.state.bodies[index].name for index in which]
+    scene = made.scene.of_bodies(names)
+    used = dict.fromkeys(scene.bodies[name].material for name in names)
+    shape, contact = again(made.shape), again(made.contact) if len(names) > 1 else None
+    materials = {name: again(made.materials[name]) for name in used}
+    layouts = tuple(made.layouts[index] for index in which)
+    bodies = make_bodies(scene, layouts, materials, per_body=True)
+    some = _put_together(scene, layouts, bodies, shape, contact, materials, {})
+    return dataclasses.replace(some, bulk_frequency=made.bulk_frequency, whole=made)
+
+
+def _put_together(
+    scene: Scene,
+    layouts: tuple[Layout, ...],
+    bodies: tuple[Body, ...],
+    chosen_shape: ShapeFunction,
+    chosen_contact: ContactStrategy | None,
+    materials: dict[str, Material],
+    loads: Mapping[str, Load],
+) -> Build:
+    """The state of the bodies, and what moves them, of methods that are made."""
+    per_body = chosen_contact is not None and chosen_contact.velocity_fields == "per_body"
+    scheme, name = scene.stepping.chosen(chosen_shape)
+    transfer = make_transfer(
+        name,
+        singular_spread=chosen_shape.singular_spread,
+        transported=scene.stepping.transported,
+        pic_fraction=scene.stepping.pic_fraction,
+    )
+    n_fields = len(bodies) if per_body else 1
+    grid = make_grid(scene.grid.cell_size, np.array(scene.grid.lower), np.array(scene.grid.upper), n_fields)
+    particles = make_particles(scene, layouts, bodies, transfer, n_fields)
+    for body in bodies:
+        material = materials[scene.bodies[body.name].material]
+        material.slices = joined(material.slices, body.particles)
+    state = State(particles, grid, bodies, ())
+    friction, named = _friction_law(scene, chosen_contact), _named(scene, bodies, loads)
+    _list_pairs(scene, state, chosen_contact, friction)
+    fastest = max(
+        2.0 * body.wave_speed / stable_length(grid.cell_size, scene.bodies[body.name].geometry.width)
+        for body in bodies
+    )
+    return Build(
+        scene,
+        layouts,
+        state,
+        chosen_shape,
+        chosen_contact,
+        materials,
+        scheme,
+        transfer,
+        fastest,
+        friction,
+        named,
+    )
+
+
+def _named(
+    scene: Scene, bodies: tuple[Body, ...], loads: Mapping[str, Load]
+) -> dict[str, dict[str, NamedPlugIn]]:
+    """The plug-ins with tables that the scene names, told what they are called and which bodies they concern."""
+    made: dict[str, dict[str, NamedPlugIn]] = {}
+    for group in ("loads", "boundaries", "outputs"):
+        made[group] = {}
+        for name, table in getattr(scene, group).items():
+            plugin: NamedPlugIn = _plugin(NAMED[group], table.model, table.options)
+            if scene.dim not in plugin.dimensions:
+                works = " and ".join(f"{d}D" for d in plugin.dimensions)
+                raise SceneError(
+                    f"{group}.{name}: {plugin.name} works in {works}; the scene's grid is {scene.dim}D"
+                )
+            plugin.title = name
+            plugin.bodies = tuple(b for b in bodies if table.bodies is None or b.name in table.bodies)
+            made[group][name] = plugin
+    for name, given in loads.items():
+        given.title, given.bodies = name, bodies
+        made["loads"][name] = given
+    return made
+
+
+def _friction_law(scene: Scene, contact: ContactStrategy | None) -> FrictionLaw | None:
+    """The scene's, if contact takes any."""
+    given = scene.contact
+    if given is None or given.friction_law is None or contact is None or not contact.takes_friction_law:
+        return None
+    law: FrictionLaw = _plugin("friction", given.friction_law, given.friction_options)
+    return law
+
+
+def _plugin(kind: Any, name: str, options: Any) -> Any:
+    """Import and make one plug-in."""
+    plugin = load(kind, name)
+    _check_base(kind, plugin)
+    with refusing(
+        f"{kind} plug-in '{name}' of {distribution_text(plugin)} cannot be made from the scene's options"
+    ):
+        given = options is not None and hasattr(plugin, "from_options")
+        return plugin.from_options(options) if given else plugin()
+
+
+#: Base classes of what a scene names.
+BASES: dict[Kind, type[Any]] = {
+    "contact": ContactStrategy, "friction": FrictionLaw, "shape": ShapeFunction, "material": Material, "load": Load,
+    "boundary": Boundary, "output": OutputSeries, "geometry": BodyGeometry, "measure": Measure, "reference": Reference,
+}  # fmt: skip
+
+
+def strategy(kind: Kind, given: Any) -> Any:
+    """What was given for a method: None, a name or a strategy object as it is, of a class an object without options.
+
+    Raises
+    ------
+    SceneError
+        It is of another kind, or the class cannot be made without options.
+    """
+    if given is None or isinstance(given, (str, BASES[kind])):
+        return given
+    if not isinstance(given, type):
+        raise SceneError(
+            f"{kind}: found {given!r}; expected a name, module:Class, or a class derived from "
+            f"mpmfw.api.{BASES[kind].__name__} or an object of one"
+        )
+    _check_base(kind, given)
+    return object_of(given)
+
+
+def _check_base(kind: Kind, plugin: type[Any]) -> None:
+    """Refuse a class of another kind."""
+    base = BASES[kind]
+    if not issubclass(plugin, base):
+        raise SceneError(
+            f"{kind} plug-in {full_name(plugin)} of {distribution_text(plugin)}: expected a class derived from "
+            f"mpmfw.api.{base.__name__}"
+        )
+
+
+def _list_pairs(scene: Scene, state: State, contact: ContactStrategy | None, law: FrictionLaw | None) -> None:
+    """All pairs of bodies; of more than a few those that the scene names, if the strategy takes the others as they come."""
+    index = {body.name: body.index for body in state.bodies}
+    friction = 0.0 if scene.contact is None else scene.contact.friction
+    named = () if scene.contact is None else scene.contact.pairs
+    ends = [sorted(index[name] for name in pair.bodies) for pair in named]
+    given = {(a, b): float(pair.friction) for (a, b), pair in zip(ends, named, strict=True)}
+    by_law = None if law is None or law.is_coulomb else law.label
+    near = NearPairs(tuple(index), float(friction), given, by_law)
+    hooks = [name for name in vars(HookSpecs) if not name.startswith("_")]
+    follows = hasattr(contact, "add_pairs") or not any(hasattr(contact, name) for name in hooks)
+    if len(index) <= FEW or not follows:
+        near.add(state, *np.triu_indices(len(index), 1))
+    else:
+        first, second = (np.array([end[k] for end in ends], dtype=np.int64) for k in (0, 1))
+        near.add(state, first, second)
+        state.near = near
+
+
+def _check_unused_contact(scene: Scene, contact: ContactStrategy | None) -> None:
+    """Refuse options of the scene's contact, and a friction law, where there is one body and so nothing to touch."""
+    given = scene.contact
+    if contact is not None or given is None:
+        return
+    options = () if given.options is None else sorted(given.options.model_fields_set)
+    keys = [f"{given.method}.{option}" for option in options]
+    if given.friction_law is not None:
+        keys.append("friction_law")
+    if keys:
+        raise SceneError(f"contact.{keys[0]}: has no effect, since the scene has one body only")
+
+
+def _check_methods(scene: Scene, shape: ShapeFunction, contact: ContactStrategy | None) -> None:
+    chosen: dict[Kind, Any] = {"shape": shape}
+    if contact is not None:
+        chosen["contact"] = contact
+    for kind, plugin in chosen.items():
+        _check_base(kind, type(plugin))
+        refuse_nameless(type(plugin))
+        refuse_dead_hooks(type(plugin))
+        if scene.dim not in plugin.dimensions:
+            works = " and ".join(f"{d}D" for d in plugin.dimensions)
+            note = f" ({plugin.dimensions_note})" if getattr(plugin, "dimensions_note", "") else ""
+            raise SceneError(
+                f"{kind} '{plugin.name}' works in {works}{note}; the scene's grid is {scene.dim}D"
+            )
+
+
+def make_setup(made: Build) -> Setup:
+    """Return what plug-ins are told of what was built."""
+    return Setup(
+        state=made.state,
+        layouts=made.layouts,
+        cell_size=made.state.grid.cell_size,
+        shape=made.shape.name,
+        massless_boundary=made.shape.massless_boundary,
+        scheme=made.scheme,
+        transfer=made.transfer.name,
+        flip=made.transfer.flip,
+        bulk_frequency=made.bulk_frequency,
+        safety=made.scene.time.safety,
+        allow_unstable=made.scene.allow_unstable,
+        friction_law=made.friction_law,
+        whole=None if made.whole is None else make_setup(made.whole),
+    )

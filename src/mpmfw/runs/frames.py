@@ -1,0 +1,143 @@
+"""Frames of output: what the fields' declarations and the plug-ins' diagnostics say, sorted by group."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mpmfw.errors import MpmfwError, PluginError
+from mpmfw.plugin.answers import check_finite, check_state_finite, values_of
+from mpmfw.results import Frame, RunHeader, provenance
+from mpmfw.results.layout import is_static
+from mpmfw.state.fields import PARTICLE_FIELDS, SURFACE_FIELDS, AnyArray, Field
+from mpmfw.state.pairs import list_near
+from mpmfw.state.structs import State
+
+if TYPE_CHECKING:
+    from mpmfw.scene import Scene
+
+
+class Recorder:
+    """Makes the header and the frames of one run.
+
+    Parameters
+    ----------
+    recording
+        Plug-ins that implement ``diagnostics``, in the order of the calls.
+    """
+
+    history = ("_intervals",)
+
+    def __init__(
+        self, scene: Scene, state: State, declared: tuple[Field, ...], hook: Any, recording: Sequence[Any]
+    ) -> None:
+        self.state, self.hook, self.recording = state, hook, recording
+        core = (*(PARTICLE_FIELDS if scene.output.particles else ()), *self._surface_fields(scene))
+        groups = {
+            "series": True,
+            "contact": True,
+            "particles": scene.output.particles,
+            "surface": scene.output.surface,
+        }
+        recorded = [field for field in (*core, *declared) if field.output and groups.get(field.group, False)]
+        self.fields = {field.name + "/" + field.group: _stored(field) for field in recorded}
+        self._particle_interval, self._output_interval = (
+            scene.output.particle_interval,
+            scene.time.output_interval,
+        )
+        self._intervals = 0  #: of the material points, up to their last frame
+        self._by_name = {field.name: field for field in declared}
+
+    def _surface_fields(self, scene: Scene) -> tuple[Field, ...]:
+        return SURFACE_FIELDS if scene.output.surface and self.state.surface is not None else ()
+
+    def header(self, attributes: Mapping[str, Any]) -> RunHeader:
+        """All that is known before the first step."""
+        state, surface = self.state, self.state.surface
+        names = tuple(body.name for body in state.bodies)
+        with_surface = surface is not None and any(field.group == "surface" for field in self.fields.values())
+        counts, following = {}, {}
+        if with_surface and surface is not None:
+            for body in state.bodies:
+                own = surface.of(body.index)
+                counts[body.name] = own.stop - own.start
+                if state.grid.dim == 2:
+                    following[body.name] = surface.facets[surface.facets_of(body.index), 1] - own.start
+        return RunHeader(
+            dim=state.grid.dim,
+            bodies=names,
+            pairs=tuple(pair.label for pair in state.pairs),
+            more_pairs=state.near is not None,
+            per_metre=state.particles.thickness is None,
+            particle_count={b.name: b.particles.stop - b.particles.start for b in state.bodies},
+            fields=tuple(self.fields.values()),
+            surface_count=counts,
+            connectivity=following,
+            attributes={**attributes, **provenance()},
+        )
+
+    def frame(self, interval: float, *, points: bool = True) -> Frame:
+        """Arrays of this moment.
+
+        Parameters
+        ----------
+        interval
+            Time since the last output [s], 0 at the first.
+        points
+            Whether it has material points.
+        """
+        state = self.state
+        list_near(state, self.hook)
+        found: dict[str, dict[str, AnyArray]] = {"particles": {}, "surface": {}, "series": {}, "contact": {}}
+        check_state_finite(state)
+        answers = self.hook.diagnostics(state=state, interval=interval, points=points) or []
+        who = self.recording if len(answers) == len(self.recording) else [None] * len(answers)
+        for plugin, answer in zip(who, answers, strict=True):
+            for name, values in values_of(plugin, answer, self._by_name, self._error).items():
+                check_finite(plugin, self._by_name[name], values, state.time)
+                found[self._by_name[name].group][name] = values
+        for group, struct in (("particles", state.particles), ("surface", state.surface)):
+            for field in self.fields.values() if points or group == "surface" else ():
+                if field.group == group and field.name not in found[group]:
+                    found[group][field.name] = getattr(struct, field.name)
+        recorded = {
+            group: {name: values for name, values in arrays.items() if f"{name}/{group}" in self.fields}
+            for group, arrays in found.items()
+        }
+        return Frame(
+            time=state.time,
+            particles=recorded["particles"] if points else {},
+            surface=recorded["surface"],
+            series=recorded["series"],
+            contact={
+                pair.label: {name: values[pair.index] for name, values in recorded["contact"].items()}
+                for pair in state.pairs
+            }
+            if recorded["contact"]
+            else {},
+            pairs=() if state.near is None else tuple(pair.label for pair in state.pairs),
+        )
+
+    def points_are_due(self, time: float) -> bool:
+        """Whether the output asked for at ``time`` [s] is the nearest to a multiple of the material points' interval.
+
+        To be asked once for each output after the first.
+        """
+        if self._particle_interval is None:
+            return True
+        before = self._intervals
+        self._intervals = math.floor((time + 0.5 * self._output_interval) / self._particle_interval)
+        return self._intervals > before
+
+    def _error(self, said: str) -> MpmfwError:
+        return PluginError(said, step=self.state.steps, time=self.state.time)
+
+
+def _stored(field: Field) -> Field:
+    """The field as the file has it: of material points in single precision, in which no picture differs."""
+    moving = field.group == "particles" and np.dtype(field.dtype) == np.float64 and not is_static(field)
+    return dataclasses.replace(field, dtype="f4") if moving else field

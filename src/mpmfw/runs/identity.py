@@ -1,0 +1,182 @@
+"""What makes two runs the same: the scene's meaning, the code that reads it, and the libraries that it computes with."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import importlib.util
+import json
+import sys
+import uuid
+from collections.abc import Iterable, Iterator, Mapping
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from mpmfw.plugin.discovery import KINDS, Kind, available, choices
+from mpmfw.scene import Scene
+from mpmfw.scene.options import NAMED
+
+#: Parts of the core that no number of a run depends on.
+_APART = {
+    "benchmark", "campaigns", "cli", "paraview", "plots", "reference", "report", "scenes", "stability", "studies",
+    "validation", *(f"results/{name}.py" for name in (
+        "analysis", "conservation", "domains", "joining", "notebook", "outputs", "point_fields", "references", "selection",
+    )),
+}  # fmt: skip
+_LIBRARIES = ("numpy", "numba", "scipy", "shapely")
+
+
+def key_of(scene: Scene, contact: Any = None, shape: Any = None, what: str = "") -> str:
+    """A name for the run of a scene: the same for the same meaning, code and libraries.
+
+    Parameters
+    ----------
+    scene
+        What runs; how its values are written, and whether a default is written at all, makes no difference.
+    contact, shape
+        Strategy objects in place of the scene's methods. One whose class or state cannot be known again in another process
+        has a key of its own each time.
+    what
+        What is done with the scene, where it is not simply run.
+    """
+    objects = {
+        kind: _of_object(one) for kind, one in (("contact", contact), ("shape", shape)) if one is not None
+    }
+    meaning = json.dumps(_meaning(scene, objects), sort_keys=True, default=str)
+    return digest(what, meaning, *(f"{k} {v}" for k, v in sorted(code_of(scene, contact, shape).items())))
+
+
+def code_of(scene: Scene, contact: Any = None, shape: Any = None) -> dict[str, str]:
+    """Hash of the core and of the plug-ins' packages, and the versions of what they compute with, by name."""
+    methods = [(kind, each.model) for group, kind in NAMED.items() for each in getattr(scene, group).values()]
+    if shape is None:
+        methods.append(("shape", scene.shape.method))
+    if scene.contact is not None and contact is None:
+        methods.append(("contact", scene.contact.method))
+    if scene.contact is not None and scene.contact.friction_law is not None:
+        methods.append(("friction", scene.contact.friction_law))
+    packages = {_home(kind, name) for kind, name in methods}
+    others = [contact, shape, *(body.geometry for body in scene.bodies.values())]
+    packages |= {type(one).__module__.partition(".")[0] for one in others if one is not None}
+    return {name: current(name) for name in sorted({"mpmfw", *packages, *_LIBRARIES})}
+
+
+def code_of_plugins() -> dict[str, str]:
+    """The same as :func:`code_of` of all plug-ins that are installed."""
+    packages = {_home(kind, name) for kind in KINDS for name in available(kind)}
+    return {name: current(name) for name in sorted({"mpmfw", *packages, *_LIBRARIES})}
+
+
+def current(name: str) -> str:
+    """What a package or library is today: the hash of its sources, or its version."""
+    if name in _LIBRARIES:
+        return version(name)
+    return _core() if name == "mpmfw" else package(name)
+
+
+def is_current(code: Mapping[str, str]) -> bool:
+    """Whether an outcome's code is what runs today."""
+    try:
+        return bool(code) and all(current(name) == known for name, known in code.items())
+    except (PackageNotFoundError, ValueError, ImportError):
+        return False
+
+
+@functools.cache
+def _home(kind: Kind, name: str) -> str:
+    """Top package of a plug-in."""
+    return choices(kind)[name].module.partition(".")[0]
+
+
+def _meaning(scene: Scene, objects: Mapping[str, Any]) -> dict[str, Any]:
+    """The scene's validated tables; of methods and materials the options of those that run."""
+    tables = scene.model_dump(exclude={"title", "reference", "threads"})
+    for kind, chosen in (("contact", scene.contact), ("shape", scene.shape)):
+        if tables.get(kind) is not None and chosen is not None:
+            options = None if chosen.options is None else chosen.options.model_dump()
+            own = {"method": "an object"} if kind in objects else {"options": options}
+            tables[kind] = {**tables[kind], **own}
+    if scene.contact is not None and scene.contact.friction_options is not None:
+        tables["contact"]["friction_options"] = scene.contact.friction_options.model_dump()
+    for group in NAMED:
+        for name, table in getattr(scene, group).items():
+            if table.options is not None:
+                tables[group][name] |= {"options": table.options.model_dump()}
+    meshes = {
+        name: hashlib.sha256(Path(path).read_bytes()).hexdigest()
+        for name, body in scene.bodies.items()
+        if (path := getattr(body.geometry, "path", None)) is not None and Path(path).is_file()
+    }
+    for name in meshes:
+        tables["bodies"][name]["geometry"].pop("path", None)
+    return {"tables": _rounded(tables), "meshes": meshes, **objects}
+
+
+def _rounded(value: Any) -> Any:
+    """Numbers to 15 digits, which every way of writing a quantity agrees on."""
+    if isinstance(value, float):
+        return float(f"{value:.15g}")
+    if isinstance(value, Mapping):
+        return {str(key): _rounded(one) for key, one in value.items()}
+    return [_rounded(one) for one in value] if isinstance(value, list | tuple) else value
+
+
+def _of_object(plugin: Any, known: frozenset[int] = frozenset()) -> list[str]:
+    """Class, options and state of a strategy object, and of the objects that it holds; something new where they say nothing
+    that lasts. ``known`` are those that hold it."""
+    kind, state = type(plugin), dict(vars(plugin)) if hasattr(plugin, "__dict__") else {}
+    options = state.pop("options", None)
+    given = options.model_dump() if hasattr(options, "model_dump") else repr(options)
+    message = [
+        f"{kind.__module__}.{kind.__qualname__}",
+        json.dumps(_rounded(given), sort_keys=True, default=str),
+    ]
+    for name, value in sorted(state.items()):
+        for part in value if isinstance(value, list | tuple) else [value]:
+            message.append(f"{name}=")
+            if id(part) in known:
+                continue
+            held = " at 0x" in repr(part) and hasattr(part, "__dict__") and not isinstance(part, type)
+            message += _of_object(part, known | {id(plugin)}) if held else [repr(part)]
+    lasting = package(kind.__module__.partition(".")[0]) and not any(" at 0x" in text for text in message)
+    return message if lasting else [*message, uuid.uuid4().hex]
+
+
+def digest(*texts: str) -> str:
+    """Hash of texts."""
+    return hashlib.sha256("\0".join(texts).encode()).hexdigest()[:32]
+
+
+@functools.cache
+def _core() -> str:
+    folder = Path(__file__).parent.parent
+    own = (
+        path
+        for path in folder.rglob("*.py")
+        if not _APART & {path.relative_to(folder).parts[0], path.relative_to(folder).as_posix()}
+    )
+    return sources(own)
+
+
+@functools.cache
+def package(name: str) -> str:
+    """Hash of the sources and tables of a package, which is not imported; empty where there are none."""
+    if name == "__main__":
+        file = getattr(sys.modules["__main__"], "__file__", None)
+        return sources([Path(file)]) if file is not None and Path(file).is_file() else ""
+    spec = importlib.util.find_spec(name)
+    places = [Path(place) for place in (spec.submodule_search_locations or ())] if spec else []
+    if not places and spec and spec.origin:
+        return sources([Path(spec.origin)])
+    found = (path for place in places for path in place.rglob("*"))
+    return sources(path for path in found if path.suffix in (".py", ".toml", ".csv"))
+
+
+def sources(paths: Iterable[Path] | Iterator[Path]) -> str:
+    """Hash of files, by name and content; empty of none."""
+    found, total = sorted(paths), hashlib.sha256()
+    for path in found:
+        total.update(path.name.encode())
+        total.update(path.read_bytes())
+    return total.hexdigest() if found else ""

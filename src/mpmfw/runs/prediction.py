@@ -1,0 +1,160 @@
+"""The cost of a run before it runs: a trial of a few steps, counted up to the end.
+
+A trial takes the steps that the run begins with, those of settling in a scene that settles. Contacts that come later are not in
+it. What it takes includes all effects that the scene has.
+"""
+
+from __future__ import annotations
+
+import math
+import time as clocks
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from mpmfw.effects.settling import Settling, longest_settling
+from mpmfw.runs.compilation import CompileTimer
+from mpmfw.runs.limits import frames_of
+from mpmfw.state.clock import STEP_STAGES
+
+if TYPE_CHECKING:
+    from mpmfw.runs.simulation import Simulation
+
+#: Steps before those that are timed, which compile and fill caches, and steps that are timed.
+WARM_UP, TIMED = 3, 20
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What a run will take.
+
+    Attributes
+    ----------
+    first_step
+        Length of the run's first step [s], of settling in a scene that settles.
+    steps
+        If the time step's limit stays what it is at the start.
+    stages
+        CPU time of the steps by stage [s].
+    settle_steps
+        Most that settling may take before it gives up; 0 in a scene that does not settle.
+    output_time
+        CPU time of frames, energy ledger and gap diagnostic [s]; writing them to a file is not in it.
+    start_time
+        CPU time of this process up to the trial [s]: imports, loading of compiled kernels, the build.
+    memory
+        Bytes of all arrays, those that are allocated with the first step included.
+    limits
+        Stable time steps [s] with the contacts of the first step, and their owners.
+    """
+
+    first_step: float
+    steps: int
+    stages: Mapping[str, float]
+    settle_steps: int
+    output_time: float
+    start_time: float
+    memory: int
+    limits: tuple[tuple[float, str], ...]
+
+    @property
+    def cpu_time(self) -> float:
+        """CPU time of all steps [s], those of settling left out."""
+        return sum(self.stages.values())
+
+    @property
+    def settle_time(self) -> float:
+        """CPU time of the most steps of settling [s]."""
+        return self.settle_steps * self.cpu_time / max(self.steps, 1)
+
+
+def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
+    """Predict the cost of a simulation that has not begun, by its first steps; it is used up by that.
+
+    Parameters
+    ----------
+    simulation
+        Before its first step.
+    arrays
+        Sizes of the arrays that are allocated already [bytes].
+
+    Raises
+    ------
+    SimulationError
+        One of the first steps failed.
+    """
+    before = clocks.process_time()
+    memory = sum(arrays) + _tables(simulation)
+    clock, settle = simulation.clock, simulation.scene.settle
+    with ExitStack() as stack:
+        stack.enter_context(simulation.blaming())
+        stack.enter_context(CompileTimer(clock))
+        step = _start(simulation, stack)
+        step()
+        first_step, limits = simulation.state.dt, simulation.limits()
+        for _ in range(WARM_UP):
+            simulation.step()
+        clock.restart()
+        for _ in range(TIMED):
+            simulation.step()
+        clock.flush()
+        times = {stage: seconds / TIMED for stage, seconds in clock.cpu.items()}
+        clock.restart()
+        clock("output")
+        simulation.frame()
+        clock.flush()
+        frame = clock.cpu["output"] + clock.cpu["gap"]
+        length = simulation.stable_step()
+    steps = _steps(simulation, length)
+    settle_steps = (
+        0 if settle is None else math.ceil(longest_settling(settle, simulation.state.bodies) / length)
+    )
+    return Prediction(
+        first_step=first_step,
+        steps=steps,
+        stages={stage: steps * times[stage] for stage in STEP_STAGES},
+        settle_steps=settle_steps,
+        output_time=steps * (times["output"] + times["gap"]) + frames_of(simulation) * frame,
+        start_time=before,
+        memory=memory,
+        limits=tuple(limits),
+    )
+
+
+def _start(simulation: Simulation, stack: ExitStack) -> Callable[[], None]:
+    """Begin as a run does; return what takes its first step."""
+    scene = simulation.scene
+    if scene.settle is not None:
+        damping = Settling(simulation, scene.settle).damping
+        stack.enter_context(simulation.extra_plugin(damping))
+        return simulation.step
+    simulation.start()
+    due = min(scene.time.output_interval, scene.time.end)
+    target = due if scene.time.outputs == "exact" else scene.time.end
+    return lambda: simulation.step_towards(target)
+
+
+def _tables(simulation: Simulation) -> int:
+    """Bytes of the tables of interpolation, which are filled with the first step, and of the rows of contact."""
+    state, shape = simulation.state, simulation.shape.name
+    dim, surface = state.grid.dim, state.surface
+    at_points = {"linear": 2**dim, "bspline": 3**dim, "cubic_bspline": 4**dim, "ck": 2 ** (dim + 1)}
+    over_domains = {"gimp": 3.0**dim}.get(shape, 7.0 ** (dim / 2))
+    total = int(state.particles.count * at_points.get(shape, over_domains) * (4 + 8 + 8 * dim))
+    if surface is not None:
+        total += surface.count * at_points.get(shape, 2**dim) * (4 + 8)
+    rows = {id(each): each for each in (getattr(simulation.contact, name, None) for name in ("rows", "old"))}
+    for each in rows.values():
+        total += 0 if each is None else sum(int(array.nbytes) for array in each.arrays().values())
+    return total
+
+
+def _steps(simulation: Simulation, step: float) -> int:
+    """Outputs times the steps between two, which are of equal length, or all steps where outputs shorten none."""
+    time = simulation.scene.time
+    if time.outputs == "nearest":
+        steps: int = math.ceil(time.end / step - 1e-9)
+        return steps
+    outputs = max(1, math.ceil(time.end / time.output_interval - 1e-9))
+    return int(outputs * math.ceil(min(time.output_interval, time.end) / step - 1e-9))

@@ -1,0 +1,207 @@
+"""Run one scene and keep its results."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, SimulationError
+from mpmfw.results import RunWriter
+from mpmfw.results.memory import peak_memory, restart_peak_memory
+from mpmfw.results.replacing import check_replaceable
+from mpmfw.runs.interruption import interruptible
+from mpmfw.runs.limits import check_length, remark_on_size, remark_on_threads
+from mpmfw.runs.own_process import run_in_own_process
+from mpmfw.runs.restart import EVERY, Checkpoints, seconds_between
+from mpmfw.runs.simulation import Simulation, chosen_methods
+from mpmfw.scene import load_scene, located
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def run(
+    scene: Any,
+    contact: Any = None,
+    shape: Any = None,
+    output: str | os.PathLike[str] | None = None,
+    progress: Callable[[float, int], None] | None = None,
+    set: Mapping[str, Any] | None = None,
+    force: bool = False,
+    apart: bool = False,
+    checkpoint: float | str | None = None,
+    threads: int | None = None,
+) -> xr.DataTree:
+    """Run a scene.
+
+    Parameters
+    ----------
+    scene
+        A TOML file, the name of a shipped scene, nested mappings, or a :class:`mpmfw.scene.Scene`.
+    contact, shape
+        A plug-in's name or a configured strategy object, in place of the scene's.
+    output
+        NetCDF file to write, frame by frame, in place of no file but another run's; None keeps the results in memory.
+    progress
+        Called now and then with the simulated time [s] and the number of steps.
+    set
+        Values by dotted key, set over the scene's own.
+    force
+        Begin a run that has more steps or frames than the limits in ``mpmfw.runs.limits``.
+    apart
+        Run in a process of its own, so that one that crashes or hangs ends nothing else; plug-ins by name alone.
+    checkpoint
+        Wall time, [s] or as ``"10 min"``, between two checkpoints beside the file, ``OUTPUT.checkpoint``, from which
+        :func:`mpmfw.resume` goes on; ten minutes by default, ``math.inf`` for none.
+    threads
+        That share the work of each step, in place of the scene's; the results are the same to the bit.
+
+    Returns
+    -------
+    The results: groups ``series``, ``particles/<body>``, ``surface/<body>``; costs as root attributes.
+
+    Raises
+    ------
+    SceneError
+        The request was wrong.
+    SimulationError
+        The run failed; what it reached is in the file, and in the error's attribute ``results``.
+    Interrupted
+        Ctrl-C or SIGTERM; the outputs before are in the file, whose status is ``interrupted``, and a checkpoint beside it.
+    """
+    if checkpoint is not None and output is None:
+        raise SceneError("checkpoint: has no effect on results that are kept in memory; give an output")
+    if apart:
+        if any(method is not None and not isinstance(method, str) for method in (contact, shape)):
+            raise SceneError("apart: a run in a process of its own takes plug-ins by name, no objects")
+        request = {"contact": contact, "shape": shape, "set": dict(set or {}), "force": force}
+        request |= {"checkpoint": checkpoint, "threads": threads}
+        return run_in_own_process(scene, output, progress, **request)
+    with _writing(scene, contact, shape, output, progress, set, force, checkpoint, threads) as writer:
+        return writer.results()
+
+
+def run_to_file(
+    scene: Any,
+    output: str | os.PathLike[str],
+    progress: Callable[[float, int], None] | None = None,
+    force: bool = False,
+    checkpoint: float | str | None = None,
+) -> None:
+    """Run a scene and leave its results in the file; the rest is as :func:`run` says.
+
+    Raises
+    ------
+    SceneError, SimulationError, Interrupted
+        As there.
+    """
+    with _writing(scene, None, None, output, progress, None, force, checkpoint, None):
+        pass
+
+
+@contextmanager
+def _writing(
+    scene: Any,
+    contact: Any,
+    shape: Any,
+    output: str | os.PathLike[str] | None,
+    progress: Callable[[float, int], None] | None,
+    set: Mapping[str, Any] | None,
+    force: bool,
+    checkpoint: float | str | None,
+    threads: int | None,
+) -> Iterator[RunWriter]:
+    """The writer of a run that has come to its end."""
+    restart_peak_memory()
+    every = EVERY if checkpoint is None else seconds_between(checkpoint)
+    path = None if output is None else os.path.abspath(output)  # a plug-in may change the working folder
+    if path is not None:
+        check_replaceable(path, "run", "run's results")
+    loaded = load_scene(scene, set={**chosen_methods(contact, shape), **(set or {})})
+    try:
+        simulation = Simulation(loaded, contact=contact, shape=shape, threads=threads)
+        if not force:
+            check_length(simulation)
+    except SceneError as error:
+        raise located(error, loaded) from error
+    header = simulation.header()
+    if path is not None and (text := remark_on_size(simulation, header)):
+        warnings.warn(text, ResultsWarning, stacklevel=4)
+    if text := remark_on_threads(simulation.threads):
+        warnings.warn(text, ResultsWarning, stacklevel=4)
+    objects = {
+        kind: method
+        for kind, method in (("contact", contact), ("shape", shape))
+        if method is not None and not isinstance(method, str)
+    }
+    with interruptible() as signals, RunWriter(path, header) as writer:
+        checkpoints = Checkpoints(simulation, writer, signals, every, objects, [])
+        checkpoints.forget()  # of a run that was here before
+        run_on(simulation, writer, checkpoints, progress)
+        yield writer
+
+
+def run_on(
+    simulation: Simulation,
+    writer: RunWriter,
+    checkpoints: Checkpoints,
+    progress: Callable[[float, int], None] | None,
+) -> None:
+    """Run a simulation, from where it is, to its end, or to the end of the step in which a signal comes.
+
+    Raises
+    ------
+    SimulationError, Interrupted
+        As :func:`run` says.
+    """
+    signals = checkpoints.signals
+    try:
+        with signals.deferred():
+            simulation.run(signals.whole(writer.write), progress, checkpoints)
+            signals.whole(writer.finish)(_end(simulation, simulation.status))
+    except SimulationError as error:
+        writer.finish(_end(simulation, f"failed: {error}"))
+        error.results = writer.results()
+        raise
+    except KeyboardInterrupt as error:
+        writer.finish(_end(simulation, "interrupted"))
+        text = _how_to_go_on(writer, simulation, checkpoints)
+        raise Interrupted(getattr(error, "number", signal.SIGINT), text) from None
+    checkpoints.forget()
+    if signals.waiting is not None:
+        raise Interrupted(
+            signals.waiting, f"interrupted after the last step: {writer.path or 'the run'} is complete"
+        )
+    for concern in simulation.concerns():
+        warnings.warn(concern, ResultsWarning, stacklevel=5)
+
+
+def _how_to_go_on(writer: RunWriter, simulation: Simulation, checkpoints: Checkpoints) -> str:
+    """What an interrupted run leaves, and how to go on."""
+    text = f"interrupted at {simulation.state.time:.6g} s of {simulation.scene.time.end:g} s"
+    if checkpoints.written:
+        python = ", contact= or shape= as before" if checkpoints.objects else ""
+        how = f"mpmfw.resume({writer.path!r}{python})" if python else f"mpmfw resume {writer.path}"
+        return f"{text}: {writer.path} keeps the {writer.frames} outputs that it reached; {how} goes on"
+    if writer.path is None or not writer.frames:
+        return f"{text}: nothing is kept; run it again"
+    return (
+        f"{text}: {writer.path} keeps the {writer.frames} outputs that it reached; run it again for the rest"
+    )
+
+
+def _end(simulation: Simulation, status: str) -> dict[str, Any]:
+    """The attributes that are known at the end; of a run that failed, without remarks that cannot be made."""
+    try:
+        remarks = simulation.remarks()
+    except MpmfwError:
+        if not status.startswith("failed"):
+            raise
+        remarks = {}
+    text = {name: json.dumps(words) for name, words in remarks.items() if words}
+    return {**simulation.costs(), **text, "peak_memory": peak_memory(), "status": status}

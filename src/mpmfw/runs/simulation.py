@@ -1,0 +1,593 @@
+"""A simulation: the state, its plug-ins, and the loop over steps and outputs."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager
+from typing import TYPE_CHECKING, Any
+
+from mpmfw.effects.remedies import remedies
+from mpmfw.effects.settling import Settling, concern, is_settled_for_good
+from mpmfw.errors import Diverged, PluginError, SceneError, SimulationError
+from mpmfw.plugin.answers import check_state_finite, declared_fields
+from mpmfw.plugin.blame import blaming, bundled, described
+from mpmfw.plugin.dead_hooks import refuse_dead_hooks
+from mpmfw.plugin.effect import Effect
+from mpmfw.plugin.guard import Guard
+from mpmfw.plugin.hooks import BoundHooks, hook_names, make_manager
+from mpmfw.results import Frame, RunHeader
+from mpmfw.runs.build import Build, build, make_setup, strategy
+from mpmfw.runs.compilation import CompileTimer, import_numba_without_scipy
+from mpmfw.runs.frames import Recorder
+from mpmfw.runs.initial_motion import initial_velocity
+from mpmfw.runs.plan import plan_effects
+from mpmfw.runs.restart import read_snapshot, write_snapshot
+from mpmfw.runs.sizing import warnings_about
+from mpmfw.runs.timestep import TimeStep
+from mpmfw.state.clock import STAGES, STEP_STAGES, Clock
+from mpmfw.state.fields import Field
+from mpmfw.state.history import NotSaved, Snapshot, put, take
+from mpmfw.state.pairs import list_near
+from mpmfw.state.structs import State
+from mpmfw.state.windows import is_cut_off, lay_windows, set_windows
+from mpmfw.step import SCHEMES
+from mpmfw.step.operations import apply_moment, interpolate, project_mass_momentum
+from mpmfw.step.transfer import Transfer
+
+if TYPE_CHECKING:
+    from mpmfw.runs.sleeping import Sleep
+    from mpmfw.scene import Scene
+
+#: One time step: state, hooks, transfer, clock, and what is asked for its length.
+Step = Callable[[State, Any, Transfer, Clock, Callable[[], float]], float]
+
+#: Steps between two reports of progress.
+REPORT_EVERY = 50
+
+
+class Simulation:
+    """One run of one scene, with a plug-in manager of its own.
+
+    Parameters
+    ----------
+    scene
+        A valid scene, or what :func:`mpmfw.load_scene` takes.
+    contact, shape
+        Name of a plug-in, ``module:Class``, a strategy object or its class, in place of the scene's.
+    loads
+        Load objects by name, on all bodies, beside the scene's.
+    threads
+        Threads that share the work of a step, in place of the scene's; the results are the same to the bit.
+
+    Raises
+    ------
+    SceneError
+        The scene cannot be built or run by the chosen methods.
+    PluginError
+        A plug-in does something that it must not.
+    """
+
+    history = (
+        "started", "_next_output", "_last_output", "_settled", "compile_time", "clock", "_recorder", "_settling", "_sleep",
+    )  # fmt: skip
+
+    def __init__(
+        self,
+        scene: Any,
+        *,
+        contact: Any = None,
+        shape: Any = None,
+        loads: Mapping[str, Any] | None = None,
+        threads: int | None = None,
+    ) -> None:
+        import_numba_without_scipy()
+        contact, shape = strategy("contact", contact), strategy("shape", shape)
+        made = build(
+            _with_methods(scene, contact, shape),
+            contact=None if contact is None or isinstance(contact, str) else contact,
+            shape=None if shape is None or isinstance(shape, str) else shape,
+            loads=loads or {},
+        )
+        self._assemble(made, Clock(), made.scene.threads if threads is None else checked_threads(threads))
+
+    @classmethod
+    def of(cls, made: Build, clock: Clock, threads: int) -> Simulation:
+        """The simulation of what is built already, on so many threads; its time goes to ``clock``."""
+        simulation = cls.__new__(cls)
+        simulation._assemble(made, clock, threads)
+        return simulation
+
+    def _assemble(self, made: Build, clock: Clock, threads: int) -> None:
+        """Plan the effects, and set up all that acts."""
+        self.scene, self.clock = made.scene, clock
+        made_plugins = [made.contact, made.shape, *made.materials.values(), *made.named_plugins]
+        with blaming(made_plugins):
+            plan = plan_effects(made, self.limits)
+        self.state, self.contact, self.shape = made.state, made.contact, made.shape
+        self.scheme, self.transfer = made.scheme, made.transfer
+        self.effects: tuple[Effect, ...] = tuple(plan.effects)
+        self.remedies = remedies(made)
+        self.threads = threads
+        if threads > 1:
+            from mpmfw.state.threads import Threads
+
+            particles = self.state.particles
+            count = min(threads, particles.count)
+            particles.threads = Threads(count, rows_ascend=self.shape.rows_ascend)
+        self.rotations = plan.rotations  #: how every body's rotational inertia is treated
+        self.manager = make_manager()
+        for plugin in reversed(plan.plugins):  # pluggy calls the last registered first
+            self._register(plugin, _registered_name(made, plugin))
+        self.manager.check_pending()
+        with blaming([*made_plugins, *plan.plugins]):
+            self._set_up(made, plan.plugins)
+
+    def _register(self, plugin: Any, name: str) -> None:
+        """Register one plug-in; two of one name would take each other's place."""
+        other = self.manager.get_plugin(name)
+        if other is not None:
+            raise SceneError(
+                f"{described(other)} and {described(plugin)} have one name; expected another for one of them"
+            )
+        self.manager.register(plugin, name=name)
+
+    def _set_up(self, made: Build, plugins: list[Any]) -> None:
+        """Tell the plug-ins what they need, and lay the grid round the bodies."""
+        for plugin in plugins:
+            refuse_dead_hooks(type(plugin))
+        setup = make_setup(made)
+        self.fields: tuple[Field, ...] = declared_fields(self.manager)
+        self.manager.hook.setup(setup=setup)
+        self._guard = Guard(self.state, (plugin for _, plugin in self.manager.list_name_plugin()))
+        self._bind_hooks()
+        reach = self.hook.particle_reach(particles=self.state.particles)
+        lay_windows(self.state.grid, self.state.particles, reach, self.state.surface)
+        list_near(self.state, self.hook)
+        self._check_supports()
+        self._step: Step = SCHEMES[self.scheme]
+        self._sleep: Sleep | None = None
+        self._time_step = TimeStep(
+            self.scene,
+            self.state,
+            2.0 / made.bulk_frequency,
+            self.shape.courant,
+            self._callers("stable_timestep"),
+        )
+        self._recorder = Recorder(
+            self.scene, self.state, self.fields, self.hook, self._callers("diagnostics")
+        )
+        self.started = False
+        self._settling: Settling | None = None
+        self._settled: dict[str, float] = {}
+        self._next_output, self._last_output = 0, 0.0  #: number of the next output, and time of the last [s]
+        self.compile_time = 0.0
+        self._time_step.check(self.hook)
+        if self.scene.sleep is not None:
+            from mpmfw.runs.sleeping import Sleep
+
+            self._sleep = Sleep(self, made)
+            self._step = self._sleep.step
+
+    def _bind_hooks(self) -> None:
+        """Bind the calls of all hooks; those of strangers cannot change what belongs to the step."""
+        self.hook: Any = BoundHooks(self.manager, self.clock, self._guard.held)
+
+    def _callers(self, hook: str) -> list[Any]:
+        """Plug-ins that implement a hook, in the order of the calls."""
+        return [impl.plugin for impl in reversed(getattr(self.manager.hook, hook).get_hookimpls())]
+
+    def blaming(self) -> AbstractContextManager[None]:
+        """Context in which an exception of a plug-in becomes an error that names it."""
+        return blaming([plugin for _, plugin in self.manager.list_name_plugin()], self.state)
+
+    # -- what it is
+    # ---------------------------------------------------------------------------------------------------
+
+    def hook_callers(self) -> dict[str, list[str]]:
+        """Names of the plug-ins that implement each hook, in the order of the calls."""
+        return {
+            name: [impl.plugin_name for impl in reversed(getattr(self.manager.hook, name).get_hookimpls())]
+            for name in hook_names()
+        }
+
+    def limits(self) -> list[tuple[float, str]]:
+        """Every stable time step [s] with its owner, before the safety factor."""
+        with self.blaming():
+            return self._time_step.limits(self.hook)
+
+    def stable_step(self) -> float:
+        """Length of a step as the limits are [s], with the contacts that were detected last; before the first step, with
+        those that contact takes for granted. See :meth:`mpmfw.runs.timestep.TimeStep.next`."""
+        running = self if self._sleep is None else self._sleep.running
+        return running._time_step.next(running.hook)
+
+    def _check_supports(self) -> None:
+        """Refuse a body whose shape functions reach beyond the grid before it has moved; the bundled ones stay in a window that
+        the grid's edge has not cut off."""
+        if bundled(type(self.shape)) and not is_cut_off(self.state.grid):
+            return
+        try:
+            interpolate(self.state, self.hook, self.clock)
+        except SimulationError as error:
+            raise SceneError(
+                f"bodies.{error.body}: the shape function '{self.shape.name}' reaches beyond the grid at the start; "
+                "expected grid.lower and grid.upper two cells farther out"
+            ) from error
+
+    # -- how it runs
+    # --------------------------------------------------------------------------------------------------
+
+    def step(self, dt: float | None = None) -> None:
+        """One time step of length ``dt`` [s]; without it the stable one, chosen when the step's contacts are detected."""
+        self._take_step(self.stable_step if dt is None else lambda: dt)
+
+    def _take_step(self, length: Callable[[], float]) -> None:
+        """One time step; ``length`` is asked for it when the limits are known."""
+        state = self.state
+        time, steps = state.time, state.steps
+        try:
+            state.dt = self._step(state, self.hook, self.transfer, self.clock, length)
+        except Diverged as error:
+            raise error.with_advice("; ".join(self.remedies.values())) from None
+        state.time, state.steps = time + state.dt, steps + 1
+
+    def detect(self) -> None:
+        """Detect the contacts where the bodies are now, without a step: :meth:`limits` speaks of them then."""
+        phi = interpolate(self.state, self.hook, self.clock)
+        particles, grid = self.state.particles, self.state.grid
+        grid.reset()
+        apply_moment(particles, phi, grid)
+        project_mass_momentum(particles, phi, grid)
+        self.hook.detect(grid=grid, phi=phi, particles=particles)
+
+    @contextlib.contextmanager
+    def extra_plugin(self, plugin: Any) -> Iterator[None]:
+        """Register a plug-in for a while: the damping of settling leaves nothing behind."""
+        self.manager.register(plugin, name=plugin.name)
+        self._bind_hooks()
+        try:
+            yield
+        finally:
+            self.manager.unregister(plugin)
+            self._bind_hooks()
+
+    def start(self, after_step: Callable[[], None] | None = None) -> None:
+        """Settle if the scene asks for it, then set the initial motion: time zero."""
+        if self.started:
+            return
+        if self.scene.settle is not None:
+            self._settling = self._settling or Settling(self, self.scene.settle)
+            self._settled = self._settling.finish(self, after_step)
+            self._settling = None
+        initial_velocity(self.scene, self.state, lambda: interpolate(self.state, self.hook, self.clock))
+        self.started = True
+        self.clock.restart()
+
+    def advance(self, steps: int, write: Callable[[Frame], None] | None = None) -> None:
+        """Run a number of stable steps; hand a frame to ``write``, if there is one, at first and after every step."""
+        with self.blaming():
+            with CompileTimer(self.clock):
+                self.start()
+            if write is not None:
+                self._output(write, 0.0)
+            for _ in range(steps):
+                self.step()
+                if write is not None:
+                    self._output(write, self.state.dt)
+        self._gather()
+        self.clock("output")
+
+    def run(
+        self,
+        write: Callable[[Frame], None] | None = None,
+        progress: Callable[[float, int], None] | None = None,
+        after_step: Callable[[], None] | None = None,
+    ) -> None:
+        """Run to the end; hand a frame to ``write`` at time zero and at every output.
+
+        A simulation that was loaded goes on from where it was saved. ``after_step`` is called when a step is complete, those of
+        settling as well: there, and before the run, it may be saved.
+
+        Raises
+        ------
+        SimulationError
+            The run failed; frames handed out so far are complete.
+        """
+        before = self.compile_time
+        with self.blaming(), CompileTimer(self.clock) as compiling:
+            try:
+                if self._next_output == 0:
+                    self.start(after_step)
+                    self._output(write, 0.0)
+                    self._next_output = 1
+                self._run_to_the_end(write, _Watch(self.state, progress, after_step))
+            finally:
+                self.compile_time = before + compiling.seconds
+                self.clock.flush()
+
+    def _run_to_the_end(self, write: Callable[[Frame], None] | None, watch: Callable[[], None]) -> None:
+        """Steps and outputs after the first."""
+        state, time = self.state, self.scene.time
+        last = _outputs(time.end, time.output_interval)
+        exact = time.outputs == "exact"
+        while self._next_output <= last:
+            output = self._next_output
+            due = time.end if output == last else output * time.output_interval
+            if exact or output == last:
+                self._advance_to(due, watch)
+            else:
+                self._advance_near(due, watch)
+            self._next_output += 1
+            if (exact or output == last) or state.time not in (self._last_output, time.end):
+                # else the step is nearest to another output as well, which records it
+                points = output == last or self._recorder.points_are_due(due)
+                self._output(write, state.time - self._last_output, points=points)
+                self._last_output = state.time
+
+    def _advance_to(self, target: float, watch: Callable[[], None]) -> None:
+        """Step to ``target`` [s] exactly, with steps of about equal length."""
+        while self.state.time < target:
+            self.step_towards(target)
+            watch()
+
+    def _advance_near(self, target: float, watch: Callable[[], None]) -> None:
+        """Step until no end of a step is nearer to ``target`` [s], if the next step is as long as the last, or to the end."""
+        state, end = self.state, self.scene.time.end
+        while state.time + 0.5 * state.dt <= target and state.time < end:
+            self.step_towards(end)
+            watch()
+
+    def step_towards(self, target: float) -> None:
+        """Take one of the equal steps that lead to ``target`` [s] if the limit stays as it is; the last ends there exactly."""
+        state, last = self.state, False
+
+        def length() -> float:
+            nonlocal last
+            remaining = target - state.time
+            steps = max(1, math.ceil(remaining / self.stable_step() - 1e-9))
+            last = steps == 1
+            return remaining / steps
+
+        self._take_step(length)
+        if last:
+            state.time = target
+
+    def frame(self) -> Frame:
+        """Return the arrays of this moment, as an output would have them."""
+        return self._recorder.frame(0.0)
+
+    def _output(self, write: Callable[[Frame], None] | None, interval: float, *, points: bool = True) -> None:
+        self.clock("output")
+        self._gather()
+        self._guard.check()
+        frame = self._recorder.frame(interval, points=points)
+        if self._next_output == 2 and is_settled_for_good(self.scene):
+            kinetic, strain = (float(frame.series[f"{kind}_energy"].sum()) for kind in ("kinetic", "strain"))
+            self._settled["settle_motion"] = kinetic / max(strain, sys.float_info.min)
+        if write is not None:
+            write(frame)
+        self.clock.flush()
+
+    def _gather(self) -> None:
+        """Know of all bodies what the steps did to those awake."""
+        if self._sleep is not None:
+            self._sleep.gather(self.state.time)
+
+    # -- how it is kept
+    # -----------------------------------------------------------------------------------------------
+
+    def snapshot(self) -> Snapshot:
+        """All values that the next step, the next output or the end depend on, between two steps.
+
+        Raises
+        ------
+        NotSaved
+            A plug-in's history names something that cannot be saved.
+        """
+        self._gather()
+        self.clock.flush()
+        return take(self._parts())
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Take the values of a simulation of the same scene and methods: this one goes on as that one does, to the bit.
+
+        Raises
+        ------
+        NotSaved
+            It was another scene, or other methods, or the values are not those of a simulation.
+        """
+        state, saved = self.state, snapshot.arrays
+        if "simulation/_settling" not in snapshot.values and self.scene.settle is not None:
+            self._settling = self._settling or Settling(self, self.scene.settle)
+        try:
+            if state.near is not None and state.near.restore(state, saved["state/pair_bodies"]):
+                self.hook.add_pairs(state=state)
+            lower, shape = (saved[f"state/grid/window_{name}"] for name in ("lower", "shape"))
+            set_windows(state.grid, lower, shape, len(saved["state/grid/mass"]))
+        except (LookupError, ValueError, TypeError) as error:
+            raise NotSaved("it was not saved where the bodies are") from error
+        put(snapshot, self._parts())
+
+    def restored(self) -> None:
+        """Refuse values with which the run would not come to its end.
+
+        Raises
+        ------
+        NotSaved
+            There are some.
+        """
+        state, time = self.state, self.scene.time
+        most = _outputs(time.end, time.output_interval) + 1
+        if not (0.0 <= state.time <= time.end and state.dt >= 0.0 and 0 <= self._next_output <= most):
+            raise NotSaved(f"time {state.time:g} s and output {self._next_output} are not within the run")
+        try:
+            check_state_finite(state)
+        except SimulationError as error:
+            raise NotSaved(str(error)) from error
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write :meth:`snapshot` to a file, in one step.
+
+        Raises
+        ------
+        NotSaved
+            A plug-in holds something that cannot be saved.
+        MpmfwError
+            The file cannot be written.
+        """
+        write_snapshot(os.fspath(path), self.snapshot())
+
+    def load(self, path: str | os.PathLike[str]) -> None:
+        """Take the values that :meth:`save` wrote, of a simulation of the same scene and methods; this one is new.
+
+        Raises
+        ------
+        NotSaved
+            It was another scene, or other methods.
+        MpmfwError
+            The file cannot be read, or is damaged.
+        """
+        self.restore(read_snapshot(os.fspath(path))[0])
+
+    def _parts(self) -> dict[str, Any]:
+        """Everything that has values, by its name in messages: the plug-ins and what is between them."""
+        damping = None if self._settling is None else self._settling.damping  # registered while it steps
+        plugins = {
+            f"plug-in '{name}'": plugin
+            for name, plugin in self.manager.list_name_plugin()
+            if plugin is not damping
+        }
+        return {"state": self.state, **plugins, "simulation": self}
+
+    # -- what it leaves
+    # -----------------------------------------------------------------------------------------------
+
+    def header(self, attributes: Mapping[str, Any] | None = None) -> RunHeader:
+        """What the results' file says before the first frame."""
+        plugins = {name: type(plugin).__module__ for name, plugin in self.manager.list_name_plugin()}
+        return self._recorder.header(
+            {
+                "title": self.scene.title or self.scene.name,
+                "scene": self.scene.text,
+                "contact": "" if self.contact is None else self.contact.label,
+                "shape": self.shape.label,
+                "scheme": self.scheme,
+                "transfer": self.transfer.name,
+                "transported": int(self.transfer.transported),
+                "rotation": self.rotations,
+                "cell_size": self.state.grid.cell_size,
+                "outputs": self.scene.time.outputs,
+                "output_interval": self.scene.time.output_interval,
+                "effects": [{"name": e.name, "on": e.on, "reason": e.reason} for e in self.effects],
+                "plugins": plugins,
+                **(attributes or {}),
+            }
+        )
+
+    def concerns(self) -> list[str]:
+        """What a reader of the results must know, a sentence each; complete after the last step."""
+        with self.blaming():
+            answers = self.hook.concerns() or []
+        for plugin, answer in zip(self._callers("concerns"), answers, strict=False):
+            if not isinstance(answer, list | tuple) or not all(isinstance(text, str) for text in answer):
+                raise PluginError(
+                    f"{described(plugin)} answered concerns with {answer!r:.80}; expected a list of sentences",
+                    step=self.state.steps,
+                    time=self.state.time,
+                )
+        return [
+            *warnings_about(self.scene),
+            *concern(self._settled),
+            *(text for answer in answers for text in answer),
+        ]
+
+    @property
+    def status(self) -> str:
+        """``ok``, or ``suspect: …`` with the reasons; complete after the last step."""
+        verdict: Any = self.manager.get_plugin("verdict")
+        return str(verdict.status)
+
+    def remarks(self) -> dict[str, list[str]]:
+        """Lists of words for the results: ``warnings``, and ``time_step_owners`` where these are followed."""
+        watch = self.manager.get_plugin("time_step_series")
+        owners = {} if watch is None else {"time_step_owners": list(watch.owners)}
+        return {"warnings": self.concerns(), **owners}
+
+    def costs(self) -> dict[str, float]:
+        """Steps, material points, and seconds in all and by stage, of the steps after time zero and of settling."""
+        clock = self.clock
+        return {
+            "steps": self.state.steps,
+            "material_points": self.state.particles.count,
+            "surface_nodes": 0 if self.state.surface is None else self.state.surface.count,
+            "cpu_time": sum(clock.cpu[stage] for stage in STEP_STAGES),
+            "wall_time": sum(clock.wall[stage] for stage in STEP_STAGES),
+            "gap_time": clock.cpu["gap"],
+            "output_time": clock.cpu["output"],
+            "settle_time": 0.0,
+            "compile_time": self.compile_time,
+            **self._settled,
+            **{f"cpu_{stage}": clock.cpu[stage] for stage in STAGES},
+            **{f"wall_{stage}": clock.wall[stage] for stage in STAGES},
+        }
+
+
+class _Watch:
+    """Called after every step: reports progress now and then, and hands on."""
+
+    def __init__(
+        self,
+        state: State,
+        progress: Callable[[float, int], None] | None,
+        after_step: Callable[[], None] | None,
+    ) -> None:
+        self.state, self.progress, self.after_step = state, progress, after_step
+
+    def __call__(self) -> None:
+        if self.progress is not None and self.state.steps % REPORT_EVERY == 0:
+            self.progress(self.state.time, self.state.steps)
+        if self.after_step is not None:
+            self.after_step()
+
+
+def _registered_name(made: Any, plugin: Any) -> str:
+    """Unique name of a plug-in: a material, load and the like is known by the scene's name of it."""
+    for group in (made.materials, *made.named.values()):
+        for name, one in group.items():
+            if one is plugin:
+                return f"{plugin.name} {name}"
+    return str(plugin.name)
+
+
+def _outputs(end: float, interval: float) -> int:
+    return max(1, math.ceil(end / interval - 1e-9))
+
+
+def checked_threads(threads: Any) -> int:
+    """A number of threads that is one.
+
+    Raises
+    ------
+    SceneError
+        It is none.
+    """
+    if type(threads) is not int or threads < 1:
+        raise SceneError(f"threads: found {threads!r}; expected an integer of at least 1")
+    return threads
+
+
+def chosen_methods(contact: Any, shape: Any) -> dict[str, str]:
+    """What methods given by name set in the scene; strategy objects set nothing."""
+    given = {"contact.method": contact, "shape.method": shape}
+    return {key: value for key, value in given.items() if isinstance(value, str)}
+
+
+def _with_methods(scene: Any, contact: Any, shape: Any) -> Scene:
+    """The scene with methods chosen by name in place of its own."""
+    from mpmfw.scene import load_scene
+
+    return load_scene(scene, set=chosen_methods(contact, shape))

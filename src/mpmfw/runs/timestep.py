@@ -1,0 +1,142 @@
+"""The length of a time step: a fraction of the least stability limit, or fixed, and never silently past a limit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from pydantic import BaseModel
+
+from mpmfw.contact.strategy import ContactStrategy
+from mpmfw.errors import PastStabilityLimit, PluginError, SceneError, SimulationError
+from mpmfw.plugin.answers import check_limits
+from mpmfw.state.structs import State
+
+if TYPE_CHECKING:
+    from mpmfw.scene import Scene
+
+#: Share of the bulk's limit below which a time step is taken for a failure: such a run would never end.
+COLLAPSED = 1e-4
+
+
+def stable_length(cell_size: float, width: float) -> float:
+    """What a wave passes in a stable step [m]: h, or √(h w) in a body whose ``width`` w [m] is less than ``cell_size`` h [m].
+
+    Such a body reaches into rows of nodes by a part b of its width alone: a row then has the mass ρ b² / (2 h) and the stiffness
+    M b² / (w h²), so that ω² = 2 c² / (h w) for each direction in which the body is thin, beside the bulk's.
+    """
+    thin = width < cell_size * (1.0 - 1e-9)
+    return math.sqrt(cell_size * width) if thin else cell_size
+
+
+class TimeStep:
+    """Chooses the length of every step.
+
+    Parameters
+    ----------
+    bulk_limit
+        h / c of the fastest body, √(h w) / c of one thinner than a cell [s].
+    courant
+        Share of it past which a step is refused: the shape function's own.
+    limiting
+        Plug-ins that implement ``stable_timestep``, in the order of the calls.
+    """
+
+    def __init__(
+        self, scene: Scene, state: State, bulk_limit: float, courant: float, limiting: Sequence[Any]
+    ) -> None:
+        self.limiting = limiting
+        self.scene, self.state, self.bulk_limit = scene, state, bulk_limit
+        # Looked up once: between two steps of many points the interpreter's own data has left the caches, and
+        # whatever is asked anew in every step is waited for.
+        cell = state.grid.cell_size
+        thin = all(bulk_limit < (1.0 - 1e-9) * cell / body.wave_speed for body in state.bodies)
+        length = "√(h w)" if thin else "h"
+        self._bulk = (bulk_limit, f"bulk wave speed ({length} / c)")
+        self._least_refused = (courant * bulk_limit, f"the bulk ({courant:g} {length} / c)")
+        self._safety, self._fixed = scene.time.safety, scene.time.step
+        # A share of the least limit of at most that is below all of them.
+        may_exceed = self._fixed is not None or self._safety > courant
+        self._checked = may_exceed and not scene.allow_unstable
+
+    def limits(self, hook: Any) -> list[tuple[float, str]]:
+        """Every stable time step [s] with its owner, before the safety factor; the bulk's comes first."""
+        return [self._bulk, *(hook.stable_timestep(state=self.state) or ())]
+
+    def next(self, hook: Any) -> float:
+        """Length of the next step [s]: the safety factor times the least limit, or the scene's fixed step.
+
+        Raises
+        ------
+        SimulationError
+            The step is past a stability limit and the scene does not allow it, or the limit has collapsed.
+        """
+        answers = hook.stable_timestep(state=self.state) or ()
+        try:
+            for answer in answers:
+                if not answer[0] > 0.0:  # NaN would be passed over by the least of all
+                    self._check(answers)
+        except (TypeError, LookupError):
+            self._check(answers)
+        limits = [self._bulk, *answers]
+        limit, owner = min(limits)
+        step: float = self._safety * limit if self._fixed is None else self._fixed
+        if self._checked and (refusal := self._refusal(step, limits)) is not None:
+            advice = "a smaller time.step, or allow_unstable = true"
+            raise PastStabilityLimit(refusal, time=self.state.time, advice=advice)
+        if limit < COLLAPSED * self.bulk_limit:
+            raise SimulationError(
+                f"the stable time step fell to {limit:.3g} s, set by {owner}; that of the bulk is {self.bulk_limit:.3g} s",
+                time=self.state.time,
+                advice=self._advice(owner),
+            )
+        return step
+
+    def _advice(self, owner: str) -> str:
+        """What lengthens the steps that a plug-in limits: by options that it has, and by no other's."""
+        contact = next((one for one in self.limiting if _says(one, owner)), None)
+        if contact is None:
+            return "another shape function"
+        ways = [f"a softer contact ({contact.softer_by})" if contact.softer_by else "a softer contact"]
+        if contact.needs_surface and "map" in getattr(type(contact), "Options", BaseModel).model_fields:
+            ways.append(f"another contact.{contact.name.partition('+')[0]}.map")
+        return ", ".join([*ways, "or another shape function"])
+
+    def check(self, hook: Any) -> None:
+        """Refuse a step past the limit before the run begins.
+
+        Raises
+        ------
+        SceneError
+            ``time.step`` or ``time.safety`` asks for it.
+        """
+        answers = hook.stable_timestep(state=self.state) or ()
+        check_limits(self.limiting, answers, SceneError)
+        limits = [self._bulk, *answers]
+        step: float = self._safety * min(limits)[0] if self._fixed is None else self._fixed
+        if self._checked and (refusal := self._refusal(step, limits)) is not None:
+            key = "time.safety" if self.scene.time.step is None else "time.step"
+            raise SceneError(f"{key}: {refusal}; expected a smaller {key}, or allow_unstable = true")
+
+    def _check(self, answers: Sequence[Any]) -> None:
+        """Refuse answers that are no times, and say whose they are."""
+        check_limits(
+            self.limiting,
+            answers,
+            lambda said: PluginError(said, step=self.state.steps, time=self.state.time),
+        )
+
+    def _refusal(self, step: float, limits: list[tuple[float, str]]) -> str | None:
+        """Why a step is past a stability limit, or None. The bulk is unstable below h / c already."""
+        limit, owner = min([self._least_refused, *limits[1:]])
+        if step <= limit * (1.0 + 1e-12):
+            return None
+        return f"a step of {step:.4g} s is past the stability limit {limit:.4g} s of {owner}"
+
+
+def _says(plugin: Any, owner: str) -> bool:
+    """Whether it is a contact that calls itself so: by its name, or by that of its law."""
+    if not isinstance(plugin, ContactStrategy):
+        return False
+    return any(owner.startswith(name) for name in (plugin.name, plugin.name.rpartition("+")[2]))

@@ -1,0 +1,295 @@
+"""The state of a simulation as fixed structs of arrays: material points, grid, surfaces, bodies, pairs.
+
+Material points of a body are contiguous. The grid carries one velocity field, or one per body; each field
+covers its own window of the background grid and the windows lie one after the other in flat nodal arrays, so
+that a thousand bodies do not cost a thousand grids.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from mpmfw.errors import SceneError
+from mpmfw.state.fields import AnyArray, FloatArray, IndexArray, IntArray
+
+if TYPE_CHECKING:
+    from mpmfw.state.pairs import NearPairs
+    from mpmfw.state.threads import Threads
+
+
+class Stencil(NamedTuple):
+    """Interpolation table of a set of points, filled once a step and read by every kernel.
+
+    Entries of point ``p`` are ``row[p]:row[p + 1]``.
+    """
+
+    row: IntArray  #: (n_points + 1,)
+    nodes: IndexArray  #: (n_entries,) flat node index, the velocity field's offset included
+    weight: FloatArray  #: (n_entries,) φ_ip
+    gradient: FloatArray  #: (n_entries, dim) ∇φ_ip [1/m]; (0, dim) for surface nodes
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """One body: what every plug-in may know of it."""
+
+    name: str  #: as in the scene
+    index: int  #: its place in the scene's order, from 0
+    particles: slice  #: its material points
+    field: int  #: index of its velocity field
+    density: float  #: [kg/m^3]
+    bulk_modulus: float  #: K [Pa]
+    shear_modulus: float  #: G [Pa]
+    lower: tuple[float, ...]  #: lower corner of its bounding box at the start [m]
+    upper: tuple[float, ...]  #: upper corner of its bounding box at the start [m]
+    outlines: tuple[FloatArray, ...]  #: nodes (m, dim) [m] of its closed surfaces; () without surface
+    facets: tuple[IntArray, ...] = ()  #: of each of them the facets' nodes (k, dim), material on the left
+    thickness: float = 1.0  #: across the plane [m]; in space 1
+
+    @property
+    def areal_density(self) -> float:
+        """Mass by the grid's measure: ρ times the thickness [kg/m²], in space ρ [kg/m³]."""
+        return self.density * self.thickness
+
+    @property
+    def p_wave_modulus(self) -> float:
+        """M = K + 4 G / 3 [Pa]."""
+        return self.bulk_modulus + 4.0 * self.shear_modulus / 3.0
+
+    @property
+    def wave_speed(self) -> float:
+        """c = sqrt(M / ρ) [m/s]."""
+        return float(np.sqrt(self.p_wave_modulus / self.density))
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """Two bodies that may touch, and the facts of their interface."""
+
+    index: int  #: its place in ``State.pairs``, from 0
+    first: int  #: index of the first body; forces of the pair are those on it
+    second: int  #: index of the second body
+    label: str  #: ``a-b`` in the scene's order
+    mu: float  #: Coulomb's μ [1], as the scene has it
+    friction_law: str | None = None  #: what says μ of every row in its place; None where μ is all
+
+    @property
+    def friction(self) -> float:
+        """Coulomb's μ [1], for contact that knows no friction laws.
+
+        Raises
+        ------
+        SceneError
+            The scene names a friction law, which would be passed over.
+        """
+        if self.friction_law is not None:
+            raise SceneError(
+                f"the friction of pair {self.label} was asked for, but contact.friction_law = '{self.friction_law}' says it "
+                "anew for every row; expected a contact law that takes it from rows.friction, as slip_bound does"
+            )
+        return self.mu
+
+
+@dataclass(slots=True)
+class Particles:
+    """Material points of all bodies, body after body."""
+
+    history = (
+        "position", "velocity", "volume", "deformation_gradient", "velocity_gradient", "stress", "affine", "moment",
+    )  # fmt: skip
+
+    position: FloatArray  #: (n, dim) [m]
+    velocity: FloatArray  #: (n, dim) [m/s]
+    mass: FloatArray  #: (n,) [kg/m], 2D per metre of thickness, or of the thickness that bodies name
+    initial_volume: FloatArray  #: (n,) [m^dim]
+    volume: FloatArray  #: (n,) [m^dim]
+    deformation_gradient: FloatArray  #: (n, dim, dim)
+    velocity_gradient: FloatArray  #: (n, dim, dim) [1/s]
+    stress: FloatArray  #: (n, dim, dim) Cauchy [Pa]
+    affine: FloatArray | None  #: C_p (n, dim, dim) [1/s]; None unless the transfer is affine
+    moment: FloatArray | None  #: B_p (n, dim, dim) [m²/s]; None unless the transfer stores it (apic)
+    first: IntArray  #: (n_fields + 1,) material points of velocity field f are first[f]:first[f + 1]
+    thickness: FloatArray | None = None  #: (n,) [m]; None unless a body of the plane names its own
+    threads: Threads | None = None  #: that share the lines of the step; None if one does it all
+
+    def part(self, begin: int, end: int) -> Particles:
+        """The points ``begin:end``, as views; ``first`` stays that of all points."""
+        whole = {name: getattr(self, name) for name in POINT_ARRAYS}
+        parts: dict[str, Any] = {
+            name: None if array is None else array[begin:end] for name, array in whole.items()
+        }
+        return Particles(**parts, first=self.first)
+
+    def through(self, measure: FloatArray) -> FloatArray:
+        """A ``measure`` of the points, such as their volume (n,) [m^dim], times the thickness."""
+        return measure if self.thickness is None else measure * self.thickness
+
+    @property
+    def count(self) -> int:
+        """Number of material points."""
+        return len(self.mass)
+
+    @property
+    def dim(self) -> int:
+        """Number of space dimensions."""
+        return int(self.position.shape[1])
+
+
+#: Attributes of :class:`Particles` that have a row for every point.
+POINT_ARRAYS = tuple(entry.name for entry in fields(Particles) if entry.name not in ("first", "threads"))
+
+
+def joined(slices: tuple[slice, ...], own: slice) -> tuple[slice, ...]:
+    """The slices and one more; bodies that follow each other become one slice, and take one call of a kernel."""
+    if slices and slices[-1].stop == own.start:
+        return (*slices[:-1], slice(slices[-1].start, own.stop))
+    return (*slices, own)
+
+
+class OutsideGrid(Exception):
+    """A point left the background grid; carries its index for the guard that names body, position and
+    time."""
+
+    def __init__(self, index: int, *, surface: bool = False) -> None:
+        super().__init__(index)
+        self.index = index
+        self.surface = surface
+
+
+@dataclass(slots=True)
+class Grid:
+    """Background grid of square cells with one window per velocity field.
+
+    Nodal arrays are flat: node ``(i, j, k)`` of field ``f``'s window has index ``offset[f] + (i * shape_1 +
+    j) * shape_2 + k``.
+    """
+
+    history = (
+        "window_lower", "window_shape", "mass", "momentum", "start_velocity", "force", "velocity",
+    )  # fmt: skip
+
+    cell_size: float  #: h [m]
+    lower: FloatArray  #: (dim,) position of node (0, 0, …) [m]
+    nodes: IntArray  #: (dim,) number of nodes of the background grid
+    window_lower: IntArray  #: (n_fields, dim) background index of the window's first node
+    window_shape: IntArray  #: (n_fields, dim)
+    offset: IntArray  #: (n_fields + 1,)
+    position: FloatArray  #: (n_nodes, dim) [m]
+    mass: FloatArray  #: (n_nodes,) [kg/m]
+    momentum: FloatArray  #: (n_nodes, dim) [kg/s]
+    start_velocity: FloatArray  #: (n_nodes, dim) [m/s]
+    force: FloatArray  #: (n_nodes, dim) [N/m]
+    velocity: FloatArray  #: (n_nodes, dim) [m/s]
+    spacing: tuple[float, ...]  #: (h, h[, h]) [m]: its length tells compiled kernels the dimension
+    frame: int = 0  #: counts how often the windows were laid; node indices are valid within one frame
+
+    @property
+    def dim(self) -> int:
+        """Number of space dimensions."""
+        return len(self.spacing)
+
+    @property
+    def n_fields(self) -> int:
+        """Number of velocity fields."""
+        return len(self.window_lower)
+
+    def field_nodes(self, index: int) -> slice:
+        """Flat nodes of velocity field ``index``."""
+        return slice(int(self.offset[index]), int(self.offset[index + 1]))
+
+    def reset(self) -> None:
+        """Forget the last step: mass, momentum and force become zero."""
+        self.mass.fill(0.0)
+        self.momentum.fill(0.0)
+        self.force.fill(0.0)
+
+
+@dataclass(slots=True)
+class Surface:
+    """Closed surfaces of all bodies, moved by their own velocity field: two-node segments in the plane, triangles in
+    space."""
+
+    history = ("position", "displacement")
+
+    position: FloatArray  #: (n_s, dim) x_s [m]
+    displacement: FloatArray  #: (n_s, dim) motion over the last step [m]
+    tributary: FloatArray  #: (n_s,) [m^(dim−1)]
+    facets: IntArray  #: (n_f, dim) surface nodes of every facet; in the plane facet s runs from node s
+    neighbours: IntArray  #: (n_f, dim) facet across the side that is opposite each corner
+    star_first: IntArray  #: (n_s + 1,) facets round node s are star[star_first[s]:star_first[s + 1]]
+    star: IntArray  #: (n_f dim,) in the plane the segment that ends there, then the one that starts
+    body: IntArray  #: (n_s,) index of the body
+    first: IntArray  #: (n_fields + 1,) surface nodes of velocity field f
+    body_first: IntArray  #: (n_bodies + 1,) surface nodes of body b
+    facet_first: IntArray  #: (n_bodies + 1,) facets of body b
+    stage: str = "contact"  #: stage of the clock that pays for it: ``gap`` if only the diagnostic uses it
+    stencil: Stencil | None = None  #: N_i(x_s) of this step
+    covered: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    """(n_f,) body that lies flush on the facet near a third body, −1 for none; (0,) where it is not asked for"""
+
+    @property
+    def count(self) -> int:
+        """Number of surface nodes."""
+        return len(self.tributary)
+
+    def of(self, body: int) -> slice:
+        """Surface nodes of one body."""
+        return slice(int(self.body_first[body]), int(self.body_first[body + 1]))
+
+    def facets_of(self, body: int) -> slice:
+        """Facets of one body."""
+        return slice(int(self.facet_first[body]), int(self.facet_first[body + 1]))
+
+
+#: Dimensions of declared arrays whose rows belong to bodies.
+OF_BODIES = ("particle", "surface_node", "body", "pair")
+
+
+@dataclass(slots=True)
+class State:
+    """All that changes while a simulation runs."""
+
+    history = (
+        "particles", "grid", "surface", "time", "dt", "steps", "pair_bodies", "kept_arrays",
+    )  # fmt: skip
+
+    particles: Particles  #: material points of all bodies
+    grid: Grid  #: nodes of all velocity fields
+    bodies: tuple[Body, ...]  #: in the scene's order
+    pairs: tuple[Pair, ...]  #: in the scene's order; of many bodies those that have come near so far
+    surface: Surface | None = None  #: None unless an effect or the contact strategy needs outlines
+    time: float = 0.0  #: [s]
+    dt: float = 0.0  #: length of the step that runs, or of the last one [s]
+    steps: int = 0  #: steps done since time zero
+    arrays: dict[str, AnyArray] = field(default_factory=dict)  #: plug-ins' own arrays, as ``owner/name``
+    dims: dict[str, tuple[str, ...]] = field(default_factory=dict)  #: of the arrays that were declared
+    near: NearPairs | None = None  #: lists pairs as bodies come near; None where all pairs are listed
+
+    @property
+    def pair_bodies(self) -> IntArray:
+        """Indices of both bodies of every pair, (n_pairs, 2)."""
+        return np.array([(pair.first, pair.second) for pair in self.pairs], dtype=np.int64).reshape(-1, 2)
+
+    @property
+    def kept_arrays(self) -> dict[str, AnyArray]:
+        """Plug-ins' declared arrays whose rows belong to bodies; others hold nothing from step to step."""
+        return {key: self.arrays[key] for key, dims in self.dims.items() if dims and dims[0] in OF_BODIES}
+
+    def lengthen(self, name: str, rows: int) -> AnyArray:
+        """A plug-in's array with rows of zeros added to a length of ``rows``; it takes the other's place.
+
+        Parameters
+        ----------
+        name
+            Its key in ``arrays``, ``owner/name``.
+        rows
+            New length of its first dimension, such as the number of pairs.
+        """
+        old = self.arrays[name]
+        longer = np.zeros((rows, *old.shape[1:]), dtype=old.dtype)
+        longer[: len(old)] = old
+        self.arrays[name] = longer
+        return longer

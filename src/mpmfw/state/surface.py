@@ -1,0 +1,50 @@
+"""The surfaces of all bodies as one array of nodes and facets."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mpmfw.geometry.facets import neighbours_of, stars_of, tributaries_of
+from mpmfw.kernels import Facets
+from mpmfw.kernels.gaps import minimum_gaps
+from mpmfw.state.fields import FloatArray, IntArray
+from mpmfw.state.structs import Body, Surface
+
+
+def make_surface(bodies: tuple[Body, ...], n_fields: int, stage: str) -> Surface:
+    """Join the bodies' surfaces; stage ``gap`` marks a surface that serves the diagnostic alone."""
+    position, facets, owner, facet_owner = [], [], [], []
+    start = 0
+    for body in bodies:
+        for nodes, corners in zip(body.outlines, body.facets, strict=True):
+            position.append(nodes)
+            facets.append(start + corners)
+            owner.append(np.full(len(nodes), body.index))
+            facet_owner.append(np.full(len(corners), body.index))
+            start += len(nodes)
+    places, joined = np.ascontiguousarray(np.concatenate(position)), np.concatenate(facets).astype(np.int64)
+    of_body, index = np.concatenate(owner).astype(np.int64), np.arange(len(bodies) + 1)
+    star_first, star = stars_of(joined, len(places))
+    body_first = np.searchsorted(of_body, index)
+    return Surface(
+        position=places,
+        displacement=np.zeros_like(places),
+        tributary=tributaries_of(places, joined),
+        facets=joined,
+        neighbours=neighbours_of(joined),
+        star_first=star_first,
+        star=star,
+        body=of_body,
+        first=body_first if n_fields == len(bodies) else np.array([0, len(places)]),
+        body_first=body_first,
+        facet_first=np.searchsorted(np.concatenate(facet_owner), index),
+        stage=stage,
+    )
+
+
+def least_gaps(surface: Surface, first: IntArray, second: IntArray, spacing: tuple[float, ...]) -> FloatArray:
+    """Least of both bodies' node-to-facet distances of every two bodies ``first`` and ``second``, (n,) [m]."""
+    gaps = np.zeros(len(first))
+    geometry = Facets(**{name: getattr(surface, name) for name in Facets.member_names})
+    minimum_gaps(first, second, surface.body_first, surface.facet_first, geometry, gaps, spacing)
+    return gaps

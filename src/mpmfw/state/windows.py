@@ -1,0 +1,126 @@
+"""Laying the velocity fields' windows on the background grid."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mpmfw.state.fields import GRID_FIELDS, FloatArray, IntArray
+from mpmfw.state.history import NotSaved
+from mpmfw.state.structs import Grid, Particles, Surface
+
+#: Nodes kept free round a body: room for the supports of smooth shape functions and for motion until the next
+#: laying.
+MARGIN = 3
+
+
+def make_grid(cell_size: float, lower: FloatArray, upper: FloatArray, n_fields: int) -> Grid:
+    """An empty grid from ``lower`` to at least ``upper``; windows are laid by :func:`lay_windows`."""
+    dim = len(lower)
+    cells = np.ceil((upper - lower) / cell_size - 1e-9).astype(np.int64)
+    sizes = {"node": 0, "axis": dim}
+    arrays: dict[str, Any] = {field.name: field.allocate(sizes) for field in GRID_FIELDS}
+    return Grid(
+        cell_size=cell_size,
+        lower=np.array(lower, dtype=float),
+        nodes=cells + 1,
+        window_lower=np.zeros((n_fields, dim), dtype=np.int64),
+        window_shape=np.zeros((n_fields, dim), dtype=np.int64),
+        offset=np.zeros(n_fields + 1, dtype=np.int64),
+        **arrays,
+        spacing=(float(cell_size),) * dim,
+    )
+
+
+def lay_windows(grid: Grid, particles: Particles, reach: FloatArray, surface: Surface | None) -> None:
+    """Lay every field's window round its material points and surface nodes, clipped to the background grid.
+
+    Nodal arrays are allocated anew and are zero; node indices of earlier stencils lose their meaning.
+
+    Parameters
+    ----------
+    reach
+        Half the extent of every particle's domain, (n, dim) [m].
+    """
+    grid.window_lower[:], grid.window_shape[:] = windows_round(grid, particles, reach, surface)
+    allocate_nodes(grid)
+
+
+def windows_round(
+    grid: Grid, particles: Particles, reach: FloatArray, surface: Surface | None
+) -> tuple[IntArray, IntArray]:
+    """First node and shape of every field's window, (n_fields, dim), if it were laid now.
+
+    Parameters
+    ----------
+    reach
+        Half the extent of every particle's domain, (n, dim) [m].
+    """
+    low, high = particles.position - reach, particles.position + reach
+    first, shape = np.empty_like(grid.window_lower), np.empty_like(grid.window_shape)
+    for index in range(grid.n_fields):
+        own = slice(int(particles.first[index]), int(particles.first[index + 1]))
+        lower, upper = low[own].min(axis=0), high[own].max(axis=0)
+        if surface is not None:
+            nodes = surface.position[int(surface.first[index]) : int(surface.first[index + 1])]
+            if len(nodes):
+                lower = np.minimum(lower, nodes.min(axis=0))
+                upper = np.maximum(upper, nodes.max(axis=0))
+        start = _node(grid, lower) - MARGIN
+        stop = _node(grid, upper) + 1 + MARGIN
+        first[index] = np.clip(start, 0, grid.nodes - 1)
+        shape[index] = np.clip(stop, 0, grid.nodes - 1) - first[index] + 1
+    return first, shape
+
+
+def is_cut_off(grid: Grid) -> bool:
+    """Whether a window ends where the background grid does."""
+    last = grid.window_lower + grid.window_shape
+    return bool((grid.window_lower == 0).any() or (last == grid.nodes).any())
+
+
+def set_windows(grid: Grid, lower: IntArray, shape: IntArray, most: float = np.inf) -> None:
+    """Lay the windows at given nodes, (n_fields, dim) each, of the background grid.
+
+    Raises
+    ------
+    NotSaved
+        They are not within the grid, or have more than ``most`` nodes.
+    """
+    within = lower.shape == shape.shape == grid.window_lower.shape and bool(
+        (lower >= 0).all() and (shape >= 1).all() and (lower <= grid.nodes - shape).all()
+    )
+    if not within or np.prod(shape, axis=1, dtype=float).sum() > most:
+        raise NotSaved("the windows of the velocity fields are not within the grid")
+    grid.window_lower[:], grid.window_shape[:] = lower, shape
+    allocate_nodes(grid)
+
+
+def allocate_nodes(grid: Grid) -> None:
+    """Nodal arrays, all zero, and node positions for the windows as they are."""
+    np.cumsum(np.prod(grid.window_shape, axis=1), out=grid.offset[1:])
+    sizes = {"node": int(grid.offset[-1]), "axis": grid.dim}
+    for field in GRID_FIELDS:
+        setattr(grid, field.name, field.allocate(sizes))
+    for index in range(grid.n_fields):
+        grid.position[grid.field_nodes(index)] = _node_positions(grid, index)
+    grid.frame += 1
+
+
+def _node(grid: Grid, position: FloatArray) -> IntArray:
+    """Background index of the node below ``position``, limited to a range that integers can hold."""
+    index = np.floor((position - grid.lower) / grid.cell_size)
+    node: IntArray = np.clip(np.nan_to_num(index), -10, grid.nodes + 10).astype(np.int64)
+    return node
+
+
+def _node_positions(grid: Grid, index: int) -> FloatArray:
+    """Positions of the nodes of one window, (n, dim) [m]; equal to the last bit for the same node of two
+    windows."""
+    axes = [
+        grid.lower[d]
+        + grid.cell_size * (grid.window_lower[index, d] + np.arange(grid.window_shape[index, d]))
+        for d in range(grid.dim)
+    ]
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, grid.dim)
