@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib.util
 import inspect
-import json
 import re
 import sys
 from pathlib import Path
@@ -35,12 +34,6 @@ def script(name: str) -> ModuleType:
 
 def text(page: str) -> str:
     return (ROOT / page).read_text(encoding="utf-8")
-
-
-def test_the_page_of_turned_scenes_shows_what_was_found():
-    made = script("make_turned")
-    found = json.loads(made.FOUND.read_text(encoding="utf-8"))
-    assert made.page(found) == text("docs/turned.md"), "run: python docs/make_turned.py"
 
 
 def test_the_page_of_hooks_is_up_to_date():

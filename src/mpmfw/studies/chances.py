@@ -13,7 +13,7 @@ from mpmfw.studies.fitting import FLOOR
 from mpmfw.studies.verdicts import Method
 
 #: What is believed beforehand of ln e at the coarsest cell: its mean, and the standard deviations of what a scene, a contact in
-#: it, a shape function in it and a method by itself add. In the tables of docs/studies.md: 1 to 3 %, 1.3 to 2.3, 0.8 to 2.3, 0.2
+#: it, a shape function in it and a method by itself add. In the tables of docs/studies: 1 to 3 %, 1.3 to 2.3, 0.8 to 2.3, 0.2
 #: to 0.5 and 0.2 to 0.7, for the methods that are tried if none are named and for all.
 _MEAN, _SCENE, _CONTACT, _SHAPE, _OWN = np.log(0.02), 2.0, 1.5, 0.5, 0.7
 
