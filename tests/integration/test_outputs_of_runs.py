@@ -52,9 +52,6 @@ def test_outputs_denser_than_steps_are_one_a_step():
     assert tree["series"].sizes["time"] == tree.attrs["steps"] + 1
 
 
-@pytest.mark.filterwarnings(
-    "ignore:none.(cpdi|linear). suspect"
-)  # velocities are half a step behind the strain
 def test_a_comparison_has_runs_of_other_steps_at_the_times_that_were_asked_for():
     scene = two_blocks("penalty", time={**DENSE, "outputs": "nearest"})
     joined = mpmfw.compare(scene, contact=["none", "penalty"], shape=["cpdi", "linear"])

@@ -17,10 +17,6 @@ SCENE = two_blocks(
 )
 
 
-#: Bodies that share a velocity field gain energy as they meet.
-pytestmark = pytest.mark.filterwarnings("ignore:.*suspect. energy")
-
-
 @pytest.fixture(scope="module")
 def compared(tmp_path_factory):
     path = tmp_path_factory.mktemp("fields") / "c.nc"

@@ -75,6 +75,8 @@ class Verdict:
         overlaps = bool((self.overlap > 0.05 * state.grid.cell_size).any())
         #: Whether the energy at the start is known; not that of an overlap which has not settled.
         self.start_is_known = not overlaps or made.scene.settle is not None
+        #: Velocities' time less that of the strain, in steps.
+        self.half_step = 0.5 if made.scheme == "usf" else -0.5
         self.running, self.due, self.next_sides, self.next_own = False, 0.0, 0, 0
         self.nothing = self.start = self.first_work = self.gravity_work = self.most = 0.0
         self.released = (
@@ -150,6 +152,17 @@ class Verdict:
             if gap < self.closed.get(body.name, 1.0):
                 self.closed[body.name], self.closed_at[body.name] = float(gap), state.time
 
+    def _energy(self, state: State) -> float:
+        """Kinetic and strain energy [J/m], both of the middle of a step.
+
+        Velocities are half a step behind the strain, or ahead of it where the stress is updated first. The strain
+        energy changes by Δt Σ V σ:L in a step. In bodies two cells wide half of this is a fifth of all energy.
+        """
+        p = state.particles
+        power = np.einsum("p,pij,pij", p.through(p.volume), p.stress, p.velocity_gradient)
+        strain = float(self.strain.of(state).sum()) + self.half_step * state.dt * float(power)
+        return kinetic_energy(p.mass, p.velocity) + strain
+
     def _judge_energy(self, state: State) -> None:
         if self.gravity is not None:
             self._add_gravity_work(state, 0.5)
@@ -160,9 +173,7 @@ class Verdict:
         given = max(self.loaded, 0.0) + max(-self._held(state), 0.0)
         self.released = max(self.released, given)
         there = self.start + self.most + self.released
-        energy = kinetic_energy(state.particles.mass, state.particles.velocity)
-        energy += float(self.strain.of(state).sum())
-        excess = energy - self.start - given - work
+        excess = self._energy(state) - self.start - given - work
         if excess > max(GROWTH * there + self.nothing, self.grown):
             self.grown, self.grown_at = float(excess), state.time
             self.grown_share = float(excess / there) if there > 0.0 else np.inf
