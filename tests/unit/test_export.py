@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from typer.testing import CliRunner
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import VTK_LINE, VTK_QUAD, VTK_TRIANGLE, VTK_VERTEX
@@ -22,8 +23,7 @@ from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
 from mpmfw.geometry.facets import neighbours_of, stars_of
 from mpmfw.geometry.triangles import sphere_surface
 from mpmfw.kernels import Facets, minimum_gap
-from mpmfw.paraview.gaps import signed_distances
-from mpmfw.paraview.triangles import distances_in_space
+from mpmfw.paraview.distances import distances_in_plane, distances_in_space
 from mpmfw.results.domains import domains_of
 from mpmfw.runs.build import build
 from mpmfw.scene import load_scene
@@ -309,7 +309,7 @@ def test_signed_distances_in_space_are_those_of_the_kernel():
     ]
     found, outward = distances_in_space(points, nodes, facets)
     np.testing.assert_allclose(found, least, atol=1e-12)
-    np.testing.assert_allclose(np.linalg.norm(outward, axis=1), 1.0, rtol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(outward, axis=1), found != 0.0, rtol=1e-12)
     back = distances_in_space(points - found[:, None] * outward, nodes, facets)[0]
     np.testing.assert_allclose(back, 0.0, atol=1e-9)
     assert (found < 0.0).any()
@@ -324,8 +324,9 @@ def test_triangles_that_do_not_fit_are_refused(tmp_path):
 
 
 def test_fields_of_another_form_are_told_of(tree, tmp_path):
-    floor = tree["particles/floor"]
-    floor["spectrum"] = (("time", "particle", "mode"), np.zeros((5, floor.sizes["particle"], 7)))
+    floor = tree["particles/floor"].to_dataset()
+    spectrum = (("time", "particle", "mode"), np.zeros((5, floor.sizes["particle"], 7)))
+    tree["particles/floor"] = xr.DataTree(floor.assign(spectrum=spectrum))
     with pytest.warns(ResultsWarning, match="not exported, .*: spectrum"):
         mpmfw.export(tree, tmp_path)
 
@@ -345,7 +346,7 @@ def test_signed_distances_are_those_of_the_kernel():
         position=together, facets=facets, neighbours=neighbours_of(facets), star_first=first, star=star
     )
     least = [minimum_gap(k, k + 1, 0, 31, surface, (1.0, 1.0)) for k in range(31, len(together))]
-    found = signed_distances(points, position, following)
+    found = distances_in_plane(points, position, facets)
     np.testing.assert_allclose(found, least, atol=1e-14)
     assert (found < 0.0).any()
     assert (found > 0.0).any()
@@ -397,6 +398,14 @@ def test_a_wrong_request_is_status_2(files, monkeypatch, arguments, message):
     result = CliRunner().invoke(app, arguments)
     assert (result.exit_code, result.stdout) == (2, "")
     assert result.stderr.startswith(message)
+
+
+def test_a_plain_install_is_told_of_the_extra(files, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyvista", None)
+    result = CliRunner().invoke(app, ["export", str(files / "d.nc"), "-o", str(files / "none")])
+    assert result.exit_code == 2
+    assert "pip install 'mpmfw[render]'" in result.stderr
+    assert not (files / "none").exists()
 
 
 def test_no_import_before_it_is_needed():

@@ -2,46 +2,26 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as ET
 
+import numpy as np
 import xarray as xr
 
 from mpmfw.errors import MpmfwError, ResultsWarning
-from mpmfw.paraview.files import Mesh, write_collection, write_mesh
-from mpmfw.paraview.meshes import left_out, points_mesh, surface_mesh, surfaces_of, unit_of
-from mpmfw.paraview.table import write_series
+from mpmfw.paraview.meshes import Mesh, mesh_library, points_mesh, skipped_fields, surface_mesh, surfaces_of
 from mpmfw.results.domains import domains_of
 from mpmfw.results.outputs import Results, attribute, bodies_of, chosen_frames, opened_run, times_of
-from mpmfw.results.replacing import check_new
+from mpmfw.results.replacing import check_new, replace_bytes, replacement
 
 #: Root attributes of a run that go into every file.
 _ABOUT = ("title", "scene", "contact", "shape", "status", "commit", "versions")
-
-
-@dataclass(frozen=True)
-class Target:
-    """Where an export goes: a folder, and how the names in it begin."""
-
-    folder: Path
-    stem: str
-
-    def collection(self, kind: str) -> Path:
-        """The file that ParaView opens."""
-        return self.folder / f"{self.stem}-{kind}.pvd"
-
-    def frame(self, kind: str, index: int) -> Path:
-        """The file of one output, which is called by its index in the results."""
-        return self.folder / f"{self.stem}-{kind}" / f"{index:05d}.vtu"
-
-    @property
-    def series(self) -> Path:
-        """The table of the series."""
-        return self.folder / f"{self.stem}-series.csv"
 
 
 def export(
@@ -74,87 +54,115 @@ def export(
     Returns
     -------
     list of Path
-        What to open: ``…-points.pvd``, ``…-surfaces.pvd`` where surfaces are stored, ``…-series.csv``.
+        The files to open: ``…-points.pvd``, ``…-surfaces.pvd`` where surfaces are stored, ``…-series.csv``.
 
     Raises
     ------
     SceneError
-        The results are not those of a run, hold no material points, have no such body, or a file to write exists.
+        pyvista is not installed, a file to write exists, or the results have no such body, no material points,
+        or are not those of a run.
     MpmfwError
         The file cannot be read, or a file cannot be written.
     """
+    mesh_library()
+    path = Path(target)
+    if path.suffix == ".pvd":
+        path = path.with_suffix("")
+    else:
+        path /= "run" if isinstance(results, xr.DataTree) else Path(results).stem
     try:
         with opened_run(results) as tree:
-            return _export(tree, _target(results, target), every, bodies, progress, force)
+            return _export(tree, path, every, bodies, progress, force)
     except OSError as error:
         raise MpmfwError(f"cannot write '{error.filename or target}': {error.strerror or error}") from error
 
 
-def _target(results: Results, target: str | os.PathLike[str]) -> Target:
-    path = Path(target)
-    if path.suffix == ".pvd":
-        return Target(path.parent, path.stem)
-    return Target(path, "run" if isinstance(results, xr.DataTree) else Path(results).stem)
-
-
 def _export(
     tree: xr.DataTree,
-    target: Target,
+    target: Path,
     every: int,
     selection: Sequence[str] | None,
     progress: Callable[[int, int], None] | None,
     force: bool,
 ) -> list[Path]:
+    """Write all files; their names begin with ``target``."""
     chosen, frames = bodies_of(tree, selection), chosen_frames(tree, every)
     indices = {body: k for k, body in enumerate(bodies_of(tree)) if body in chosen}
     domains = {body: domains_of(tree, body) for body in indices}
-    _tell(left_out(tree, chosen))
-    kinds: dict[str, Callable[[int], Mesh]] = {
-        "points": lambda frame: points_mesh(tree, indices, domains, frame)
-    }
-    outlined = [body for body in surfaces_of(tree) if body in chosen]
-    if outlined:
-        kinds["surfaces"] = lambda frame: surface_mesh(tree, indices, frame)
-    places = {"points": f"particles/{chosen[0]}", "surfaces": f"surface/{outlined[0]}" if outlined else ""}
-    times = times_of(tree).tolist()
-    has_series = "series" in tree.children and bool(tree["series"].data_vars)
-    for file in [target.collection(kind) for kind in kinds] + [target.series] * has_series:
-        check_new(file, force)
-    for kind in kinds:
-        folder = target.frame(kind, 0).parent
-        folder.mkdir(parents=True, exist_ok=True)
-        for frame in sorted(folder.glob("[0-9][0-9][0-9][0-9][0-9].vtu")):  # of an export of more outputs
-            check_new(frame, force).unlink()
-    for done, index in enumerate(frames):
-        for kind, mesh_of in kinds.items():
-            mesh = mesh_of(index)
-            units = unit_of(tree, [*mesh.point_data, *mesh.cell_data], places[kind])
-            write_mesh(target.frame(kind, index), mesh, times[index], _about(tree, indices, units))
-        if progress is not None:
-            progress(done + 1, len(frames))
-    # The collections come last: what they list is there
-    for kind in kinds:
-        files = [target.frame(kind, index) for index in frames]
-        write_collection(target.collection(kind), [times[index] for index in frames], files)
-    written = [target.collection(kind) for kind in kinds]
-    if has_series:
-        written.append(target.series)
-        series = tree["series"].to_dataset().load()
-        write_series(written[-1], series, range(0, series.sizes["time"], every))
-    return written
-
-
-def _about(tree: xr.DataTree, indices: dict[str, int], units: dict[str, str]) -> dict[str, str]:
-    """Texts of the field data; ``bodies`` says which index is which body, ``units`` which field has which."""
-    own = {name: attribute(tree, name) for name in _ABOUT if attribute(tree, name)}
-    names = {str(index): body for body, index in indices.items()}
-    return {**own, "bodies": json.dumps(names), "units": json.dumps(units)}
-
-
-def _tell(names: list[str]) -> None:
-    if names:
+    if names := skipped_fields(tree, chosen):
         warnings.warn(
             f"not exported, being no scalar, vector or tensor of a point: {', '.join(names)}",
             ResultsWarning,
-            stacklevel=4,
+            stacklevel=3,
         )
+    kinds: dict[str, Callable[[int], Mesh]] = {
+        "points": lambda frame: points_mesh(tree, indices, domains, frame)
+    }
+    if set(surfaces_of(tree)) & set(chosen):
+        kinds["surfaces"] = lambda frame: surface_mesh(tree, indices, frame)
+    times = times_of(tree).tolist()
+    folders = {kind: target.with_name(f"{target.name}-{kind}") for kind in kinds}
+    written = [folder.with_name(f"{folder.name}.pvd") for folder in folders.values()]
+    collections = dict(zip(kinds, written, strict=True))
+    if "series" in tree.children and tree["series"].data_vars:
+        written.append(target.with_name(f"{target.name}-series.csv"))
+    for file in written:
+        check_new(file, force)
+    for folder in folders.values():
+        folder.mkdir(parents=True, exist_ok=True)
+        for earlier in sorted(folder.glob("[0-9][0-9][0-9][0-9][0-9].vtu")):
+            check_new(earlier, force).unlink()
+    about = {name: attribute(tree, name) for name in _ABOUT if attribute(tree, name)}
+    about["bodies"] = json.dumps({str(index): body for body, index in indices.items()})
+    for done, index in enumerate(frames):
+        for kind, mesh_of in kinds.items():
+            mesh = mesh_of(index)
+            _write_mesh(mesh, times[index], about, folders[kind] / f"{index:05d}.vtu")
+        if progress is not None:
+            progress(done + 1, len(frames))
+    for kind, collection in collections.items():  # last, so that the files they list are there
+        _write_collection(
+            collection, {f"{folders[kind].name}/{index:05d}.vtu": times[index] for index in frames}
+        )
+    if len(written) > len(kinds):
+        series = tree["series"].to_dataset().load()
+        _write_series(written[-1], series.isel(time=slice(None, None, every)))
+    return written
+
+
+def _write_mesh(mesh: Mesh, time: float, about: dict[str, str], path: Path) -> None:
+    """Write one output in double precision; VTK's readers take the time [s] from ``TimeValue``."""
+    texts = {**about, "units": json.dumps(mesh.units)}
+    for name, text in texts.items():
+        mesh.grid.field_data[name] = [text]
+    mesh.grid.field_data["TimeValue"] = np.array([time])
+    with replacement(path) as growing:
+        mesh.grid.save(growing)
+
+
+def _write_collection(path: Path, times: dict[str, float]) -> None:
+    """Write ParaView's list of files, named from its folder, with their times [s]."""
+    root = ET.Element("VTKFile", type="Collection", version="0.1")
+    collection = ET.SubElement(root, "Collection")
+    for file, time in times.items():
+        ET.SubElement(collection, "DataSet", timestep=repr(time), part="0", file=file)
+    ET.indent(root)
+    replace_bytes(ET.tostring(root, "utf-8", xml_declaration=True), path)
+
+
+def _write_series(path: Path, series: xr.Dataset) -> None:
+    """Write series as comma-separated values in full precision, a row for each output.
+
+    A column is called ``centre_of_mass cylinder x [m]``: name, labels, unit.
+    """
+    columns: dict[str, Any] = {"time [s]": series["time"].values}
+    for name, array in series.data_vars.items():
+        if "time" not in array.dims:
+            continue
+        values, unit = array.transpose("time", ...), array.attrs.get("units", "1")
+        labels = [map(str, array[dim].values) for dim in values.dims[1:]]
+        heads = [" ".join((str(name), *choice)) for choice in itertools.product(*labels)]
+        table = values.values.reshape(len(values), -1).astype(float)
+        columns |= {f"{head} [{unit}]": column for head, column in zip(heads, table.T, strict=True)}
+    text = xr.Dataset({name: ("time", values) for name, values in columns.items()}).to_dataframe()
+    replace_bytes(text.to_csv(index=False, na_rep="nan").encode(), path)

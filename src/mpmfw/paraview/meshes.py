@@ -3,20 +3,46 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from mpmfw.errors import MpmfwError
-from mpmfw.paraview.arrays import arrays_of, stacked, vectors
-from mpmfw.paraview.files import Mesh
-from mpmfw.paraview.gaps import surface_gaps
+from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.paraview.distances import distances_in_plane, distances_in_space
 from mpmfw.results.domains import Domains, triangles_of
 from mpmfw.results.outputs import frame_of
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 
-#: What the results call the geometry, which is that of the mesh and no field beside it.
+#: Stored arrays that are the geometry of the mesh, not fields on it.
 _GEOMETRY = ("position", "corners", "next")
+
+#: Out-of-plane component of tensors in 2D, plane strain, where it is known; it is NaN for the others.
+_ACROSS = {"deformation_gradient": 1.0, "velocity_gradient": 0.0, "affine": 0.0}
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """A grid of VTK, and the units of its fields by name."""
+
+    grid: Any  #: pyvista.UnstructuredGrid
+    units: Mapping[str, str]
+
+
+def mesh_library() -> Any:
+    """Import pyvista.
+
+    Raises
+    ------
+    SceneError
+        It is not installed.
+    """
+    try:
+        import pyvista
+    except ImportError as error:
+        raise SceneError("export needs pyvista: pip install 'mpmfw[render]'") from error
+    return pyvista
 
 
 def points_mesh(
@@ -33,19 +59,22 @@ def points_mesh(
         is a vertex and they are point data.
     """
     frames = {body: frame_of(tree, f"particles/{body}", frame) for body in bodies}
-    counts = [data.sizes["particle"] for data in frames.values()]
-    fields = stacked([arrays_of(data, "particle")[0] for data in frames.values()], counts)
-    owner = np.repeat(np.array(list(bodies.values())), counts)
-    drawn = [domains[body] for body in bodies]
+    points = _joined(frames, bodies, "particle")
+    fields = _fields(points)
+    kinds, drawn = mesh_library().CellType, [domains[body] for body in bodies]
     if all(one is not None for one in drawn):
         corners = np.concatenate(
             [one.corners(data) for one, data in zip(drawn, frames.values(), strict=True) if one is not None]
         )
         quads = np.arange(4 * len(corners)).reshape(-1, 4)
-        return Mesh(vectors(corners.reshape(-1, 2)), quads, cell_data={"body": owner, **fields})
-    position = fields.pop("position")
-    vertices = np.arange(len(position))[:, None]
-    return Mesh(position, vertices, point_data={"body": owner, **fields}, cell_data={"body": owner})
+        grid = _grid(corners.reshape(-1, 2), kinds.QUAD, quads)
+        grid.cell_data.update(fields)
+    else:
+        position = fields.pop("position")
+        grid = _grid(position, kinds.VERTEX, np.arange(len(position))[:, np.newaxis])
+        grid.point_data.update(fields)
+        grid.cell_data["body"] = fields["body"]
+    return Mesh(grid, _units(points, fields))
 
 
 def surface_mesh(tree: xr.DataTree, bodies: Mapping[str, int], frame: int) -> Mesh:
@@ -58,43 +87,62 @@ def surface_mesh(tree: xr.DataTree, bodies: Mapping[str, int], frame: int) -> Me
         body: (np.asarray(data["position"].values, dtype=float), facets_of(tree, body))
         for body, data in everywhere.items()
     }
-    gaps = surface_gaps(shapes)
-    own = [body for body in everywhere if body in bodies]
-    counts = [len(gaps[body][0]) for body in own]
-    parts = [
-        {
-            **_without_geometry(everywhere[body]),
-            "gap": gaps[body][0],
-            **contact_fields(everywhere[body], *shapes[body], *gaps[body]),
-        }
-        for body in own
-    ]
-    fields = stacked(parts, counts)
-    start = np.cumsum([0, *counts])
-    return Mesh(
-        vectors(np.concatenate([shapes[body][0] for body in own])),
-        np.concatenate([shapes[body][1] + first for body, first in zip(own, start, strict=False)]),
-        point_data={"body": np.repeat(np.array([bodies[body] for body in own]), counts), **fields},
-        cell_data={"body": np.repeat([bodies[body] for body in own], [len(shapes[body][1]) for body in own])},
+    frames = {}
+    for body in everywhere:
+        if body in bodies:
+            gap, outward = _nearest(body, shapes)
+            contact = contact_fields(everywhere[body], *shapes[body], gap, outward)
+            gaps = xr.DataArray(gap, dims="surface_node", attrs={"units": "m"})
+            frames[body] = everywhere[body].assign({"gap": gaps, **contact})
+    nodes = _joined(frames, bodies, "surface_node")
+    fields = _fields(nodes)
+    start = np.cumsum([0, *(frame.sizes["surface_node"] for frame in frames.values())])
+    facets = np.concatenate([shapes[body][1] + first for body, first in zip(frames, start, strict=False)])
+    kinds = mesh_library().CellType
+    grid = _grid(fields.pop("position"), kinds.LINE if facets.shape[1] == 2 else kinds.TRIANGLE, facets)
+    grid.point_data.update(fields)
+    grid.cell_data["body"] = fields["body"][facets[:, 0]]
+    return Mesh(grid, _units(nodes, fields))
+
+
+def _nearest(
+    body: str, shapes: Mapping[str, tuple[FloatArray, IntArray]]
+) -> tuple[FloatArray, FloatArray | None]:
+    """Distance of a body's surface nodes (s,) [m] from the nearest other surface, negative inside of it.
+
+    It is measured as ``min_gap`` is, and NaN without another surface. The second array (s, 3) holds the outward
+    direction of the other surface there; it is None in the plane.
+    """
+    position = shapes[body][0]
+    others = [shape for other, shape in shapes.items() if other != body]
+    if not others:
+        return np.full(len(position), np.nan), None
+    if position.shape[1] == 2:
+        return np.min([distances_in_plane(position, *other) for other in others], axis=0), None
+    gaps, outward = map(
+        np.array, zip(*(distances_in_space(position, *other) for other in others), strict=True)
     )
+    nearest, rows = gaps.argmin(axis=0), np.arange(len(position))
+    return gaps[nearest, rows], outward[nearest, rows]
 
 
 def contact_fields(
     frame: xr.Dataset, position: FloatArray, facets: IntArray, gap: FloatArray, other: FloatArray | None
-) -> dict[str, AnyArray]:
-    """What the contact forces of the nodes of a surface in space are by area and direction.
+) -> dict[str, xr.DataArray]:
+    """Split the contact forces on the nodes of a surface in space into pressure and friction.
 
-    A node that is inside of another body, its ``gap`` (s,) [m] negative, presses along the normal of that body's surface, whose
-    outward directions ``other`` (s, 3) are given; and nodes of the other press on its own triangles along theirs. Friction is
-    told from pressing by the mean of both there, and by its own normal elsewhere: a node beside the lowest one of a sphere would
-    else seem to slip, or to stick.
+    A node inside another body, its ``gap`` (s,) [m] negative, presses along the normal of that body's surface,
+    ``other`` (s, 3). Nodes of the other body press on this surface along its own normal. So friction is measured
+    against the mean of both normals there, and against the node's own normal elsewhere: a node beside the lowest
+    one of a sphere would otherwise seem to slip, or to stick.
 
     Returns
     -------
     dict
-        ``pressure`` −f·n/A (s,) [Pa], with n and A the sum of the area vectors of a node's triangles, a third each; and
-        ``friction_share`` |f − (f·m) m|/(−f·m), m the mean normal, NaN where nothing presses: a node sticks below the
-        coefficient of friction and slips where it is reached. Nothing in the plane, without forces or another surface.
+        ``pressure`` −f·n/A (s,) [Pa], with n and A the sum of the area vectors of a node's triangles, a third
+        each; and ``friction_share`` |f − (f·m) m|/(−f·m), m the mean normal, NaN where nothing presses. A node
+        sticks below the coefficient of friction and slips where it is reached. Empty in the plane, without forces
+        or without another surface.
     """
     if facets.shape[1] != 3 or "force" not in frame or other is None:
         return {}
@@ -113,19 +161,21 @@ def contact_fields(
     tangential = np.linalg.norm(force + against[:, np.newaxis] * mean, axis=1)
     share = np.full(len(size), np.nan)
     np.divide(tangential, against, out=share, where=(pressing > 0.0) & (against > 0.0))
-    return {"pressure": pressing / size, "friction_share": share}
+    fields = {"pressure": (pressing / size, "Pa"), "friction_share": (share, "1")}
+    return {
+        name: xr.DataArray(values, dims="surface_node", attrs={"units": unit})
+        for name, (values, unit) in fields.items()
+    }
 
 
 def surfaces_of(tree: xr.DataTree) -> list[str]:
     """Bodies whose surfaces are stored."""
-    if "surface" not in tree.children:
-        return []
-    groups = tree["surface"].children
-    return [str(body) for body, group in groups.items() if {"position"} <= set(group.data_vars)]
+    groups = tree["surface"].children if "surface" in tree.children else {}
+    return [str(body) for body, group in groups.items() if "position" in group.data_vars]
 
 
 def facets_of(tree: xr.DataTree, body: str) -> IntArray:
-    """Segments (k, 2) of a stored surface; of one in space the triangles (k, 3), made again from the scene as the run made them.
+    """Segments (k, 2) of a stored surface, or triangles (k, 3), made again from the scene as the run made them.
 
     Raises
     ------
@@ -139,28 +189,62 @@ def facets_of(tree: xr.DataTree, body: str) -> IntArray:
     made = triangles_of(tree, body)
     if made is None or made.max(initial=-1) + 1 != surface.sizes["surface_node"]:
         raise MpmfwError(
-            f"surface of '{body}': its triangles are not in the file, and those of the file's scene do not fit the stored nodes; "
-            "is a mesh file that it names another one?"
+            f"surface of '{body}': its triangles are not in the file, and those of the file's scene do not fit "
+            "the stored nodes; is a mesh file that it names another one?"
         )
     return made
 
 
-def left_out(tree: xr.DataTree, bodies: Sequence[str]) -> list[str]:
+def skipped_fields(tree: xr.DataTree, bodies: Sequence[str]) -> list[str]:
     """Names of stored fields that have another form than scalar, vector or tensor of a point."""
     groups = [(f"particles/{body}", "particle") for body in bodies]
     groups += [(f"surface/{body}", "surface_node") for body in surfaces_of(tree)]
-    names = [name for place, dim in groups for name in arrays_of(frame_of(tree, place, 0), dim)[1]]
+    frames = [(frame_of(tree, place, 0), dim) for place, dim in groups]
+    names = [
+        str(name) for frame, dim in frames for name in frame.data_vars if not _is_field(frame[name], dim)
+    ]
     return [name for name in dict.fromkeys(names) if name not in _GEOMETRY]
 
 
-def _without_geometry(frame: xr.Dataset) -> dict[str, AnyArray]:
-    fields, _ = arrays_of(frame, "surface_node")
-    return {name: values for name, values in fields.items() if name not in _GEOMETRY}
+def _joined(frames: Mapping[str, xr.Dataset], bodies: Mapping[str, int], dim: str) -> xr.Dataset:
+    """Fields of several bodies' points, and the index of each point's ``body``; a field that a body lacks is NaN."""
+    parts = []
+    for body, frame in frames.items():
+        fields = frame[[name for name in frame if name != "next" and _is_field(frame[name], dim)]]
+        own = (dim, np.full(frame.sizes[dim], bodies[body]))
+        parts.append(fields.drop_vars("body", errors="ignore").assign(body=own))
+    return xr.concat(
+        parts, dim, data_vars="all", coords="minimal", compat="override", combine_attrs="override"
+    )
 
 
-def unit_of(tree: xr.DataTree, names: Sequence[str], place: str) -> dict[str, str]:
-    """Units of fields by name, those of the declarations; the gap's is m."""
-    data = tree[place].to_dataset()
-    known = {name: str(data[name].attrs.get("units", "1")) for name in names if name in data.data_vars}
-    derived = {"gap": "m", "pressure": "Pa", "friction_share": "1"}
-    return {**known, **{name: unit for name, unit in derived.items() if name in names}}
+def _is_field(array: xr.DataArray, dim: str) -> bool:
+    return array.dims in ((dim,), (dim, "axis"), (dim, "axis", "axis2"))
+
+
+def _fields(points: xr.Dataset) -> dict[str, AnyArray]:
+    """Fields by name, as VTK takes them: vectors of 3 components, tensors of 9, row by row.
+
+    In 2D the shear across the plane is zero. The zz component of the stress is not stored: it is NaN, so that no
+    filter uses it.
+    """
+    fields: dict[str, AnyArray] = {}
+    for name, array in points.data_vars.items():
+        values = array.values
+        missing = 3 - values.shape[-1]
+        values = np.pad(values, [(0, 0)] + [(0, missing)] * (values.ndim - 1))
+        if values.ndim == 3:
+            if missing:
+                values[:, 2, 2] = _ACROSS.get(str(name), np.nan)
+            values = values.reshape(-1, 9)
+        fields[str(name)] = values
+    return fields
+
+
+def _units(points: xr.Dataset, fields: Mapping[str, AnyArray]) -> dict[str, str]:
+    return {name: str(points[name].attrs.get("units", "1")) for name in fields if name != "body"}
+
+
+def _grid(points: FloatArray, kind: int, cells: IntArray) -> Any:
+    points = np.pad(points, ((0, 0), (0, 3 - points.shape[1])))
+    return mesh_library().UnstructuredGrid({kind: cells}, points)
