@@ -148,7 +148,7 @@ def test_a_key_that_a_measure_looks_at_changes_what_it_measures(quantity, key):
         ({"axis": "y"}, "error.axis: the scene 'scene' has a closed form of displacement, but none for axis = 'y'; "),
         ({"body": "plane"}, "error.body: the scene 'scene' has a closed form of displacement, but none for body = 'plane'"),
         ({"body": "plane", "axis": "y"}, "error.body: .* none for body = 'plane' and axis = 'y'; leave body and axis out"),
-        ({"axis": "z"}, "error.axis: 'z' is no axis of the scene, which has 2 dimensions"),
+        ({"axis": "z"}, "error.axis: 'z' is no axis of the scene; expected one of x, y"),
         ({"body": "blok"}, "error.body: 'blok' is no body of the scene; expected one of block, plane"),
     ],
 )  # fmt: skip

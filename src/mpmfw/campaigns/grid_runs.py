@@ -19,7 +19,7 @@ from mpmfw.campaigns.running import Progress, Repeats, complete, counted, do, re
 from mpmfw.campaigns.store import Store, store_of
 from mpmfw.campaigns.work import Task
 from mpmfw.errors import ResultsWarning, is_complete
-from mpmfw.plugin.measure import Measure
+from mpmfw.plugin.measure import About, Measure
 
 
 class GridRuns:
@@ -155,6 +155,6 @@ class GridRuns:
 
     def numbers(self, measure: Measure) -> xr.DataArray:
         """A measure that is a number, over the grid; NaN where it is not known."""
-        found = measured(measure, self.grid, self.results, self.succeeded())
+        found = measured(measure, self.grid, self.results, self.succeeded(), About())
         values = {index: float(one.values[0]) for index, one in found.items()}
         return self.grid.array(values, measure.meaning, measure.unit)

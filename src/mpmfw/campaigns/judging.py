@@ -13,7 +13,7 @@ from pydantic import Field
 
 from mpmfw.campaigns.grid import Index, RunGrid
 from mpmfw.campaigns.keys import as_number, finer
-from mpmfw.campaigns.measures import exact_of, measure_of
+from mpmfw.campaigns.measures import exact_of, inferred, measure_of
 from mpmfw.errors import SceneError
 from mpmfw.plugin.measure import About, Exact, Measure, Measured
 from mpmfw.results.analysis import relative_l2
@@ -21,6 +21,9 @@ from mpmfw.scene import Scene
 from mpmfw.scene.base import Axis, Table
 from mpmfw.state.fields import FloatArray
 from mpmfw.units import Number
+
+#: Share of a motion below which its part along an axis counts as nothing: a relative error of it says nothing.
+NEAR_ZERO = 1e-3
 
 #: Results of a combination; None where there are none.
 Results = Callable[[Index], xr.DataTree | None]
@@ -41,7 +44,7 @@ class ErrorTable(Table):
         ``closed-form``: what the scene's own closed form says; ``reference``: a file, a value, or the solution that
         ships with mpmfw for the scene; ``finest``: the finest run of the study.
     body, pair, axis
-        What the quantity is of; the scene decides where they are left out.
+        What the quantity is of; the motion decides where they are left out.
     norm
         Of the difference of two curves or fields: ``largest`` or ``l2``; the measure decides where it is left out.
     file, column
@@ -57,7 +60,7 @@ class ErrorTable(Table):
     kind: Literal["closed-form", "reference", "finest"] = "closed-form"
     body: str | None = None
     pair: str | None = None
-    axis: Axis = "x"
+    axis: Axis | None = None
     norm: Literal["largest", "l2"] | None = None
     file: str | None = None
     column: str | None = None
@@ -107,7 +110,7 @@ class Judge:
         at: At | None = None,
         beside: Callable[[Any], Any] = lambda file: file,
     ) -> None:
-        self.at = at or _error_at
+        self.at = at or error_at
         self.beside, self.grid, self.table = beside, grid, error
         self.measure: Measure = measure_of(error.quantity)
         self.about = About(error.body, error.pair, error.axis)
@@ -120,18 +123,18 @@ class Judge:
                 if one.scene is not None:
                     self.exact[index] = self._exact(one.scene)
 
+    @property
+    def is_exact(self) -> bool:
+        """Whether errors are against a closed form or a reference, and not against other runs."""
+        return self.table.kind != "finest"
+
     def _check_names(self) -> None:
+        for key in ("body", "pair", "axis"):
+            if getattr(self.about, key) is not None and key not in self.measure.keys:
+                taken = " and ".join(self.measure.keys) or "none of body, pair and axis"
+                raise self.at(("error", key), f"has no effect: {self.measure.name} looks at {taken}")
         for scene in (one.scene for one in self.grid.combinations.values() if one.scene is not None):
-            bodies, pairs = list(scene.bodies), [f"{a}-{b}" for a, b, _ in scene.pairs]
-            for key, given, known in (("body", self.about.body, bodies), ("pair", self.about.pair, pairs)):
-                if given is not None and given not in known:
-                    message = (
-                        f"'{given}' is no {key} of the scene; expected one of {', '.join(known) or 'none'}"
-                    )
-                    raise self.at(("error", key), message)
-            if self.about.axis not in "xyz"[: scene.dim]:
-                message = f"'{self.about.axis}' is no axis of the scene, which has {scene.dim} dimensions"
-                raise self.at(("error", "axis"), message)
+            check_names(self.about, scene, self.at)
 
     def _exact(self, scene: Scene) -> Exact:
         error = self.table
@@ -181,17 +184,53 @@ class Judge:
             return "the finest run of the study, interpolated in time"
         return "; ".join(dict.fromkeys(exact.says for exact in self.exact.values()))
 
+    def says(self) -> str:
+        """Return the quantity in words: ``end-displacement of block along x``."""
+        return said(self.measure, self.about)
+
+    def measured(self, results: Results, succeeded: Mapping[Index, bool]) -> dict[Index, Measured]:
+        """Read the measure off all runs that went through; the first one decides what nobody named.
+
+        Raises
+        ------
+        SceneError
+            The quantity is next to nothing.
+        """
+        for index, one in self.grid.combinations.items():
+            tree = results(index) if succeeded.get(index) else None
+            if tree is not None and one.scene is not None:
+                self.about = inferred(self.measure, tree, one.scene, self.about)
+                self._check_size(tree, one.scene)
+                break
+        return measured(self.measure, self.grid, results, succeeded, self.about)
+
+    def _check_size(self, run: xr.DataTree, scene: Scene) -> None:
+        """Refuse a quantity along an axis along which next to nothing happens."""
+        if "axis" not in self.measure.keys:
+            return
+        sizes = {
+            axis: float(np.nanmax(np.abs(self.measure.of(run, scene, replace(self.about, axis=axis)).values)))
+            for axis in "xyz"[: scene.dim]
+        }
+        largest = max(sizes, key=sizes.__getitem__)
+        if sizes[self.about.axis or "x"] < NEAR_ZERO * sizes[largest]:
+            raise self.at(
+                ("error", "axis"),
+                f"{self.says()} is nothing beside that along {largest}, and a relative error of it says nothing; "
+                f"expected '{largest}'",
+            )
+
     def judge(self, results: Results, succeeded: Mapping[Index, bool]) -> dict[Index, Judgement]:
         """Errors of all runs that went through; NaN for the others, and for a run that is the reference."""
-        found = measured(self.measure, self.grid, results, succeeded, self.about)
+        found = self.measured(results, succeeded)
         judged = dict.fromkeys(self.grid.combinations, Judgement())
         for index, one in found.items():
             if self.table.kind == "finest":
                 other = self.finest(index)
                 if other in found and other != index:
-                    judged[index] = self._compare(one, _interpolated(found[other], one))
+                    judged[index] = self.compare(one, interpolated(found[other], one))
             else:
-                judged[index] = self._compare(one, self.exact[index].at(one.time))
+                judged[index] = self.compare(one, self.exact[index].at(one.time))
         return judged
 
     def finest(self, index: Index) -> Index:
@@ -215,7 +254,8 @@ class Judge:
             raise self.at(("error", "finest", key), message)
         return labels.index(target)
 
-    def _compare(self, measured: Measured, expected: FloatArray) -> Judgement:
+    def compare(self, measured: Measured, expected: FloatArray) -> Judgement:
+        """Return the error of one run against what is expected at its times; NaN where either is not known."""
         values = measured.values
         if not np.isfinite(values).all() or not np.isfinite(expected).all() or not values.size:
             return Judgement()
@@ -236,7 +276,7 @@ def measured(
     grid: RunGrid,
     results: Results,
     succeeded: Mapping[Index, bool],
-    about: About = About(),  # noqa: B008
+    about: About,
 ) -> dict[Index, Measured]:
     """Read a measure off all runs that went through."""
     found = {}
@@ -247,14 +287,32 @@ def measured(
     return found
 
 
-def _interpolated(reference: Measured, at: Measured) -> FloatArray:
+def check_names(about: About, scene: Scene, at: At) -> None:
+    """Refuse a body, a pair or an axis that a scene does not have; ``at`` makes the error."""
+    pairs = [f"{a}-{b}" for a, b, _ in scene.pairs]
+    valid = {"body": list(scene.bodies), "pair": pairs, "axis": list("xyz"[: scene.dim])}
+    for key, names in valid.items():
+        given = getattr(about, key)
+        if given is not None and given not in names:
+            expected = f"expected one of {', '.join(names) or 'none'}"
+            raise at(("error", key), f"'{given}' is no {key} of the scene; {expected}")
+
+
+def said(measure: Measure, about: About) -> str:
+    """Return a measure with what it is of: ``end-displacement of block along x``."""
+    of = {"body": " of ", "pair": " of ", "axis": " along "}
+    parts = (f"{of[key]}{getattr(about, key)}" for key in of if getattr(about, key) is not None)
+    return measure.name + "".join(parts)
+
+
+def interpolated(reference: Measured, at: Measured) -> FloatArray:
     """The reference's values at another run's times; a number as it is."""
     if not reference.time.size:
         return reference.values
     return _within(at.time, reference.time, reference.values)
 
 
-def _error_at(path: tuple[str, ...], message: str) -> SceneError:
+def error_at(path: tuple[str, ...], message: str) -> SceneError:
     return SceneError(f"{'.'.join(path)}: {message}")
 
 

@@ -8,6 +8,7 @@ before it calls ``mpmfw.study``: measures are read here, not by the workers, off
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -50,9 +51,12 @@ def measure(
     """
 
     def register(function: Extract) -> Extract:
+        def of(self: Measure, run: xr.DataTree, scene: Scene, about: About) -> Measured:
+            return function(run, scene, inferred(self, run, scene, about))
+
         made = {
             "name": name, "unit": unit, "kind": kind, "keys": keys, "norm": norm, "particles": particles,
-            "of": staticmethod(function), "exact": staticmethod(exact), "__doc__": function.__doc__,
+            "of": of, "exact": staticmethod(exact), "__doc__": function.__doc__,
             "__reduce__": lambda self: (measure_of, (self.name,)),  # pickle looks for the function under the class's name
         }  # fmt: skip
         MEASURES[name] = type(function.__name__, (Measure,), made)()
@@ -115,50 +119,54 @@ def exact_of(measure: Measure, scene: Scene, about: About) -> Exact | None:
     return measure.exact(scene, about) if kind in (None, kind_of(scene)) else None
 
 
-# -- which body and pair
+# -- which body, pair and axis
 # ------------------------------------------------------------------------------------------------------------
 
 
-def body_of(scene: Scene, about: About) -> str:
-    """The body that is meant: the named one, the one with a closed form, or the scene's first.
+def inferred(measure: Measure, run: xr.DataTree, scene: Scene, about: About) -> About:
+    """Return what a measure is of, with what nobody named taken from the closed form, else from the motion.
 
-    Raises
-    ------
-    SceneError
-        The scene has no such body.
+    The pair is that of the largest impulse, the body the one whose centre moves farthest, the axis the one along which it
+    moves or the impulse acts.
     """
-    if about.body is not None and about.body not in scene.bodies:
-        raise SceneError(f"error.body: '{about.body}' is no body; expected one of {', '.join(scene.bodies)}")
-    known = incline(scene)
-    return about.body or (known.body if known else next(iter(scene.bodies)))
-
-
-def pair_of(scene: Scene, about: About) -> str:
-    """The pair that is meant, as ``a-b``: the named one, or the scene's first.
-
-    Raises
-    ------
-    SceneError
-        The scene has no such pair.
-    """
-    pairs = [f"{a}-{b}" for a, b, _ in scene.pairs]
-    if not pairs or (about.pair is not None and about.pair not in pairs):
-        raise SceneError(
-            f"error.pair: '{about.pair}' is no pair; expected one of {', '.join(pairs) or 'none'}"
+    series, keys, known = run["series"].to_dataset(), measure.keys, incline(scene)
+    if known is not None:
+        sure = {"body": known.body, "axis": "x"}
+        about = replace(
+            about, **{key: sure[key] for key in sure if key in keys and getattr(about, key) is None}
         )
-    return about.pair or pairs[0]
+    if "pair" in keys and scene.pairs:
+        names = [f"{a}-{b}" for a, b, _ in scene.pairs]
+        still = xr.DataArray(np.zeros((len(names), 1)), {"pair": names, "axis": ["x"]}, ("pair", "axis"))
+        force, dim = series.get("contact_force"), "pair"
+        size = still if force is None else abs(force.sum("time"))
+    elif "body" in keys:
+        centre = series["centre_of_mass"]
+        size, dim = abs(centre - centre.isel(time=0)).max("time"), "body"
+    else:
+        return about
+    if getattr(about, dim) is None and (dim == "pair" or "axis" in keys or measure.kind == "number"):
+        about = replace(about, **{dim: _largest(size.max("axis"), dim)})
+    if "axis" in keys and about.axis is None:
+        about = replace(about, axis=_largest(size.sel({dim: getattr(about, dim)}), "axis"))
+    return about
 
 
-def _displacement(run: xr.DataTree, scene: Scene, about: About) -> Measured:
+def _largest(sizes: xr.DataArray, dim: str) -> str:
+    """Return the label of the largest value along a dimension; of equal ones the first."""
+    return str(sizes[dim].values[int(np.argmax(sizes.fillna(0.0).values))])
+
+
+def _displacement(run: xr.DataTree, about: About) -> Measured:
     series = run["series"].to_dataset()
-    x = series["centre_of_mass"].sel(body=body_of(scene, about), axis=about.axis).values
+    x = series["centre_of_mass"].sel(body=about.body, axis=about.axis).values
     return Measured(x - x[0], series["time"].values)
 
 
-def _of_pair(name: str, run: xr.DataTree, scene: Scene, about: About) -> xr.DataArray | None:
+def _of_pair(name: str, run: xr.DataTree, about: About) -> xr.DataArray | None:
     """A series of the pair that is meant; None where the run has none of this name."""
     series = run["series"].to_dataset()
-    return series[name].sel(pair=pair_of(scene, about)) if name in series else None
+    return series[name].sel(pair=about.pair) if name in series else None
 
 
 def _number(value: float) -> Measured:
@@ -168,7 +176,7 @@ def _number(value: float) -> Measured:
 def _from_rest(scene: Scene, about: About) -> Incline | None:
     """The known motion down a plane, if it is of the body and the axis that are meant."""
     known = incline(scene)
-    return known if known and about.axis == "x" and about.body in (None, known.body) else None
+    return known if known and about.axis in (None, "x") and about.body in (None, known.body) else None
 
 
 def _down_the_plane(value: Callable[[Incline], float]) -> Known:
@@ -200,14 +208,14 @@ def _until(scene: Scene) -> float:
 )
 def end_displacement(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     """Displacement of a body's centre at the end, or when the closed form of a rolling one has moved by 10 m."""
-    moved = _displacement(run, scene, about)
+    moved = _displacement(run, about)
     return _number(value_at(moved.time, moved.values, _until(scene)))
 
 
 @measure("acceleration", "m s-2", "number", ("body", "axis"), _down_the_plane(lambda one: one.acceleration))
 def acceleration(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     """Acceleration of a body's centre, least-squares fit of d0 + v0 t + a t²/2 over the last 80 % of the time."""
-    moved, end = _displacement(run, scene, about), _until(scene)
+    moved, end = _displacement(run, about), _until(scene)
     return _number(fitted_acceleration(moved.time, moved.values, 0.2 * end, end))
 
 
@@ -217,14 +225,14 @@ def acceleration(run: xr.DataTree, scene: Scene, about: About) -> Measured:
 def spin(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     """Angular velocity of a body at the end, or when the closed form of a rolling one has moved by 10 m."""
     series = run["series"].to_dataset()
-    omega = series["angular_velocity"].sel(body=body_of(scene, about)).isel(rotation=-1).values
+    omega = series["angular_velocity"].sel(body=about.body).isel(rotation=-1).values
     return _number(value_at(series["time"].values, omega, _until(scene)))
 
 
 @measure("force-noise", "1", "number", ("pair",))
-def noise_of_force(run: xr.DataTree, scene: Scene, about: About) -> Measured:
+def noise_of_force(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
     """Noise of the contact force of a pair: what its mean over 20 output intervals leaves out, of that mean, by rms."""
-    force = _of_pair("contact_force", run, scene, about)
+    force = _of_pair("contact_force", run, about)
     if force is None:
         return _number(np.nan)
     return _number(force_noise(force["time"].values, force.transpose("time", "axis").values))
@@ -233,7 +241,7 @@ def noise_of_force(run: xr.DataTree, scene: Scene, about: About) -> Measured:
 @measure("penetration", "1", "number", ("pair",))
 def deepest_penetration(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     """Deepest penetration of a pair at any output, in cells."""
-    gap = _of_pair("min_gap", run, scene, about)
+    gap = _of_pair("min_gap", run, about)
     if gap is None or not np.isfinite(gap).any():
         return _number(np.nan)
     return _number(max(0.0, -float(gap.min())) / float(scene.grid.cell_size))
@@ -270,14 +278,14 @@ def _parabola(scene: Scene, about: About) -> Exact | None:
 
 
 @measure("displacement", "m", "curve", ("body", "axis"), _parabola)
-def displacement(run: xr.DataTree, scene: Scene, about: About) -> Measured:
+def displacement(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
     """Displacement of a body's centre over time."""
-    return _displacement(run, scene, about)
+    return _displacement(run, about)
 
 
 def _rings_curve(table: str, column_name: str, pair: str | None, about: About, scene: Scene) -> Exact | None:
     known = rings(scene)
-    if known is None or about.axis != "x" or pair not in (None, f"{known.first}-{known.second}"):
+    if known is None or about.axis not in (None, "x") or pair not in (None, f"{known.first}-{known.second}"):
         return None
     columns = rings_table(table)
     curve = columns[column_name]
@@ -291,10 +299,10 @@ def _rings_curve(table: str, column_name: str, pair: str | None, about: About, s
     ("pair", "axis"),
     lambda scene, about: _rings_curve("force", "fine_impulse_Ns_per_m", about.pair, about, scene),
 )
-def impulse_curve(run: xr.DataTree, scene: Scene, about: About) -> Measured:
+def impulse_curve(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
     """Impulse of the contact force on the second body of a pair over time."""
     time = run["series"].to_dataset()["time"].values
-    force = _of_pair("contact_force", run, scene, about)
+    force = _of_pair("contact_force", run, about)
     if force is None:
         return Measured(np.full(time.size, np.nan), time)
     return Measured(impulse(time, -force.sel(axis=about.axis).values), time)
@@ -309,11 +317,11 @@ def impulse_curve(run: xr.DataTree, scene: Scene, about: About) -> Measured:
         _rings_curve("energy", "fine_kinetic_J_per_m", None, about, scene) if about.body is None else None
     ),
 )
-def kinetic_energy(run: xr.DataTree, scene: Scene, about: About) -> Measured:
+def kinetic_energy(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
     """Kinetic energy of all bodies, or of the named one, over time."""
     series = run["series"].to_dataset()
     energy = series["kinetic_energy"]
-    chosen = energy.sel(body=body_of(scene, about)) if about.body else energy.sum("body", skipna=False)
+    chosen = energy.sel(body=about.body) if about.body else energy.sum("body", skipna=False)
     return Measured(chosen.values, series["time"].values)
 
 

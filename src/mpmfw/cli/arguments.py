@@ -72,6 +72,22 @@ JobsOption: TypeAlias = Annotated[
         show_default=False,
     ),
 ]
+BodyOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option("--body", metavar="NAME", help="Body that is measured; if left out the motion decides."),
+]
+PairOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        "--pair", metavar="A-B", help="Pair of bodies that is measured; if left out the motion decides."
+    ),
+]
+AxisOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        "--axis", metavar="NAME", help="Axis along which is measured; if left out the motion decides."
+    ),
+]
 RepeatsOption: TypeAlias = Annotated[
     int | None,
     typer.Option(

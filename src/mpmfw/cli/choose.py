@@ -8,9 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mpmfw.cli.arguments import (
+    AxisOption,
+    BodyOption,
     ForceOption,
     JobsOption,
     OutputOption,
+    PairOption,
     SceneArgument,
     SchedulerOption,
     SetOption,
@@ -30,11 +33,11 @@ if TYPE_CHECKING:
 _HEADS = {
     "contact": "contact",
     "shape": "shape",
-    "pilots": "pilots\n[%]",
+    "pilots": "errors\n[%]",
     "cell": "cell\n[m]",
     "error": "error\n[%]",
     "cost": "CPU\n[s]",
-    "why": "why",
+    "verdict": "verdict",
 }
 
 
@@ -51,12 +54,15 @@ def choose(
             show_default=False,
         ),
     ] = None,
+    body: BodyOption = None,
+    pair: PairOption = None,
+    axis: AxisOption = None,
     contact: Annotated[
         str | None,
         typer.Option(
             metavar="A,B,…",
-            help="Contact strategies to choose among, with options as in 'penalty(kappa=2)'; if left out those that the "
-            "shipped studies found best.",
+            help="Contact strategies to choose among, with options as in 'penalty(kappa=2)', the cheap ones first; five if left "
+            "out.",
             show_default=False,
         ),
     ] = None,
@@ -64,7 +70,7 @@ def choose(
         str | None,
         typer.Option(
             metavar="A,B,…",
-            help="Shape functions to choose among; cpdi and gimp if left out.",
+            help="Shape functions to choose among; gimp and cpdi if left out.",
             show_default=False,
         ),
     ] = None,
@@ -72,7 +78,7 @@ def choose(
         str | None,
         typer.Option(
             metavar="LENGTH",
-            help="Cell size of the first pilots; twice the scene's own if left out.",
+            help="Largest cell size; twice the scene's own if left out.",
             show_default=False,
         ),
     ] = None,
@@ -80,7 +86,7 @@ def choose(
         str | None,
         typer.Option(
             metavar="LENGTH",
-            help="Smallest cell size that may be the answer; a quarter of the scene's own if left out.",
+            help="Smallest cell size; a quarter of the scene's own if left out.",
             show_default=False,
         ),
     ] = None,
@@ -91,8 +97,9 @@ def choose(
     jobs: JobsOption = None,
     scheduler: SchedulerOption = None,
     form: FormatOption = Format.table,
+    as_json: Annotated[bool, typer.Option("--json", help="The same as --format json.")] = False,
 ) -> None:
-    """Say which method and cell size bring the error of SCENE below --error at the least cost, from a few coarse runs.
+    """Say which method and cell size bring the error of SCENE below --error: coarse to fine, until two laws agree.
 
     The result is written to a file, by default named as the scene. Finished runs are kept in the folder FILE.runs: a choice
     that was broken off, or that is asked for another error, goes on from there.
@@ -100,6 +107,7 @@ def choose(
     from mpmfw.scene import load_scene
     from mpmfw.scene.requested import check_compared, check_requested
 
+    form = Format.json if as_json else form
     contacts, shapes = names(contact, "contact"), names(shape, "shape")
     shared = assignments(set_)
     check_requested(shared, {}, ("--set", "--vary"))
@@ -107,15 +115,18 @@ def choose(
     path = result_path(output, loaded, "-choose", "choice", "result of mpmfw choose", force)
     from mpmfw.studies.advice import advice, method_rows
     from mpmfw.studies.choosing import CONTACTS, SHAPES
-    from mpmfw.studies.choosing import choose as run_pilots
+    from mpmfw.studies.choosing import choose as run_ladder
 
     methods = {"contact": contacts or CONTACTS, "shape": shapes or SHAPES}
     check_compared(loaded, methods, shared, {}, ("--set", "--vary"))
-    with campaign_progress("pilots") as (progress, within):
-        dataset = run_pilots(
+    with campaign_progress("runs") as (progress, within):
+        dataset = run_ladder(
             loaded,
             error,
             measure=measure,
+            body=body,
+            pair=pair,
+            axis=axis,
             contact=contacts,
             shape=shapes,
             coarsest=coarsest,
@@ -133,7 +144,7 @@ def choose(
         _print(dataset)
         for sentence in advice(dataset):
             typer.echo(sentence)
-    typer.echo(f"{path}: pilots and verdicts", err=form is not Format.table)
+    typer.echo(f"{path}: runs and answer", err=form is not Format.table)
 
 
 def _print(dataset: xr.Dataset) -> None:
@@ -142,17 +153,17 @@ def _print(dataset: xr.Dataset) -> None:
     from mpmfw.studies.advice import method_rows
 
     cells = [_cells(row) for row in method_rows(dataset)]
-    words = ["contact", "shape", "why"]
+    words = ["contact", "shape", "verdict"]
     console().print(grouped_table(_HEADS, cells, words, dataset.attrs["title"], wrapped=True, parted=False))
 
 
 def _cells(row: Mapping[str, Any]) -> dict[str, str]:
-    """Method, errors of its pilots, the cell that it needs, its error and cost there, and why; a dash for what is not known."""
+    """Return a row's texts; a dash for what is not known."""
     from mpmfw.cli.tables import broken_label
 
     numbers = {
         "cell": f"{row['cell_size_needed']:.4g}",
-        "error": f"{100.0 * row['predicted_error']:.3g}",
+        "error": f"{100.0 * row['error']:.3g}",
         "cost": f"{row['cost']:.3g}",
     }
     return {
@@ -160,5 +171,5 @@ def _cells(row: Mapping[str, Any]) -> dict[str, str]:
         "shape": row["shape"],
         "pilots": row["pilots"].replace(" ", "\n"),
         **{name: "–" if text == "nan" else text for name, text in numbers.items()},
-        "why": row["why"],
+        "verdict": row["verdict"] if row["status"] in ("ok", "not run") else row["status"],
     }

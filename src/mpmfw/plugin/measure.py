@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class About:
-    """What a quantity is of: names as a study's table ``error`` gives them; None lets the scene decide."""
+    """What a quantity is of: names as a study's table ``error`` gives them; None lets the motion decide."""
 
     body: str | None = None  #: a body's name
     pair: str | None = None  #: two bodies', ``a-b``
-    axis: str = "x"  #: of the grid
+    axis: str | None = None  #: of the grid
 
 
 @dataclass(frozen=True)

@@ -3,90 +3,76 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from mpmfw.studies.conclusion import percent
-from mpmfw.studies.fitting import Interval
-from mpmfw.studies.verdicts import interval_text
-
-#: Verdicts, the best ones first.
-_ORDER = ("measured", "predicted", "unsure", "out of reach", "not run", "failed")
 
 
 def method_rows(dataset: xr.Dataset) -> list[dict[str, Any]]:
-    """One mapping for each method, the answer first, then what meets the target by cost, then the others by error."""
-    names = [name for name in dataset.data_vars if dataset[name].dims == dataset["answer"].dims]
-    found = [
-        {"contact": str(one["contact"].item()), "shape": str(one["shape"].item())}
-        | {str(name): one[name].values.item() for name in names}
-        | {"pilots": " ".join(_pilots(one))}
-        for one in _methods(dataset)
-    ]
+    """Return one mapping for each method: the answer, then those that meet the target by cost, then the others by error.
 
-    def place(row: dict[str, Any]) -> tuple[Any, ...]:
-        meets = row["verdict"] in _ORDER[:2]
-        value = np.nan_to_num(row["cost"] if meets else row["predicted_error"], nan=np.inf)
-        return not row["answer"], not meets, _ORDER.index(row["verdict"]) if not meets else 0, value
+    Keys: ``contact``, ``shape``, ``answer``, ``verdict`` (``meets``, ``misses``, ``failed``, ``not run``), ``pilots`` (the
+    errors of its runs in per cent, at falling cell sizes), ``cell_size_needed`` [m], ``error`` and ``cost`` [s] of the
+    cheapest run that meets the target, else of the most accurate one, and its ``status``.
+    """
+    labels = itertools.product(dataset["contact"].values.tolist(), dataset["shape"].values.tolist())
+    found = [_row(dataset.sel(contact=contact, shape=shape)) for contact, shape in labels]
+
+    def place(row: Mapping[str, Any]) -> tuple[bool, bool, float]:
+        value = row["cost"] if row["verdict"] == "meets" else row["error"]
+        return not row["answer"], row["verdict"] != "meets", float(np.nan_to_num(value, nan=np.inf))
 
     return sorted(found, key=place)
 
 
-def _methods(dataset: xr.Dataset) -> Iterator[xr.Dataset]:
-    for i, j in itertools.product(range(dataset.sizes["contact"]), range(dataset.sizes["shape"])):
-        yield dataset.isel(contact=i, shape=j)
-
-
-def _pilots(one: xr.Dataset) -> Iterator[str]:
-    """The errors of a method's runs in per cent, at falling cell sizes."""
-    for k in range(one.sizes["cell_size"]):
-        run = one.isel(cell_size=k)
-        if run["status"].item() != "not run":
-            error = run["error"].item()
-            yield percent(error) if np.isfinite(error) else "–"
+def _row(method: xr.Dataset) -> dict[str, Any]:
+    """Return the row of one method from its runs over ``cell_size``."""
+    ran = method.isel(cell_size=np.flatnonzero(method["status"].values != "not run"))
+    errors, costs = ran["error"].values, ran["cpu_time"].values
+    row: dict[str, Any] = {"contact": str(method["contact"].item()), "shape": str(method["shape"].item())}
+    row |= {"answer": bool(method["answer"].any()), "verdict": "not run" if not len(errors) else "failed"}
+    row["pilots"] = " ".join(percent(error) if np.isfinite(error) else "–" for error in errors)
+    row |= dict.fromkeys(("cell_size_needed", "error", "cost"), np.nan)
+    row["status"] = str(ran["status"].values[-1]) if len(errors) else "not run"
+    if np.isfinite(errors).any():
+        able = ran["meets"].values
+        best = int(np.nanargmin(np.where(able, costs, np.inf) if able.any() else errors))
+        row["verdict"] = "meets" if able.any() else "misses"
+        row["status"] = str(ran["status"].values[best])
+        row |= {"cell_size_needed": float(ran["cell_size"][best]), "error": float(errors[best])}
+        row["cost"] = float(costs[best])
+    return row
 
 
 def advice(dataset: xr.Dataset) -> list[str]:
-    """The answer, what errors are against, and what the pilots took, a sentence each."""
-    target = f"{percent(dataset.attrs['target'])} %"
-    rows, pilots = method_rows(dataset), float(dataset["cpu_time"].sum())
-    best = next((row for row in rows if row["answer"]), None)
-    took = f"The runs took {pilots:.3g} s of CPU time"
-    if best is None:
-        return [f"No method is certain to meet {target}: {_nearest(rows)}", *_against(dataset), took]
-    measured = best["verdict"] == "measured"
-    how = "measured, by a pilot" if measured else "predicted"
-    others = (pilots - best["cost"] if measured else pilots) / best["cost"]
-    share = f", those that are not the answer {max(others, 0.0):.2g} of what the answer costs"
-    return [
-        f"For {target}: {best['contact']}, {best['shape']}, cell_size {best['cell_size_needed']:.4g} m; error {_error(best)}, "
-        f"{best['cost']:.3g} s of CPU time ({how})",
-        *_against(dataset),
-        took + share,
-    ]
+    """Return the answer, what errors are against, and what the runs took, a sentence each."""
+    target, slack = f"{percent(dataset.attrs['target'])} %", float(dataset.attrs["uncertainty"])
+    rows, took = method_rows(dataset), float(dataset["cpu_time"].sum())
+    against = f"Error of {dataset.attrs['quantity']} against {dataset.attrs['error_against']}"
+    if 0.0 < slack < np.inf:
+        against += f", which is uncertain by {percent(slack)} %: this is added to every error"
+    cost = f"The runs took {took:.3g} s of CPU time"
+    best = rows[0]
+    if best["answer"]:
+        return [
+            f"For {target}: {best['contact']}, {best['shape']}, cell_size {best['cell_size_needed']:.4g} m; "
+            f"error {percent(best['error'])} %, {best['cost']:.3g} s of CPU time",
+            against,
+            f"{cost}, {took / best['cost']:.2g} times that of the answer",
+        ]
+    return [f"Undecided for {target}: {_nearest(rows)}", against, cost]
 
 
 def _nearest(rows: list[dict[str, Any]]) -> str:
-    known = [row for row in rows if np.isfinite(row["predicted_error"])]
+    known = [row for row in rows if np.isfinite(row["error"])]
     if not known:
-        return "no run has an error"
-    one = min(known, key=lambda row: float(row["predicted_error"]))
+        return "no run has an error; the statuses say why"
+    one = min(known, key=lambda row: float(row["error"]))
     return (
-        f"the nearest is {one['contact']}, {one['shape']} with {_error(one)} at {one['cell_size_needed']:.4g} m; "
-        "allow finer cells, name other methods, or ask for less"
+        f"the nearest is {one['contact']}, {one['shape']} with {percent(one['error'])} % at "
+        f"{one['cell_size_needed']:.4g} m; allow finer cells, name other methods, or ask for less"
     )
-
-
-def _against(dataset: xr.Dataset) -> list[str]:
-    slack = float(dataset.attrs["slack"])
-    text = f"Error of {dataset.attrs['quantity']} against {dataset.attrs['error_against']}"
-    if slack > 0.0:
-        text += f", which is itself off by about {percent(slack)} %: this is added to all bounds"
-    return [text]
-
-
-def _error(row: dict[str, Any]) -> str:
-    return interval_text(Interval(row["predicted_error"], row["lower"], row["upper"]))

@@ -1,7 +1,8 @@
-"""``mpmfw.choose``: which method and cell size a scene needs for an error, from a few coarse runs."""
+"""``mpmfw.choose``: which method and cell size a scene needs for an error, on a ladder from coarse to fine."""
 
 from __future__ import annotations
 
+import json
 import os
 import tempfile
 import tomllib
@@ -9,27 +10,26 @@ from collections.abc import Callable, Mapping, Sequence
 from importlib.resources import files
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from mpmfw.campaigns.grid import make_grid
 from mpmfw.campaigns.grid_runs import GridRuns
+from mpmfw.campaigns.judging import ErrorTable, Judge, check_names
 from mpmfw.campaigns.measures import MEASURES, exact_of, measure_of, names_of_measures
 from mpmfw.campaigns.running import Progress
 from mpmfw.errors import SceneError
 from mpmfw.plugin.measure import About, Measure
+from mpmfw.results.provenance import provenance
 from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene import Scene, load_scene
-from mpmfw.studies.pilots import Pilots
+from mpmfw.studies.ladder import Ladder
 from mpmfw.studies.study import positive, relative_error
 
-#: Methods that are tried where nobody names any; the first of each makes the reference where a scene has none.
+#: Methods that run where nobody names any, cheap ones first.
 _DEFAULTS = tomllib.loads((files("mpmfw") / "reference" / "choose.toml").read_text(encoding="utf-8"))
 CONTACTS: tuple[str, ...] = tuple(_DEFAULTS["contact"])
 SHAPES: tuple[str, ...] = tuple(_DEFAULTS["shape"])
-#: Cell sizes that may be the answer are the coarsest over these, so that grid lines of the coarsest stay grid lines.
-DIVISORS = (1, 2, 3, 4, 6, 8)
-#: Divisor of the run that errors are against where a scene has no reference.
-_OF_REFERENCE = 4
 
 
 def choose(
@@ -37,6 +37,9 @@ def choose(
     error: float | str = 0.01,
     *,
     measure: str | None = None,
+    body: str | None = None,
+    pair: str | None = None,
+    axis: str | None = None,
     contact: Sequence[Any] | None = None,
     shape: Sequence[Any] | None = None,
     coarsest: float | str | None = None,
@@ -50,13 +53,12 @@ def choose(
     report: Callable[[float, int], None] | None = None,
     force: bool = False,
 ) -> xr.Dataset:
-    """Say which method and cell size bring a scene's error below a target at the least cost, from a few coarse runs.
+    """Say which method and cell size bring a scene's error below a target at little cost.
 
-    Methods run at twice the scene's own cell and at its own, those first that are cheap by what ``mpmfw explain`` predicts and
-    likely to meet the target by what has run; a third is run where it decides. Where a run meets the target another is made
-    only if it is expected to save more at the next use than it takes; a method that is out of reach of the target is not run.
-    Of each method e(h) = e0 + C h^p is fitted and the cost, steps times (a + b points). A method meets the target where a run of
-    it did, or where it is predicted to with a probability of 95 %.
+    Methods run at one cell size after the other, from coarse to fine, at each the cheapest first. The first that meets the
+    target ends the ladder. Without a closed form two different laws at two sizes say what the motion tends to, and how
+    uncertain that is; a run meets the target where its distance from there and the uncertainty are below it. Where no run
+    does, the choice is undecided.
 
     Parameters
     ----------
@@ -65,15 +67,14 @@ def choose(
     error
         Relative error that is asked for: 0.01 or ``"1 %"``.
     measure
-        Name of the quantity whose error it is; by default the first that the scene's closed form or reference knows. Of one that
-        it does not know, errors are against a run at a quarter of the coarsest cell with the first method; what that one is
-        off by itself is estimated, and added to every error's bounds.
+        Name of the quantity whose error it is; by default the first that the scene's closed form or reference knows.
+    body, pair, axis
+        What the quantity is of; where they are left out the motion decides, see :func:`mpmfw.campaigns.measures.inferred`.
     contact, shape
-        Methods to choose among, as :func:`mpmfw.compare` takes them; every combination is tried. By default those that the
-        shipped studies found best: ``penalty``, ``hybrid`` and ``bardenhagen(criterion=position, normal=master)`` with ``cpdi``
-        and ``gimp``.
+        Methods to choose among, as :func:`mpmfw.compare` takes them, the cheap ones first; every combination may run. By
+        default :data:`CONTACTS` and :data:`SHAPES`.
     coarsest, finest
-        Cell sizes of the first pilots and of the smallest answer [m]; twice and a quarter of the scene's own by default.
+        Largest and smallest cell size [m]; twice and a quarter of the scene's own by default. Each is half of the one before.
     set
         Values by key that all runs share.
     output
@@ -84,16 +85,15 @@ def choose(
     Returns
     -------
     xarray.Dataset
-        Over (contact, shape): ``answer`` (true of at most one), ``verdict``, ``cell_size_needed`` [m], ``predicted_error`` with
-        ``lower`` and ``upper``, its bounds of 90 % [1], ``cost`` [s], ``limit`` (e0) [1], ``order`` (p) [1], ``why``. Over
-        (contact, shape, cell_size), of the pilots: ``error`` [1], ``cpu_time`` [s], settling included, and ``status``.
+        Over (contact, shape, cell_size): ``status`` (``not run`` of many), ``error`` [1], ``cpu_time`` [s], settling
+        included, ``meets``, and ``answer`` (true of at most one). Attribute ``uncertainty``: of what errors are against.
 
     Raises
     ------
     SceneError
         The request is wrong, or nothing is known that the measure's error could be of.
     MpmfwError
-        A file cannot be written, or the run that errors are against failed.
+        A file cannot be written.
     Interrupted
         Ctrl-C or SIGTERM; what is done is in the store.
     """
@@ -101,30 +101,66 @@ def choose(
     if output is not None:
         check_replaceable(output, "choice", "result of mpmfw choose")
     loaded = load_scene(scene, set=dict(set or {}))
-    known = _known(loaded, measure)
-    base = _base(loaded, known[0])
+    about = About(body, pair, axis)
+    check_names(about, loaded, lambda path, message: SceneError(f"{path[-1]}: {message}"))
+    chosen, kind = _known(loaded, measure, about)
+    base = _base(loaded, chosen)
     _check_lengths(base)
-    ladder = _ladder(base, coarsest, finest, known[1] == "finest")
-    vary = {"contact": _contacts(base, contact), "shape": list(shape or SHAPES), "cell_size": ladder}
+    sizes = _sizes(float(base.grid.cell_size), coarsest, finest)
+    vary = {"contact": _contacts(base, contact), "shape": list(shape or SHAPES), "cell_size": sizes}
     grid = make_grid({"": base}, vary, {})
     if all(one.scene is None for one in grid.combinations.values()):
         raise SceneError(next(iter(grid.combinations.values())).why)
+    given = {"quantity": chosen.name, "kind": kind, "body": body, "pair": pair, "axis": axis}
+    judge = Judge(
+        ErrorTable.model_validate(given), grid, lambda path, message: SceneError(f"{path[-1]}: {message}")
+    )
     with tempfile.TemporaryDirectory(prefix="mpmfw-choose-") as folder:
         kept = store if store is not None or output is not None else folder
         runs = GridRuns(grid, "choice", output=output, store=kept, executor=executor, jobs=jobs)
         at_once = len(grid.combinations) if executor is not None else jobs or 1
         complete = lambda only: runs.complete(1, progress, report, force, only)  # noqa: E731
-        pilots = Pilots(runs, *known, target, complete, at_once)
-        pilots.run()
+        ladder = Ladder(runs, judge, target, complete, at_once)
+        ladder.run()
         runs.warn(lambda one: one.name)
-        dataset = pilots.dataset()
+        dataset = _dataset(ladder)
+    dataset.attrs |= {"title": base.title or base.name, "scene": base.text}
     if output is not None:
         replace_dataset(dataset, output)
     return dataset
 
 
-def _known(scene: Scene, name: str | None) -> tuple[Measure, str]:
-    """The measure, and the kind of what its errors are against.
+def _dataset(ladder: Ladder) -> xr.Dataset:
+    """Join what came of the runs, as :func:`choose` returns it."""
+    grid, answer, judge = ladder.runs.grid, ladder.answer(), ladder.judge
+    points, known = grid.combinations, ladder.runs.statuses()
+    refused = {i: f"refused: {points[i].why}" for i in ladder.asked if points[i].scene is None}
+    status = dict.fromkeys(points, "not run") | {i: known[i] for i in ladder.asked} | refused
+    dataset = xr.Dataset(coords={dim: list(labels) for dim, labels in grid.coords.items()})
+    dataset["status"] = grid.array(status, "ok, or why it is suspect or has no result")
+    dataset["error"] = grid.array(ladder.errors, f"relative error of: {judge.measure.meaning}", "1")
+    costs = ladder.costs().where(dataset["status"] != "not run")
+    dataset["cpu_time"] = costs.assign_attrs(units="s", long_name="CPU time of the steps and of settling")
+    dataset["meets"] = grid.array({i: ladder.meets(i) for i in points}, "whether it meets the target").astype(
+        bool
+    )
+    dataset["answer"] = grid.array({i: i == answer for i in points}, "the cheapest run that does").astype(
+        bool
+    )
+    dataset.attrs = {
+        "kind": "choice",
+        "quantity": judge.says(),
+        "error_against": ladder.against(),
+        "uncertainty": ladder.slack,
+        "target": ladder.target,
+        "versions": json.dumps(provenance()["versions"]),
+        **ladder.runs.conditions(),
+    }
+    return dataset
+
+
+def _known(scene: Scene, name: str | None, about: About) -> tuple[Measure, str]:
+    """Return the measure, and the kind of what its errors are against.
 
     Raises
     ------
@@ -133,21 +169,21 @@ def _known(scene: Scene, name: str | None) -> tuple[Measure, str]:
     """
     if name is not None:
         measure = measure_of(name)
-        exact = exact_of(measure, scene, About())
+        exact = exact_of(measure, scene, about)
         if exact is None and measure.kind == "field":
             raise SceneError(
-                f"measure {name}: the scene '{scene.name}' has no closed form of it, and a field has no finer run to be compared "
-                "with; expected a number or a curve"
+                f"measure {name}: the scene '{scene.name}' has no closed form of it, and runs at other cell sizes have a "
+                "field at other points; expected a number or a curve"
             )
         return measure, "finest" if exact is None else exact.kind
     names = [*MEASURES, *(name for name in names_of_measures() if name not in MEASURES)]
     for one in map(measure_of, names):
-        if (exact := exact_of(one, scene, About())) is not None:
+        if (exact := exact_of(one, scene, about)) is not None:
             return one, exact.kind
     others = ", ".join(one for one in sorted(names) if measure_of(one).kind != "field")
     raise SceneError(
         f"the scene '{scene.name}' has no closed form or reference, so that it does not say what an error is of; "
-        f"expected a measure, whose errors are then against the finest run: one of {others}"
+        f"expected a measure: one of {others}"
     )
 
 
@@ -165,29 +201,20 @@ def _contacts(scene: Scene, given: Sequence[Any] | None) -> list[Any]:
     return list(given or CONTACTS)
 
 
-def _ladder(scene: Scene, coarsest: Any, finest: Any, without_reference: bool) -> list[float]:
-    """Cell sizes that may be the answer, falling.
+def _sizes(own: float, coarsest: Any, finest: Any) -> list[float]:
+    """Return the cell sizes of the ladder, each half of the one before, so that grid lines stay grid lines.
 
     Raises
     ------
     SceneError
         A size is none, or too few are left.
     """
-    own = float(scene.grid.cell_size)
     first = 2.0 * own if coarsest is None else _length("coarsest", coarsest)
-    if without_reference:
-        if finest is not None:
-            raise SceneError(
-                "finest: has no effect where nothing is known of the measure: errors are against a run at a quarter of the "
-                "coarsest cell, which is the smallest answer"
-            )
-        last = first / _OF_REFERENCE
-    else:
-        last = 0.25 * own if finest is None else _length("finest", finest)
-    sizes = [first / k for k in DIVISORS if first / k >= last * (1.0 - 1e-9)]
-    if len(sizes) < 2:
+    last = 0.25 * own if finest is None else _length("finest", finest)
+    count = int(np.floor(np.log2(first / last) + 1e-9)) + 1
+    if count < 2:
         raise SceneError(f"finest {last:g} m: must be at most half of the coarsest cell, {first:g} m")
-    return sizes
+    return [first / 2**k for k in range(count)]
 
 
 def _check_lengths(scene: Scene) -> None:

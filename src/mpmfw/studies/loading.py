@@ -159,10 +159,6 @@ def _error(tables: StudyTables) -> Iterator[Problem]:
         yield Problem(("error", "kind"), f"{error.quantity} is a field: other runs have it at other points")
     if error.norm is not None and measure.kind == "number":
         yield Problem(("error", "norm"), f"has no effect: {error.quantity} is a number")
-    for key in ("body", "pair", "axis"):
-        if key in error.model_fields_set and key not in measure.keys:
-            taken = " and ".join(measure.keys) or "none of body, pair and axis"
-            yield Problem(("error", key), f"has no effect: {error.quantity} looks at {taken}")
     for key in error.finest:
         if key not in tables.vary:
             yield Problem(
