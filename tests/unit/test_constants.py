@@ -53,16 +53,10 @@ def test_the_constants_are_found() -> None:
     assert len(constants()) > 25
 
 
-#: Constants of the verdict, of flutter, of covered facets and of equal stiffness that no test varies by name yet.
+#: Constants of covered facets and of equal stiffness that no test varies by name yet.
 WAITING = {
     ("mpmfw_contact._stiffness", "EQUAL"),
     *(("mpmfw_contact.surfaces.covering", name) for name in ("OPPOSITE", "EDGE", "ASIDE")),
-    *(("mpmfw.effects.flutter", name) for name in ("OUTPUTS", "SHARE", "SPREAD", "TURNS", "SLIP", "CREEP")),
-    *(
-        ("mpmfw.effects.verdict", name)
-        for name in ("TOO_DEEP", "GROWTH", "NOTHING", "SIDES_EVERY", "OWN_EVERY")
-    ),
-    ("mpmfw.kernels.sides", "FACING"),
 }
 CONSTANTS = [
     pytest.param(
