@@ -10,7 +10,6 @@ from pydantic import BaseModel, ValidationError
 
 from mpmfw.errors import SceneError
 from mpmfw.geometry.discretise import refuse_incomplete
-from mpmfw.plugin.dead_hooks import refuse_dead_hooks
 from mpmfw.plugin.discovery import (
     Kind,
     did_you_mean,
@@ -20,6 +19,7 @@ from mpmfw.plugin.discovery import (
     refuse_class,
     refuse_nameless,
 )
+from mpmfw.plugin.hooks import make_manager, register
 from mpmfw.scene.specification import parse_specification, specification_of
 from mpmfw_testing.check import Inapplicable
 from mpmfw_testing.parts import PARTS, part_of, whole
@@ -147,7 +147,7 @@ def _refuse_unusable(plugin: type[Any], kind: Kind) -> None:
     if kind == "geometry":
         refuse_incomplete(plugin)
     elif kind not in ("measure", "reference"):
-        refuse_dead_hooks(plugin)
+        register(make_manager(), object.__new__(plugin), full_name(plugin))
 
 
 def bases_of_kinds() -> dict[Kind, type[Any]]:

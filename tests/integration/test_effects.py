@@ -182,7 +182,10 @@ def test_exactly_the_hooks_that_the_scene_needs(name: str) -> None:
     assert found == want
 
 
-VERDICT = {"mpmfw.effects.verdict", "mpmfw.effects.ledger_energies"}  # every run is judged
+#: Every run has series and is judged.
+VERDICT = {
+    f"mpmfw.effects.{name}" for name in ("series", "remedies", "settling", "verdict", "ledger_energies")
+}
 MODULES = """
 import json, sys
 from mpmfw.runs.simulation import Simulation

@@ -114,7 +114,6 @@ def test_kappa_is_that_of_the_contact_that_runs(monkeypatch):
     found["contact"]["mypenalty"] = [EntryPoint("mypenalty", "strange_law:MyPenalty", "mpmfw.contact")]
     monkeypatch.setattr("mpmfw.plugin.discovery._announced", lambda kind, *_: found[kind])
     monkeypatch.setattr("mpmfw.runs.identity.package", lambda name: name)
-    monkeypatch.setattr("mpmfw.campaigns.grid.is_strange", lambda _: False)  # no other process knows it
     study = tiny_study(vary={"contact": ["penalty", "mypenalty"], "kappa": [0.25, 1.0]})
     dataset = mpmfw.study(study, jobs=1)
     assert (dataset["status"] == "ok").all()

@@ -22,7 +22,7 @@ from mpmfw.campaigns.keys import (
 )
 from mpmfw.campaigns.work import Task
 from mpmfw.errors import SceneError
-from mpmfw.plugin.discovery import available, choices, distribution_of, load
+from mpmfw.plugin.discovery import load
 from mpmfw.runs.identity import code_of, key_of
 from mpmfw.scene import Scene, load_scene
 from mpmfw.scene.sources import plain
@@ -118,13 +118,11 @@ class RunGrid:
             filled, dims=tuple(self.coords), attrs=text if unit is None else {"units": unit, **text}
         )
 
-    def tasks(self, here: bool = False, force: bool = False, threads: int = 1) -> dict[str, Task]:
+    def tasks(self, force: bool = False, threads: int = 1) -> dict[str, Task]:
         """The different runs by key.
 
         Parameters
         ----------
-        here
-            Whether they take place in this process, where a stranger's code, which may bring it down, gets one of its own.
         force
             Whether they may be past the limits of steps and frames.
         threads
@@ -134,20 +132,11 @@ class RunGrid:
         for one in self.combinations.values():
             if one.scene is not None:
                 code = code_of(one.scene, one.contact, one.shape)
-                apart = here and one.contact is None and one.shape is None and is_strange(one.scene)
                 task = Task(
-                    one.key, one.name, one.scene, one.contact, one.shape, code, apart=apart, force=force, threads=threads
-                )  # fmt: skip
+                    one.key, one.name, one.scene, one.contact, one.shape, code, force=force, threads=threads
+                )
                 found[one.key] = task
         return found
-
-
-def is_strange(scene: Scene) -> bool:
-    """Whether a plug-in that is not mpmfw's own runs, which may bring down its process."""
-    contact = scene.contact
-    entries = [available("shape").get(scene.shape.method)]
-    entries += [choices("contact").get(contact.method)] if contact is not None else []
-    return any(entry is not None and distribution_of(entry) != "mpmfw" for entry in entries)
 
 
 def make_grid(

@@ -11,7 +11,7 @@ from typing import Any
 import xarray as xr
 
 from mpmfw.campaigns.costs import timing_of
-from mpmfw.campaigns.executors import InProcess, Pool, executor_of
+from mpmfw.campaigns.executors import InProcess, executor_of
 from mpmfw.campaigns.grid import Combination, Index, RunGrid
 from mpmfw.campaigns.judging import measured
 from mpmfw.campaigns.outcome import Cost, Finished, Outcome
@@ -88,22 +88,20 @@ class GridRuns:
         """
         points = self.grid.combinations
         grid = self.grid if only is None else replace(self.grid, combinations={i: points[i] for i in only})
-        tasks = grid.tasks(self.here, force, self.threads)
+        tasks = grid.tasks(force, self.threads)
         with resumable(self.store, self.what):
             complete(tasks, self.store, self.executor, repeats, self.exclusive, progress, report)
 
     def do(self, work: Callable[[Task], Finished], progress: Progress | None = None) -> None:
-        """Do other work with the points that are missing, a stranger's code in a process of its own.
+        """Do other work with the points that are missing.
 
         Raises
         ------
         Interrupted
             Ctrl-C or SIGTERM.
         """
-        tasks = self.grid.tasks(self.here).values()
-        executor = Pool(1) if any(task.apart for task in tasks) else self.executor
         with resumable(self.store, self.what):
-            do(work, tasks, self.store, executor, progress)
+            do(work, self.grid.tasks().values(), self.store, self.executor, progress)
 
     def outcome(self, index: Index) -> Outcome | None:
         """What came of a point; None where it was not run, or is refused."""

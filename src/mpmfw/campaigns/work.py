@@ -20,7 +20,7 @@ import xarray as xr
 from mpmfw.campaigns.machine import Load, processor
 from mpmfw.campaigns.outcome import COSTS, Cost, Finished, Outcome
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, SimulationError
-from mpmfw.plugin.blame import cause
+from mpmfw.plugin.checks import cause
 from mpmfw.runs.identity import code_of
 from mpmfw.runs.run import run
 from mpmfw.scene import Scene
@@ -51,8 +51,6 @@ class Task:
         What is meant to run it, by name; empty is not asked.
     timing
         How its cost will be marked.
-    apart
-        Whether it needs a process of its own here: a stranger's code may bring down the one that it runs in.
     force
         Whether it may be past the limits of steps and frames.
     threads
@@ -66,7 +64,6 @@ class Task:
     shape: Any = None
     code: Mapping[str, str] = field(default_factory=dict)
     timing: str = ""
-    apart: bool = False
     force: bool = False
     threads: int = 1
 
@@ -92,7 +89,7 @@ def _try(
 ) -> tuple[Outcome, xr.DataTree | None]:
     """How a run went, with the digest and the cost of its results, and these, if there are any."""
     global _begun
-    first, load = task.apart or _begun == 0, Load()
+    first, load = _begun == 0, Load()
 
     def ended(
         status: str, tree: xr.DataTree | None = None, lasting: bool = True
@@ -114,7 +111,6 @@ def _try(
             shape=copy.deepcopy(task.shape),
             output=path,
             progress=progress,
-            apart=task.apart,
             force=task.force,
             threads=task.threads,
             checkpoint=None if path is None else math.inf,

@@ -10,7 +10,7 @@ from mpmfw.contact.detection import Detection
 from mpmfw.contact.law import ContactLaw, ForceLaw
 from mpmfw.contact.row_contact import ForceContact, ImpulseContact, RowContact
 from mpmfw.errors import SceneError
-from mpmfw.plugin.blame import bundled
+from mpmfw.plugin.checks import bundled
 
 
 def _options_of(detection: type[Detection], law: type[ContactLaw], given: dict[str, Any]) -> BaseModel:

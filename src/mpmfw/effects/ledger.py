@@ -21,6 +21,7 @@ from mpmfw.effects.ledger_half_step import HalfStep
 from mpmfw.effects.remedies import remedies
 from mpmfw.effects.series import StrainEnergies
 from mpmfw.plugin.effect import Plan
+from mpmfw.plugin.hooks import Observer
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.state.fields import AnyArray, Field, FloatArray
 from mpmfw.state.structs import Grid, State
@@ -31,8 +32,14 @@ if TYPE_CHECKING:
 #: Steps between two looks at the strain energy by what stops a run whose energy grows.
 CHECK_EVERY = 20
 
-#: Hooks by which a contact strategy moves bodies; one that implements none of them does no work.
-CONTACT_HOOKS = ("after_momentum_projection", "add_nodal_force", "after_momentum_update")
+#: Hooks that change nodal momenta or forces, and the term that such a change counts to; a load names its own.
+TERMS = {
+    "after_momentum_projection": "contact",
+    "add_nodal_force": "contact",
+    "after_momentum_update": "contact",
+    "correct_inertia": "inertia",
+    "constrain_momentum": "external",
+}
 
 
 def _series(name: str, meaning: str) -> Field:
@@ -75,11 +82,10 @@ CONTACT_HALF_STEP = _series(
 SPRING_RECORDS = ("energy", "frictional_work", "damping_work", "spring_work")
 
 
-class EnergyLedger:
+class EnergyLedger(Observer):
     """Terms of the energy balance as series, and the end of a run whose energy grows without reason.
 
-    Impulses come from the plug-ins of :mod:`mpmfw.effects.ledger_impulses`, from the first output on: while a scene
-    settles, what changes hands is its damping's.
+    Impulses are measured after each implementation of a hook, from the first output on, and not while a scene settles.
 
     Parameters
     ----------
@@ -99,6 +105,7 @@ class EnergyLedger:
 
     name = "energy_ledger"
     stage = "output"
+    observes = tuple(TERMS)
     history = (
         "running", "work", "gained", "dissipated", "contact_before", "loaded", "motion", "start", "lost", "half_step", "guard",
     )  # fmt: skip
@@ -155,37 +162,49 @@ class EnergyLedger:
             *([CONTACT_HALF_STEP] if self.tells_motion else []),
         ]
 
-    def project(self, grid: Grid) -> None:
-        """Points to grid."""
-        self.projected = grid_energy(grid.mass, grid.momentum)
-        self.impulse: dict[str, FloatArray] = {}
-        self.momentum = grid.momentum.copy()
-        self.forced = self.balanced = False
+    def before(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:
+        """Take the momenta or forces before a hook."""
+        if plugin is not None:
+            return
+        if hook == "after_momentum_projection":
+            self.projected = grid_energy(grid.mass, grid.momentum)
+            self.impulse: dict[str, FloatArray] = {}
+            self.momentum = grid.momentum.copy()
+            self.forced = self.balanced = False
+        elif hook == "add_nodal_force":
+            self.force, self.dt = grid.force.copy(), dt
+            self.internal = self.force
+        elif hook == "after_momentum_update":
+            self.momentum = grid.momentum.copy()
 
-    def begin_forces(self, grid: Grid, dt: float) -> None:
-        """The internal forces, for the step of ``dt`` [s]."""
-        self.force, self.dt = grid.force.copy(), dt
-        self.internal = self.force
+    def after(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:  # noqa: ARG002
+        """Count the change that an implementation made; after the last one, balance the grid.
 
-    def change(self, grid: Grid, term: str) -> None:
-        """Add the momentum's change since the last look, if there is one, to the impulses of a term."""
-        impulse = self.impulse.get(term)
-        if impulse is None:
-            impulse = np.zeros_like(self.momentum)
-        if add_change(grid.momentum, self.momentum, impulse):
-            self.impulse[term] = impulse
+        USF calls ``constrain_momentum`` before there are forces as well, for the velocity of the strain. MUSL calls it once
+        more after the points have moved, which moves nothing.
+        """
+        if plugin is not None:
+            self._count(hook, plugin, grid)
+        elif hook == "add_nodal_force":
+            self.forced = True
+        elif hook == "constrain_momentum" and self.forced and not self.balanced:
+            self._balance_grid(grid)
 
-    def add(self, term: str, impulse: FloatArray) -> None:
-        """Add to the impulses of a term, (n_nodes, dim) [N s/m]."""
-        known = self.impulse.get(term)
-        self.impulse[term] = impulse if known is None else known + impulse
+    def _count(self, hook: str, plugin: Any, grid: Grid) -> None:
+        """Add the change of momenta or forces since the last look to the impulses of its term, (n_nodes, dim) [N s/m]."""
+        term = TERMS[hook]
+        if hook == "add_nodal_force":
+            term = getattr(plugin, "ledger_term", (term,))[0]
+            impulse, known = self.dt * (grid.force - self.force), self.impulse.get(term)
+            self.impulse[term] = impulse if known is None else known + impulse
+            self.force = grid.force.copy()
+        elif not self.balanced:
+            total = self.impulse.get(term)
+            total = np.zeros_like(self.momentum) if total is None else total
+            if add_change(grid.momentum, self.momentum, total):
+                self.impulse[term] = total
 
-    def exert(self, grid: Grid, term: str, dt: float) -> None:
-        """Add what forces have come since the last look, for the step of ``dt`` [s], to the impulses of a term."""
-        self.add(term, dt * (grid.force - self.force))
-        self.force = grid.force.copy()
-
-    def balance_grid(self, grid: Grid) -> None:
+    def _balance_grid(self, grid: Grid) -> None:
         """The works of all impulses of this step."""
         self.balanced = True
         self.moved = grid_energy(grid.mass, grid.momentum)
@@ -266,13 +285,11 @@ class EnergyLedger:
         return residual
 
 
-def planned(made: Build, plan: Plan, strain: StrainEnergies) -> tuple[EnergyLedger, list[Any]]:
-    """The ledger of what is planned so far, and the plug-ins that measure for it: before and after all others, and each load."""
-    from mpmfw.effects.ledger_impulses import AfterForce, AfterImpulses, BeforeForce, BeforeImpulses
-
+def planned(made: Build, plan: Plan, strain: StrainEnergies) -> EnergyLedger:
+    """Return the ledger of the plug-ins that are planned so far."""
     contact = made.contact
     declared = [] if contact is None or not hasattr(contact, "declare_fields") else contact.declare_fields()
-    ledger = EnergyLedger(
+    return EnergyLedger(
         strain,
         made.state,
         _terms(made, plan),
@@ -281,13 +298,6 @@ def planned(made: Build, plan: Plan, strain: StrainEnergies) -> tuple[EnergyLedg
         half_steps=made.scheme == "usl",
         guard=None if made.scene.allow_unstable else EnergyGuard.of(made.state, remedies(made)),
     )
-    measured: list[Any] = []
-    for plugin in plan.plugins:
-        if hasattr(plugin, "ledger_term") and hasattr(plugin, "add_nodal_force"):
-            measured += [BeforeForce(ledger, plugin), plugin, AfterForce(ledger, plugin)]
-        else:
-            measured.append(plugin)
-    return ledger, [BeforeImpulses(ledger), AfterImpulses(ledger), *measured]
 
 
 def _terms(made: Build, plan: Plan) -> tuple[str, ...]:
@@ -298,14 +308,8 @@ def _terms(made: Build, plan: Plan) -> tuple[str, ...]:
             term, text = does
             found[term].append(text)
     if made.contact is not None:  # its work counts by the place where it is done
-        places = [
-            ("contact", CONTACT_HOOKS),
-            ("inertia", ["correct_inertia"]),
-            ("external", ["constrain_momentum"]),
-        ]
-        for term, hooks in places:
-            if any(hasattr(made.contact, hook) for hook in hooks):
-                found[term].append(f"contact '{made.contact.name}'")
+        for term in dict.fromkeys(term for hook, term in TERMS.items() if hasattr(made.contact, hook)):
+            found[term].append(f"contact '{made.contact.name}'")
     for term, by in found.items():
         plan.note(f"ledger: {term} work", bool(by), ", ".join(by) or "nothing in the scene does any")
     return tuple(term for term, by in found.items() if by)

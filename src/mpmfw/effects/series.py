@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.kernels.body_sums import sum_affine_energy, sum_motion
-from mpmfw.plugin.answers import of_points
+from mpmfw.plugin.checks import of_points
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import (

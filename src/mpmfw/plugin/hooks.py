@@ -8,20 +8,23 @@ and with its selection of arguments. Each plug-in's time goes to its own stage o
 from __future__ import annotations
 
 import functools
+import inspect
 import linecache
 import zlib
-from collections.abc import Callable, Generator
-from operator import attrgetter
+from collections.abc import Callable, Iterable, Sequence
 from types import CodeType
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import pluggy
 
+from mpmfw.errors import SceneError
+from mpmfw.plugin.checks import PASSED_ON, described, failure, naming
 from mpmfw.plugin.hookspecs import HookSpecs
 from mpmfw.state.clock import Clock
+from mpmfw.state.structs import Grid, State
 
-#: What is called for an implementation of a hook.
-FunctionOf: TypeAlias = Callable[[pluggy.HookImpl], Callable[..., Any]]
+#: Hooks that are called before a run begins.
+BEFORE_THE_RUN = ("declare_fields", "setup")
 
 
 def make_manager() -> pluggy.PluginManager:
@@ -36,24 +39,71 @@ def hook_names() -> list[str]:
     return [name for name in vars(HookSpecs) if not name.startswith("_")]
 
 
+def register(manager: pluggy.PluginManager, plugin: Any, name: str) -> None:
+    """Register a plug-in, whose hooks will be called.
+
+    Raises
+    ------
+    SceneError
+        Another plug-in has the name, or a method asks for arguments or a hook that there are not, is a wrapper of the old
+        style, or has a hook's name and no mark.
+    """
+    other = manager.get_plugin(name)
+    if other is not None:
+        raise SceneError(
+            f"{described(other)} and {described(plugin)} have one name; expected another for one of them"
+        )
+    try:
+        manager.register(plugin, name=name)
+        manager.check_pending()
+    except pluggy.PluginValidationError as error:
+        raise SceneError(f"{described(plugin)}: {error}") from error
+    for hook in hook_names():
+        method = getattr(plugin, hook, None)
+        mark = manager.parse_hookimpl_opts(plugin, hook)
+        if inspect.isroutine(method) and (mark is None or mark["hookwrapper"]):
+            raise SceneError(
+                f"{described(plugin)}: {hook} has the name of a hook; expected @hookimpl above it, of a wrapper "
+                "@hookimpl(wrapper=True), or another name"
+            )
+
+
+class Observer:
+    """Base of plug-ins that measure what hooks do to the grid while they are ``running``; they change nothing."""
+
+    #: Hooks that are observed; they have an argument ``grid``.
+    observes: ClassVar[tuple[str, ...]] = ()
+    running = False
+
+    def before(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:
+        """Look at the grid before a plug-in's implementation of a hook, or before all of them: ``plugin`` is None.
+
+        ``dt`` is the length of the step [s], 0 where the hook does not know it.
+        """
+
+    def after(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:
+        """Look at the grid after a plug-in's implementation, or after all of them."""
+
+
 class BoundHooks:
     """The hooks of one simulation as plain callables: ``hook.advect(grid=…, dt=…)``.
 
-    A hook that nobody implements costs one empty call.
+    A hook that nobody implements costs one empty call. An error that leaves a hook names plug-in, hook and step.
 
     Parameters
     ----------
-    function_of
-        What is called for an implementation; its own function, unless that is to be held.
+    state
+        Of the run, for the step in errors.
     """
 
     __slots__ = tuple(hook_names())
 
-    def __init__(
-        self, manager: pluggy.PluginManager, clock: Clock, function_of: FunctionOf = attrgetter("function")
-    ) -> None:
-        for name in hook_names():
-            setattr(self, name, _bind(getattr(manager.hook, name), clock, function_of))
+    def __init__(self, manager: pluggy.PluginManager, clock: Clock, state: State | None = None) -> None:
+        observers = [each for _, each in manager.list_name_plugin() if isinstance(each, Observer)]
+        for name in self.__slots__:
+            own = [each for each in observers if name in each.observes]
+            of_run = None if name in BEFORE_THE_RUN else state
+            setattr(self, name, _bind(getattr(manager.hook, name), clock, of_run, own))
 
     if TYPE_CHECKING:
 
@@ -64,73 +114,115 @@ def _nothing(**arguments: object) -> None:
     """Stand in for a hook without implementations."""
 
 
-def _bind(caller: pluggy.HookCaller, clock: Clock, function_of: FunctionOf) -> Callable[..., Any]:
+def _bind(
+    caller: pluggy.HookCaller, clock: Clock, state: State | None, observers: Sequence[Observer]
+) -> Callable[..., Any]:
     implementations = list(reversed(caller.get_hookimpls()))  # pluggy calls the last registered first
-    if not implementations:
+    if not implementations and not observers:
         return _nothing
-    bound = _written_out(caller, [impl for impl in implementations if not impl.wrapper], clock, function_of)
+    bound = _written_out(
+        caller, [impl for impl in implementations if not impl.wrapper], clock, state, observers
+    )
     for impl in reversed([impl for impl in implementations if impl.wrapper]):
-        bound = _around(impl, bound, clock, function_of)
+        bound = _around(impl, caller.name, bound, state)
     return bound
 
 
 def _written_out(
-    caller: pluggy.HookCaller, calls: list[pluggy.HookImpl], clock: Clock, function_of: FunctionOf
+    caller: pluggy.HookCaller,
+    calls: Sequence[pluggy.HookImpl],
+    clock: Clock,
+    state: State | None,
+    observers: Sequence[Observer],
 ) -> Callable[..., Any]:
-    """A function made for these implementations; with one that is timed, and takes not all that is offered::
+    """Return a function made for these implementations; with one that is timed, and takes not all that is offered::
 
         def advect(*, grid, dt):
             results = []
-            previous = clock(stage_0)
             try:
-                result = call_0(grid)
-            finally:
-                clock(previous)
-            if result is not None:
-                results.append(result)
+                plugin = plugin_0
+                previous = clock(stage_0)
+                try:
+                    result = call_0(grid)
+                finally:
+                    clock(previous)
+                if result is not None:
+                    results.append(result)
+            except passed_on:
+                raise
+            except BaseException as error:
+                raise failed(error, plugin) from error
             return results
-
-    A plug-in that has something to do only while another runs names it, ``only_while``; else its calls cost a question.
 
     Between two kernels over many points the interpreter's own data has left the caches: a general function, which asks
     what there is to call with what, takes twice as long as this.
     """
     assert caller.spec is not None
+    name, given = caller.name, caller.spec.argnames
     first_result = bool(caller.spec.opts.get("firstresult"))
-    names: dict[str, Any] = {"clock": clock}
-    lines = [f"def {caller.name}({', '.join(['*'] * bool(caller.spec.argnames) + [*caller.spec.argnames])}):"]
-    lines += [] if first_result else ["    results = []"]
+    names: dict[str, Any] = {"clock": clock, "passed_on": PASSED_ON}
+    names["failed"] = lambda error, plugin: failure(error, plugin, name, state)
+    names |= {f"observer_{k}": observer for k, observer in enumerate(observers)}
+    lines = _told("before", "None", name, given, observers)
     for index, impl in enumerate(calls):
-        names[f"call_{index}"] = function_of(impl)
-        call = f"result = call_{index}({', '.join(impl.argnames)})"
-        stage = getattr(impl.plugin, "stage", None)
-        own = [call]
-        if stage is not None:
+        names[f"call_{index}"], names[f"plugin_{index}"] = impl.function, impl.plugin
+        own = [f"result = call_{index}({', '.join(impl.argnames)})"]
+        if (stage := getattr(impl.plugin, "stage", None)) is not None:
             names[f"stage_{index}"] = stage
             own = [
                 f"previous = clock(stage_{index})",
                 "try:",
-                f"    {call}",
+                f"    {own[0]}",
                 "finally:",
                 "    clock(previous)",
             ]
-        own += [
+        lines += [
+            f"plugin = plugin_{index}",
+            *_told("before", "plugin", name, given, observers),
+            *own,
+            *_told("after", "plugin", name, given, observers),
             "if result is not None:",
             f"    {'return result' if first_result else 'results.append(result)'}",
         ]
-        if (other := getattr(impl.plugin, "only_while", None)) is not None:
-            names[f"other_{index}"] = other
-            own = [f"if other_{index}.running:", *(f"    {line}" for line in own)]
-        lines += [f"    {line}" for line in own]
-    if first_result and calls:
-        names["unanswered"] = functools.partial(_refuse_none, calls[-1], caller.spec.function)
-        lines.append("    unanswered()")
-    lines += [] if first_result else ["    return results"]
-    return _defined("\n".join(lines), caller.name, names)
+    lines += _told("after", "None", name, given, observers)
+    if first_result:
+        lines.append(
+            f"raise TypeError('returned None; expected {caller.spec.function.__annotations__['return']}')"
+        )
+    text = [
+        f"def {name}({', '.join(['*'] * bool(given) + [*given])}):",
+        *([] if first_result else ["    results = []"]),
+        "    plugin = None",
+        "    try:",
+        *[f"        {line}" for line in lines or ["pass"]],
+        "    except passed_on:",
+        "        raise",
+        "    except BaseException as error:",
+        "        raise failed(error, plugin) from error",
+        *([] if first_result else ["    return results"]),
+    ]
+    return _defined("\n".join(text), name, names)
+
+
+def _told(
+    when: str, plugin: str, hook: str, given: Iterable[str], observers: Sequence[Observer]
+) -> list[str]:
+    """Return the lines that tell observers of a call."""
+    arguments = f"{hook!r}, {plugin}, grid, {'dt' if 'dt' in given else '0.0'}"
+    return [
+        line
+        for k in range(len(observers))
+        for line in (
+            f"if observer_{k}.running:",
+            "    previous = clock('output')",
+            f"    observer_{k}.{when}({arguments})",
+            "    clock(previous)",
+        )
+    ]
 
 
 def _defined(text: str, name: str, names: dict[str, Any]) -> Callable[..., Any]:
-    """The function ``name`` that ``text`` defines, with what its calls refer to."""
+    """Return the function ``name`` that ``text`` defines, with what its calls refer to."""
     exec(_compiled(text, name), names)
     made: Callable[..., Any] = names[name]
     return made
@@ -138,56 +230,30 @@ def _defined(text: str, name: str, names: dict[str, Any]) -> Callable[..., Any]:
 
 @functools.cache
 def _compiled(text: str, name: str) -> CodeType:
-    """Plug-ins that are called alike share the code; tracebacks find its lines."""
+    """Compile; plug-ins that are called alike share the code, and tracebacks find its lines."""
     file = f"<calls of {name}, {zlib.crc32(text.encode()):08x}>"
     linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
     return compile(text, file, "exec")
 
 
 def _around(
-    impl: pluggy.HookImpl, inner: Callable[..., Any], clock: Clock, function_of: FunctionOf
+    impl: pluggy.HookImpl, name: str, inner: Callable[..., Any], state: State | None
 ) -> Callable[..., Any]:
-    """A wrapper round a hook: what it does before its ``yield``, the hook, and what it does with the result."""
-    start = function_of(impl)
-    names = impl.argnames
-    stage: str | None = getattr(impl.plugin, "stage", None)
-
-    def resume(step: Callable[[], Any]) -> Any:
-        previous = clock(stage) if stage is not None else None
-        try:
-            return step()
-        finally:
-            if previous is not None:
-                clock(previous)
+    """Return a hook with a wrapper: the part before its ``yield``, the hook, and the part that gets the result."""
 
     def hook(**arguments: Any) -> Any:
-        yields = 0
-        generator: Generator[None, Any, Any] = start(*[arguments[name] for name in names])
-        try:
-            resume(lambda: next(generator))
-            yields = 1
-            result = inner(**arguments)
-            resume(lambda: generator.send(result))
-        except StopIteration as stop:
-            if yields:
-                return stop.value
-        except BaseException as error:
-            if not yields:
-                raise
+        with naming(impl.plugin, name, state):
+            generator: Any = impl.function(*[arguments[each] for each in impl.argnames])
+            next(generator)
             try:
-                generator.throw(error)
+                try:
+                    result = inner(**arguments)
+                except BaseException as error:
+                    generator.throw(error)
+                else:
+                    generator.send(result)
             except StopIteration as stop:
                 return stop.value
-        return _refuse_yields(impl, yields)
+            raise TypeError("a wrapper that yields more than once; expected one yield")
 
     return hook
-
-
-def _refuse_yields(hook_impl: pluggy.HookImpl, yields: int) -> None:  # noqa: ARG001
-    """Refuse a wrapper; the name of the first argument tells :mod:`mpmfw.plugin.blame` whose it is."""
-    raise TypeError(f"a wrapper that yields {'more than once' if yields else 'never'}; expected one yield")
-
-
-def _refuse_none(hook_impl: pluggy.HookImpl, specification: Callable[..., Any]) -> None:  # noqa: ARG001
-    """Refuse None from a hook whose result the step needs; :mod:`mpmfw.plugin.blame` finds the plug-in by the first argument."""
-    raise TypeError(f"returned None; expected a {specification.__annotations__['return']}")

@@ -10,7 +10,7 @@ import numpy as np
 
 from mpmfw.errors import SceneError
 from mpmfw.geometry import Layout, discretise
-from mpmfw.plugin.blame import blaming, described
+from mpmfw.plugin.checks import described, naming
 from mpmfw.runs.sizing import check_box_inside
 from mpmfw.state.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, IntArray
 from mpmfw.state.pairs import overlapping
@@ -91,7 +91,7 @@ def _modulus(name: str, material: Material) -> float:
     SceneError
         It is no positive number; a shear modulus may be 0.
     """
-    with blaming([material]):
+    with naming(material, name):
         value = getattr(material, name)
     least = 0.0 if name == "shear_modulus" else np.nextafter(0.0, 1.0)
     if not isinstance(value, int | float | np.number) or not least <= value < np.inf:

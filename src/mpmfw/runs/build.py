@@ -13,9 +13,8 @@ from mpmfw.contact.friction import FrictionLaw
 from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.errors import SceneError
 from mpmfw.geometry import BodyGeometry, Layout
-from mpmfw.plugin.blame import distribution_text, refusing
 from mpmfw.plugin.boundary import Boundary
-from mpmfw.plugin.dead_hooks import refuse_dead_hooks
+from mpmfw.plugin.checks import distribution_text, naming
 from mpmfw.plugin.discovery import Kind, full_name, load, object_of, refuse_nameless
 from mpmfw.plugin.hookspecs import HookSpecs
 from mpmfw.plugin.load import Load
@@ -200,9 +199,7 @@ def _plugin(kind: Any, name: str, options: Any) -> Any:
     """Import and make one plug-in."""
     plugin = load(kind, name)
     _check_base(kind, plugin)
-    with refusing(
-        f"{kind} plug-in '{name}' of {distribution_text(plugin)} cannot be made from the scene's options"
-    ):
+    with naming(plugin, "its constructor"):
         given = options is not None and hasattr(plugin, "from_options")
         return plugin.from_options(options) if given else plugin()
 
@@ -282,7 +279,6 @@ def _check_methods(scene: Scene, shape: ShapeFunction, contact: ContactStrategy 
     for kind, plugin in chosen.items():
         _check_base(kind, type(plugin))
         refuse_nameless(type(plugin))
-        refuse_dead_hooks(type(plugin))
         if scene.dim not in plugin.dimensions:
             works = " and ".join(f"{d}D" for d in plugin.dimensions)
             note = f" ({plugin.dimensions_note})" if getattr(plugin, "dimensions_note", "") else ""

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mpmfw.errors import MpmfwError, PluginError
-from mpmfw.plugin.answers import check_finite, check_state_finite, values_of
+from mpmfw.errors import PluginError, SimulationError
+from mpmfw.plugin.checks import described, naming
 from mpmfw.results import Frame, RunHeader, provenance
 from mpmfw.results.layout import is_static
 from mpmfw.state.fields import PARTICLE_FIELDS, SURFACE_FIELDS, AnyArray, Field
@@ -51,6 +51,7 @@ class Recorder:
         )
         self._intervals = 0  #: of the material points, up to their last frame
         self._by_name = {field.name: field for field in declared}
+        self._constant = self._sums()
 
     def _surface_fields(self, scene: Scene) -> tuple[Field, ...]:
         return SURFACE_FIELDS if scene.output.surface and self.state.surface is not None else ()
@@ -94,12 +95,13 @@ class Recorder:
         list_near(state, self.hook)
         found: dict[str, dict[str, AnyArray]] = {"particles": {}, "surface": {}, "series": {}, "contact": {}}
         check_state_finite(state)
+        self._check_constant()
         answers = self.hook.diagnostics(state=state, interval=interval, points=points) or []
         who = self.recording if len(answers) == len(self.recording) else [None] * len(answers)
         for plugin, answer in zip(who, answers, strict=True):
-            for name, values in values_of(plugin, answer, self._by_name, self._error).items():
-                check_finite(plugin, self._by_name[name], values, state.time)
-                found[self._by_name[name].group][name] = values
+            with naming(plugin, "diagnostics", state):
+                for name, values in answer.items():
+                    found[self._by_name[name].group][name] = self._checked(plugin, name, values)
         for group, struct in (("particles", state.particles), ("surface", state.surface)):
             for field in self.fields.values() if points or group == "surface" else ():
                 if field.group == group and field.name not in found[group]:
@@ -133,8 +135,52 @@ class Recorder:
         self._intervals = math.floor((time + 0.5 * self._output_interval) / self._particle_interval)
         return self._intervals > before
 
-    def _error(self, said: str) -> MpmfwError:
-        return PluginError(said, step=self.state.steps, time=self.state.time)
+    def _checked(self, plugin: Any, name: str, given: Any) -> AnyArray:
+        """Return the values of a field as declared; NaN is allowed where the declaration gives it a meaning."""
+        field = self._by_name[name]
+        values = np.asarray(given, dtype=field.dtype)
+        if values.ndim != len(field.dims):
+            raise ValueError(f"'{name}' has the shape {values.shape}; declared are the dims {field.dims}")
+        allowed = values.dtype.kind != "f" or (bool(field.missing) and not np.isinf(values).any())
+        if not allowed and not np.isfinite(values).all():
+            text = f"{field.group}/{name} of {described(plugin)} is not finite"
+            raise SimulationError(text, time=self.state.time, advice="a smaller time.safety")
+        return values
+
+    def _check_constant(self) -> None:
+        """Refuse masses or initial volumes that are not those of the start: no hook may change them."""
+        if self._sums() != self._constant:
+            text = "a plug-in changed the material points' masses or initial volumes, which docs/hooks.md forbids"
+            raise PluginError(text, step=self.state.steps, time=self.state.time)
+
+    def _sums(self) -> tuple[float, float]:
+        p = self.state.particles
+        return float(p.mass.sum()), float(p.initial_volume.sum())
+
+
+def check_state_finite(state: State) -> None:
+    """Refuse to record a state that holds NaN or infinity.
+
+    Raises
+    ------
+    SimulationError
+        It does: the body, the point and the array are named.
+    """
+    p = state.particles
+    for name in ("position", "velocity", "deformation_gradient", "stress"):
+        values = getattr(p, name)
+        # A finite sum is one of finite numbers, and takes a fifth of the time
+        if not np.isfinite(values.sum()) and not np.isfinite(values).all():
+            index = int(np.flatnonzero(~np.isfinite(values.reshape(p.count, -1)).all(axis=1))[0])
+            body = next(b for b in state.bodies if b.particles.start <= index < b.particles.stop)
+            raise SimulationError(
+                f"the {name.replace('_', ' ')} of a material point is not finite",
+                body=body.name,
+                index=index - body.particles.start,
+                position=p.position[index].tolist(),
+                time=state.time,
+                advice="a smaller time.safety",
+            )
 
 
 def _stored(field: Field) -> Field:

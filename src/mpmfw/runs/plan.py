@@ -12,6 +12,7 @@ import numpy as np
 from mpmfw.contact import planning
 from mpmfw.effects.settling import called_for
 from mpmfw.errors import SceneError
+from mpmfw.plugin.checks import naming
 from mpmfw.plugin.effect import Plan
 from mpmfw.runs.build import Build
 from mpmfw.runs.recording import plan_records
@@ -31,7 +32,8 @@ def plan_effects(made: Build, limits: Callable[[], list[tuple[float, str]]]) -> 
     plan = Plan(plugins=[*made.materials.values(), made.shape])
     _transfer(made, plan)
     _domains(made, plan)
-    planning.planned(made, plan)
+    with naming(made.contact, "its planning"):
+        planning.planned(made, plan)
     _surface(made, plan)
     _gravity(made, plan)
     plan.note("settling", *called_for(made.scene.settle))

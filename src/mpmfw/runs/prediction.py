@@ -88,7 +88,6 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
     memory = sum(arrays) + _tables(simulation)
     clock, settle = simulation.clock, simulation.scene.settle
     with ExitStack() as stack:
-        stack.enter_context(simulation.blaming())
         stack.enter_context(CompileTimer(clock))
         step = _start(simulation, stack)
         step()

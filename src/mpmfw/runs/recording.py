@@ -38,17 +38,16 @@ def _moment(made: Build, plan: Plan) -> None:
     if made.state.grid.n_fields < len(made.state.bodies):
         plan.note("contact moment", False, f"contact '{contact.name}' gives bodies one velocity field")
         return
-    from mpmfw.effects.contact_moment import FORCES, IMPULSES, ContactMoment, around
+    from mpmfw.effects.contact_moment import CONTACT_HOOKS, ContactMoment
 
-    if not any(hasattr(contact, hook) for hook in (*FORCES, *IMPULSES)):
+    if not any(hasattr(contact, hook) for hook in CONTACT_HOOKS):
         plan.note(
             "contact moment", False, f"contact '{contact.name}' neither exerts forces nor changes momenta"
         )
         return
     about = None if asked == "centre_of_mass" else asked
     plan.note("contact moment", True, "about " + ("centres of mass" if about is None else f"{about} m"))
-    at = plan.plugins.index(contact)
-    plan.plugins[at : at + 1] = around(contact, ContactMoment(about, made.state))
+    plan.plugins.append(ContactMoment(contact, about, made.state))
 
 
 def _verdict(made: Build, plan: Plan, strain: StrainEnergies) -> None:
@@ -87,9 +86,7 @@ def _ledger(made: Build, plan: Plan, strain: StrainEnergies) -> None:
         return
     from mpmfw.effects.ledger import planned
 
-    ledger, measured = planned(made, plan, strain)
-    # Round all others: what is registered last is the first of those that ask to be first, the last of those to be last.
-    plan.plugins = [*measured, ledger]
+    plan.plugins.append(planned(made, plan, strain))
 
 
 def _stability(made: Build, plan: Plan, limits: Limits) -> None:

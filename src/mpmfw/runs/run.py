@@ -16,7 +16,6 @@ from mpmfw.results.memory import peak_memory, restart_peak_memory
 from mpmfw.results.replacing import check_replaceable
 from mpmfw.runs.interruption import interruptible
 from mpmfw.runs.limits import check_length, remark_on_size, remark_on_threads
-from mpmfw.runs.own_process import run_in_own_process
 from mpmfw.runs.restart import EVERY, Checkpoints, seconds_between
 from mpmfw.runs.simulation import Simulation, chosen_methods
 from mpmfw.scene import load_scene, located
@@ -33,7 +32,6 @@ def run(
     progress: Callable[[float, int], None] | None = None,
     set: Mapping[str, Any] | None = None,
     force: bool = False,
-    apart: bool = False,
     checkpoint: float | str | None = None,
     threads: int | None = None,
 ) -> xr.DataTree:
@@ -53,8 +51,6 @@ def run(
         Values by dotted key, set over the scene's own.
     force
         Begin a run that has more steps or frames than the limits in ``mpmfw.runs.limits``.
-    apart
-        Run in a process of its own, so that one that crashes or hangs ends nothing else; plug-ins by name alone.
     checkpoint
         Wall time, [s] or as ``"10 min"``, between two checkpoints beside the file, ``OUTPUT.checkpoint``, from which
         :func:`mpmfw.resume` goes on; ten minutes by default, ``math.inf`` for none.
@@ -76,12 +72,6 @@ def run(
     """
     if checkpoint is not None and output is None:
         raise SceneError("checkpoint: has no effect on results that are kept in memory; give an output")
-    if apart:
-        if any(method is not None and not isinstance(method, str) for method in (contact, shape)):
-            raise SceneError("apart: a run in a process of its own takes plug-ins by name, no objects")
-        request = {"contact": contact, "shape": shape, "set": dict(set or {}), "force": force}
-        request |= {"checkpoint": checkpoint, "threads": threads}
-        return run_in_own_process(scene, output, progress, **request)
     with _writing(scene, contact, shape, output, progress, set, force, checkpoint, threads) as writer:
         return writer.results()
 

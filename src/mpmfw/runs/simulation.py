@@ -7,22 +7,18 @@ import math
 import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any
 
 from mpmfw.effects.remedies import remedies
 from mpmfw.effects.settling import Settling, concern, is_settled_for_good
 from mpmfw.errors import Diverged, PluginError, SceneError, SimulationError
-from mpmfw.plugin.answers import check_state_finite, declared_fields
-from mpmfw.plugin.blame import blaming, bundled, described
-from mpmfw.plugin.dead_hooks import refuse_dead_hooks
+from mpmfw.plugin.checks import bundled, declared_fields
 from mpmfw.plugin.effect import Effect
-from mpmfw.plugin.guard import Guard
-from mpmfw.plugin.hooks import BoundHooks, hook_names, make_manager
+from mpmfw.plugin.hooks import BoundHooks, hook_names, make_manager, register
 from mpmfw.results import Frame, RunHeader
 from mpmfw.runs.build import Build, build, make_setup, strategy
 from mpmfw.runs.compilation import CompileTimer, import_numba_without_scipy
-from mpmfw.runs.frames import Recorder
+from mpmfw.runs.frames import Recorder, check_state_finite
 from mpmfw.runs.initial_motion import initial_velocity
 from mpmfw.runs.plan import plan_effects
 from mpmfw.runs.restart import read_snapshot, write_snapshot
@@ -104,9 +100,7 @@ class Simulation:
     def _assemble(self, made: Build, clock: Clock, threads: int) -> None:
         """Plan the effects, and set up all that acts."""
         self.scene, self.clock = made.scene, clock
-        made_plugins = [made.contact, made.shape, *made.materials.values(), *made.named_plugins]
-        with blaming(made_plugins):
-            plan = plan_effects(made, self.limits)
+        plan = plan_effects(made, self.limits)
         self.state, self.contact, self.shape = made.state, made.contact, made.shape
         self.scheme, self.transfer = made.scheme, made.transfer
         self.effects: tuple[Effect, ...] = tuple(plan.effects)
@@ -121,29 +115,17 @@ class Simulation:
         self.rotations = plan.rotations  #: how every body's rotational inertia is treated
         self.manager = make_manager()
         for plugin in reversed(plan.plugins):  # pluggy calls the last registered first
-            self._register(plugin, _registered_name(made, plugin))
-        self.manager.check_pending()
-        with blaming([*made_plugins, *plan.plugins]):
-            self._set_up(made, plan.plugins)
-
-    def _register(self, plugin: Any, name: str) -> None:
-        """Register one plug-in; two of one name would take each other's place."""
-        other = self.manager.get_plugin(name)
-        if other is not None:
-            raise SceneError(
-                f"{described(other)} and {described(plugin)} have one name; expected another for one of them"
-            )
-        self.manager.register(plugin, name=name)
-
-    def _set_up(self, made: Build, plugins: list[Any]) -> None:
-        """Tell the plug-ins what they need, and lay the grid round the bodies."""
-        for plugin in plugins:
-            refuse_dead_hooks(type(plugin))
-        setup = make_setup(made)
-        self.fields: tuple[Field, ...] = declared_fields(self.manager)
-        self.manager.hook.setup(setup=setup)
-        self._guard = Guard(self.state, (plugin for _, plugin in self.manager.list_name_plugin()))
+            register(self.manager, plugin, _registered_name(made, plugin))
         self._bind_hooks()
+        self._set_up(made)
+
+    def _set_up(self, made: Build) -> None:
+        """Tell the plug-ins what they need, and lay the grid round the bodies."""
+        answers = self.hook.declare_fields() or []
+        self.fields: tuple[Field, ...] = declared_fields(
+            zip(self._callers("declare_fields"), answers, strict=True)
+        )
+        self.hook.setup(setup=make_setup(made))
         reach = self.hook.particle_reach(particles=self.state.particles)
         lay_windows(self.state.grid, self.state.particles, reach, self.state.surface)
         list_near(self.state, self.hook)
@@ -173,16 +155,12 @@ class Simulation:
             self._step = self._sleep.step
 
     def _bind_hooks(self) -> None:
-        """Bind the calls of all hooks; those of strangers cannot change what belongs to the step."""
-        self.hook: Any = BoundHooks(self.manager, self.clock, self._guard.held)
+        """Bind the calls of all hooks."""
+        self.hook: Any = BoundHooks(self.manager, self.clock, self.state)
 
     def _callers(self, hook: str) -> list[Any]:
         """Plug-ins that implement a hook, in the order of the calls."""
         return [impl.plugin for impl in reversed(getattr(self.manager.hook, hook).get_hookimpls())]
-
-    def blaming(self) -> AbstractContextManager[None]:
-        """Context in which an exception of a plug-in becomes an error that names it."""
-        return blaming([plugin for _, plugin in self.manager.list_name_plugin()], self.state)
 
     # -- what it is
     # ---------------------------------------------------------------------------------------------------
@@ -196,8 +174,7 @@ class Simulation:
 
     def limits(self) -> list[tuple[float, str]]:
         """Every stable time step [s] with its owner, before the safety factor."""
-        with self.blaming():
-            return self._time_step.limits(self.hook)
+        return self._time_step.limits(self.hook)
 
     def stable_step(self) -> float:
         """Length of a step as the limits are [s], with the contacts that were detected last; before the first step, with
@@ -212,6 +189,8 @@ class Simulation:
             return
         try:
             interpolate(self.state, self.hook, self.clock)
+        except PluginError:
+            raise
         except SimulationError as error:
             raise SceneError(
                 f"bodies.{error.body}: the shape function '{self.shape.name}' reaches beyond the grid at the start; "
@@ -269,15 +248,14 @@ class Simulation:
 
     def advance(self, steps: int, write: Callable[[Frame], None] | None = None) -> None:
         """Run a number of stable steps; hand a frame to ``write``, if there is one, at first and after every step."""
-        with self.blaming():
-            with CompileTimer(self.clock):
-                self.start()
+        with CompileTimer(self.clock):
+            self.start()
+        if write is not None:
+            self._output(write, 0.0)
+        for _ in range(steps):
+            self.step()
             if write is not None:
-                self._output(write, 0.0)
-            for _ in range(steps):
-                self.step()
-                if write is not None:
-                    self._output(write, self.state.dt)
+                self._output(write, self.state.dt)
         self._gather()
         self.clock("output")
 
@@ -298,7 +276,7 @@ class Simulation:
             The run failed; frames handed out so far are complete.
         """
         before = self.compile_time
-        with self.blaming(), CompileTimer(self.clock) as compiling:
+        with CompileTimer(self.clock) as compiling:
             try:
                 if self._next_output == 0:
                     self.start(after_step)
@@ -363,7 +341,6 @@ class Simulation:
     def _output(self, write: Callable[[Frame], None] | None, interval: float, *, points: bool = True) -> None:
         self.clock("output")
         self._gather()
-        self._guard.check()
         frame = self._recorder.frame(interval, points=points)
         if self._next_output == 2 and is_settled_for_good(self.scene):
             kinetic, strain = (float(frame.series[f"{kind}_energy"].sum()) for kind in ("kinetic", "strain"))
@@ -490,15 +467,7 @@ class Simulation:
 
     def concerns(self) -> list[str]:
         """What a reader of the results must know, a sentence each; complete after the last step."""
-        with self.blaming():
-            answers = self.hook.concerns() or []
-        for plugin, answer in zip(self._callers("concerns"), answers, strict=False):
-            if not isinstance(answer, list | tuple) or not all(isinstance(text, str) for text in answer):
-                raise PluginError(
-                    f"{described(plugin)} answered concerns with {answer!r:.80}; expected a list of sentences",
-                    step=self.state.steps,
-                    time=self.state.time,
-                )
+        answers = self.hook.concerns() or []
         return [
             *warnings_about(self.scene),
             *concern(self._settled),

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mpmfw.errors import SceneError
-from mpmfw.plugin.blame import bundled, described
+from mpmfw.plugin.checks import bundled, described
 from mpmfw.plugin.load import BodyLoad, LoadedFacets, SurfaceLoad
 from mpmfw.runs.build import Build, build_some
 from mpmfw.state.clock import Clock

@@ -10,7 +10,6 @@ from pydantic import BaseModel
 
 from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.errors import PastStabilityLimit, PluginError, SceneError, SimulationError
-from mpmfw.plugin.answers import check_limits
 from mpmfw.state.structs import State
 
 if TYPE_CHECKING:
@@ -62,7 +61,7 @@ class TimeStep:
 
     def limits(self, hook: Any) -> list[tuple[float, str]]:
         """Every stable time step [s] with its owner, before the safety factor; the bulk's comes first."""
-        return [self._bulk, *(hook.stable_timestep(state=self.state) or ())]
+        return self._answers(hook)
 
     def next(self, hook: Any) -> float:
         """Length of the next step [s]: the safety factor times the least limit, or the scene's fixed step.
@@ -72,14 +71,7 @@ class TimeStep:
         SimulationError
             The step is past a stability limit and the scene does not allow it, or the limit has collapsed.
         """
-        answers = hook.stable_timestep(state=self.state) or ()
-        try:
-            for answer in answers:
-                if not answer[0] > 0.0:  # NaN would be passed over by the least of all
-                    self._check(answers)
-        except (TypeError, LookupError):
-            self._check(answers)
-        limits = [self._bulk, *answers]
+        limits = self._answers(hook)
         limit, owner = min(limits)
         step: float = self._safety * limit if self._fixed is None else self._fixed
         if self._checked and (refusal := self._refusal(step, limits)) is not None:
@@ -111,21 +103,20 @@ class TimeStep:
         SceneError
             ``time.step`` or ``time.safety`` asks for it.
         """
-        answers = hook.stable_timestep(state=self.state) or ()
-        check_limits(self.limiting, answers, SceneError)
-        limits = [self._bulk, *answers]
+        limits = self._answers(hook)
         step: float = self._safety * min(limits)[0] if self._fixed is None else self._fixed
         if self._checked and (refusal := self._refusal(step, limits)) is not None:
             key = "time.safety" if self.scene.time.step is None else "time.step"
             raise SceneError(f"{key}: {refusal}; expected a smaller {key}, or allow_unstable = true")
 
-    def _check(self, answers: Sequence[Any]) -> None:
-        """Refuse answers that are no times, and say whose they are."""
-        check_limits(
-            self.limiting,
-            answers,
-            lambda said: PluginError(said, step=self.state.steps, time=self.state.time),
-        )
+    def _answers(self, hook: Any) -> list[tuple[float, str]]:
+        """Return every limit [s] with its owner; NaN, which the least of all would pass over, is refused."""
+        answers = hook.stable_timestep(state=self.state) or ()
+        for answer in answers:
+            if not answer[0] > 0.0:
+                text = f"a plug-in answered stable_timestep with {answer!r:.80}; expected a time [s] above 0 and its owner"
+                raise PluginError(text, step=self.state.steps, time=self.state.time)
+        return [self._bulk, *answers]
 
     def _refusal(self, step: float, limits: list[tuple[float, str]]) -> str | None:
         """Why a step is past a stability limit, or None. The bulk is unstable below h / c already."""

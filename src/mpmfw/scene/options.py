@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from mpmfw.errors import SceneError
-from mpmfw.plugin.blame import distribution_text
+from mpmfw.plugin.checks import distribution_text
 from mpmfw.plugin.discovery import Kind, available, choices, load
 from mpmfw.scene.contact_parts import PARTS, parts_of
 from mpmfw.scene.locator import Path

@@ -14,7 +14,7 @@ import numpy as np
 from mpmfw.campaigns.outcome import Finished, Outcome
 from mpmfw.campaigns.work import Task
 from mpmfw.errors import PastStabilityLimit, PluginError, ResultsWarning, SceneError, SimulationError
-from mpmfw.plugin.blame import cause
+from mpmfw.plugin.checks import cause
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
 from mpmfw.stability.record import Hopeless, Record

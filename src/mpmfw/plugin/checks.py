@@ -1,0 +1,138 @@
+"""Checks of plug-ins, and errors that name them: plug-in, distribution, place and step."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from importlib.metadata import packages_distributions
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, get_args
+
+import numpy as np
+
+from mpmfw.errors import MpmfwError, PluginError, SceneError
+from mpmfw.plugin.discovery import KINDS, available, distribution_of
+from mpmfw.state.fields import PARTICLE_FIELDS, SURFACE_FIELDS, Field, FloatArray, Group
+
+if TYPE_CHECKING:
+    from mpmfw.state.structs import State
+
+#: Errors that need no name of a plug-in.
+PASSED_ON = (MpmfwError, KeyboardInterrupt, GeneratorExit)
+
+
+@contextmanager
+def naming(plugin: Any, place: str, state: State | None = None) -> Iterator[None]:
+    """Turn any exception but mpmfw's own into an error that names a plug-in.
+
+    Parameters
+    ----------
+    plugin
+        An object or a class.
+    place
+        Method or hook that is called.
+    state
+        Of the run; None before there is one.
+
+    Raises
+    ------
+    SceneError
+        The plug-in failed before the run began.
+    PluginError
+        It failed in the run.
+    """
+    try:
+        yield
+    except PASSED_ON:
+        raise
+    except BaseException as error:  # SystemExit among them: a plug-in may not end the program
+        raise failure(error, plugin, place, state) from error
+
+
+def failure(error: BaseException, plugin: Any, place: str, state: State | None) -> MpmfwError:
+    """Return the error that :func:`naming` raises."""
+    text = f"{described(plugin)} failed in {place}: {cause(error)}"
+    if state is None:
+        return SceneError(text)
+    return PluginError(text, step=state.steps, time=state.time)
+
+
+def cause(error: BaseException) -> str:
+    """``KeyError: 'x' (spring_law.py, line 12)``."""
+    text = str(error)
+    where = traceback.extract_tb(error.__traceback__)
+    at = f" ({Path(where[-1].filename).name}, line {where[-1].lineno})" if where else ""
+    return f"{type(error).__name__}{f': {text}' if text else ''}{at}"
+
+
+def described(plugin: Any) -> str:
+    """``plug-in 'penalty' of distribution mpmfw``, of an object or a class."""
+    kind = plugin if isinstance(plugin, type) else type(plugin)
+    return f"plug-in '{getattr(plugin, 'name', kind.__qualname__)}' of {distribution_text(kind)}"
+
+
+def distribution_text(kind: type[Any]) -> str:
+    """``distribution spring_law``, or where the class stands that belongs to none."""
+    package = kind.__module__.partition(".")[0]
+    for entry in (entry for each in KINDS for entry in available(each).values()):
+        if entry.module.partition(".")[0] == package:
+            return f"distribution {distribution_of(entry)}"
+    distributions = packages_distributions().get(package, [])
+    return (
+        f"distribution {distributions[0]}" if distributions else f"no distribution (module {kind.__module__})"
+    )
+
+
+def bundled(kind: type[Any]) -> bool:
+    """Return whether the class belongs to mpmfw's own distribution."""
+    return kind.__module__.partition(".")[0] == "mpmfw" or distribution_text(kind) == "distribution mpmfw"
+
+
+def declared_fields(answers: Iterable[tuple[Any, Iterable[Field]]]) -> tuple[Field, ...]:
+    """Return all declarations, in the order of registration; instances of one class may share theirs.
+
+    Parameters
+    ----------
+    answers
+        Plug-ins, and what each answered ``declare_fields`` with.
+
+    Raises
+    ------
+    SceneError
+        A field cannot be stored, takes the place of one of the core, or two plug-ins own a field of one name.
+    """
+    core = {(field.group, field.name) for field in (*PARTICLE_FIELDS, *SURFACE_FIELDS)}
+    owners: dict[str, tuple[Any, Field]] = {}
+    for plugin, answer in answers:
+        for field in answer:
+            with naming(plugin, "declare_fields"):
+                if field.group not in get_args(Group) or np.dtype(field.dtype).kind not in "fiub":
+                    raise ValueError(
+                        f"field '{field.name}' of group '{field.group}' and type {field.dtype!r}; expected one of "
+                        f"{', '.join(get_args(Group))}, and a type of numbers"
+                    )
+            first, known = owners.setdefault(field.name, (plugin, field))
+            shared = first is plugin or (type(first) is type(plugin) and known == field)
+            if not shared or known != field or (field.group, field.name) in core:
+                owner = "the core" if shared and known == field else described(first)
+                raise SceneError(
+                    f"{described(plugin)} and {owner} both declare a field '{field.name}'; expected another name"
+                )
+    return tuple(field for _, field in owners.values())
+
+
+def of_points(method: str, material: Any, state: State, own: slice) -> FloatArray:
+    """Return the values that a method of a material gives for the points ``own``: a number each, of stress a tensor (3, 3).
+
+    Raises
+    ------
+    PluginError
+        The method fails, or the values have another shape.
+    """
+    shape = (own.stop - own.start, *((3, 3) if method == "stress_of_points" else ()))
+    with naming(material, method, state):
+        values = np.asarray(getattr(material, method)(state.particles, own))
+        if values.shape != shape:
+            raise ValueError(f"values of shape {values.shape}; expected {shape}")
+    return values
