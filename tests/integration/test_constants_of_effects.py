@@ -176,8 +176,8 @@ def test_too_deep_is_in_cells(monkeypatch: pytest.MonkeyPatch) -> None:
     assert overlapping().startswith("suspect: left-right: penetration of 0.36 cells")
 
 
-@pytest.mark.parametrize("name", ["SIDES_EVERY", "OWN_EVERY"])
-def test_how_often_surfaces_are_compared_does_not_change_the_verdict(
+@pytest.mark.parametrize("name", ["ENERGY_EVERY", "SIDES_EVERY", "OWN_EVERY"])
+def test_how_often_runs_are_judged_does_not_change_the_verdict(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(verdict, "TOO_DEEP", 0.3)
