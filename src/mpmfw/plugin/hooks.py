@@ -21,7 +21,7 @@ from mpmfw.errors import SceneError
 from mpmfw.plugin.checks import PASSED_ON, described, failure, naming
 from mpmfw.plugin.hookspecs import HookSpecs
 from mpmfw.state.clock import Clock
-from mpmfw.state.structs import Grid, State
+from mpmfw.state.structs import Grid, OutsideGrid, State
 
 #: Hooks that are called before a run begins.
 BEFORE_THE_RUN = ("declare_fields", "setup")
@@ -160,7 +160,7 @@ def _written_out(
     assert caller.spec is not None
     name, given = caller.name, caller.spec.argnames
     first_result = bool(caller.spec.opts.get("firstresult"))
-    names: dict[str, Any] = {"clock": clock, "passed_on": PASSED_ON}
+    names: dict[str, Any] = {"clock": clock, "passed_on": (*PASSED_ON, OutsideGrid)}
     names["failed"] = lambda error, plugin: failure(error, plugin, name, state)
     names |= {f"observer_{k}": observer for k, observer in enumerate(observers)}
     lines = _told("before", "None", name, given, observers)
