@@ -58,11 +58,11 @@ LEAST = Brings(
         for who, hooks in (
             ("body_series", "declare_fields setup diagnostics"),
             ("von_mises", "declare_fields diagnostics"),
-            ("verdict", "end_step diagnostics concerns"),
+            ("verdict", "diagnostics concerns"),
         )
         for hook in hooks.split()
     ),
-    modules=frozenset(["mpmfw.effects.verdict", "mpmfw.effects.ledger_energies"]),
+    modules=frozenset(f"mpmfw.effects.{name}" for name in ("series", "verdict", "ledger_energies")),
     series=frozenset(
         {
             *("centre_of_mass", "mean_velocity", "angular_velocity", "linear_momentum", "angular_momentum"),
@@ -147,7 +147,7 @@ EFFECTS = {
         hooks="setup constrain_momentum advect end_step",
         modules="mpmfw.effects.constraint mpmfw.effects.faces mpmfw.effects.side_rows",
     ),
-    "settling": brings(),
+    "settling": brings(modules="mpmfw.effects.settling"),
     "sleep": brings(),
     "pressure": brings(
         "pressure on solid top",
@@ -215,7 +215,8 @@ EFFECTS = {
     "ledger": brings(
         "energy_ledger",
         hooks="declare_fields end_step diagnostics",
-        modules="mpmfw.effects.ledger mpmfw.effects.ledger_energies mpmfw.effects.ledger_half_step mpmfw.effects.energy_guard",
+        modules="mpmfw.effects.ledger mpmfw.effects.ledger_energies mpmfw.effects.ledger_half_step mpmfw.effects.energy_guard "
+        "mpmfw.effects.remedies",
         series="transfer_dissipation energy_residual",
     ),
     "ledger of gravity": brings("energy_ledger", series="gravity_work"),
@@ -226,6 +227,7 @@ EFFECTS = {
         modules="mpmfw.effects.contact_moment",
         series="contact_moment",
     ),
+    "watched": brings("verdict", hooks="end_step"),
     "stability": brings(
         "time_step_series",
         hooks="declare_fields diagnostics",
@@ -282,7 +284,7 @@ ELASTIC = {"model": "linear_elastic", "density": 1e3, "bulk_modulus": 1e6, "shea
 YIELDS = {"model": "j2", "yield_stress": 1e4}
 GRAVITY = {"vector": [0, -10]}
 HELD = [{"side": "bottom", "fixed": True}]
-FRICTIONLESS = ("penalty", "travel", "surfaces", "local spin")
+FRICTIONLESS = ("penalty", "travel", "surfaces", "local spin", "watched")
 TOUCHED = (*FRICTIONLESS, "flutter")
 LEDGER = ("ledger",)
 CASES = {
@@ -321,6 +323,7 @@ CASES = {
         _two("bardenhagen", output={"gap": False, "contact_moment": [0.0, 0.0]}),
         (
             "bardenhagen",
+            "watched",
             "averaged normals",
             "local spin",
             "flutter",
@@ -346,17 +349,17 @@ CASES = {
     "linear elastic": Case(with_changes(ONE, materials__soft=ELASTIC), (), material="linear_elastic"),
     "plastic": Case(with_changes(ONE, materials__soft={**ELASTIC, **YIELDS}), (), material="j2"),
     "three dimensions": Case(box(shape__method="linear", bodies__solid__rotation="lumped"), ()),
-    "no contact": Case(_two("none"), ("none",)),
+    "no contact": Case(_two("none"), ("none", "watched")),
     "contact by velocity": Case(
-        _two("bardenhagen"), ("bardenhagen", "averaged normals", "local spin", "flutter")
+        _two("bardenhagen"), ("bardenhagen", "watched", "averaged normals", "local spin", "flutter")
     ),
     "contact by position": Case(
         _two("bardenhagen", contact__bardenhagen={"criterion": "position"}),
-        ("bardenhagen", "averaged normals", "distance of bodies", "local spin", "flutter"),
+        ("bardenhagen", "watched", "averaged normals", "distance of bodies", "local spin", "flutter"),
     ),
     "one body's normal": Case(
         _two("bardenhagen", contact__bardenhagen={"normal": "master"}),
-        ("bardenhagen", "local spin", "flutter"),
+        ("bardenhagen", "watched", "local spin", "flutter"),
     ),
     "flip": Case(with_changes(ONE, stepping={"transfer": "flip"}), ()),
     "pic": Case(with_changes(ONE, stepping={"transfer": "pic"}), ()),

@@ -110,7 +110,6 @@ HOOKS: dict[str, tuple[dict[str, Any], dict[str, list[str]]]] = {
         {
             "declare_fields": ["body_series"],
             "setup": ["soft", "shape", "body_series"],
-            "end_step": ["verdict"],
             "diagnostics": ["body_series", "verdict"],
             "concerns": ["verdict"],
         },
@@ -123,7 +122,7 @@ HOOKS: dict[str, tuple[dict[str, Any], dict[str, list[str]]]] = {
             "add_nodal_force": ["gravity"],
             "constrain_momentum": ["constraint"],
             "advect": ["constraint"],
-            "end_step": ["constraint", "verdict"],
+            "end_step": ["constraint"],
             "diagnostics": ["body_series", "verdict", "von_mises"],
             "concerns": ["verdict"],
         },

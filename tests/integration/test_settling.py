@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import mpmfw
-from mpmfw.effects import settling
 from mpmfw.effects.settling import stop_motion
 from mpmfw.runs.simulation import Simulation
 from mpmfw.state.clock import STEP_STAGES
@@ -157,7 +156,7 @@ def test_compilation_is_taken_out_of_settling_once(monkeypatch: pytest.MonkeyPat
         numba.njit(lambda matrix: np.sort(np.linalg.inv(matrix).ravel()).sum())(np.eye(3))
         stop_motion(state)
 
-    monkeypatch.setattr(settling, "stop_motion", compile_and_stop)
+    monkeypatch.setattr("mpmfw.runs.simulation.stop_motion", compile_and_stop)
     sim = Simulation(column(gravity={"vector": [0.0, -G]}, settle={"tolerance": 0.1}))
     sim.run()
     costs = sim.costs()

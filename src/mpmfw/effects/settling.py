@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,11 +17,9 @@ from mpmfw.errors import ResultsWarning
 from mpmfw.kernels import kernel
 from mpmfw.kernels.types import Floats
 from mpmfw.plugin.hookspecs import hookimpl
-from mpmfw.state.clock import STEP_STAGES, Clock
 from mpmfw.state.structs import Body, Grid, State
 
 if TYPE_CHECKING:
-    from mpmfw.runs.simulation import Simulation
     from mpmfw.scene import Scene
     from mpmfw.scene.tables import Settle
 
@@ -144,33 +141,28 @@ def stop_motion(state: State) -> None:
 
 
 class Settling:
-    """Brings a scene to rest under its loads, sides that move standing still; time zero comes after it.
+    """Steps a scene to rest under its loads, while sides that move stand still; time zero comes after it.
 
-    All that it knows between two steps is its own, so that it can be saved there with the simulation.
+    Its history holds all that it needs between two steps, so that it can be saved there with the simulation.
 
     Parameters
     ----------
-    simulation
-        Before its first step.
     asked
         The scene's table ``settle``.
+    state
+        Before the first step.
     """
 
     history = ("ratios", "residual", "elapsed", "damping")
 
-    def __init__(self, simulation: Simulation, asked: Settle) -> None:
-        self.limit = longest_settling(asked, simulation.state.bodies)
-        self.tolerance = asked.tolerance
-        _tell(simulation, asked)
-        self.transfer = simulation.transfer
-        simulation.transfer = replace(self.transfer, flip=min(self.transfer.flip, FLIP_SHARE))
-        simulation.clock.restart()
+    def __init__(self, asked: Settle, state: State) -> None:
+        self.limit, self.tolerance = longest_settling(asked, state.bodies), asked.tolerance
         self.damping = LocalDamping()
         self.residual, self.elapsed = 1.0, 0.0
         self.ratios = np.ones(STEPS_OF_MEAN)  #: of residual to internal forces, of the last steps
 
     def finish(
-        self, simulation: Simulation, after_step: Callable[[], None] | None = None
+        self, state: State, step: Callable[[], None], after_step: Callable[[], None] | None = None
     ) -> dict[str, float]:
         """Step until the residual force is below the tolerance times the present internal forces.
 
@@ -178,22 +170,26 @@ class Settling:
 
         Parameters
         ----------
-        simulation
-            The one that it began with.
+        state, step
+            The state, and a function that takes a time step with the damping.
         after_step
             Called after every step.
 
         Returns
         -------
-        ``settle_residual``, ``settle_steps``, ``settle_simulated_time`` [s], ``settle_time`` and
-        ``settle_cpu_<stage>`` [s] for the results' file. If the limit of time is reached first, a warning says so and
-        the residual tells how far it got.
+        ``settle_residual``, ``settle_steps`` and ``settle_simulated_time`` [s] for the results' file. If the limit of time
+        is reached first, a warning says so and the residual tells how far it got.
         """
-        with simulation.extra_plugin(self.damping):
-            while self.residual > self.tolerance and self.elapsed < self.limit:
-                self._step(simulation)
-                if after_step is not None:
-                    after_step()
+        while self.residual > self.tolerance and self.elapsed < self.limit:
+            state.time = 0.0  # loads that change in time stand still at their start
+            step()
+            self.elapsed += state.dt
+            force, internal = self.damping.impulse / state.dt, self.damping.internal
+            ratio = min(1.0, force / internal) if internal > 0.0 else float(force > 0.0)
+            self.ratios[state.steps % STEPS_OF_MEAN] = ratio
+            self.residual = float(self.ratios.mean())
+            if after_step is not None:
+                after_step()
         if self.residual > self.tolerance:
             warnings.warn(
                 f"settling stopped after {self.elapsed:.3g} s with a residual force of {self.residual:.2g} of the internal "
@@ -201,44 +197,8 @@ class Settling:
                 ResultsWarning,
                 stacklevel=3,
             )
-        steps = simulation.state.steps
-        self._begin_at_zero(simulation)
-        found = {
+        return {
             "settle_residual": self.residual,
-            "settle_steps": steps,
+            "settle_steps": state.steps,
             "settle_simulated_time": self.elapsed,
         }
-        return {**found, **_costs(simulation.clock)}
-
-    def _step(self, simulation: Simulation) -> None:
-        state = simulation.state
-        state.time = 0.0  # loads that change in time stand still at their start
-        simulation.step()
-        self.elapsed += state.dt
-        force, internal = self.damping.impulse / state.dt, self.damping.internal
-        ratio = min(1.0, force / internal) if internal > 0.0 else float(force > 0.0)
-        self.ratios[state.steps % STEPS_OF_MEAN] = ratio
-        self.residual = float(self.ratios.mean())
-
-    def _begin_at_zero(self, simulation: Simulation) -> None:
-        """Loads, sides and transfer as the scene has them, no motion, and nothing recorded."""
-        simulation.transfer = self.transfer
-        stop_motion(simulation.state)
-        simulation.clock.flush()
-        _tell(simulation, None)
-        if simulation.contact is not None:
-            simulation.contact.restart()
-        simulation.state.time, simulation.state.steps = 0.0, 0
-
-
-def _tell(simulation: Simulation, asked: Settle | None) -> None:
-    """Effects that are different while a scene settles are so until they are told None."""
-    for _, plugin in simulation.manager.list_name_plugin():
-        if hasattr(plugin, "while_settling"):
-            plugin.while_settling(asked)
-
-
-def _costs(clock: Clock) -> dict[str, float]:
-    """CPU time of settling as that of the steps counts it: without compilation, gap diagnostic and output."""
-    cpu = {stage: clock.cpu[stage] for stage in STEP_STAGES}
-    return {"settle_time": sum(cpu.values()), **{f"settle_cpu_{stage}": cpu[stage] for stage in STEP_STAGES}}

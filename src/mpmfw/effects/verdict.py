@@ -106,7 +106,7 @@ class Verdict:
         volumes = [volume[body.particles].sum() for body in state.bodies]
         self.nothing = NOTHING * float(np.dot(volumes, stiffness))
         self.start = kinetic_energy(p.mass, p.velocity) + float(self.strain.of(state).sum())
-        self.loaded = None
+        self.loaded = None if isinstance(self, VerdictOfSteps) else 0.0
         self.first_work = float(sum(plugin.work for plugin in self.working))
         self.gravity_work = self.most = self.released = 0.0
         self.moment, self.pull = p.mass @ p.position, self._gravity(state)
@@ -123,18 +123,6 @@ class Verdict:
     def _held(self, state: State) -> float:
         """Energy of the contact springs [J/m]."""
         return float(state.arrays[self.springs].sum()) if self.springs in state.arrays else 0.0
-
-    @hookimpl
-    def end_step(self, state: State) -> None:
-        """Look at the surfaces if bodies may have moved too far since the last look."""
-        if not self.running:
-            return
-        if self.loaded is None:  # the first forces are those of the first positions
-            self.loaded = self._held(state)
-        if self.gravity is not None and len(self.gravity.table.times) > 1:
-            self._add_gravity_work(state, 1.0)
-        if self.watched and state.time >= self.due:
-            self._judge_sides(state)
 
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
@@ -252,6 +240,22 @@ class Verdict:
         return found
 
 
+class VerdictOfSteps(Verdict):
+    """A verdict on surfaces that may meet, or on the work of gravity that changes: it looks at steps as well."""
+
+    @hookimpl
+    def end_step(self, state: State) -> None:
+        """Look at the surfaces if bodies may have moved too far since the last look."""
+        if not self.running:
+            return
+        if self.loaded is None:  # the first forces are those of the first positions
+            self.loaded = self._held(state)
+        if self.gravity is not None and len(self.gravity.table.times) > 1:
+            self._add_gravity_work(state, 1.0)
+        if self.watched and state.time >= self.due:
+            self._judge_sides(state)
+
+
 class Outlines:
     """The bodies' surfaces: those that are tracked, else nodes that follow the nearest material point, x_p + F_p (X_s − X_p)."""
 
@@ -321,4 +325,8 @@ def planned(made: Build, plan: Plan, strain: StrainEnergies) -> Verdict:
     working = [
         plugin for plugin in plan.plugins if hasattr(plugin, "ledger_term") and hasattr(plugin, "work")
     ]
-    return Verdict(made, strain, plan.plugin("gravity"), working)
+    gravity, contact = plan.plugin("gravity"), made.contact
+    touching = contact is not None and contact.keeps_apart and len(made.state.bodies) > 1
+    changing = gravity is not None and len(gravity.table.times) > 1
+    kind = VerdictOfSteps if touching or changing else Verdict
+    return kind(made, strain, gravity, working)

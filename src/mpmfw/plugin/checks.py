@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import traceback
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -86,7 +87,15 @@ def distribution_text(kind: type[Any]) -> str:
 
 def bundled(kind: type[Any]) -> bool:
     """Return whether the class belongs to mpmfw's own distribution."""
-    return kind.__module__.partition(".")[0] == "mpmfw" or distribution_text(kind) == "distribution mpmfw"
+    return _is_bundled(kind.__module__.partition(".")[0])
+
+
+@functools.cache
+def _is_bundled(package: str) -> bool:
+    entries = (
+        entry for each in KINDS for entry in available(each).values() if distribution_of(entry) == "mpmfw"
+    )
+    return package == "mpmfw" or any(entry.module.partition(".")[0] == package for entry in entries)
 
 
 def declared_fields(answers: Iterable[tuple[Any, Iterable[Field]]]) -> tuple[Field, ...]:
@@ -105,13 +114,14 @@ def declared_fields(answers: Iterable[tuple[Any, Iterable[Field]]]) -> tuple[Fie
     core = {(field.group, field.name) for field in (*PARTICLE_FIELDS, *SURFACE_FIELDS)}
     owners: dict[str, tuple[Any, Field]] = {}
     for plugin, answer in answers:
-        for field in answer:
-            with naming(plugin, "declare_fields"):
+        with naming(plugin, "declare_fields"):
+            for field in answer:
                 if field.group not in get_args(Group) or np.dtype(field.dtype).kind not in "fiub":
                     raise ValueError(
                         f"field '{field.name}' of group '{field.group}' and type {field.dtype!r}; expected one of "
                         f"{', '.join(get_args(Group))}, and a type of numbers"
                     )
+        for field in answer:
             first, known = owners.setdefault(field.name, (plugin, field))
             shared = first is plugin or (type(first) is type(plugin) and known == field)
             if not shared or known != field or (field.group, field.name) in core:

@@ -163,7 +163,9 @@ def _written_out(
     names: dict[str, Any] = {"clock": clock, "passed_on": (*PASSED_ON, OutsideGrid)}
     names["failed"] = lambda error, plugin: failure(error, plugin, name, state)
     names |= {f"observer_{k}": observer for k, observer in enumerate(observers)}
-    lines = _told("before", "None", name, given, observers)
+    told = functools.partial(_told, hook=name, given=given, observers=observers)
+    before, after = (told("before", "plugin"), told("after", "plugin")) if observers else ([], [])
+    lines = told("before", "None") if observers else []
     for index, impl in enumerate(calls):
         names[f"call_{index}"], names[f"plugin_{index}"] = impl.function, impl.plugin
         own = [f"result = call_{index}({', '.join(impl.argnames)})"]
@@ -178,13 +180,13 @@ def _written_out(
             ]
         lines += [
             f"plugin = plugin_{index}",
-            *_told("before", "plugin", name, given, observers),
+            *before,
             *own,
-            *_told("after", "plugin", name, given, observers),
+            *after,
             "if result is not None:",
             f"    {'return result' if first_result else 'results.append(result)'}",
         ]
-    lines += _told("after", "None", name, given, observers)
+    lines += told("after", "None") if observers else []
     if first_result:
         lines.append(
             f"raise TypeError('returned None; expected {caller.spec.function.__annotations__['return']}')"

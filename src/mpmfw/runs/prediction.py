@@ -13,7 +13,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from mpmfw.effects.settling import Settling, longest_settling
+from mpmfw.effects.settling import longest_settling
 from mpmfw.runs.compilation import CompileTimer
 from mpmfw.runs.limits import frames_of
 from mpmfw.state.clock import STEP_STAGES
@@ -125,8 +125,7 @@ def _start(simulation: Simulation, stack: ExitStack) -> Callable[[], None]:
     """Begin as a run does; return what takes its first step."""
     scene = simulation.scene
     if scene.settle is not None:
-        damping = Settling(simulation, scene.settle).damping
-        stack.enter_context(simulation.extra_plugin(damping))
+        stack.enter_context(simulation.extra_plugin(simulation.begin_settling().damping))
         return simulation.step
     simulation.start()
     due = min(scene.time.output_interval, scene.time.end)

@@ -7,10 +7,11 @@ import math
 import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from mpmfw.effects.remedies import remedies
-from mpmfw.effects.settling import Settling, concern, is_settled_for_good
+from mpmfw.effects.settling import FLIP_SHARE, Settling, concern, is_settled_for_good, stop_motion
 from mpmfw.errors import Diverged, PluginError, SceneError, SimulationError
 from mpmfw.plugin.checks import bundled, declared_fields
 from mpmfw.plugin.effect import Effect
@@ -37,6 +38,7 @@ from mpmfw.step.transfer import Transfer
 if TYPE_CHECKING:
     from mpmfw.runs.sleeping import Sleep
     from mpmfw.scene import Scene
+    from mpmfw.scene.tables import Settle
 
 #: One time step: state, hooks, transfer, clock, and what is asked for its length.
 Step = Callable[[State, Any, Transfer, Clock, Callable[[], float]], float]
@@ -99,7 +101,7 @@ class Simulation:
 
     def _assemble(self, made: Build, clock: Clock, threads: int) -> None:
         """Plan the effects, and set up all that acts."""
-        self.scene, self.clock = made.scene, clock
+        self.scene, self.clock, self._made = made.scene, clock, made
         plan = plan_effects(made, self.limits)
         self.state, self.contact, self.shape = made.state, made.contact, made.shape
         self.scheme, self.transfer = made.scheme, made.transfer
@@ -239,12 +241,43 @@ class Simulation:
         if self.started:
             return
         if self.scene.settle is not None:
-            self._settling = self._settling or Settling(self, self.scene.settle)
-            self._settled = self._settling.finish(self, after_step)
-            self._settling = None
+            settling = self.begin_settling()
+            with self.extra_plugin(settling.damping):
+                self._settled = settling.finish(self.state, self.step, after_step)
+            self._end_settling()
         initial_velocity(self.scene, self.state, lambda: interpolate(self.state, self.hook, self.clock))
         self.started = True
         self.clock.restart()
+
+    def begin_settling(self) -> Settling:
+        """Return the settling that the scene asks for; loads, sides and transfer are those of settling from now on."""
+        asked = self.scene.settle
+        assert asked is not None
+        if self._settling is None:
+            self._settling = Settling(asked, self.state)
+            self._tell_settling(asked)
+            self.transfer = replace(self.transfer, flip=min(self.transfer.flip, FLIP_SHARE))
+            self.clock.restart()
+        return self._settling
+
+    def _end_settling(self) -> None:
+        """Loads, sides and transfer as the scene has them, no motion, and nothing recorded."""
+        self._settling, self.transfer = None, self._made.transfer
+        stop_motion(self.state)
+        self.clock.flush()
+        self._tell_settling(None)
+        if self.contact is not None:
+            self.contact.restart()
+        self.state.time, self.state.steps = 0.0, 0
+        cpu = {stage: self.clock.cpu[stage] for stage in STEP_STAGES}
+        self._settled["settle_time"] = sum(cpu.values())
+        self._settled |= {f"settle_cpu_{stage}": seconds for stage, seconds in cpu.items()}
+
+    def _tell_settling(self, asked: Settle | None) -> None:
+        """Tell effects that are different while a scene settles when it begins, and with None when it ends."""
+        for _, plugin in self.manager.list_name_plugin():
+            if hasattr(plugin, "while_settling"):
+                plugin.while_settling(asked)
 
     def advance(self, steps: int, write: Callable[[Frame], None] | None = None) -> None:
         """Run a number of stable steps; hand a frame to ``write``, if there is one, at first and after every step."""
@@ -379,7 +412,7 @@ class Simulation:
         """
         state, saved = self.state, snapshot.arrays
         if "simulation/_settling" not in snapshot.values and self.scene.settle is not None:
-            self._settling = self._settling or Settling(self, self.scene.settle)
+            self.begin_settling()
         try:
             if state.near is not None and state.near.restore(state, saved["state/pair_bodies"]):
                 self.hook.add_pairs(state=state)
@@ -556,7 +589,11 @@ def chosen_methods(contact: Any, shape: Any) -> dict[str, str]:
 
 
 def _with_methods(scene: Any, contact: Any, shape: Any) -> Scene:
-    """The scene with methods chosen by name in place of its own."""
-    from mpmfw.scene import load_scene
+    """Return the scene with methods chosen by name instead of its own."""
+    from mpmfw.scene import Scene, load_scene
 
-    return load_scene(scene, set=chosen_methods(contact, shape))
+    chosen = chosen_methods(contact, shape)
+    if isinstance(scene, Scene):  # those that it has already need no second reading
+        own = {"shape.method": scene.shape.method, "contact.method": scene.contact and scene.contact.method}
+        chosen = {key: name for key, name in chosen.items() if own[key] != name}
+    return load_scene(scene, set=chosen)

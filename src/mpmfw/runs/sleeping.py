@@ -8,7 +8,7 @@ included, and goes on from there: nothing is lost when it wakes.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -25,9 +25,6 @@ from mpmfw.state.structs import Body, State
 from mpmfw.state.windows import lay_windows, set_windows, windows_round
 from mpmfw.step import SCHEMES
 from mpmfw.step.transfer import Transfer
-
-if TYPE_CHECKING:
-    from mpmfw.runs.simulation import Simulation
 
 #: Steps between two looks at who is at rest.
 LOOK_EVERY = 20
@@ -84,11 +81,11 @@ class Sleep:
         What it was made of.
     """
 
-    def __init__(self, whole: Simulation, made: Build) -> None:
+    def __init__(self, whole: Any, made: Build) -> None:
         asked = made.scene.sleep
         assert asked is not None
         self.whole, self.made = whole, made
-        self.part: Simulation | None = None  #: of the bodies awake; None if these are all or none
+        self.part: Any = None  #: simulation of the bodies awake; None if these are all or none
         self.scheme = SCHEMES[made.scheme]
         bodies = made.state.bodies
         waves = np.array([body.wave_speed for body in bodies])
@@ -117,7 +114,7 @@ class Sleep:
     # ---------------------------------------------------------------------------------------------------
 
     @property
-    def running(self) -> Simulation:
+    def running(self) -> Any:
         """The simulation that takes the steps."""
         return self.whole if self.part is None else self.part
 
@@ -135,10 +132,10 @@ class Sleep:
         running = self.running
         own = running.state
         own.time, own.steps, own.dt = state.time, state.steps, state.dt
-        own.dt = self.scheme(own, running.hook, transfer, clock, length)
+        dt = own.dt = self.scheme(own, running.hook, transfer, clock, length)
         if state.steps % LOOK_EVERY == 0:
-            self._look(state.time + own.dt)
-        return own.dt
+            self._look(state.time + dt)
+        return dt
 
     def _look(self, time: float) -> None:
         """Who has been at rest for long enough falls asleep, unless somebody near has not."""
@@ -359,7 +356,7 @@ def _force_of(load: Any, state: State, body: Body, time: float) -> tuple[AnyArra
     return traction, facets.area @ traction
 
 
-def _hand_over(giver: Simulation, taker: Simulation) -> None:
+def _hand_over(giver: Any, taker: Any) -> None:
     """Let one simulation know what the other does of the bodies that they share."""
     numbers = Numbers.between(giver.state, taker.state)
     take_over(taker.state, giver.state, numbers)
