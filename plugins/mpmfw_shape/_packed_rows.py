@@ -18,17 +18,19 @@ def empty_rows(points: int, dim: int) -> Stencil:
 
 
 def _with_room(points: int, entries: int, dim: int) -> Stencil:
-    return empty_stencil(1, entries, dim)._replace(row=empty_stencil(points, 0, dim).row)
+    room = empty_stencil(1, entries, dim)
+    room.row = empty_stencil(points, 0, dim).row
+    return room
 
 
 def fill_rows(
     fill: Callable[..., int], room: Stencil, particles: Particles, where: tuple[Any, ...], spacing: tuple[float, ...]
-) -> tuple[Stencil, Stencil]:  # fmt: skip
+) -> Stencil:  # fmt: skip
     """Fill ``room`` by ``fill(first, *where, 0, *room, spacing)``, from entry 0 on, or a longer one if it is too short.
 
     Returns
     -------
-    The room, to be used again, and the part of it that is filled.
+    The table, to be used again.
 
     Raises
     ------
@@ -38,13 +40,11 @@ def fill_rows(
     threads, first = particles.threads, particles.first
     while True:
         if threads is None:
-            code = fill(first, *where, 0, *room, spacing)
+            code = fill(first, *where, 0, *room.room, spacing)
         else:
-            code = threads.fill_rows(lambda own, *table: fill(own, *where, *table, spacing), first, room)
+            code = threads.fill_rows(lambda own, *table: fill(own, *where, *table, spacing), first, room.room)
         if code != FULL:
             break
-        room = _with_room(len(room.row) - 1, 3 * len(room.nodes) // 2, len(spacing))
+        room = _with_room(len(room.row) - 1, 3 * len(room.room[1]) // 2, len(spacing))
     check_inside(code)
-    row, nodes, weight, gradient = room
-    used = row[-1]
-    return room, Stencil(row, nodes[:used], weight[:used], gradient[:used])
+    return room.show(room.row[-1])

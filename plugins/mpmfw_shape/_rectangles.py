@@ -124,11 +124,10 @@ class Rectangles:
 
         ``grid_nodes`` is the number of nodes of the grid, those of all fields counted.
         """
-        row, nodes, weight, _ = self.table
+        row, nodes, weight, _ = self.table.room
         if len(self.place) < grid_nodes:
             self.place = np.zeros(grid_nodes, dtype=np.int32)
         mean_rows(
             self.index, self.corners, plain.row, plain.nodes, plain.weight, self.place, row, nodes, weight
         )
-        used = row[-1]
-        return self.table._replace(nodes=nodes[:used], weight=weight[:used])
+        return self.table.show(row[-1])

@@ -142,7 +142,7 @@ class Cpdi(LinearSurface):
     @hookimpl
     def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
         """φ_ip and ∇φ_ip of the deformed domains."""
-        self.room, table = fill_rows(
+        self.room = fill_rows(
             fill_cpdi,
             self.room,
             particles,
@@ -157,7 +157,7 @@ class Cpdi(LinearSurface):
             ),
             grid.spacing,
         )
-        return table
+        return self.room
 
     @hookimpl
     def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:

@@ -212,7 +212,7 @@ class Cpdi2(LinearSurface):
     @hookimpl
     def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
         """S_ip and ∇S_ip of the quadrilaterals."""
-        self.room, table = fill_rows(
+        self.room = fill_rows(
             fill_cpdi2,
             self.room,
             particles,
@@ -225,7 +225,7 @@ class Cpdi2(LinearSurface):
             ),
             grid.spacing,
         )
-        return table
+        return self.room
 
     @hookimpl
     def update_particle_domains(self, particles: Particles, grid: Grid, dt: float) -> None:

@@ -192,5 +192,5 @@ class Gimp(LinearSurface):
             grid.window_shape,
             grid.offset,
         )
-        self.room, table = fill_rows(fill_gimp, self.room, particles, where, grid.spacing)
-        return table
+        self.room = fill_rows(fill_gimp, self.room, particles, where, grid.spacing)
+        return self.room

@@ -32,15 +32,7 @@ class OneBody:
         dt = self.safety * self.limit
         self.interpolate()
         self.project()
-        projection.add_internal_force(
-            self.phi.row,
-            self.phi.nodes,
-            self.phi.gradient,
-            self.p.volume,
-            self.p.stress,
-            self.g.force,
-            self.g.spacing,
-        )
+        projection.add_internal_force(self.p, None, self.phi, self.g, self.g.spacing)
         self.move(dt)
 
     def interpolate(self) -> None:
@@ -48,7 +40,7 @@ class OneBody:
         p, g, phi = self.p, self.g, self.phi
         outside = fill_cpdi(
             p.first, p.position, p.deformation_gradient, self.half_edges, g.lower, g.window_lower, g.window_shape,
-            g.offset, 0, phi.row, phi.nodes, phi.weight, phi.gradient, g.spacing,
+            g.offset, 0, *phi.room, g.spacing,
         )  # fmt: skip
         assert outside < 0
 
@@ -58,10 +50,7 @@ class OneBody:
         g.mass.fill(0.0)
         g.momentum.fill(0.0)
         g.force.fill(0.0)
-        projection.project_mass_momentum(
-            phi.row, phi.nodes, phi.weight, p.mass, p.velocity, p.position, p.affine, g.position, g.mass, g.momentum,
-            g.spacing,
-        )  # fmt: skip
+        projection.project_mass_momentum(p, p.affine, phi, g, g.spacing)
         nodal.velocity_of_momentum(g.mass, g.momentum, g.start_velocity, g.spacing)
 
     def move(self, dt: float) -> None:
@@ -69,15 +58,10 @@ class OneBody:
         p, g, phi = self.p, self.g, self.phi
         nodal.integrate_momentum(g.mass, g.momentum, g.force, dt, g.spacing)
         nodal.velocity_of_momentum(g.mass, g.momentum, g.velocity, g.spacing)
-        gather.gather(
-            phi.row, phi.nodes, phi.weight, phi.gradient, g.position, g.velocity, g.start_velocity, p.velocity,
-            p.position, p.velocity_gradient, p.affine, True, 1.0, dt, g.spacing,
-        )  # fmt: skip
-        gather.transport_affine(p.affine, dt, g.spacing)
+        gather.gather(p, p.affine, phi, g, True, 1.0, dt, g.spacing)
+        gather.transport_affine(p, p.affine, dt, g.spacing)
         self.advect(dt)
-        inverted = gather.update_deformation(
-            p.velocity_gradient, p.deformation_gradient, p.initial_volume, p.volume, dt, g.spacing
-        )
+        inverted = gather.update_deformation(p, dt, g.spacing)
         assert inverted < 0
         neo_hookean_split(0, p.count, p.deformation_gradient, p.stress, self.bulk, self.shear, g.spacing)
 
@@ -117,15 +101,7 @@ class TwoApart(OneBody):
         self.contact.detect(self.g, self.phi, self.p)
         limits = [self.contact.stable_timestep(), self.travel.stable_timestep(self.state)]
         dt = self.safety * min([self.limit, *(limit[0] for limit in limits if limit is not None)])
-        projection.add_internal_force(
-            self.phi.row,
-            self.phi.nodes,
-            self.phi.gradient,
-            self.p.volume,
-            self.p.stress,
-            self.g.force,
-            self.g.spacing,
-        )
+        projection.add_internal_force(self.p, None, self.phi, self.g, self.g.spacing)
         self.state.dt = dt
         self.contact.add_nodal_force(self.g, dt)
         self.move(dt)

@@ -25,12 +25,12 @@ from typer.testing import CliRunner
 import mpmfw
 from mpmfw.cli import app
 from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, SimulationError
+from mpmfw.kernels import integrate_momentum
 from mpmfw.results.reading import read
 from mpmfw.runs.restart import seconds_between
 from mpmfw.runs.resuming import resume
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from mpmfw.step.operations import integrate_momentum
 from mpmfw_contact.penalty import Penalty
 from mpmfw_shape.cpdi import Cpdi
 from scenes_for_tests import two_blocks, with_changes
@@ -85,13 +85,13 @@ def stopped(scene: Any, path: Path, after: int, *numbers: int, **arguments: Any)
     """What a run raises that gets signals in the middle of a step."""
     steps = 0
 
-    def counted(grid: Any, dt: float) -> None:
+    def counted(*arguments: Any) -> None:
         nonlocal steps
         steps += 1
         if steps == after:
             for number in numbers or (signal.SIGTERM,):
                 os.kill(os.getpid(), number)
-        integrate_momentum(grid, dt)
+        integrate_momentum(*arguments)
 
     with pytest.MonkeyPatch.context() as patch:
         for scheme in ("usl", "musl", "usf"):
@@ -268,11 +268,11 @@ def test_a_run_may_be_taken_up_many_times(tmp_path):
     stopped(BLOCKS, path, 3)
     with pytest.MonkeyPatch.context() as patch:
 
-        def counted(grid: Any, dt: float) -> None:
-            times.append(dt)
+        def counted(*arguments: Any) -> None:
+            times.append(arguments[3])
             if len(times) % 4 == 0:
                 os.kill(os.getpid(), signal.SIGTERM)
-            integrate_momentum(grid, dt)
+            integrate_momentum(*arguments)
 
         patch.setattr("mpmfw.step.usl.integrate_momentum", counted)
         for _ in range(100):

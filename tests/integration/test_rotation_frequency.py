@@ -12,7 +12,7 @@ from interpreted import interpreted
 from mpmfw.effects.local_spin import correct_spin, find_excess
 from mpmfw.runs.simulation import Simulation
 from mpmfw.state.fields import FloatArray
-from mpmfw.step.operations import project_mass_momentum
+from mpmfw.step.operations import project
 from scenes_for_tests import BULK, SHEAR, one_body, with_changes
 
 LAME = BULK - 2.0 * SHEAR / 3.0
@@ -43,8 +43,7 @@ def linearised(scene: dict[str, Any]) -> Linear:
     sim.start()
     p, g = sim.state.particles, sim.state.grid
     phi = sim.hook.interpolate(particles=p, grid=g)
-    g.reset()
-    project_mass_momentum(p, phi, g)
+    project(p, phi, g)
     n, dim = len(g.mass), g.dim
     gradient = np.zeros((p.count, n, dim))
     np.add.at(gradient, (np.repeat(np.arange(p.count), np.diff(phi.row)), phi.nodes), phi.gradient)

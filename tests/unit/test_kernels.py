@@ -9,7 +9,7 @@ import numpy_twins as twin
 import pytest
 
 from mpmfw.api import Stencil
-from mpmfw.kernels import gather, kernel, nodal, projection, rows, scratch
+from mpmfw.kernels import gather, kernel, nodal, projection, rows, scratch, struct
 from mpmfw.kernels.small_matrix import determinant, invert
 
 N_POINTS, N_NODES = 23, 41
@@ -35,146 +35,133 @@ def problem(request):
         rng.normal(size=(row[-1], dim)),
     )
     tensor = (N_POINTS, dim, dim)
-    return SimpleNamespace(
-        dim=dim,
-        spacing=(0.5,) * dim,
-        table=table,
+    points = struct(
         mass=rng.random(N_POINTS) + 0.5,
         volume=rng.random(N_POINTS) + 0.5,
+        initial_volume=rng.random(N_POINTS) + 0.5,
         velocity=rng.normal(size=(N_POINTS, dim)),
         position=rng.normal(size=(N_POINTS, dim)),
-        affine=rng.normal(size=tensor),
         stress=rng.normal(size=tensor),
-        deformation=np.eye(dim) + 0.2 * rng.normal(size=tensor),
-        node_position=rng.normal(size=(N_NODES, dim)),
-        node_velocity=rng.normal(size=(N_NODES, dim)),
+        velocity_gradient=rng.normal(size=tensor),
+        deformation_gradient=np.eye(dim) + 0.2 * rng.normal(size=tensor),
+    )
+    grid = struct(
+        position=rng.normal(size=(N_NODES, dim)),
+        velocity=rng.normal(size=(N_NODES, dim)),
         start_velocity=rng.normal(size=(N_NODES, dim)),
-        node_mass=np.where(rng.random(N_NODES) < 0.2, 0.0, rng.random(N_NODES)),
+        mass=np.where(rng.random(N_NODES) < 0.2, 0.0, rng.random(N_NODES)),
+        momentum=np.ones((N_NODES, dim)),
+        force=np.ones((N_NODES, dim)),
+    )
+    affine = rng.normal(size=tensor)
+    return SimpleNamespace(
+        dim=dim, spacing=(0.5,) * dim, table=table, points=points, grid=grid, affine=affine
     )
 
 
 @pytest.mark.parametrize("with_affine", [False, True])
 def test_projection_adds_mass_and_momentum(problem, with_affine):
-    x, t = problem, problem.table
+    x, t, p, g = problem, problem.table, problem.points, problem.grid
     affine = x.affine if with_affine else None
-    mass, momentum, again = np.ones(N_NODES), np.ones((N_NODES, x.dim)), np.ones((N_NODES, x.dim))
-    points = (x.mass, x.velocity, x.position, affine, x.node_position)
-    projection.project_mass_momentum(t.row, t.nodes, t.weight, *points, mass, momentum, x.spacing)
-    projection.project_momentum(t.row, t.nodes, t.weight, *points, again, x.spacing)
-    close(mass, 1.0 + twin.scatter(t, t.weight * x.mass[twin.owner(t)], N_NODES))
-    close(momentum, 1.0 + twin.projected_momentum(t, *points))
-    close(again, momentum)
+    g.mass = np.ones(N_NODES)
+    projection.project_mass_momentum(p, affine, t, g, x.spacing)
+    momentum, g.momentum = g.momentum, np.ones_like(g.momentum)
+    projection.project_momentum(p, p.position, affine, t, g, x.spacing)
+    close(g.mass, 1.0 + twin.scatter(t, t.weight * p.mass[twin.owner(t)], N_NODES))
+    close(momentum, 1.0 + twin.projected_momentum(t, p.mass, p.velocity, p.position, affine, g.position))
+    close(g.momentum, momentum)
 
 
-def test_internal_force(problem):
-    x, t = problem, problem.table
-    force = np.ones((N_NODES, x.dim))
-    projection.add_internal_force(t.row, t.nodes, t.gradient, x.volume, x.stress, force, x.spacing)
-    close(force, 1.0 + twin.internal_force(t, x.volume, x.stress, N_NODES))
+@pytest.mark.parametrize("thick", [False, True])
+def test_internal_force(problem, thick):
+    p, t, g = problem.points, problem.table, problem.grid
+    thickness = np.linspace(1.0, 2.0, N_POINTS) if thick else None
+    projection.add_internal_force(p, thickness, t, g, problem.spacing)
+    volume = p.volume * thickness if thick else p.volume
+    close(g.force, 1.0 + twin.internal_force(t, volume, p.stress, N_NODES))
 
 
 def test_affine_from_moment(problem):
-    x, t = problem, problem.table
+    x, t, p, g = problem, problem.table, problem.points, problem.grid
     affine = np.zeros_like(x.affine)
-    projection.affine_from_moment(
-        t.row, t.nodes, t.weight, x.position, x.stress, x.node_position, affine, x.spacing
-    )
+    projection.affine_from_moment(p, p.position, p.stress, affine, t, g, x.spacing)
     tiny = 1e-10 * x.spacing[0] ** 2 * np.eye(x.dim)
-    spread = twin.spread(t, x.position, x.node_position) + tiny
+    spread = twin.spread(t, p.position, g.position) + tiny
     filled = np.diff(t.row) > 0
-    close(affine[filled], (x.stress @ np.linalg.inv(spread))[filled])
+    close(affine[filled], (p.stress @ np.linalg.inv(spread))[filled])
 
 
 @pytest.mark.parametrize("flip", [1.0, 0.0, 0.7])
 @pytest.mark.parametrize("affine", ["none", "moment", "least_squares"])
 def test_gather(problem, flip, affine):
-    x, t, dt = problem, problem.table, 0.01
-    velocity, position = x.velocity.copy(), x.position.copy()
-    gradient, field = np.zeros_like(x.affine), np.zeros_like(x.affine)
-    gather.gather(
-        t.row,
-        t.nodes,
-        t.weight,
-        t.gradient,
-        x.node_position,
-        x.node_velocity,
-        x.start_velocity,
-        velocity,
-        position,
-        gradient,
-        None if affine == "none" else field,
-        affine == "least_squares",
-        flip,
-        dt,
-        x.spacing,
-    )
-    new = twin.collect(t, t.weight[:, None] * x.node_velocity[t.nodes])
-    start = twin.collect(t, t.weight[:, None] * x.start_velocity[t.nodes])
-    close(velocity, flip * (x.velocity + new - start) + (1.0 - flip) * new)
-    close(position, x.position + dt * new)
-    close(gradient, twin.velocity_gradient(t, x.node_velocity))
-    moment = twin.moment(t, x.position, x.node_position, x.node_velocity)
+    x, t, dt, p, g = problem, problem.table, 0.01, problem.points, problem.grid
+    velocity, position, field = p.velocity.copy(), p.position.copy(), np.zeros_like(x.affine)
+    filled_in = None if affine == "none" else field
+    gather.gather(p, filled_in, t, g, affine == "least_squares", flip, dt, x.spacing)
+    new = twin.collect(t, t.weight[:, None] * g.velocity[t.nodes])
+    start = twin.collect(t, t.weight[:, None] * g.start_velocity[t.nodes])
+    close(p.velocity, flip * (velocity + new - start) + (1.0 - flip) * new)
+    close(p.position, position + dt * new)
+    close(p.velocity_gradient, twin.velocity_gradient(t, g.velocity))
+    moment = twin.moment(t, position, g.position, g.velocity)
     filled = np.diff(t.row) > 0
     if affine == "least_squares":
-        spread = twin.spread(t, x.position, x.node_position)
+        spread = twin.spread(t, position, g.position)
         close(field[filled], moment[filled] @ np.linalg.inv(spread[filled]))
     else:
         close(field, moment if affine == "moment" else 0.0 * moment)
 
 
 def test_velocity_gradient_alone(problem):
-    x, t = problem, problem.table
-    gradient = np.ones_like(x.affine)
-    gather.gather_velocity_gradient(t.row, t.nodes, t.gradient, x.node_velocity, gradient, x.spacing)
-    close(gradient, twin.velocity_gradient(t, x.node_velocity))
+    t, p, g = problem.table, problem.points, problem.grid
+    gather.gather_velocity_gradient(p, t, g, problem.spacing)
+    close(p.velocity_gradient, twin.velocity_gradient(t, g.velocity))
 
 
 def test_transport_of_the_affine_field(problem):
     x, dt = problem, 0.01
     affine = x.affine.copy()
-    gather.transport_affine(affine, dt, x.spacing)
+    gather.transport_affine(x.points, affine, dt, x.spacing)
     close(affine, x.affine @ np.linalg.inv(np.eye(x.dim) + dt * x.affine))
 
 
 def test_deformation_and_volume(problem):
-    x, dt = problem, 0.01
-    deformation, volume = x.deformation.copy(), np.zeros(N_POINTS)
-    bad = gather.update_deformation(x.affine, deformation, x.volume, volume, dt, x.spacing)
-    expected = (np.eye(x.dim) + dt * x.affine) @ x.deformation
-    close(deformation, expected)
-    close(volume, np.linalg.det(expected) * x.volume)
+    p, dt = problem.points, 0.01
+    expected = (np.eye(problem.dim) + dt * p.velocity_gradient) @ p.deformation_gradient
+    bad = gather.update_deformation(p, dt, problem.spacing)
+    close(p.deformation_gradient, expected)
+    close(p.volume, np.linalg.det(expected) * p.initial_volume)
     assert bad == -1
 
 
 @pytest.mark.parametrize("value", [np.nan, -1.0])
 def test_first_inverted_point_is_reported(problem, value):
-    deformation = np.tile(np.eye(problem.dim), (N_POINTS, 1, 1))
-    deformation[[7, 11], 0, 0] = value
-    rate = np.zeros_like(deformation)
-    volume = np.zeros(N_POINTS)
-    assert gather.update_deformation(rate, deformation, problem.volume, volume, 1.0, problem.spacing) == 7
+    p = problem.points
+    p.deformation_gradient[:] = np.eye(problem.dim)
+    p.deformation_gradient[[7, 11], 0, 0] = value
+    p.velocity_gradient[:] = 0.0
+    assert gather.update_deformation(p, 1.0, problem.spacing) == 7
 
 
 def test_nodal_kernels(problem):
-    x, dt = problem, 0.3
-    momentum, velocity = x.node_velocity.copy(), np.ones((N_NODES, x.dim))
-    has_mass = x.node_mass[:, None] > 0.0
-    nodal.integrate_momentum(x.node_mass, momentum, x.start_velocity, dt, x.spacing)
-    close(momentum, x.node_velocity + np.where(has_mass, dt * x.start_velocity, 0.0))
-    nodal.velocity_of_momentum(x.node_mass, momentum, velocity, x.spacing)
-    close(velocity, np.where(has_mass, momentum / np.where(has_mass, x.node_mass[:, None], 1.0), 0.0))
-    force = x.start_velocity.copy()
-    nodal.add_body_force(x.node_mass, np.arange(1.0, x.dim + 1.0), force, x.spacing)
-    close(force, x.start_velocity + x.node_mass[:, None] * np.arange(1.0, x.dim + 1.0))
+    x, g, dt = problem, problem.grid, 0.3
+    momentum, velocity = g.velocity.copy(), np.ones((N_NODES, x.dim))
+    has_mass = g.mass[:, None] > 0.0
+    nodal.integrate_momentum(g.mass, momentum, g.start_velocity, dt, x.spacing)
+    close(momentum, g.velocity + np.where(has_mass, dt * g.start_velocity, 0.0))
+    nodal.velocity_of_momentum(g.mass, momentum, velocity, x.spacing)
+    close(velocity, np.where(has_mass, momentum / np.where(has_mass, g.mass[:, None], 1.0), 0.0))
+    force = g.start_velocity.copy()
+    nodal.add_body_force(g.mass, np.arange(1.0, x.dim + 1.0), force, x.spacing)
+    close(force, g.start_velocity + g.mass[:, None] * np.arange(1.0, x.dim + 1.0))
 
 
 def test_results_are_bitwise_repeatable(problem):
-    x, t = problem, problem.table
     runs = []
     for _ in range(2):
-        force = np.zeros((N_NODES, x.dim))
-        projection.add_internal_force(t.row, t.nodes, t.gradient, x.volume, x.stress, force, x.spacing)
-        runs.append(force.tobytes())
+        problem.grid.force[:] = 0.0
+        projection.add_internal_force(problem.points, None, problem.table, problem.grid, problem.spacing)
+        runs.append(problem.grid.force.tobytes())
     assert runs[0] == runs[1]
 
 
@@ -186,10 +173,11 @@ def _determinant_and_inverse(matrices, inverses, determinants, spacing):
 
 
 def test_small_matrices(problem):
-    inverses, determinants = np.zeros_like(problem.deformation), np.zeros(N_POINTS)
-    _determinant_and_inverse(problem.deformation, inverses, determinants, problem.spacing)
-    close(determinants, np.linalg.det(problem.deformation))
-    close(inverses, np.linalg.inv(problem.deformation))
+    matrices = problem.points.deformation_gradient
+    inverses, determinants = np.zeros_like(matrices), np.zeros(N_POINTS)
+    _determinant_and_inverse(matrices, inverses, determinants, problem.spacing)
+    close(determinants, np.linalg.det(matrices))
+    close(inverses, np.linalg.inv(matrices))
 
 
 def test_singular_matrix_gives_no_exception(problem):

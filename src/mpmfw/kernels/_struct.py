@@ -43,7 +43,8 @@ _struct_types: dict[tuple[Any, ...], StructType] = {}
 class Struct:
     """Base of classes whose annotated attributes are arrays that kernels take in one argument.
 
-    A subclass annotates them. Arrays are read and written in place; :meth:`set` replaces some.
+    A subclass annotates them, or names those that kernels see in ``member_names`` and is made in its own way. Arrays are
+    read and written in place; :meth:`set` replaces some.
 
     Parameters
     ----------
@@ -54,11 +55,13 @@ class Struct:
     #: Names of the annotated attributes, in their order.
     member_names: ClassVar[tuple[str, ...]] = ()
     _numba_type_: StructType
-    _arrays: tuple[Any, ...]
+    kernel_arrays: tuple[Any, ...]  #: in the order of ``member_names``
     __signature__: ClassVar[inspect.Signature]
 
     def __init_subclass__(cls, **keywords: Any) -> None:
         super().__init_subclass__(**keywords)
+        if "member_names" in vars(cls):
+            return
         if not cls.member_names:  # classes farther down add what Python alone sees
             cls.member_names = tuple(inspect.get_annotations(cls))
         cls.__signature__ = _signature_of(cls)
@@ -69,25 +72,25 @@ class Struct:
     def set(self, **members: Any) -> Self:
         """Put other arrays in the place of some; the object. ``members`` are the arrays by name."""
         self.__dict__.update(members)
-        self._arrays = tuple(getattr(self, name) for name in self.member_names)
-        self._numba_type_ = _struct_type(self.member_names, self._arrays)
-        numbers = [
-            number for array in self._arrays for number in (array.ctypes.data, *array.shape, *array.strides)
-        ]
-        self._numbers = np.array(numbers, dtype=np.int64)
-        self._address = self._numbers.ctypes.data
+        arrays = tuple(getattr(self, name) for name in self.member_names)
+        sizes = [number for array in arrays for number in (array.ctypes.data, *array.shape, *array.strides)]
+        numbers = np.array(sizes, dtype=np.int64)
+        kind = _struct_type(self.member_names, arrays)
+        self.__dict__.update(
+            kernel_arrays=arrays, _numba_type_=kind, _numbers=numbers, _address=numbers.ctypes.data
+        )
         return self
 
     def __setattr__(self, name: str, value: Any) -> None:
         """As any attribute; compiled code sees a member's new array. One that was changed in place, by ``+=``, is not new."""
         new = name in self.member_names and value is not self.__dict__.get(name)
         super().__setattr__(name, value)
-        if new:
+        if new and hasattr(self, "kernel_arrays"):  # not while the object is being made
             self.set()
 
     def __getstate__(self) -> dict[str, Any]:
         """Without the addresses, which mean nothing in a copy."""
-        own = ("_arrays", "_numba_type_", "_numbers", "_address")
+        own = ("kernel_arrays", "_numba_type_", "_numbers", "_address")
         return {name: value for name, value in self.__dict__.items() if name not in own}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -101,7 +104,7 @@ class Struct:
 
     def members(self) -> dict[str, Any]:
         """What kernels see, by name."""
-        return dict(zip(self.member_names, self._arrays, strict=True))
+        return dict(zip(self.member_names, self.kernel_arrays, strict=True))
 
 
 def _struct_type(names: tuple[str, ...], arrays: tuple[Any, ...]) -> StructType:

@@ -10,27 +10,14 @@ from mpmfw.kernels._jit import device, kernel
 from mpmfw.kernels.rows import add_scaled_row, set_scaled_row
 from mpmfw.kernels.small_matrix import determinant, invert
 from mpmfw.kernels.table import entries
-from mpmfw.kernels.types import Floats, Indices, Ints
+from mpmfw.kernels.types import Floats, Nodes, Points, Table
 
 
 @kernel
 def gather(
-    row: Ints,
-    nodes: Indices,
-    weight: Floats,
-    gradient: Floats,
-    node_position: Floats,
-    node_velocity: Floats,
-    node_start_velocity: Floats,
-    velocity: Floats,
-    position: Floats,
-    velocity_gradient: Floats,
-    affine: Floats | None,
-    least_squares: bool,
-    flip: float,
-    dt: float,
+    points: Points, affine: Floats | None, table: Table, grid: Nodes, least_squares: bool, flip: float, dt: float,
     spacing: tuple[float, ...],
-) -> None:
+) -> None:  # fmt: skip
     """Velocity, position, velocity gradient and affine field of every material point, in one pass over the
     table.
 
@@ -39,8 +26,7 @@ def gather(
     reach v_p. With q = x_i − x_p at the old position, B_p = Σ φ v_i qᵀ and D_p = Σ φ q qᵀ, the affine field
     becomes B_p D_p⁻¹ if ``least_squares``, else B_p; it is left out where ``affine`` is None.
 
-    ``flip`` is a number from 0 (PIC) to 1 (FLIP). Written are ``velocity``, ``position``, ``velocity_gradient`` and
-    ``affine``; ``node_start_velocity`` is read even where ``flip`` is 0.
+    ``flip`` is a number from 0 (PIC) to 1 (FLIP); the grid's ``start_velocity`` is read even where it is 0.
     """
     dim = len(spacing)
     x = scratch.vector(spacing)
@@ -51,35 +37,35 @@ def gather(
     l = scratch.matrix(spacing, spacing)
     moment = scratch.matrix(spacing, spacing)
     spread = scratch.matrix(spacing, spacing)
-    for p in range(len(position)):
+    for p in range(len(points.mass)):
         for d in range(dim):
-            x[d] = position[p, d]
+            x[d] = points.position[p, d]
             new[0, d] = 0.0
             start[0, d] = 0.0
             for e in range(dim):
                 l[d, e] = 0.0
                 moment[d, e] = 0.0
                 spread[d, e] = 0.0
-        for k in entries(row, p):
-            i = nodes[k]
-            phi = weight[k]
-            set_scaled_row(v, 0, 1.0, node_velocity, i, spacing)
+        for k in entries(table.row, p):
+            i = table.nodes[k]
+            phi = table.weight[k]
+            set_scaled_row(v, 0, 1.0, grid.velocity, i, spacing)
             add_scaled_row(new, 0, phi, v, 0, spacing)
-            add_scaled_row(start, 0, phi, node_start_velocity, i, spacing)
+            add_scaled_row(start, 0, phi, grid.start_velocity, i, spacing)
             for d in range(dim):
-                add_scaled_row(l, d, v[0, d], gradient, k, spacing)
+                add_scaled_row(l, d, v[0, d], table.gradient, k, spacing)
             if affine is not None:
                 for d in range(dim):
-                    q[0, d] = node_position[i, d] - x[d]
+                    q[0, d] = grid.position[i, d] - x[d]
                 for d in range(dim):
                     add_scaled_row(moment, d, phi * v[0, d], q, 0, spacing)
                     add_scaled_row(spread, d, phi * q[0, d], q, 0, spacing)
         for d in range(dim):
             increment = new[0, d] - start[0, d]
-            velocity[p, d] = flip * (velocity[p, d] + increment) + (1.0 - flip) * new[0, d]
-            position[p, d] = x[d] + dt * new[0, d]
+            points.velocity[p, d] = flip * (points.velocity[p, d] + increment) + (1.0 - flip) * new[0, d]
+            points.position[p, d] = x[d] + dt * new[0, d]
             for e in range(dim):
-                velocity_gradient[p, d, e] = l[d, e]
+                points.velocity_gradient[p, d, e] = l[d, e]
         if affine is not None:
             _store_affine(moment, spread, least_squares, affine, p, spacing)
 
@@ -104,29 +90,21 @@ def _store_affine(
 
 
 @kernel
-def gather_velocity_gradient(
-    row: Ints,
-    nodes: Indices,
-    gradient: Floats,
-    node_velocity: Floats,
-    velocity_gradient: Floats,
-    spacing: tuple[float, ...],
-) -> None:
-    """L_p = Σ_i v_i ∇φ_ipᵀ [1/s] alone, written to ``velocity_gradient``; ``node_velocity`` [m/s] is that which MUSL
-    and USF take the strain from."""
+def gather_velocity_gradient(points: Points, table: Table, grid: Nodes, spacing: tuple[float, ...]) -> None:
+    """L_p = Σ_i v_i ∇φ_ipᵀ [1/s] alone, of the grid's ``velocity``: that which MUSL and USF take the strain from."""
     dim = len(spacing)
     l = scratch.matrix(spacing, spacing)
-    for p in range(len(velocity_gradient)):
+    for p in range(len(points.mass)):
         for d in range(dim):
             for e in range(dim):
                 l[d, e] = 0.0
-        for k in entries(row, p):
-            i = nodes[k]
+        for k in entries(table.row, p):
+            i = table.nodes[k]
             for d in range(dim):
-                add_scaled_row(l, d, node_velocity[i, d], gradient, k, spacing)
+                add_scaled_row(l, d, grid.velocity[i, d], table.gradient, k, spacing)
         for d in range(dim):
             for e in range(dim):
-                velocity_gradient[p, d, e] = l[d, e]
+                points.velocity_gradient[p, d, e] = l[d, e]
 
 
 @device
@@ -139,7 +117,7 @@ def _add_identity_scaled(a: Floats, factor: float, out: Floats, spacing: tuple[f
 
 
 @kernel
-def transport_affine(affine: Floats, dt: float, spacing: tuple[float, ...]) -> None:
+def transport_affine(points: Points, affine: Floats, dt: float, spacing: tuple[float, ...]) -> None:
     """C ← C (1 + Δt C)⁻¹ of every point: the gradient of the same material velocity field after the points moved.
 
     A field v(x) = C x carried along x ← (1 + Δt C) x has, at the new positions, the gradient C (1 + Δt C)⁻¹. Without it a
@@ -149,7 +127,7 @@ def transport_affine(affine: Floats, dt: float, spacing: tuple[float, ...]) -> N
     c = scratch.matrix(spacing, spacing)
     motion = scratch.matrix(spacing, spacing)
     inverse = scratch.matrix(spacing, spacing)
-    for p in range(len(affine)):
+    for p in range(len(points.mass)):
         for d in range(dim):
             for e in range(dim):
                 c[d, e] = affine[p, d, e]
@@ -164,29 +142,20 @@ def transport_affine(affine: Floats, dt: float, spacing: tuple[float, ...]) -> N
 
 
 @kernel
-def update_deformation(
-    velocity_gradient: Floats,
-    deformation_gradient: Floats,
-    initial_volume: Floats,
-    volume: Floats,
-    dt: float,
-    spacing: tuple[float, ...],
-) -> int:
+def update_deformation(points: Points, dt: float, spacing: tuple[float, ...]) -> int:
     """F ← (1 + Δt L) F and V = det(F) V⁰; return the first point whose det F is not positive (NaN included),
     or −1.
-
-    L is ``velocity_gradient`` [1/s]; ``deformation_gradient`` and ``volume`` [m^dim] are written, for all points.
-    """
+    All points are written, whichever fails."""
     dim = len(spacing)
     f = scratch.matrix(spacing, spacing)
     motion = scratch.matrix(spacing, spacing)
     l = scratch.matrix(spacing, spacing)
     bad = -1
-    for p in range(len(volume)):
+    for p in range(len(points.volume)):
         for d in range(dim):
             for e in range(dim):
-                f[d, e] = deformation_gradient[p, d, e]
-                l[d, e] = velocity_gradient[p, d, e]
+                f[d, e] = points.deformation_gradient[p, d, e]
+                l[d, e] = points.velocity_gradient[p, d, e]
         _add_identity_scaled(l, dt, motion, spacing)
         for d in range(dim):
             for e in range(dim):
@@ -194,9 +163,9 @@ def update_deformation(
                 for a in range(dim):
                     value += motion[d, a] * f[a, e]
                 l[d, e] = value
-                deformation_gradient[p, d, e] = value
+                points.deformation_gradient[p, d, e] = value
         jacobian = determinant(l, spacing)
-        volume[p] = jacobian * initial_volume[p]
+        points.volume[p] = jacobian * points.initial_volume[p]
         if bad < 0 and not jacobian > 0.0:
             bad = p
     return bad

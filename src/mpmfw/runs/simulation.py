@@ -32,7 +32,7 @@ from mpmfw.state.pairs import list_near
 from mpmfw.state.structs import State
 from mpmfw.state.windows import is_cut_off, lay_windows, set_windows
 from mpmfw.step import SCHEMES
-from mpmfw.step.operations import apply_moment, interpolate, project_mass_momentum
+from mpmfw.step.operations import interpolate, project
 from mpmfw.step.transfer import Transfer
 
 if TYPE_CHECKING:
@@ -220,9 +220,7 @@ class Simulation:
         """Detect the contacts where the bodies are now, without a step: :meth:`limits` speaks of them then."""
         phi = interpolate(self.state, self.hook, self.clock)
         particles, grid = self.state.particles, self.state.grid
-        grid.reset()
-        apply_moment(particles, phi, grid)
-        project_mass_momentum(particles, phi, grid)
+        project(particles, phi, grid)
         self.hook.detect(grid=grid, phi=phi, particles=particles)
 
     @contextlib.contextmanager

@@ -7,29 +7,51 @@ that a thousand bodies do not cost a thousand grids.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any, NamedTuple
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mpmfw.errors import SceneError
+from mpmfw.kernels import Struct, struct
 from mpmfw.state.fields import AnyArray, FloatArray, IndexArray, IntArray
 
 if TYPE_CHECKING:
-    from mpmfw.state.pairs import NearPairs
     from mpmfw.state.threads import Threads
 
 
-class Stencil(NamedTuple):
+class Stencil(Struct):
     """Interpolation table of a set of points, filled once a step and read by every kernel.
 
     Entries of point ``p`` are ``row[p]:row[p + 1]``.
     """
 
+    member_names = ("row", "nodes", "weight", "gradient")
+
     row: IntArray  #: (n_points + 1,)
     nodes: IndexArray  #: (n_entries,) flat node index, the velocity field's offset included
     weight: FloatArray  #: (n_entries,) φ_ip
     gradient: FloatArray  #: (n_entries, dim) ∇φ_ip [1/m]; (0, dim) for surface nodes
+
+    def __init__(self, row: IntArray, nodes: IndexArray, weight: FloatArray, gradient: FloatArray) -> None:
+        super().__init__(row=row, nodes=nodes, weight=weight, gradient=gradient)
+
+    @property
+    def room(self) -> tuple[IntArray, IndexArray, FloatArray, FloatArray]:
+        """The four arrays in the length that they were made with."""
+        row, nodes, weight, gradient = self.kernel_arrays
+        return row, nodes, weight, gradient
+
+    def part(self, begin: int, end: int) -> Stencil:
+        """Return the table of the points ``begin:end``, with the same entries."""
+        row, *entries = self.kernel_arrays
+        return Stencil(row[begin : end + 1], *entries)
+
+    def show(self, entries: int) -> Stencil:
+        """Show the first ``entries`` of the room in Python; kernels see all of it, and read what ``row`` names."""
+        _, nodes, weight, gradient = self.kernel_arrays
+        self.__dict__.update(nodes=nodes[:entries], weight=weight[:entries], gradient=gradient[:entries])
+        return self
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,9 +115,13 @@ class Pair:
         return self.mu
 
 
-@dataclass(slots=True)
-class Particles:
-    """Material points of all bodies, body after body."""
+@dataclass(eq=False)
+class Particles(Struct):
+    """Material points of all bodies, body after body. Kernels see their arrays, but for those that may be None."""
+
+    member_names = (
+        "position", "velocity", "mass", "initial_volume", "volume", "deformation_gradient", "velocity_gradient", "stress",
+    )  # fmt: skip
 
     history = (
         "position", "velocity", "volume", "deformation_gradient", "velocity_gradient", "stress", "affine", "moment",
@@ -115,13 +141,12 @@ class Particles:
     thickness: FloatArray | None = None  #: (n,) [m]; None unless a body of the plane names its own
     threads: Threads | None = None  #: that share the lines of the step; None if one does it all
 
-    def part(self, begin: int, end: int) -> Particles:
-        """The points ``begin:end``, as views; ``first`` stays that of all points."""
-        whole = {name: getattr(self, name) for name in POINT_ARRAYS}
-        parts: dict[str, Any] = {
-            name: None if array is None else array[begin:end] for name, array in whole.items()
-        }
-        return Particles(**parts, first=self.first)
+    def __post_init__(self) -> None:
+        self.set()
+
+    def part(self, begin: int, end: int) -> Struct:
+        """Return what kernels see of the points ``begin:end``, as views."""
+        return struct(**{name: array[begin:end] for name, array in self.members().items()})
 
     def through(self, measure: FloatArray) -> FloatArray:
         """A ``measure`` of the points, such as their volume (n,) [m^dim], times the thickness."""
@@ -136,10 +161,6 @@ class Particles:
     def dim(self) -> int:
         """Number of space dimensions."""
         return int(self.position.shape[1])
-
-
-#: Attributes of :class:`Particles` that have a row for every point.
-POINT_ARRAYS = tuple(entry.name for entry in fields(Particles) if entry.name not in ("first", "threads"))
 
 
 def joined(slices: tuple[slice, ...], own: slice) -> tuple[slice, ...]:
@@ -159,14 +180,15 @@ class OutsideGrid(Exception):
         self.surface = surface
 
 
-@dataclass(slots=True)
-class Grid:
+@dataclass(eq=False)
+class Grid(Struct):
     """Background grid of square cells with one window per velocity field.
 
     Nodal arrays are flat: node ``(i, j, k)`` of field ``f``'s window has index ``offset[f] + (i * shape_1 +
     j) * shape_2 + k``.
     """
 
+    member_names = ("position", "mass", "momentum", "start_velocity", "force", "velocity")
     history = (
         "window_lower", "window_shape", "mass", "momentum", "start_velocity", "force", "velocity",
     )  # fmt: skip
@@ -185,6 +207,9 @@ class Grid:
     velocity: FloatArray  #: (n_nodes, dim) [m/s]
     spacing: tuple[float, ...]  #: (h, h[, h]) [m]: its length tells compiled kernels the dimension
     frame: int = 0  #: counts how often the windows were laid; node indices are valid within one frame
+
+    def __post_init__(self) -> None:
+        self.set()
 
     @property
     def dim(self) -> int:
@@ -266,7 +291,7 @@ class State:
     steps: int = 0  #: steps done since time zero
     arrays: dict[str, AnyArray] = field(default_factory=dict)  #: plug-ins' own arrays, as ``owner/name``
     dims: dict[str, tuple[str, ...]] = field(default_factory=dict)  #: of the arrays that were declared
-    near: NearPairs | None = None  #: lists pairs as bodies come near; None where all pairs are listed
+    near: Any = None  #: ``NearPairs``, which list pairs as bodies come near; None where all pairs are listed
 
     @property
     def pair_bodies(self) -> IntArray:

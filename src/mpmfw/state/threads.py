@@ -12,7 +12,6 @@ Imported where a run has more than one thread.
 from __future__ import annotations
 
 import itertools
-import operator
 import os
 import time
 import weakref
@@ -20,17 +19,19 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from queue import SimpleQueue
 from threading import Thread
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 
 from mpmfw.kernels import _waiting as waiting
 from mpmfw.kernels.packed import FULL
 from mpmfw.kernels.table import NodeRange
-from mpmfw.state.fields import IntArray
-from mpmfw.state.structs import POINT_ARRAYS, Particles, Stencil
+from mpmfw.state.fields import FloatArray, IndexArray, IntArray
 
 Result = TypeVar("Result")
+
+#: Row, nodes, weight and gradient of a table, with room for more entries than are filled.
+Room: TypeAlias = tuple[IntArray, IndexArray, FloatArray, FloatArray]
 
 #: How often a thread looks whether there is something to do before it sleeps: 0.1 ms.
 LOOKS = 300_000
@@ -62,8 +63,7 @@ class Threads:
     def __init__(self, count: int, *, rows_ascend: bool) -> None:
         self.count, self.rows_ascend = count, rows_ascend
         self._process = -1
-        self._arrays: list[Any] = []
-        self._parts: list[Particles] = []
+        self._kept: dict[type, tuple[Any, list[Any]]] = {}  #: arrays of structs, and their parts
         self._shares: list[NodeRange] = []
         self._left = 0  #: tables until the nodes are shared out anew
         self._entries: list[int] = []  #: of every thread's rows in the last table
@@ -88,28 +88,35 @@ class Threads:
         """``first`` of the velocity fields' points, for every thread with its part of the points alone."""
         return [np.clip(first, *part) for part in self.parts(0, int(first[-1]))]
 
-    def over_points(self, line: Callable[..., int | None], particles: Particles, *arguments: Any) -> int:
-        """A line of the step with every thread's part of the points: of their arrays, their table, and arrays by themselves.
+    def over_points(self, kernel: Callable[..., int | None], *arguments: Any) -> int:
+        """Call a kernel of the step with every thread's part of the points: of their arrays, their table, and arrays beside.
 
         Returns
         -------
-        The first point of which the line says that it failed, −1 if it does of none.
+        The first point of which the kernel says that it failed, −1 if it does of none.
         """
-        ranges = self.parts(0, particles.count)
-        parts = self._parts_of(particles, ranges)
-        others = [[_part_of(argument, *own) for argument in arguments] for own in ranges]
-        codes = self.each(lambda t: line(parts[t], *others[t]))
+        ranges = self.parts(0, len(arguments[0].mass))
+        own = list(zip(*(self._parts_of(argument, ranges) for argument in arguments), strict=True))
+        codes = self.each(lambda t: kernel(*own[t]))
         for (first, _), code in zip(ranges, codes, strict=True):
             if code is not None and code >= 0:
                 return first + code
         return -1
 
-    def _parts_of(self, particles: Particles, ranges: list[tuple[int, int]]) -> list[Particles]:
-        """Views of the points' arrays, kept while these are the same."""
-        arrays = [getattr(particles, name) for name in POINT_ARRAYS]
-        if len(arrays) != len(self._arrays) or any(map(operator.is_not, arrays, self._arrays)):
-            self._arrays, self._parts = arrays, [particles.part(*own) for own in ranges]
-        return self._parts
+    def _parts_of(self, argument: Any, ranges: list[tuple[int, int]]) -> list[Any]:
+        """Return each thread's part of an argument: of an array, or of what has a method ``part``; all else is everybody's.
+
+        Parts of structs are kept while their arrays are the same.
+        """
+        if isinstance(argument, np.ndarray):
+            return [argument[begin:end] for begin, end in ranges]
+        if not hasattr(argument, "part"):
+            return [argument] * self.count
+        arrays, parts = self._kept.get(type(argument), (None, []))
+        if arrays is not argument.kernel_arrays:
+            parts = [argument.part(*own) for own in ranges]
+            self._kept[type(argument)] = argument.kernel_arrays, parts
+        return parts
 
     def over_slices(self, kernel: Callable[..., Any], slices: Sequence[slice], *arguments: Any) -> None:
         """``kernel(first, last, *arguments)`` for parts of every slice of the points."""
@@ -121,27 +128,27 @@ class Threads:
 
         self.each(part)
 
-    def over_nodes(self, line: Callable[..., None], *arguments: Any) -> None:
-        """A line of the step with every thread's share of the nodes, as :meth:`share_nodes` cut them."""
+    def over_nodes(self, kernel: Callable[..., None], *arguments: Any) -> None:
+        """A kernel of the step with every thread's share of the nodes, as :meth:`share_nodes` cut them."""
         if self._shares:
-            self.each(lambda t: line(*arguments, self._shares[t]))
+            self.each(lambda t: kernel(*arguments, self._shares[t]))
         else:
-            line(*arguments)
+            kernel(*arguments)
 
-    def share_nodes(self, phi: Stencil) -> None:
+    def share_nodes(self, row: IntArray, nodes: IndexArray) -> None:
         """Cut the nodes where as many points begin below as above; now and then, since any cut gives the same sums."""
         if self._left == 0 and self.rows_ascend:
-            lowest = phi.nodes[phi.row[:-1]]
+            lowest = nodes[row[:-1]]
             ranks = [len(lowest) * t // self.count for t in range(1, self.count)]
             cuts = [0, *np.partition(lowest, ranks)[ranks].tolist(), 2**31]
             self._shares, self._left = list(itertools.pairwise(cuts)), RENEWAL
         self._left -= 1
 
     def share_anew(self) -> None:
-        """NodeRange the nodes out with the next table: they have other indices."""
+        """Share the nodes out anew with the next table: they have other indices."""
         self._left = 0
 
-    def fill_rows(self, fill: Callable[..., int], first: IntArray, room: Stencil) -> int:
+    def fill_rows(self, fill: Callable[..., int], first: IntArray, room: Room) -> int:
         """Fill a table of rows of varying length by ``fill(first, k, *room)``, in parts that begin where they did last time.
 
         Between the end of a part and the next are a few entries of weight 0, the last node of the row before once more.
@@ -150,12 +157,13 @@ class Threads:
         -------
         The first point outside its window, −1, or ``FULL`` if the table is too short.
         """
+        row, nodes, weight, gradient = room
         begins = self._begins(room)
-        ends = [*begins[1:], len(room.nodes)]
+        ends = [*begins[1:], len(nodes)]
         firsts = self.firsts(first)
 
         def part(t: int) -> int:
-            return fill(firsts[t], begins[t], room.row, *(array[: ends[t]] for array in room[1:]))
+            return fill(firsts[t], begins[t], row, *(array[: ends[t]] for array in (nodes, weight, gradient)))
 
         codes = self.each(part)
         if FULL in codes and self._entries:
@@ -166,14 +174,15 @@ class Threads:
             self._join(room, begins)
         return code
 
-    def _begins(self, room: Stencil) -> list[int]:
+    def _begins(self, room: Room) -> list[int]:
         """Where every thread's entries begin: with room for some more than last time, or for equally many a point."""
         if self._entries:
             return list(itertools.accumulate((n + n // 128 + 64 for n in self._entries[:-1]), initial=0))
-        count = len(room.row) - 1
-        return [len(room.nodes) * first // count for first, _ in self.parts(0, count)]
+        row, nodes, *_ = room
+        count = len(row) - 1
+        return [len(nodes) * first // count for first, _ in self.parts(0, count)]
 
-    def _join(self, room: Stencil, begins: list[int]) -> None:
+    def _join(self, room: Room, begins: list[int]) -> None:
         """Make one table of the parts, and note how many entries they have."""
         row, nodes, weight, gradient = room
         parts = self.parts(0, len(row) - 1)
@@ -183,13 +192,6 @@ class Threads:
             nodes[spare] = nodes[spare.start - 1]
             weight[spare] = gradient[spare] = 0.0
             row[first] = k
-
-
-def _part_of(argument: Any, first: int, last: int) -> Any:
-    """What of an argument concerns the points ``first:last``."""
-    if isinstance(argument, Stencil):
-        return argument._replace(row=argument.row[first : last + 1])
-    return argument[first:last] if isinstance(argument, np.ndarray) else argument
 
 
 class _Team:

@@ -101,8 +101,7 @@ def allocate_nodes(grid: Grid) -> None:
     """Nodal arrays, all zero, and node positions for the windows as they are."""
     np.cumsum(np.prod(grid.window_shape, axis=1), out=grid.offset[1:])
     sizes = {"node": int(grid.offset[-1]), "axis": grid.dim}
-    for field in GRID_FIELDS:
-        setattr(grid, field.name, field.allocate(sizes))
+    grid.set(**{field.name: field.allocate(sizes) for field in GRID_FIELDS})
     for index in range(grid.n_fields):
         grid.position[grid.field_nodes(index)] = _node_positions(grid, index)
     grid.frame += 1

@@ -5,17 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from mpmfw.kernels import integrate_momentum, velocity_of_momentum
 from mpmfw.state.clock import Clock
 from mpmfw.state.structs import State
 from mpmfw.step.operations import (
     add_internal_force,
-    apply_moment,
-    finish_velocity,
     gather,
     gather_velocity_gradient,
-    integrate_momentum,
     interpolate,
-    project_mass_momentum,
+    project,
+    transport_affine,
     update_deformation,
 )
 from mpmfw.step.transfer import Transfer
@@ -38,31 +37,30 @@ def step(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Call
     phi = interpolate(state, hook, clock)  # 1
 
     clock("projection")
-    g.reset()
-    apply_moment(p, phi, g)
-    project_mass_momentum(p, phi, g)  # 2
+    project(p, phi, g)  # 2
     hook.detect(grid=g, phi=phi, particles=p)
     dt = length()
     hook.after_momentum_projection(grid=g, phi=phi, particles=p, dt=dt)
     hook.constrain_momentum(grid=g, time=state.time)
-    finish_velocity(g)
+    velocity_of_momentum(g.mass, g.momentum, g.velocity, g.spacing)
 
     clock("material")
-    gather_velocity_gradient(p, phi, g)  # 3
+    gather_velocity_gradient(p, phi, g, g.spacing)  # 3
     update_deformation(state, dt)
     hook.update_stress(particles=p, dt=dt)
 
     clock("force")
-    add_internal_force(p, phi, g)  # 4
+    add_internal_force(p, p.thickness, phi, g, g.spacing)  # 4
     hook.add_nodal_force(grid=g, state=state, phi=phi, dt=dt)
-    integrate_momentum(g, dt)  # 5
+    integrate_momentum(g.mass, g.momentum, g.force, dt, g.spacing)  # 5
     hook.after_momentum_update(grid=g, phi=phi, particles=p, dt=dt)
     hook.correct_inertia(grid=g, phi=phi, particles=p, dt=dt)
     hook.constrain_momentum(grid=g, time=state.time + dt)
-    finish_velocity(g)
+    velocity_of_momentum(g.mass, g.momentum, g.velocity, g.spacing)
 
     clock("gather")
     gather(p, phi, g, transfer, dt)  # 6
+    transport_affine(p, transfer, g, dt)
     hook.advect(grid=g, dt=dt)
     hook.update_particle_domains(particles=p, grid=g, dt=dt)
     hook.end_step(state=state)

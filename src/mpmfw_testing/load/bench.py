@@ -11,7 +11,7 @@ from mpmfw.plugin.named import NamedPlugIn
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
 from mpmfw.state.fields import FloatArray
-from mpmfw.step.operations import interpolate, project_mass_momentum
+from mpmfw.step.operations import interpolate, project
 from mpmfw_testing.check import Inapplicable, Violation
 from mpmfw_testing.saving import remember
 from mpmfw_testing.subject import Subject
@@ -90,8 +90,7 @@ class Bench:
         simulation, state = self.simulation, self.state
         grid = state.grid
         phi = interpolate(state, simulation.hook, simulation.clock)
-        grid.reset()
-        project_mass_momentum(state.particles, phi, grid)
+        project(state.particles, phi, grid)
         simulation.hook.detect(grid=grid, phi=phi, particles=state.particles)
         state.time = time
         simulation.hook.add_nodal_force(grid=grid, state=state, phi=phi, dt=STEP)

@@ -58,7 +58,7 @@ def _tables(placed: Placement) -> Iterator[bytes]:
 
 
 def _bytes(table: Stencil) -> Iterator[bytes]:
-    for array in table:
+    for array in table.members().values():
         yield np.ascontiguousarray(array).tobytes()
 
 
