@@ -22,8 +22,7 @@ if __name__ == "__main__":
 
 from faulty_plugins.load import faults as load_faults
 from faulty_plugins.material import sound
-from mpmfw_testing import examine, material_checks, subject_of
-from mpmfw_testing.parametrised import checks_of
+from mpmfw_testing import checks_of, examine, subject_of
 
 SWAPS: dict[type[ast.operator], type[ast.operator]] = {
     ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult,
@@ -89,7 +88,7 @@ def mutated_materials() -> Iterator[Found]:
             mutant = type("Mutant", (sound.Sound,), {"name": "mutant", name: module.__dict__[name]})
             if name == "stress":  # which outputs have as well
                 mutant.cauchy_stress = _outputs_of(mutant)  # type: ignore[attr-defined]
-            outcomes = examine(subject_of(mutant, "material"), material_checks())
+            outcomes = examine(subject_of(mutant, "material"), checks_of("material"))
             caught = next((outcome.check for outcome in outcomes if outcome.status == "failed"), "")
             yield Found("material", f"{name}, {what}", caught)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -71,7 +72,7 @@ class Inapplicable(Exception):
 
 @dataclass(frozen=True)
 class Check:
-    """One property that a plug-in must have.
+    """One property that a plug-in must have; :meth:`of` makes one of a function.
 
     Parameters
     ----------
@@ -89,6 +90,24 @@ class Check:
     name: str
     property: str
     run: Callable[[Subject], str | None]
+
+    @classmethod
+    def of(cls, function: Callable[[Subject], str | None]) -> Check:
+        """Return the check of a function, whose name and whose docstring's first sentence state the property."""
+        text = " ".join((function.__doc__ or "").split())
+        return cls(function.__name__.replace("_", "-"), re.split(r"(?<=\.)\s", text)[0], function)
+
+
+def within(
+    measured: float,
+    bound: float,
+    message: str,
+    case: Mapping[str, object] | None = None,
+    picture: Picture | None = None,
+) -> None:
+    """Raise a violation unless ``measured`` is at most ``bound``; what is not a number is beyond any bound."""
+    if not measured <= bound:
+        raise Violation(message, case, picture, measured=float(measured), bound=float(bound))
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,9 @@ import numpy as np
 from mpmfw.contact.friction import FrictionLaw
 from mpmfw.contact.rows import ContactRows
 from mpmfw.state.fields import FloatArray, IntArray
-from mpmfw_testing.check import Check, Violation
+from mpmfw_testing.check import Violation
 from mpmfw_testing.options import every_option_acts
-from mpmfw_testing.sent import SENT
+from mpmfw_testing.sent import sent
 from mpmfw_testing.subject import Subject
 
 #: μ of three pairs, and the length of a step [s].
@@ -57,7 +57,8 @@ def bounds(law: FrictionLaw, rows: ContactRows, mu: FloatArray = MU, dt: float =
 
 
 def runs(subject: Subject) -> None:
-    """Every row of two and three dimensions gets a finite μ and a of at least 0, in the first step, whose Δt is 0, as well."""
+    """Every row has a bound that is finite and not negative. Every row of two and three dimensions gets a
+    finite μ and a of at least 0, in the first step, whose Δt is 0, as well."""
     for dim in (2, 3):
         for dt in (0.0, STEP):
             law = subject.make()
@@ -68,8 +69,9 @@ def runs(subject: Subject) -> None:
                 raise Violation("a row has no bound, or one that is negative or not finite", case)
 
 
-def writes_nothing_else(subject: Subject) -> None:
-    """No bit of the rows but friction and cohesion, and none of the pairs' μ, is another one after it was asked."""
+def changes_nothing_else(subject: Subject) -> None:
+    """It writes friction and cohesion of the rows alone. No bit of the rows but friction and cohesion, and
+    none of the pairs' μ, is another one after it was asked."""
     law = subject.make()
     rows, mu = rows_of(law, 2), MU.copy()
     before = {name: array.copy() for name, array in rows.arrays().items()}
@@ -82,7 +84,8 @@ def writes_nothing_else(subject: Subject) -> None:
 
 
 def each_for_itself(subject: Subject) -> None:
-    """A row's bound is that of its own motion and pair: the same bits among fewer rows, and with another μ of other pairs."""
+    """A row's bound is that of its own motion and pair. A row's bound is that of its own motion and pair: the
+    same bits among fewer rows, and with another μ of other pairs."""
     law = subject.make()
     whole, few = bounds(law, rows_of(law, 2)), np.array([17, 3, 8, 12])
     _same(whole[few], bounds(subject.make(), rows_of(law, 2, few)), "which other rows there are")
@@ -93,7 +96,8 @@ def each_for_itself(subject: Subject) -> None:
 
 
 def no_memory(subject: Subject) -> None:
-    """The bound is a function of the rows: asked again after others, the same bits. Runs are resumed without memory."""
+    """The bound is a function of the rows. The bound is a function of the rows: asked again after others, the
+    same bits. Runs are resumed without memory."""
     law = subject.make()
     first = bounds(law, rows_of(law, 2))
     bounds(law, rows_of(law, 2, np.array([5, 9])), 3.0 * MU, 10.0 * STEP)
@@ -101,7 +105,8 @@ def no_memory(subject: Subject) -> None:
 
 
 def frame(subject: Subject) -> None:
-    """Rows that are turned, with their motion, or seen from the other side have the same bounds, to 1e-12."""
+    """Turned rows, and rows seen from the other side, have the same bound. Rows that are turned, with their
+    motion, or seen from the other side have the same bounds, to 1e-12."""
     turns: dict[str, Any] = {
         "turned": np.array([[0.8, -0.6], [0.6, 0.8]]),
         "seen from the other side": -np.eye(2),
@@ -112,8 +117,9 @@ def frame(subject: Subject) -> None:
         _same(first, second, f"whether rows are {what}", ROUNDING)
 
 
-def slip_alone(subject: Subject) -> None:
-    """Motion along the normal is no slip: with 1 m/s more of it the same to 1e-6, as rounding lets a row at rest slip."""
+def slip(subject: Subject) -> None:
+    """The bound goes with the slip, not with the approach. Motion along the normal is no slip: with 1 m/s
+    more of it the same to 1e-6, as rounding lets a row at rest slip."""
     rows, law = rows_of(subject.make(), 2), subject.make()
     n = rows.count
     rows.motion[:n] += STEP * rows.normal[:n]
@@ -121,7 +127,8 @@ def slip_alone(subject: Subject) -> None:
 
 
 def share(subject: Subject) -> None:
-    """A row of a quarter of the area, with another number, has the same μ and a quarter of the cohesion, to 1e-12.
+    """The bound is that of the surface, however it is divided into rows. A row of a quarter of the area, with
+    another number, has the same μ and a quarter of the cohesion, to 1e-12.
 
     Rows are nodes of a surface, or of the grid: a finer one has more of them, numbered otherwise.
     """
@@ -140,7 +147,8 @@ def share(subject: Subject) -> None:
 
 
 def units(subject: Subject) -> None:
-    """In steps half as long, with half the motion in each, the bounds are the same, to 1e-12: they go with the speed."""
+    """The bound goes with the speed, however long a step is. In steps half as long, with half the motion in
+    each, the bounds are the same, to 1e-12: they go with the speed."""
     law = subject.make()
     rows = rows_of(law, 2)
     rows.motion[:] *= 0.5
@@ -152,8 +160,9 @@ def units(subject: Subject) -> None:
     )
 
 
-def options_act(subject: Subject) -> None:
-    """A bit of a bound changes with every option, or the value is refused."""
+def options(subject: Subject) -> None:
+    """Every option changes something or is refused. A bit of a bound changes with every option, or the value
+    is refused."""
 
     def experiment(options: dict[str, Any]) -> str:
         law = subject.make(**options)
@@ -176,19 +185,5 @@ def _same(expected: FloatArray, found: FloatArray, what: str, share: float = 0.0
         raise Violation(f"the bound of a row depends on {what}", case)
 
 
-def friction_checks() -> list[Check]:
-    """All checks of a friction law: those first whose failure makes others fail as well."""
-    return [
-        Check("runs", "Every row has a bound that is finite and not negative.", runs),
-        Check(
-            "changes-nothing-else", "It writes friction and cohesion of the rows alone.", writes_nothing_else
-        ),
-        Check("each-for-itself", "A row's bound is that of its own motion and pair.", each_for_itself),
-        Check("no-memory", "The bound is a function of the rows.", no_memory),
-        Check("frame", "Turned rows, and rows seen from the other side, have the same bound.", frame),
-        Check("slip", "The bound goes with the slip, not with the approach.", slip_alone),
-        Check("share", "The bound is that of the surface, however it is divided into rows.", share),
-        Check("units", "The bound goes with the speed, however long a step is.", units),
-        Check("options", "Every option changes something or is refused.", options_act),
-        SENT,
-    ]
+#: In the order in which they are run.
+CHECKS = (runs, changes_nothing_else, each_for_itself, no_memory, frame, slip, share, units, options, sent)

@@ -12,7 +12,7 @@ from mpmfw.geometry import BodyGeometry, Layout, PlaneGeometry, SolidGeometry
 from mpmfw.geometry.cut_cells import centroid_of, volume_of
 from mpmfw.geometry.surface_checks import check_surface
 from mpmfw.state.fields import FloatArray, IntArray
-from mpmfw_testing.check import Check, Inapplicable, Violation
+from mpmfw_testing.check import Inapplicable, Violation, within
 from mpmfw_testing.subject import Subject
 
 #: Sides of facets that are asked for, as shares of the largest extent.
@@ -26,7 +26,8 @@ VOLUMES = {2: 1e-9, 3: 1e-3}
 
 
 def runs(subject: Subject) -> None:
-    """Bounds, surfaces and points at several sizes are finite, of the right shapes, and not empty."""
+    """It answers with bounds, surfaces and points. Bounds, surfaces and points at several sizes are finite,
+    of the right shapes, and not empty."""
     geometry, dim, extent = _made(subject)
     if geometry.bounds.shape != (2, dim) or not (geometry.bounds[0] < geometry.bounds[1]).all():
         raise Violation(
@@ -53,7 +54,8 @@ def runs(subject: Subject) -> None:
 
 
 def closed(subject: Subject) -> None:
-    """In the plane no outline crosses itself or another, and no segment has no length; in space every side has two triangles."""
+    """Its surfaces are closed and do not cross. In the plane no outline crosses itself or another, and no
+    segment has no length; in space every side has two triangles."""
     geometry, dim, extent = _made(subject)
     for side in SIDES[:2]:
         surfaces = geometry.surfaces(side * extent)
@@ -83,7 +85,8 @@ def closed(subject: Subject) -> None:
 
 
 def oriented(subject: Subject) -> None:
-    """The material lies on the left of every segment; in space normals point outwards: beside every facet inside is inside."""
+    """The material is on the side of the surface that is said. The material lies on the left of every
+    segment; in space normals point outwards: beside every facet inside is inside."""
     geometry, _, extent = _made(subject)
     side = SIDES[-1] * extent
     nodes, facets = _joined(geometry.surfaces(side))
@@ -104,14 +107,15 @@ def oriented(subject: Subject) -> None:
 
 
 def sides(subject: Subject) -> None:
-    """No side is longer than was asked, in space not twice as long, and there are no more nodes than memory is planned for."""
+    """Facets are as fine as asked, and as many as announced. No side is longer than was asked, in space not
+    twice as long, and there are no more nodes than memory is planned for."""
     geometry, dim, extent = _made(subject)
     for share in SIDES:
         asked = share * extent
         nodes, facets = _joined(geometry.surfaces(asked))
         corners = nodes[facets]
         longest = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max())
-        _within(
+        within(
             longest / asked,
             1.0 + LONGER[dim],
             "a side is longer than was asked (over that)",
@@ -121,7 +125,7 @@ def sides(subject: Subject) -> None:
             most = geometry.surface_nodes(asked)
         else:
             most = 2.0 * geometry.outline_length / asked + 8.0  # type: ignore[attr-defined]
-        _within(
+        within(
             float(len(nodes)),
             most,
             "there are more nodes than surface_nodes or outline_length announce",
@@ -130,26 +134,28 @@ def sides(subject: Subject) -> None:
 
 
 def in_bounds(subject: Subject) -> None:
-    """Nodes lie within the bounds, to 1e-9 of the extent, and reach each of them to 2 %."""
+    """The bounds are those of the surface. Nodes lie within the bounds, to 1e-9 of the extent, and reach each
+    of them to 2 %."""
     geometry, _, extent = _made(subject)
     nodes, _ = _joined(geometry.surfaces(SIDES[-1] * extent))
     lower, upper = geometry.bounds
     out = max(float((lower - nodes.min(axis=0)).max()), float((nodes.max(axis=0) - upper).max()))
-    _within(out / extent, 1e-9, "the surface leaves the bounds (by a share of the extent)", {})
+    within(out / extent, 1e-9, "the surface leaves the bounds (by a share of the extent)", {})
     apart = np.maximum(nodes.min(axis=0) - lower, upper - nodes.max(axis=0)).max()
-    _within(
+    within(
         float(apart) / extent, 0.02, "the bounds are wider than the surface (by a share of the extent)", {}
     )
 
 
 def volume(subject: Subject) -> None:
-    """Finer facets enclose `exact_volume` ever better: 2 % at the finest; points have it to rounding, in space to 1e-3."""
+    """Surface and points have the body's volume. Finer facets enclose `exact_volume` ever better: 2 % at the
+    finest; points have it to rounding, in space to 1e-3."""
     geometry, dim, extent = _made(subject)
     true = float(geometry.exact_volume)
     off = [abs(_enclosed(*_joined(geometry.surfaces(side * extent))) / true - 1.0) for side in SIDES]
     case: dict[str, object] = {"exact_volume": true}
-    _within(off[-1], 0.02, "the surface does not enclose exact_volume (off by a share of it)", case)
-    _within(
+    within(off[-1], 0.02, "the surface does not enclose exact_volume (off by a share of it)", case)
+    within(
         off[-1],
         0.5 * off[0] + 1e-9,
         "with finer facets it comes no nearer to exact_volume",
@@ -157,7 +163,7 @@ def volume(subject: Subject) -> None:
     )
     for layout, sizes in _layouts(geometry, extent):
         wrong = abs(float(layout.volume.sum()) / true - 1.0)
-        _within(
+        within(
             wrong,
             VOLUMES[dim],
             "the points have not the volume of the body (off by a share of it)",
@@ -166,12 +172,13 @@ def volume(subject: Subject) -> None:
 
 
 def centroid(subject: Subject) -> None:
-    """Surface and points have the body's centroid, to 1 % of the extent and of a point's size."""
+    """Surface and points have the body's centroid. Surface and points have the body's centroid, to 1 % of the
+    extent and of a point's size."""
     geometry, _, extent = _made(subject)
     true = np.asarray(geometry.centroid)
     nodes, facets = _joined(geometry.surfaces(SIDES[-1] * extent))
     off = float(np.abs(_centre(nodes, facets) - true).max())
-    _within(
+    within(
         off / extent,
         0.01,
         "the surface has another centroid (off by a share of the extent)",
@@ -180,7 +187,7 @@ def centroid(subject: Subject) -> None:
     for layout, case in _layouts(geometry, extent):
         found = layout.volume @ layout.position / layout.volume.sum()
         wrong = float(np.abs(found - true).max()) / float(case["size [m]"])  # type: ignore[arg-type]
-        _within(
+        within(
             wrong,
             0.01,
             "the points have another centroid (off by a share of their size)",
@@ -189,7 +196,8 @@ def centroid(subject: Subject) -> None:
 
 
 def points(subject: Subject) -> None:
-    """Every point has a volume, that of its domain, lies in the body or half its size beside it, and is no larger than asked."""
+    """Points are in the body and as large as asked. Every point has a volume, that of its domain, lies in the
+    body or half its size beside it, and is no larger than asked."""
     geometry, dim, extent = _made(subject)
     number = []
     for layout, case in _layouts(geometry, extent):
@@ -197,7 +205,7 @@ def points(subject: Subject) -> None:
         domain = np.linalg.det(2.0 * layout.half_edges)
         if not (layout.volume > 0.0).all() or not np.allclose(domain, layout.volume, rtol=1e-9, atol=0.0):
             raise Violation("a point's volume is not positive, or not det(2 r) of its domain", case)
-        _within(
+        within(
             float(layout.volume.max()) / (1.5 * size) ** dim,
             1.0,
             "a point is larger than 1.5 times the size in every direction (over that)",
@@ -205,7 +213,7 @@ def points(subject: Subject) -> None:
         )
         if isinstance(geometry, PlaneGeometry):
             away = float(shapely.distance(geometry.region, shapely.points(layout.position)).max())
-            _within(away / size, 0.5, "a point lies outside the body (by so many of its sizes)", case)
+            within(away / size, 0.5, "a point lies outside the body (by so many of its sizes)", case)
             assert layout.corners is not None
             area = 0.5 * _twice(
                 layout.corners[:, 2] - layout.corners[:, 0], layout.corners[:, 3] - layout.corners[:, 1]
@@ -214,7 +222,7 @@ def points(subject: Subject) -> None:
                 raise Violation("the corners of a point's domain have not its area, or run clockwise", case)
         number.append(len(layout.volume))
     few, many = number[0], number[len(SHIFTS)]
-    _within(
+    within(
         0.5 * 2**dim * few / many,
         1.0,
         "points of half the size are too few (expected over found)",
@@ -223,7 +231,8 @@ def points(subject: Subject) -> None:
 
 
 def repeatable(subject: Subject) -> None:
-    """Asked again, and of another object, it answers with the same bits, though what it gave before was written to."""
+    """The same geometry answers alike, whatever was done with its answers. Asked again, and of another
+    object, it answers with the same bits, though what it gave before was written to."""
     geometry, _, extent = _made(subject)
     first = _answers(geometry, extent)
     for array in _arrays(geometry, extent):
@@ -235,7 +244,8 @@ def repeatable(subject: Subject) -> None:
 
 
 def saved(subject: Subject) -> None:
-    """Written as a scene's keys and read again, and sent to another process, it has the same surfaces and points to the bit."""
+    """Written and read again it is the same body. Written as a scene's keys and read again, and sent to
+    another process, it has the same surfaces and points to the bit."""
     geometry, _, extent = _made(subject)
     ways: dict[str, Any] = {
         "its keys": lambda: type(geometry).model_validate(geometry.model_dump()),
@@ -255,7 +265,8 @@ def saved(subject: Subject) -> None:
 
 
 def moves(subject: Subject) -> None:
-    """A key ``centre`` moves the body as it is: bodies that are alike but for it share one layout, to 1e-9 of the extent."""
+    """A centre moves the body and nothing else. A key ``centre`` moves the body as it is: bodies that are
+    alike but for it share one layout, to 1e-9 of the extent."""
     geometry, dim, extent = _made(subject)
     if "centre" not in type(geometry).model_fields:
         raise Inapplicable("it has no key 'centre'")
@@ -270,7 +281,8 @@ def moves(subject: Subject) -> None:
 
 
 def axes(subject: Subject) -> None:
-    """The axes along which sides are named are unit vectors at right angles, right-handed, to 1e-12."""
+    """Sides are named along unit vectors at right angles. The axes along which sides are named are unit
+    vectors at right angles, right-handed, to 1e-12."""
     geometry, dim, _ = _made(subject)
     found = np.asarray(geometry.axes)
     if (
@@ -342,26 +354,7 @@ def _centre(nodes: FloatArray, facets: IntArray) -> FloatArray:
     return np.asarray((twice[:, None] * (one + other)).sum(axis=0) / (3.0 * twice.sum()))
 
 
-def _within(measured: float, bound: float, message: str, case: dict[str, object]) -> None:
-    if not measured <= bound:
-        raise Violation(message, case, measured=measured, bound=bound)
-
-
-def geometry_checks() -> list[Check]:
-    """All checks of a geometry: those first whose failure makes others fail as well."""
-    return [
-        Check("runs", "It answers with bounds, surfaces and points.", runs),
-        Check("closed", "Its surfaces are closed and do not cross.", closed),
-        Check("oriented", "The material is on the side of the surface that is said.", oriented),
-        Check("sides", "Facets are as fine as asked, and as many as announced.", sides),
-        Check("in-bounds", "The bounds are those of the surface.", in_bounds),
-        Check("volume", "Surface and points have the body's volume.", volume),
-        Check("centroid", "Surface and points have the body's centroid.", centroid),
-        Check("points", "Points are in the body and as large as asked.", points),
-        Check(
-            "repeatable", "The same geometry answers alike, whatever was done with its answers.", repeatable
-        ),
-        Check("saved", "Written and read again it is the same body.", saved),
-        Check("moves", "A centre moves the body and nothing else.", moves),
-        Check("axes", "Sides are named along unit vectors at right angles.", axes),
-    ]
+#: Those first whose failure makes others fail as well.
+CHECKS = (
+    runs, closed, oriented, sides, in_bounds, volume, centroid, points, repeatable, saved, moves, axes,
+)  # fmt: skip

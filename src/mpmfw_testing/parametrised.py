@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib import import_module
+from inspect import cleandoc
 from pathlib import Path
 from typing import Any
 
@@ -27,47 +28,8 @@ GENERIC = ("boundary", "output", "measure", "reference")
 PICTURES = Path("mpmfw-check")
 
 
-def contact_conformance(
-    plugin: Any,
-    *,
-    expected_failures: Mapping[str, str] | None = None,
-    only: Iterable[str] | None = None,
-    pictures: Path | None = PICTURES,
-) -> Callable[[Any], Any]:
-    """Parametrise a test over the checks of a contact law.
-
-    Parameters
-    ----------
-    plugin
-        A strategy class, a configured object, a function that makes one, or a name.
-    expected_failures
-        Names of checks that the law cannot pass, each with the reason (20 characters or more). A listed check
-        that passes fails the test.
-    only
-        Names of the checks to run; all by default.
-    pictures
-        Folder for the pictures of counterexamples; None draws none.
-
-    Returns
-    -------
-    A decorator of a test with the argument ``check``, which it calls without arguments.
-
-    Raises
-    ------
-    SceneError
-        There is no such plug-in or check, or a failure is not justified.
-
-    Examples
-    --------
-    >>> @contact_conformance("penalty")
-    ... def test_conformance(check):
-    ...     check()
-    """
-    return _parametrised(plugin, "contact", checks_of("contact"), expected_failures, only, pictures)
-
-
 def _conformance_of(kind: Kind, more: str = "") -> Callable[..., Callable[[Any], Any]]:
-    """As :func:`contact_conformance`, for another kind."""
+    """Return the decorator of tests of a kind of plug-in; its docstring goes on with ``more``."""
 
     def conformance(
         plugin: Any,
@@ -76,62 +38,66 @@ def _conformance_of(kind: Kind, more: str = "") -> Callable[..., Callable[[Any],
         only: Iterable[str] | None = None,
         pictures: Path | None = PICTURES,
     ) -> Callable[[Any], Any]:
+        """Parametrise a test over the checks of a plug-in.
+
+        Parameters
+        ----------
+        plugin
+            A class, a configured object, a function that makes one, or a name, with its options as in ``"drag(rate=2)"``.
+        expected_failures
+            Names of checks that it cannot pass, each with the reason (20 characters or more). A listed check
+            that passes fails the test.
+        only
+            Names of the checks to run; all by default.
+        pictures
+            Folder for the pictures of counterexamples; None draws none.
+
+        Returns
+        -------
+        A decorator of a test with the argument ``check``, which it calls without arguments.
+
+        Raises
+        ------
+        SceneError
+            There is no such plug-in or check, or a failure is not justified.
+
+        Examples
+        --------
+        >>> @contact_conformance("penalty")
+        ... def test_conformance(check):
+        ...     check()
+        """
         return _parametrised(plugin, kind, checks_of(kind), expected_failures, only, pictures)
 
     conformance.__name__ = conformance.__qualname__ = f"{kind}_conformance"
-    conformance.__doc__ = (
-        f"Parametrise a test over the checks of a {kind}; as :func:`contact_conformance`.{more}"
-    )
+    conformance.__doc__ = cleandoc(conformance.__doc__ or "").replace("a plug-in.", f"a {kind}.{more}", 1)
     return conformance
 
 
-shape_conformance = _conformance_of("shape")
-material_conformance = _conformance_of(
-    "material",
-    """
-
-    A material with moduli to be given is named with them: ``"neo_hookean(bulk_modulus=5e6, shear_modulus=3e6)"``.
-    """,
-)
-load_conformance = _conformance_of(
-    "load",
-    """
-
-    A load whose options have no default is named with them: ``"drag(rate=2)"``.
-    """,
-)
-friction_conformance = _conformance_of("friction")
-boundary_conformance = _conformance_of("boundary")
-output_conformance = _conformance_of("output")
-geometry_conformance = _conformance_of(
-    "geometry",
-    """
-
-    A geometry whose keys have no default is named with them: ``"disc(centre=[0, 0], radius=1)"``.
-    """,
-)
+contact_conformance = _conformance_of("contact")
 detection_conformance = _conformance_of(
     "detection",
-    """
-
-    It is joined with the law ``penalty``, or ``impulse`` where that needs facets that it does not list; with another law the
-    two are a contact, ``contact_conformance("my_detection+lcp")``.
-    """,
+    " It is joined with the law ``penalty``, or ``impulse`` where that needs facets that it does not list; with another law "
+    'the two are a contact, ``contact_conformance("my_detection+lcp")``.',
 )
 law_conformance = _conformance_of(
     "law",
-    """
-
-    It is joined with the detection ``surfaces``; with another one the two are a contact,
-    ``contact_conformance("nodes+my_law")``.
-    """,
+    " It is joined with the detection ``surfaces``; with another one the two are a contact, "
+    '``contact_conformance("nodes+my_law")``.',
 )
+shape_conformance = _conformance_of("shape")
+material_conformance = _conformance_of("material")
+load_conformance = _conformance_of("load")
+friction_conformance = _conformance_of("friction")
+boundary_conformance = _conformance_of("boundary")
+output_conformance = _conformance_of("output")
+geometry_conformance = _conformance_of("geometry")
 measure_conformance = _conformance_of("measure")
 reference_conformance = _conformance_of("reference")
 
 
-def checks_of(kind: Kind) -> Sequence[Check]:
-    """All checks of a kind of plug-in.
+def checks_of(kind: Kind) -> tuple[Check, ...]:
+    """Return all checks of a kind of plug-in, in the order in which they are run.
 
     Raises
     ------
@@ -140,11 +106,8 @@ def checks_of(kind: Kind) -> Sequence[Check]:
     """
     if kind not in CHECKED:
         raise SceneError(f"there are no checks of a {kind} by itself; expected one of {', '.join(CHECKED)}")
-    if kind in PARTS:
-        return checks_of("contact")
-    module = "repeatable" if kind in GENERIC else kind
-    checks: Sequence[Check] = getattr(import_module(f"mpmfw_testing.{module}"), f"{module}_checks")()
-    return checks
+    module = "contact" if kind in PARTS else "repeatable" if kind in GENERIC else kind
+    return tuple(map(Check.of, import_module(f"mpmfw_testing.{module}").CHECKS))
 
 
 def check_plugin(

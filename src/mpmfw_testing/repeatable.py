@@ -14,10 +14,10 @@ from mpmfw.runs.run import run
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
 from mpmfw.state.fields import AnyArray
-from mpmfw_testing.check import Check, Inapplicable, Violation
+from mpmfw_testing.check import Inapplicable, Violation
 from mpmfw_testing.load.bench import dims_of, scene
 from mpmfw_testing.saving import remember
-from mpmfw_testing.sent import SENT
+from mpmfw_testing.sent import sent
 from mpmfw_testing.subject import Subject
 
 #: Steps of a run, with an output after each.
@@ -27,7 +27,7 @@ TABLES = {"boundary": "boundaries", "output": "outputs"}
 
 
 def repeatable(subject: Subject) -> None:
-    """Two fresh objects give the same bits, and no value is infinite."""
+    """Two fresh objects give the same values. Two fresh objects give the same bits, and no value is infinite."""
     second = dict(_values(subject))
     for name, values in _values(subject):
         if np.isinf(values).any():
@@ -84,6 +84,5 @@ def _example(subject: Subject) -> Any:
     return load_scene({key: value for key, value in example.items() if key != "reference"})
 
 
-def repeatable_checks() -> list[Check]:
-    """Return the checks of the kinds without a kit of their own."""
-    return [Check("repeatable", "Two fresh objects give the same values.", repeatable), SENT]
+#: In the order in which they are run.
+CHECKS = (repeatable, sent)

@@ -7,12 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw_testing.check import Check, Violation
+from mpmfw_testing.check import Violation
 from mpmfw_testing.subject import Subject
 
 
 def sent(subject: Subject) -> None:
-    """A fresh object that is pickled and read again has the same class, options and attributes, arrays to the bit."""
+    """An object can be sent to another process, and is the same there.
+
+    A fresh object that is pickled and read again has the same class, options and attributes, arrays to the bit.
+    """
     made = subject.make()
     try:
         other = pickle.loads(pickle.dumps(made))
@@ -44,6 +47,3 @@ def _alike(one: Any, other: Any, name: str) -> bool:
         return bool(np.array_equal(first, second, equal_nan=first.dtype.kind == "f"))
     plain = name == "options" or isinstance(first, bool | int | float | str | tuple | None)
     return not plain or bool(first == second)
-
-
-SENT = Check("sent", "An object can be sent to another process, and is the same there.", sent)

@@ -16,7 +16,7 @@ from mpmfw_contact.adhesion import Adhesion
 from mpmfw_contact.bardenhagen import Bardenhagen
 from mpmfw_contact.hamad2017 import Hamad2017
 from mpmfw_contact.penalty import Penalty
-from mpmfw_testing import contact_checks, contact_conformance, examine, subject_of
+from mpmfw_testing import checks_of, contact_conformance, examine, subject_of
 from mpmfw_testing.contact.meeting import Meeting
 from mpmfw_testing.contact.motion import simulate
 
@@ -258,7 +258,7 @@ def test_separate_does_not_act_and_nothing_else(check):
 
 def outcome(plugin, name, pictures=None, **options):
     """What comes of one check."""
-    chosen = [check for check in contact_checks() if check.name == name]
+    chosen = [check for check in checks_of("contact") if check.name == name]
     return examine(subject_of(plugin, "contact", options), chosen, pictures=pictures)[0]
 
 
@@ -380,4 +380,4 @@ def test_an_error_of_the_law_is_shown_with_its_place():
 
 
 def test_every_check_has_a_fault_planted_for_it():
-    assert set(FAULTS.values()) | OF_THE_HOST | {"runs"} == {check.name for check in contact_checks()}
+    assert set(FAULTS.values()) | OF_THE_HOST | {"runs"} == {check.name for check in checks_of("contact")}

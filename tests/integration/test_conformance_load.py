@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from faulty_plugins.load.faults import FAULTS, Sound, SoundWind
-from mpmfw_testing import examine, load_checks, load_conformance, subject_of
+from mpmfw_testing import checks_of, examine, load_conformance, subject_of
 
-CHECKS = {check.name: check for check in load_checks()}
+CHECKS = {check.name: check for check in checks_of("load")}
 
 
 @load_conformance("drag(rate=2, medium=[[0, 1, 0], [1, 0, 3]])")

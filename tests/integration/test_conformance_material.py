@@ -6,9 +6,9 @@ import pytest
 
 from faulty_plugins.material import faults
 from faulty_plugins.material.sound import Sound
-from mpmfw_testing import examine, material_checks, material_conformance, subject_of
+from mpmfw_testing import checks_of, examine, material_conformance, subject_of
 
-CHECKS = {check.name: check for check in material_checks()}
+CHECKS = {check.name: check for check in checks_of("material")}
 MODULI = "bulk_modulus=5e6, shear_modulus=3e6"
 
 #: The check that is meant for each fault.

@@ -6,7 +6,7 @@ from __future__ import annotations
 import pytest
 
 from faulty_plugins.shape import contract, domains, gradients, sound, support, surfaces, weights
-from mpmfw_testing import examine, shape_checks, shape_conformance, subject_of
+from mpmfw_testing import checks_of, examine, shape_conformance, subject_of
 
 #: What a bundled shape function cannot pass, and why.
 LINEAR = {
@@ -67,7 +67,7 @@ FAULTS = {
 #: Checks whose violations have nothing to show: attributes, layouts of arrays, two equal tables.
 WITHOUT_PICTURE = {"sent", "dimensions", "options", "structure"}
 
-CHECKS = {check.name: check for check in shape_checks()}
+CHECKS = {check.name: check for check in checks_of("shape")}
 
 
 @shape_conformance("linear", expected_failures=LINEAR, pictures=None)

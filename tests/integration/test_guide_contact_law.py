@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from mpmfw.cli.app import app
-from mpmfw_testing import contact_checks, examine, subject_of
+from mpmfw_testing import checks_of, examine, subject_of
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "guide" / "write-a-contact-law.md"
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
@@ -118,7 +118,7 @@ def test_a_film_fails_the_checks_that_it_must_and_no_other(package):
     source = (package / "tests" / "test_film_on.py").read_text(encoding="utf-8")
     exec(compile(source, "test_film_on.py", "exec"), names)
     film = subject_of("nodes+film(resistance=1e4)", "contact")
-    outcomes = examine(film, contact_checks(), names["BY_DESIGN"])
+    outcomes = examine(film, checks_of("contact"), names["BY_DESIGN"])
     assert [outcome.report for outcome in outcomes if outcome.wrong] == []
     failed = {outcome.check for outcome in outcomes if outcome.status == "expected failure"}
     assert failed == set(names["BY_DESIGN"])

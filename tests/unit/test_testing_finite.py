@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mpmfw.api import ContactStrategy, ForceLaw, hookimpl
-from mpmfw_testing import contact_checks, examine, subject_of
+from mpmfw_testing import checks_of, examine, subject_of
 
 
 class Divides(ForceLaw):
@@ -57,7 +57,7 @@ class Moves(ContactStrategy):
     ],
 )
 def test_the_first_array_and_the_hook_that_made_it_are_named(plugin, array, made):
-    checks = [check for check in contact_checks() if check.name in ("runs", "energy")]
+    checks = [check for check in checks_of("contact") if check.name in ("runs", "energy")]
     for outcome in examine(subject_of(plugin, "contact"), checks):
         assert outcome.status == "failed"
         assert str(outcome.counterexample["first that is no number"]).startswith(array), outcome.report
@@ -66,7 +66,7 @@ def test_the_first_array_and_the_hook_that_made_it_are_named(plugin, array, made
 
 def test_a_run_without_such_a_value_names_none():
     (outcome,) = examine(
-        subject_of("separate", "contact"), [c for c in contact_checks() if c.name == "pushes-apart"]
+        subject_of("separate", "contact"), [c for c in checks_of("contact") if c.name == "pushes-apart"]
     )
     assert outcome.status == "failed"
     assert "first that is no number" not in outcome.counterexample

@@ -16,12 +16,11 @@ from mpmfw_testing import (
     Check,
     Inapplicable,
     Violation,
-    contact_checks,
+    checks_of,
     contact_conformance,
     examine,
     ladder,
     search,
-    shape_checks,
     subject_of,
 )
 from mpmfw_testing import parametrised as parametrised_module
@@ -103,8 +102,8 @@ def test_expected_failures_must_be_justified_and_known(table, said):
 def test_the_decorator_parametrises_over_all_checks():
     mark = contact_conformance("separate").mark
     assert mark.name == "parametrize"
-    assert list(mark.kwargs["ids"]) == [check.name for check in contact_checks()]
-    assert len(mark.args[1]) == len(contact_checks())
+    assert list(mark.kwargs["ids"]) == [check.name for check in checks_of("contact")]
+    assert len(mark.args[1]) == len(checks_of("contact"))
     with pytest.raises(SceneError, match="did you mean 'energy'"):
         contact_conformance("separate", expected_failures={"enrgy": WHY})
     with pytest.raises(SceneError, match="did you mean 'energy'"):
@@ -167,7 +166,7 @@ class Broken(ContactStrategy):
 
 def test_a_law_that_fails_in_its_first_step_fails_every_check_for_one_reason():
     names = ["runs", "equal-and-opposite", "moment-balance", "coulomb-cone", "sticking", "frictionless"]
-    checks = [check for check in contact_checks() if check.name in names]
+    checks = [check for check in checks_of("contact") if check.name in names]
     first, *others = examine(subject_of(Broken, "contact"), checks)
     assert "plug-in 'broken' of " in first.message
     assert "'no_such_array'" in first.message
@@ -188,7 +187,7 @@ def test_in_pytest_too(tmp_path):
 
 
 def test_a_check_that_the_law_runs_at_all_comes_first():
-    assert contact_checks()[0].name == shape_checks()[0].name == "runs"
+    assert checks_of("contact")[0].name == checks_of("shape")[0].name == "runs"
 
 
 def test_expected_failures_leave_no_pictures_behind(tmp_path):
@@ -200,11 +199,11 @@ def test_a_counterexample_is_saved_as_a_scene_and_a_program_that_runs_it(tmp_pat
     """Of a fault of a contact and one of a load; the program is run, as whoever gets the two files would."""
     from faulty_plugins.contact.momentum import Adhesion
     from faulty_plugins.load.faults import EachPoint
-    from mpmfw_testing import contact_checks, load_checks
+    from mpmfw_testing import checks_of
 
     for kind, fault, name, checks in (
-        ("contact", Adhesion, "no-adhesion", contact_checks()),
-        ("load", EachPoint, "refinement", load_checks()),
+        ("contact", Adhesion, "no-adhesion", checks_of("contact")),
+        ("load", EachPoint, "refinement", checks_of("load")),
     ):
         check = next(each for each in checks if each.name == name)
         (outcome,) = examine(subject_of(fault, kind), [check], folder=tmp_path)
@@ -224,8 +223,8 @@ def test_a_counterexample_is_saved_as_a_scene_and_a_program_that_runs_it(tmp_pat
 
 def test_nothing_is_saved_where_nothing_fails(tmp_path):
     from faulty_plugins.load.faults import Sound
-    from mpmfw_testing import load_checks
+    from mpmfw_testing import checks_of
 
-    (outcome,) = examine(subject_of(Sound, "load"), load_checks()[:1], folder=tmp_path)
+    (outcome,) = examine(subject_of(Sound, "load"), checks_of("load")[:1], folder=tmp_path)
     assert outcome.saved == ()
     assert not list(tmp_path.iterdir())

@@ -11,9 +11,8 @@ from mpmfw.api import ContactStrategy, ImpulseLaw
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import available, load
 from mpmfw_contact.penalty import Penalty
-from mpmfw_testing import check_plugin, contact_checks, examine, subject_of
+from mpmfw_testing import check_plugin, checks_of, examine, subject_of
 from mpmfw_testing.option_values import candidates
-from mpmfw_testing.parametrised import checks_of
 
 
 def test_subjects_of_all_sorts():
@@ -34,7 +33,7 @@ def test_every_bundled_detection_and_law_is_checked_with_a_part_that_it_goes_wit
         assert subject_of(load(kind, name), "contact").label == subject.label
         assert subject_of(load(kind, name)(), kind).label == subject.label
         assert subject.make().name == subject.label
-    assert checks_of(kind) == contact_checks()
+    assert checks_of(kind) == checks_of("contact")
 
 
 def test_options_of_a_law_are_those_of_its_contact():
@@ -188,7 +187,7 @@ class Opaque(ContactStrategy):
 
 
 def test_an_option_whose_values_cannot_be_made_up_is_asked_for():
-    options = next(check for check in contact_checks() if check.name == "options")
+    options = next(check for check in checks_of("contact") if check.name == "options")
     outcome = examine(subject_of(Opaque, "contact"), [options])[0]
     assert outcome.status == "failed"
     assert outcome.counterexample["option"] == "opaque"

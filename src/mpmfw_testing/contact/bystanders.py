@@ -5,8 +5,7 @@ from __future__ import annotations
 from mpmfw.contact.strategy import NoInteraction
 from mpmfw.runs.simulation import Simulation
 from mpmfw_testing.check import Violation
-from mpmfw_testing.contact.bounds import search_meetings
-from mpmfw_testing.contact.meeting import CELL, EXTENT, Meeting, body, rectangle
+from mpmfw_testing.contact.meeting import CELL, EXTENT, Meeting, body, rectangle, search_meetings
 from mpmfw_testing.contact.motion import simulate
 from mpmfw_testing.contact.separation import fixed_step, same_bits
 from mpmfw_testing.searching import ladder
@@ -14,7 +13,8 @@ from mpmfw_testing.subject import Subject
 
 
 def one_body(subject: Subject) -> None:
-    """A scene of one body runs bit by bit as without contact, and does not call the law at all."""
+    """A body alone moves as if no contact were named, to the bit. A scene of one body runs bit by bit as
+    without contact, and does not call the law at all."""
 
     def trial(meeting: Meeting) -> None:
         mapping = meeting.mapping(gravity={"vector": [0.0, -5.0]})
@@ -30,7 +30,8 @@ def one_body(subject: Subject) -> None:
 
 
 def bystander(subject: Subject) -> None:
-    """A body three cells or more from two that meet moves bit by bit as it would if they did not.
+    """A body far from those that meet is left alone, to the bit. A body three cells or more from two that
+    meet moves bit by bit as it would if they did not.
 
     All three run at the same fixed step.
     """

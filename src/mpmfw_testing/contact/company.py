@@ -6,7 +6,7 @@ import numpy as np
 
 from mpmfw.runs.simulation import Simulation
 from mpmfw.state.fields import FloatArray
-from mpmfw_testing.contact.bounds import within
+from mpmfw_testing.check import within
 from mpmfw_testing.contact.drawing import histories, impulses_at
 from mpmfw_testing.contact.meeting import (
     CELL,
@@ -39,7 +39,8 @@ BEFORE, BOOST = 12, (4.0, -2.0)
 
 
 def many_contacts(subject: Subject) -> None:
-    """Twenty blocks that come down on one plate, whole cells apart, get the same impulse, to 5 %; so do halves of a long face.
+    """Of many bodies that touch each gets its share. Twenty blocks that come down on one plate, whole cells
+    apart, get the same impulse, to 5 %; so do halves of a long face.
 
     Twenty-one bodies have 210 pairs, twenty of which touch; two strips of 120 cells share some 360 nodes, and
     have 480 points on their faces: arrays that are too small for them leave the last ones without contact.
@@ -99,7 +100,8 @@ def _long_face(subject: Subject) -> None:
 
 
 def refinement(subject: Subject) -> None:
-    """Twice and four times as many points on the surface of either block change the impulse by any time by 3 % of the whole.
+    """How many points a surface has does not matter. Twice and four times as many points on the surface of
+    either block change the impulse by any time by 3 % of the whole.
 
     What a point bears goes with the length that is its own. A law without surfaces has no such points.
     """
@@ -131,10 +133,11 @@ def _refined(subject: Subject, meeting: Meeting, first: int, second: int) -> Mot
 
 
 def step_length(subject: Subject) -> None:
-    """In steps of a quarter of half the stable one, blocks that stick exchange the same by any time: 10 % along, 20 % across.
+    """How long a step is does not matter. In steps of a quarter of half the stable one, blocks that stick
+    exchange the same by any time: 10 % along, 20 % across.
 
-    What a law does in every step, however long that is, it does four times as often: stop a part of the approach, or let
-    a part of what springs hold go.
+    What a law does in every step, however long that is, it does four times as often: stop a part of the
+    approach, or let a part of what springs hold go.
     """
     meeting = Meeting(gap=0.05, slide=0.2, friction=1.0)
     longest = 0.5 * simulate(subject, meeting.mapping(), 1).dt[0]
@@ -174,11 +177,13 @@ def _by_time(
 
 
 def met_again(subject: Subject) -> None:
-    """Discs that met, were drawn apart and are thrown at each other from another side are stopped again.
+    """Bodies that met and parted are stopped when they meet again. Discs that met, were drawn apart and are
+    thrown at each other from another side are stopped again.
 
     At most 5 % of the speed of approach is left, and 15 % of it across the line between them.
 
-    What a law keeps of the first meeting, its normals or that it was one, must not stand in the way of the second.
+    What a law keeps of the first meeting, its normals or that it was one, must not stand in the way of the
+    second.
     """
     meeting = Meeting(form="discs", gap=0.05)
     simulation = Simulation(meeting.mapping(), contact=subject.make())
@@ -230,9 +235,11 @@ def _line(simulation: Simulation) -> FloatArray:
 
 
 def moving_frame(subject: Subject) -> None:
-    """Two that touch and slide exchange the same impulses in a step that both enter with 4 m/s more, to 1e-9 of the largest.
+    """A velocity that all bodies share does not matter. Two that touch and slide exchange the same impulses
+    in a step that both enter with 4 m/s more, to 1e-9 of the largest.
 
-    Points and springs are where they were: what the law does in this step is a matter of the bodies' motion against each other.
+    Points and springs are where they were: what the law does in this step is a matter of the bodies' motion
+    against each other.
     """
     meeting = Meeting(gap=0.05, friction=0.3, slide=0.5, heavier=4.0)
     slow, fast = (_seen(subject, meeting, np.array(boost)) for boost in ([0.0, 0.0], BOOST))

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw_testing.contact.bounds import search_meetings, within
+from mpmfw_testing.check import within
 from mpmfw_testing.contact.drawing import impulses_at
-from mpmfw_testing.contact.meeting import CELL, Meeting
+from mpmfw_testing.contact.meeting import CELL, Meeting, search_meetings
 from mpmfw_testing.contact.motion import simulate
 from mpmfw_testing.searching import ladder
 from mpmfw_testing.subject import Subject
@@ -20,11 +20,12 @@ FAINT = 1e-6
 
 
 def equal_and_opposite(subject: Subject) -> None:
-    """In every step |Σ J_i| over all nodes is at most 1e-12 of the largest Σ |J_i|; so is the points' change of momentum.
+    """What one body gets the other loses, in every step. In every step |Σ J_i| over all nodes is at most
+    1e-12 of the largest Σ |J_i|; so is the points' change of momentum.
 
-    The largest of all steps: J_i is the difference of two nodal momenta, and has their rounding. The second is
-    counted in the momentum m v that the bodies bring: the transfer keeps it to rounding, so that whatever is missing
-    there was taken by contact in a place that the grid's hooks do not show.
+    The largest of all steps: J_i is the difference of two nodal momenta, and has their rounding. The second
+    is counted in the momentum m v that the bodies bring: the transfer keeps it to rounding, so that whatever
+    is missing there was taken by contact in a place that the grid's hooks do not show.
     """
 
     def trial(meeting: Meeting) -> None:
@@ -64,13 +65,14 @@ def equal_and_opposite(subject: Subject) -> None:
 
 
 def moment_balance(subject: Subject) -> None:
-    """Over the meeting, Σ |M| / Σ |J| is at most a thousandth of a cell, M the net moment of a step's nodal impulses.
+    """The impulses on two bodies have one line of action. Over the meeting, Σ |M| / Σ |J| is at most a
+    thousandth of a cell, M the net moment of a step's nodal impulses.
 
-    What two bodies do to each other has one line of action. Contact at common nodes keeps that exactly; forces of
-    surface points spread by N_i keep it where Σ N_i x_i = x_s, which fails by less than a thousandth of a cell in
-    the few steps in which a point touches a node without mass and the map is renormalised. A couple left out, such
-    as gap times friction, is ten times the bound. Moments of the lumped transfer do not enter: contact alone is
-    measured.
+    What two bodies do to each other has one line of action. Contact at common nodes keeps that exactly;
+    forces of surface points spread by N_i keep it where Σ N_i x_i = x_s, which fails by less than a
+    thousandth of a cell in the few steps in which a point touches a node without mass and the map is
+    renormalised. A couple left out, such as gap times friction, is ten times the bound. Moments of the lumped
+    transfer do not enter: contact alone is measured.
     """
 
     def trial(meeting: Meeting) -> None:

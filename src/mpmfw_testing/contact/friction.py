@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from mpmfw.state.fields import FloatArray
-from mpmfw_testing.check import Inapplicable
-from mpmfw_testing.contact.bounds import search_meetings, within
+from mpmfw_testing.check import Inapplicable, within
 from mpmfw_testing.contact.drawing import impulse_history, impulses_at
-from mpmfw_testing.contact.meeting import CELL, WIDTH, Meeting
+from mpmfw_testing.contact.meeting import CELL, WIDTH, Meeting, search_meetings
 from mpmfw_testing.contact.motion import Motion, simulate
 from mpmfw_testing.searching import hypothesis, ladder
 from mpmfw_testing.subject import Subject
@@ -46,10 +45,11 @@ def face_impulse(meeting: Meeting, motion: Motion) -> FloatArray:
 
 
 def coulomb_cone(subject: Subject) -> None:
-    """Through the middle of two blocks' face, |J_t| − μ J_n is at most 1 % of the largest J_n, in every step.
+    """Friction is at most the friction coefficient times the normal impulse. Through the middle of two
+    blocks' face, |J_t| − μ J_n is at most 1 % of the largest J_n, in every step.
 
-    The face bends a little, so that a true normal has a tangential part; a law without a cone exceeds the bound by
-    the friction coefficient's order.
+    The face bends a little, so that a true normal has a tangential part; a law without a cone exceeds the
+    bound by the friction coefficient's order.
     """
 
     def trial(meeting: Meeting) -> None:
@@ -79,10 +79,11 @@ def coulomb_cone(subject: Subject) -> None:
 
 
 def slip_on_the_cone(subject: Subject) -> None:
-    """Blocks that slip fast feel at least 90 % of μ times the normal impulse, against their slip.
+    """Bodies that slip feel the full friction, against their slip. Blocks that slip fast feel at least 90 %
+    of μ times the normal impulse, against their slip.
 
-    Over the meeting, through the middle of the face, at a sliding speed that friction cannot stop. The rest is
-    left for springs that must be stretched before they carry.
+    Over the meeting, through the middle of the face, at a sliding speed that friction cannot stop. The rest
+    is left for springs that must be stretched before they carry.
     """
     if not getattr(subject.make(), "uses_friction", False):
         raise Inapplicable("the law says that it does not use friction (uses_friction is false)")
@@ -116,11 +117,12 @@ def slip_on_the_cone(subject: Subject) -> None:
 
 
 def sticking(subject: Subject) -> None:
-    """Where little friction makes bodies stick, Σ |J_t| over the meeting is at most 3 times what equalises their speeds.
+    """Where less friction is enough to stick, no more acts. Where little friction makes bodies stick, Σ |J_t|
+    over the meeting is at most 3 times what equalises their speeds.
 
-    That is the reduced mass times the sliding speed; twice it if friction is stored and given back in full, and half
-    as much again for what the faces' own oscillation moves to and fro. A law that applies μ J_n whatever sticking
-    needs exceeds it by μ times the speed of approach over the sliding speed, 10 to 50 here.
+    That is the reduced mass times the sliding speed; twice it if friction is stored and given back in full,
+    and half as much again for what the faces' own oscillation moves to and fro. A law that applies μ J_n
+    whatever sticking needs exceeds it by μ times the speed of approach over the sliding speed, 10 to 50 here.
     """
 
     def trial(meeting: Meeting) -> None:
@@ -149,7 +151,8 @@ def sticking(subject: Subject) -> None:
 
 
 def frictionless(subject: Subject) -> None:
-    """With μ = 0 the tangential impulse through the middle of a face is at most 1 % of the largest normal one.
+    """Without friction, contact leaves the tangential velocity alone. With μ = 0 the tangential impulse
+    through the middle of a face is at most 1 % of the largest normal one.
 
     In every step, at any sliding speed; the face bends a little, so that a true normal has a tangential part.
     """

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from mpmfw.plugin.discovery import available
 from mpmfw.state.fields import FloatArray
+from mpmfw_testing.searching import search
 
 CELL = 0.1  #: h [m]
 EXTENT = 1.5  #: half the edge of the grid [m]
@@ -187,3 +189,27 @@ def scene(bodies: dict[str, Any], materials: dict[str, Any], friction: float, **
         "output": {"gap": False, "particles": False, "surface": False},
         **keys,
     }
+
+
+def search_meetings(
+    trial: Callable[[Meeting], None],
+    cases: Mapping[str, Any],
+    *,
+    examples: int = 8,
+    most: int = 40,
+    **fixed: Any,
+) -> None:
+    """Try a property on meetings that differ in ``cases``; ``fixed`` numbers are the same in all.
+
+    Raises
+    ------
+    Violation
+        Of the smallest case that breaks it.
+    """
+    search(
+        cases,
+        lambda **numbers: trial(Meeting(**{**fixed, **numbers})),
+        examples=examples,
+        most=most,
+        names=NAMES,
+    )

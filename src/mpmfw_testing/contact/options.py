@@ -20,11 +20,12 @@ SCENES = (
 STEPS = 30
 
 
-def options_act(subject: Subject) -> None:
-    """Every option changes the motion of one of three scenes by a bit at least, for one of its values.
+def options(subject: Subject) -> None:
+    """Every option changes something or is refused. Every option changes the motion of one of three scenes by
+    a bit at least, for one of its values.
 
-    Values are tried alone, and together with each choice of the other options, since an option may need another one.
-    Values may be refused, by the model or as a ``SceneError``, but not all that are tried.
+    Values are tried alone, and together with each choice of the other options, since an option may need
+    another one. Values may be refused, by the model or as a ``SceneError``, but not all that are tried.
     """
     every_option_acts(subject, [functools.partial(_digest, subject, meeting) for meeting in SCENES])
 

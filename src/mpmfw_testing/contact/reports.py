@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw_testing.check import Inapplicable
-from mpmfw_testing.contact.bounds import search_meetings, within
+from mpmfw_testing.check import Inapplicable, within
 from mpmfw_testing.contact.drawing import histories
-from mpmfw_testing.contact.meeting import Meeting
+from mpmfw_testing.contact.meeting import Meeting, search_meetings
 from mpmfw_testing.contact.motion import Motion, simulate
 from mpmfw_testing.searching import ladder
 from mpmfw_testing.subject import Subject
@@ -18,12 +17,14 @@ REPORTED = 1e-9
 FALLEN = 1e-12
 
 
-def reported_force(subject: Subject) -> None:
-    """The series ``contact_force`` times the interval is the impulse on the pair's first body, to 1e-9 of all exchanged.
+def reports(subject: Subject) -> None:
+    """The reported contact force is the momentum exchanged. The series ``contact_force`` times the interval
+    is the impulse on the pair's first body, to 1e-9 of all exchanged.
 
-    And ``frictional_work`` never falls: from one output to the next by at most 1e-12 of its largest value or of the
-    energy that the bodies bring, whichever is more. That is rounding: where bodies stick the slip that is left, times
-    the impulse, is the difference of two equal numbers. Laws that declare neither series are not asked.
+    And ``frictional_work`` never falls: from one output to the next by at most 1e-12 of its largest value or
+    of the energy that the bodies bring, whichever is more. That is rounding: where bodies stick the slip that
+    is left, times the impulse, is the difference of two equal numbers. Laws that declare neither series are
+    not asked.
     """
 
     def trial(meeting: Meeting) -> None:

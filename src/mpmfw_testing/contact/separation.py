@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 
 from mpmfw.contact.strategy import NoInteraction
-from mpmfw_testing.check import Violation
-from mpmfw_testing.contact.bounds import search_meetings, within
+from mpmfw_testing.check import Violation, within
 from mpmfw_testing.contact.drawing import impulse_history, impulses_at
-from mpmfw_testing.contact.meeting import CELL, WAVE_SPEED, Meeting, slowest
+from mpmfw_testing.contact.meeting import CELL, WAVE_SPEED, Meeting, search_meetings, slowest
 from mpmfw_testing.contact.motion import Motion, simulate
 from mpmfw_testing.searching import ladder, try_all
 from mpmfw_testing.subject import Subject
@@ -26,10 +25,11 @@ NOTHING = 1e-12
 
 
 def pushes_apart(subject: Subject) -> None:
-    """Bodies that meet are stopped (5 % of the speed of approach may be left), and no step pulls (1 % of the largest push).
+    """Bodies that meet are pushed apart until they stop, and never pulled. Bodies that meet are stopped (5 %
+    of the speed of approach may be left), and no step pulls (1 % of the largest push).
 
-    A step may pull a little where friction at inclined parts of a face has a component along the line between the
-    bodies. Speed may be left where a method lets go as soon as the bodies' mean velocities agree.
+    A step may pull a little where friction at inclined parts of a face has a component along the line between
+    the bodies. Speed may be left where a method lets go as soon as the bodies' mean velocities agree.
     """
 
     def trial(meeting: Meeting) -> None:
@@ -66,9 +66,11 @@ def pushes_apart(subject: Subject) -> None:
 
 
 def unequal(subject: Subject) -> None:
-    """Discs one of which has a thousand times the other's density and moduli are stopped, and gain at most 0.5 % of energy.
+    """A light body is stopped by a heavy one, and the reverse. Discs one of which has a thousand times the
+    other's density and moduli are stopped, and gain at most 0.5 % of energy.
 
-    At most 5 % of the speed of approach is left. What a law takes for no mass, or for a small one, is that of a body here.
+    At most 5 % of the speed of approach is left. What a law takes for no mass, or for a small one, is that of
+    a body here.
     """
 
     def trial(ratio: float) -> None:
@@ -91,10 +93,12 @@ def unequal(subject: Subject) -> None:
 
 
 def no_adhesion(subject: Subject) -> None:
-    """Bodies that touch, or nearly so, and part exchange less than 1e-12 of their momentum in every step.
+    """Bodies that touch and part do not feel each other. Bodies that touch, or nearly so, and part exchange
+    less than 1e-12 of their momentum in every step.
 
-    They are without stress and part along the line between them, so that there is nothing that a contact would have to
-    transmit. Discs that also slide would graze each other for a law that sees them through a cell.
+    They are without stress and part along the line between them, so that there is nothing that a contact
+    would have to transmit. Discs that also slide would graze each other for a law that sees them through a
+    cell.
     """
 
     def trial(meeting: Meeting) -> None:
@@ -123,7 +127,8 @@ def no_adhesion(subject: Subject) -> None:
 
 
 def asleep_apart(subject: Subject) -> None:
-    """Bodies three cells apart or more move bit by bit as with contact ``separate``, at the same time step.
+    """Bodies that are apart move as if there were no contact, to the bit. Bodies three cells apart or more
+    move bit by bit as with contact ``separate``, at the same time step.
 
     Three cells: farther than two bodies' shape functions reach, and than any search need look.
     """

@@ -8,8 +8,7 @@ from mpmfw.contact.strategy import NoInteraction
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import available, distribution_of
 from mpmfw.runs.simulation import Simulation
-from mpmfw_testing.check import Inapplicable, Violation
-from mpmfw_testing.contact.bounds import within
+from mpmfw_testing.check import Inapplicable, Violation, within
 from mpmfw_testing.contact.drawing import impulses_at
 from mpmfw_testing.contact.meeting import Meeting
 from mpmfw_testing.contact.motion import simulate
@@ -26,12 +25,13 @@ def bundled_shapes() -> list[str]:
     return [name for name, entry in available("shape").items() if distribution_of(entry) == "mpmfw"]
 
 
-def every_shape(subject: Subject) -> str | None:
-    """With each bundled shape function two discs are stopped (5 % of their speed may be left), momentum kept to 1e-9.
+def shapes(subject: Subject) -> str | None:
+    """The law works with every bundled shape function, or refuses it. With each bundled shape function two
+    discs are stopped (5 % of their speed may be left), momentum kept to 1e-9.
 
-    Or the law refuses, with a ``SceneError`` that says why, a scene that can be run without contact. Every shape
-    function runs with its own default scheme and transfer. Energy is not asked here: linear functions make some by
-    themselves when points cross cells.
+    Or the law refuses, with a ``SceneError`` that says why, a scene that can be run without contact. Every
+    shape function runs with its own default scheme and transfer. Energy is not asked here: linear functions
+    make some by themselves when points cross cells.
 
     Returns
     -------
@@ -80,7 +80,8 @@ def _works_with(subject: Subject, shape: str) -> bool:
 
 
 def runs(subject: Subject) -> None:
-    """A hundred steps of two discs that meet, slide and have friction come to their end.
+    """A scene of two bodies that meet runs to its end. A hundred steps of two discs that meet, slide and have
+    friction come to their end.
 
     It is the plainest thing that a law does: what breaks it breaks most other checks as well.
     """

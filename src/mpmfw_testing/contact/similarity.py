@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.runs.simulation import Simulation
-from mpmfw_testing.check import Violation
-from mpmfw_testing.contact.bounds import within
+from mpmfw_testing.check import Violation, within
 from mpmfw_testing.contact.drawing import histories, places
 from mpmfw_testing.contact.energy import GROWTH
 from mpmfw_testing.contact.meeting import CELL, NAMES, Meeting, body, material, rectangle, scene
@@ -23,11 +22,12 @@ FACTORS = (1024.0, 1.0 / 1024.0)
 
 
 def similarity(subject: Subject) -> None:
-    """The scene with lengths, times or densities 1024 times as large or small moves alike, to 1e-9 cells and of its momentum.
+    """The scene in other units moves alike. The scene with lengths, times or densities 1024 times as large or
+    small moves alike, to 1e-9 cells and of its momentum.
 
-    Moduli go with density (length / time)², and options that say a unit with theirs: the two are one motion in other units;
-    all factors are powers of two, so that arithmetic gives the same digits. A tolerance in metres, a stiffness as a constant or a
-    speed that counts as zero does not.
+    Moduli go with density (length / time)², and options that say a unit with theirs: the two are one motion
+    in other units; all factors are powers of two, so that arithmetic gives the same digits. A tolerance in
+    metres, a stiffness as a constant or a speed that counts as zero does not.
     """
     meeting = Meeting(form="discs", gap=0.05, friction=0.3, slide=0.5, heavier=4.0, stiffer=4.0)
     reference = simulate(subject, meeting.mapping(), STEPS)
@@ -83,8 +83,9 @@ def in_units(mapping: dict[str, Any], length: float, time: float, density: float
     return {**mapping, "grid": grid, "time": instants, "bodies": bodies, "materials": materials}
 
 
-def outputs_change_nothing(subject: Subject) -> None:
-    """A run that is asked for all series after every step moves as one that is asked for none, to the bit."""
+def outputs(subject: Subject) -> None:
+    """How often outputs are asked for does not matter, to the bit. A run that is asked for all series after
+    every step moves as one that is asked for none, to the bit."""
 
     def trial(slide: float) -> None:
         mapping = Meeting(gap=0.05, friction=0.3, slide=slide).mapping()
@@ -102,10 +103,11 @@ def outputs_change_nothing(subject: Subject) -> None:
 
 
 def three_bodies(subject: Subject) -> None:
-    """Three bodies that meet at one spot gain at most 0.5 % of energy, and every pair has its own friction.
+    """Three bodies get no energy, and each pair has its own friction. Three bodies that meet at one spot gain
+    at most 0.5 % of energy, and every pair has its own friction.
 
-    A node that two others touch has one mass to give. Two blocks beside a third that is far away, listed before or after them and
-    rough against both, move as without it, to 1e-9.
+    A node that two others touch has one mass to give. Two blocks beside a third that is far away, listed
+    before or after them and rough against both, move as without it, to 1e-9.
     """
 
     def trial(slide: float, heavier: float) -> None:

@@ -7,8 +7,7 @@ import functools
 import numpy as np
 
 from mpmfw.state.fields import FloatArray
-from mpmfw_testing.check import Inapplicable, Picture, Violation
-from mpmfw_testing.contact.bounds import within
+from mpmfw_testing.check import Inapplicable, Picture, Violation, within
 from mpmfw_testing.contact.conservation import FAINT, LEVER, ROUNDING
 from mpmfw_testing.contact.drawing import impulse_history
 from mpmfw_testing.contact.meeting import CELL, NAMES, body, material, scene
@@ -27,10 +26,12 @@ AXES = {"x": 0, "y": 1, "z": 2}
 
 
 def three_dimensions(subject: Subject) -> None:
-    """Two cubes that meet along any axis: impulses equal and opposite (1e-12), on one line (1e-3 cells), and they stop.
+    """In three dimensions too, impulses balance and bodies stop. Two cubes that meet along any axis: impulses
+    equal and opposite (1e-12), on one line (1e-3 cells), and they stop.
 
-    The bounds are those of ``equal-and-opposite``, ``moment-balance`` and ``pushes-apart``. With friction along both tangents the
-    motion is the same along each axis, to 1 %. Asked of laws that work in three dimensions.
+    The bounds are those of ``equal-and-opposite``, ``moment-balance`` and ``pushes-apart``. With friction
+    along both tangents the motion is the same along each axis, to 1 %. Asked of laws that work in three
+    dimensions.
     """
     if 3 not in subject.make().dimensions:
         raise Inapplicable("the law does not work in three dimensions, and says so")

@@ -8,10 +8,9 @@ import numpy as np
 
 from mpmfw.runs.simulation import Simulation
 from mpmfw.state.history import NotSaved
-from mpmfw_testing.check import Picture, Violation
-from mpmfw_testing.contact.bounds import search_meetings, within
+from mpmfw_testing.check import Picture, Violation, within
 from mpmfw_testing.contact.drawing import histories
-from mpmfw_testing.contact.meeting import Meeting
+from mpmfw_testing.contact.meeting import Meeting, search_meetings
 from mpmfw_testing.contact.motion import Motion, note, recorded, simulate
 from mpmfw_testing.contact.separation import same_bits
 from mpmfw_testing.saving import remember
@@ -25,7 +24,8 @@ ACCUMULATED = ("frictional_work", "damping_work", "spring_work")
 
 
 def used_twice(subject: Subject) -> None:
-    """An object that has served one simulation serves the next with the same bits as a fresh one.
+    """A strategy object carries nothing from one run to the next. An object that has served one simulation
+    serves the next with the same bits as a fresh one.
 
     Comparisons and studies hand one configured object to many runs.
     """
@@ -43,10 +43,11 @@ def used_twice(subject: Subject) -> None:
 
 
 def restart(subject: Subject) -> None:
-    """``restart()`` in the middle of contact changes no bit of the motion, and sets the recorded work to zero.
+    """restart() forgets work and impulse and keeps the state of contact. ``restart()`` in the middle of
+    contact changes no bit of the motion, and sets the recorded work to zero.
 
-    It is called at time zero, after settling: springs stay loaded, work and impulse of the settling are forgotten. So
-    the first force reported after it is that of the interval after it.
+    It is called at time zero, after settling: springs stay loaded, work and impulse of the settling are
+    forgotten. So the first force reported after it is that of the interval after it.
     """
 
     def trial(meeting: Meeting) -> None:
@@ -73,10 +74,11 @@ def restart(subject: Subject) -> None:
 
 
 def saved(subject: Subject) -> None:
-    """A run that is saved in the middle of contact and loaded into a simulation built anew goes on with the same bits.
+    """A run that is saved in the middle and loaded goes on to the same bits. A run that is saved in the
+    middle of contact and loaded into a simulation built anew goes on with the same bits.
 
-    Saved is what the classes of plug-ins name in ``history``, and declared arrays of points, surface nodes, bodies
-    and pairs. What is kept elsewhere is lost.
+    Saved is what the classes of plug-ins name in ``history``, and declared arrays of points, surface nodes,
+    bodies and pairs. What is kept elsewhere is lost.
     """
 
     def trial(meeting: Meeting) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.state.fields import FloatArray
-from mpmfw_testing.contact.bounds import within
+from mpmfw_testing.check import within
 from mpmfw_testing.contact.drawing import places
 from mpmfw_testing.contact.meeting import CELL, NAMES, Meeting, body, material, rectangle, scene
 from mpmfw_testing.contact.motion import Motion, simulate
@@ -25,10 +25,11 @@ STEPS = 45
 
 
 def relabelling(subject: Subject) -> None:
-    """The order of the bodies in the scene changes positions and momenta by at most 1e-9 cells and of the largest momentum.
+    """The order in which the scene names the bodies does not matter. The order of the bodies in the scene
+    changes positions and momenta by at most 1e-9 cells and of the largest momentum.
 
-    Two blocks, or three that meet at one spot, in every order; equal ones and unequal ones. The bound leaves room for
-    sums that run in another order, whose roundings grow over the steps.
+    Two blocks, or three that meet at one spot, in every order; equal ones and unequal ones. The bound leaves
+    room for sums that run in another order, whose roundings grow over the steps.
     """
 
     def trial(bodies: int, **numbers: Any) -> None:
@@ -53,10 +54,12 @@ def relabelling(subject: Subject) -> None:
 
 
 def shift(subject: Subject) -> None:
-    """A shift by whole cells changes the motion by at most 1e-9; by part of a cell, the exchanged impulse by 15 %.
+    """Where the scene lies on the grid does not matter. A shift by whole cells changes the motion by at most
+    1e-9; by part of a cell, the exchanged impulse by 15 %.
 
-    The grid may be seen by a method, but what two bodies exchange in a meeting without friction is set by their masses
-    and speed. 15 % covers contact that begins up to a cell early and a bounce that depends on it.
+    The grid may be seen by a method, but what two bodies exchange in a meeting without friction is set by
+    their masses and speed. 15 % covers contact that begins up to a cell early and a bounce that depends on
+    it.
     """
 
     def back(meeting: Meeting, x: FloatArray) -> FloatArray:
@@ -71,9 +74,11 @@ def shift(subject: Subject) -> None:
 
 
 def rotation(subject: Subject) -> None:
-    """A quarter turn of the scene changes the motion by at most 1e-9; another turn, the exchanged impulse by 15 %.
+    """Which way the scene is turned does not matter. A quarter turn of the scene changes the motion by at
+    most 1e-9; another turn, the exchanged impulse by 15 %.
 
-    As for a shift; the impulse's direction counts as well, so that a normal which prefers the grid's axes is seen.
+    As for a shift; the impulse's direction counts as well, so that a normal which prefers the grid's axes is
+    seen.
     """
 
     def back(meeting: Meeting, x: FloatArray) -> FloatArray:

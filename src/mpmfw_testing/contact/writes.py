@@ -12,8 +12,7 @@ import numpy as np
 
 from mpmfw.api import AnyArray, Grid, Particles, Stencil, hookimpl
 from mpmfw.runs.simulation import Simulation
-from mpmfw_testing.check import Violation
-from mpmfw_testing.contact.bounds import within
+from mpmfw_testing.check import Violation, within
 from mpmfw_testing.contact.meeting import Meeting
 from mpmfw_testing.saving import remember
 from mpmfw_testing.subject import Subject
@@ -78,9 +77,11 @@ class Watch:
 
 
 def changes_nothing_else(subject: Subject) -> None:
-    """In forty steps of two discs that meet no bit of points, weights and nodal masses is another one after any hook of contact.
+    """It changes forces and momentum of the grid alone. In forty steps of two discs that meet no bit of
+    points, weights and nodal masses is another one after any hook of contact.
 
-    Forces may be added to in ``add_nodal_force`` alone, momentum everywhere else. A law that ``adds_mass`` may add mass.
+    Forces may be added to in ``add_nodal_force`` alone, momentum everywhere else. A law that ``adds_mass``
+    may add mass.
     """
     mapping = Meeting(form="discs", gap=0.05, slide=0.5, friction=0.3).mapping()
     remember(mapping, 40)
@@ -95,9 +96,11 @@ def changes_nothing_else(subject: Subject) -> None:
 
 
 def no_growth(subject: Subject) -> None:
-    """What a step of blocks in steady contact adds to what is kept for the next is at most 400 bytes: a run has a million steps.
+    """What is kept for the next step does not grow. What a step of blocks in steady contact adds to what is
+    kept for the next is at most 400 bytes: a run has a million steps.
 
-    Of six stretches of twenty steps the one that adds least counts: arrays that are enlarged once do not grow.
+    Of six stretches of twenty steps the one that adds least counts: arrays that are enlarged once do not
+    grow.
     """
     mapping = Meeting(gap=0.05, slide=0.2, friction=0.5).mapping()
     remember(mapping, (STRETCHES + 1) * STRETCH)

@@ -2,15 +2,8 @@
 
 from __future__ import annotations
 
-from mpmfw_testing.check import Check
-from mpmfw_testing.load.contract import contract_checks
-from mpmfw_testing.load.force import force_checks
-from mpmfw_testing.sent import SENT
+from mpmfw_testing.load import contract, force
+from mpmfw_testing.sent import sent
 
-
-def load_checks() -> list[Check]:
-    """All checks of a load: those first whose failure makes others fail as well."""
-    return [*contract_checks(), *force_checks(), SENT]
-
-
-__all__ = ["load_checks"]
+#: Those first whose failure makes others fail as well.
+CHECKS = (*contract.CHECKS, *force.CHECKS, sent)

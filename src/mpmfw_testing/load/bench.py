@@ -12,7 +12,7 @@ from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
 from mpmfw.state.fields import FloatArray
 from mpmfw.step.operations import interpolate, project
-from mpmfw_testing.check import Inapplicable, Violation
+from mpmfw_testing.check import Inapplicable
 from mpmfw_testing.saving import remember
 from mpmfw_testing.subject import Subject
 
@@ -115,9 +115,3 @@ def dims_of(subject: Subject) -> tuple[int, ...]:
     if not found:
         raise Inapplicable(f"the {subject.kind} takes its options in no dimension")
     return found
-
-
-def within(measured: float, bound: float, message: str, case: dict[str, object]) -> None:
-    """Raise the violation if ``measured`` is past ``bound``; NaN is."""
-    if not measured <= bound:
-        raise Violation(message, case, measured=measured, bound=bound)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw_testing.check import Check, Inapplicable, Violation
-from mpmfw_testing.load.bench import Bench, dims_of, within
+from mpmfw_testing.check import Inapplicable, Violation, within
+from mpmfw_testing.load.bench import Bench, dims_of
 from mpmfw_testing.subject import Subject
 
 #: Times at which loads are asked [s].
@@ -16,7 +16,8 @@ HELD = ("position", "velocity", "mass", "initial_volume", "volume", "deformation
 
 
 def runs(subject: Subject) -> None:
-    """A step, and the forces at four times, are finite."""
+    """The load can be set up and answers with finite forces. A step, and the forces at four times, are
+    finite."""
     for dim in dims_of(subject):
         bench = Bench(subject, dim)
         for time in TIMES:
@@ -26,7 +27,8 @@ def runs(subject: Subject) -> None:
 
 
 def writes_nothing(subject: Subject) -> None:
-    """No array of the material points, and no nodal mass or momentum, has another bit after the load was asked."""
+    """It changes nothing but the nodal forces. No array of the material points, and no nodal mass or
+    momentum, has another bit after the load was asked."""
     for dim in dims_of(subject):
         bench = Bench(subject, dim)
         bench.nodal_forces()
@@ -41,7 +43,8 @@ def writes_nothing(subject: Subject) -> None:
 
 
 def own_body(subject: Subject) -> None:
-    """Beside another body, which comes before it, the loaded one has the forces that it has alone; the other has none."""
+    """It acts on its own bodies alone, by what is theirs. Beside another body, which comes before it, the
+    loaded one has the forces that it has alone; the other has none."""
     for dim in dims_of(subject):
         alone = Bench(subject, dim).resultant()
         try:
@@ -59,7 +62,8 @@ def own_body(subject: Subject) -> None:
 
 
 def no_memory(subject: Subject) -> None:
-    """The forces of a time and a motion are the same bits, whatever was asked before: a run that is resumed goes on alike."""
+    """Its force is a function of time and motion. The forces of a time and a motion are the same bits,
+    whatever was asked before: a run that is resumed goes on alike."""
     for dim in dims_of(subject):
         fresh = [Bench(subject, dim).nodal_forces(time) for time in TIMES]
         bench = Bench(subject, dim)
@@ -72,11 +76,5 @@ def no_memory(subject: Subject) -> None:
             )  # fmt: skip
 
 
-def contract_checks() -> list[Check]:
-    """In their order."""
-    return [
-        Check("runs", "The load can be set up and answers with finite forces.", runs),
-        Check("writes-nothing", "It changes nothing but the nodal forces.", writes_nothing),
-        Check("own-body", "It acts on its own bodies alone, by what is theirs.", own_body),
-        Check("no-memory", "Its force is a function of time and motion.", no_memory),
-    ]
+#: In the order in which they are run.
+CHECKS = (runs, writes_nothing, own_body, no_memory)

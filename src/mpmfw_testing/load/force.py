@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw_testing.check import Check
-from mpmfw_testing.load.bench import STEP, Bench, dims_of, within
+from mpmfw_testing.check import within
+from mpmfw_testing.load.bench import STEP, Bench, dims_of
 from mpmfw_testing.load.contract import TIMES
 from mpmfw_testing.subject import Subject
 
@@ -18,7 +18,8 @@ ROUNDING = 1e-12
 
 
 def impulse(subject: Subject) -> None:
-    """In a step the body gains Δt times the sum of the forces, and nothing else, to 1e-12 of its momentum."""
+    """A body gains the impulse of the load's forces, and nothing else. In a step the body gains Δt times the
+    sum of the forces, and nothing else, to 1e-12 of its momentum."""
     for dim in dims_of(subject):
         force = Bench(subject, dim).nodal_forces().sum(axis=0)
         bench = Bench(subject, dim)
@@ -33,7 +34,8 @@ def impulse(subject: Subject) -> None:
 
 
 def power(subject: Subject) -> None:
-    """The energy that a step gives the grid is Δt Σ f_i·v_i with the mean of the velocities before and after, to 1e-9 of it."""
+    """Energy is gained by the power of the forces, force times velocity. The energy that a step gives the
+    grid is Δt Σ f_i·v_i with the mean of the velocities before and after, to 1e-9 of it."""
     for dim in dims_of(subject):
         force = Bench(subject, dim).nodal_forces()
         bench = Bench(subject, dim)
@@ -50,8 +52,9 @@ def power(subject: Subject) -> None:
 
 
 def refinement(subject: Subject) -> None:
-    """Force and moment of a body change by at most 30 % of the largest when its points have half the size, and by half of that
-    when they are halved again."""
+    """The force is that of the body, however it is divided into points. Force and moment of a body change by
+    at most 30 % of the largest when its points have half the size, and by half of that when they are halved
+    again."""
     for dim in dims_of(subject):
         for time in TIMES:
             found = [Bench(subject, dim, size).resultant(time) for size in (0.25, 0.125, 0.0625)]
@@ -64,10 +67,5 @@ def refinement(subject: Subject) -> None:
                 )  # fmt: skip
 
 
-def force_checks() -> list[Check]:
-    """In their order."""
-    return [
-        Check("impulse", "A body gains the impulse of the load's forces, and nothing else.", impulse),
-        Check("power", "Energy is gained by the power of the forces, force times velocity.", power),
-        Check("refinement", "The force is that of the body, however it is divided into points.", refinement),
-    ]
+#: In the order in which they are run.
+CHECKS = (impulse, power, refinement)

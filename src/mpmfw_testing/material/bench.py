@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 
 from mpmfw.plugin.hooks import BoundHooks, make_manager
@@ -13,7 +10,7 @@ from mpmfw.state.clock import Clock
 from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import Body, Particles, State
 from mpmfw.state.windows import make_grid
-from mpmfw_testing.check import Inapplicable, Violation
+from mpmfw_testing.check import Inapplicable
 from mpmfw_testing.subject import Subject
 
 #: Points of another body before and behind those of the material.
@@ -120,18 +117,6 @@ def rotation(spin: FloatArray) -> FloatArray:
     """Cayley's rotation (1 − W/2)⁻¹ (1 + W/2) of antisymmetric W (…, dim, dim)."""
     one = np.eye(spin.shape[-1])
     return np.asarray(np.linalg.solve(one - 0.5 * spin, one + 0.5 * spin))
-
-
-def within(
-    measured: float,
-    bound: float,
-    message: str,
-    case: dict[str, object],
-    picture: Callable[[Any], None] | None = None,
-) -> None:
-    """Raise the violation if ``measured`` is past ``bound``; NaN is."""
-    if not measured <= bound:
-        raise Violation(message, case, picture, measured=measured, bound=bound)
 
 
 def dims_of(subject: Subject) -> tuple[int, ...]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw_testing.check import Check, Violation
-from mpmfw_testing.material.bench import MARK, Bench, dims_of, path, within
+from mpmfw_testing.check import Violation, within
+from mpmfw_testing.material.bench import MARK, Bench, dims_of, path
 from mpmfw_testing.subject import Subject
 
 #: Strain of the paths here.
@@ -13,7 +13,8 @@ SIZE = 0.05
 
 
 def runs(subject: Subject) -> None:
-    """Ten steps to 5 % of strain give finite stresses, energies and full stresses of the right shape."""
+    """The material can be set up, and answers with finite arrays of the right shape. Ten steps to 5 % of
+    strain give finite stresses, energies and full stresses of the right shape."""
     for dim in dims_of(subject):
         bench = Bench(subject, dim, 4)
         for f in path(dim, 4, SIZE, 10):
@@ -31,7 +32,8 @@ def runs(subject: Subject) -> None:
 
 
 def own_points(subject: Subject) -> None:
-    """Stress is written to the points of the material alone, and nothing but stress is written."""
+    """It writes the stress of its own points, and nothing else. Stress is written to the points of the
+    material alone, and nothing but stress is written."""
     for dim in dims_of(subject):
         bench = Bench(subject, dim, 4)
         p = bench.particles
@@ -53,7 +55,8 @@ def own_points(subject: Subject) -> None:
 
 
 def each_for_itself(subject: Subject) -> None:
-    """A point's stress, energy and loss depend on its own deformations alone: bitwise the same in another order and company."""
+    """A point answers for itself, in whatever company. A point's stress, energy and loss depend on its own
+    deformations alone: bitwise the same in another order and company."""
     for dim in dims_of(subject):
         many, order = Bench(subject, dim, 6), np.array([4, 1, 5])
         few = Bench(subject, dim, 3)
@@ -74,7 +77,7 @@ def each_for_itself(subject: Subject) -> None:
 
 
 def repeatable(subject: Subject) -> None:
-    """The same path twice, by fresh objects: the same bits."""
+    """The same path gives the same bits. The same path twice, by fresh objects: the same bits."""
     for dim in dims_of(subject):
         found = []
         for _ in range(2):
@@ -84,7 +87,8 @@ def repeatable(subject: Subject) -> None:
 
 
 def declared_history(subject: Subject) -> None:
-    """What the stress depends on beside F is in arrays of the run: put back, the points go on with the same bits.
+    """Its history is in arrays of the run, which are saved with it. What the stress depends on beside F is in
+    arrays of the run: put back, the points go on with the same bits.
 
     The material is another object by then, as in a process that resumes a run.
     """
@@ -106,16 +110,5 @@ def declared_history(subject: Subject) -> None:
         )  # fmt: skip
 
 
-def contract_checks() -> list[Check]:
-    """In their order."""
-    return [
-        Check("runs", "The material can be set up, and answers with finite arrays of the right shape.", runs),
-        Check("own-points", "It writes the stress of its own points, and nothing else.", own_points),
-        Check("each-for-itself", "A point answers for itself, in whatever company.", each_for_itself),
-        Check("repeatable", "The same path gives the same bits.", repeatable),
-        Check(
-            "declared-history",
-            "Its history is in arrays of the run, which are saved with it.",
-            declared_history,
-        ),
-    ]
+#: In the order in which they are run.
+CHECKS = (runs, own_points, each_for_itself, repeatable, declared_history)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from mpmfw.state.fields import FloatArray
-from mpmfw_testing.check import Check, Inapplicable
-from mpmfw_testing.material.bench import Bench, dims_of, path, rotation, within
+from mpmfw_testing.check import Inapplicable, within
+from mpmfw_testing.material.bench import Bench, dims_of, path, rotation
 from mpmfw_testing.subject import Subject
 
 #: Strain at which moduli are read off.
@@ -16,7 +16,8 @@ MODULI, TURNED, PLANE = 1e-3, 1e-9, 1e-12
 
 
 def rest(subject: Subject) -> None:
-    """At F = 1 and at a rotation stress and energy are at most 1e-12 of K + 4 G / 3."""
+    """Without strain there is neither stress nor energy, however the body is turned. At F = 1 and at a
+    rotation stress and energy are at most 1e-12 of K + 4 G / 3."""
     for dim in dims_of(subject):
         bench = Bench(subject, dim, 1)
         spin = np.zeros((1, dim, dim))
@@ -30,7 +31,8 @@ def rest(subject: Subject) -> None:
 
 
 def moduli(subject: Subject) -> None:
-    """σ = K tr ε + 2 G dev ε at a strain of 1e-6, to 1e-3: wave speeds, and with them stable steps, are made of K and G.
+    """At small strain the stress is that of bulk_modulus and shear_modulus. σ = K tr ε + 2 G dev ε at a
+    strain of 1e-6, to 1e-3: wave speeds, and with them stable steps, are made of K and G.
 
     In every component; a plastic material must not flow yet.
     """
@@ -49,7 +51,8 @@ def moduli(subject: Subject) -> None:
 
 
 def objectivity(subject: Subject) -> None:
-    """Turned by Q(t) the same path gives Q σ Qᵀ, the same energy and the same loss, to 1e-9 of K + 4 G / 3."""
+    """An observer who turns sees the turned stress, and the same energy. Turned by Q(t) the same path gives Q
+    σ Qᵀ, the same energy and the same loss, to 1e-9 of K + 4 G / 3."""
     for dim in dims_of(subject):
         plain, turned = Bench(subject, dim, 4), Bench(subject, dim, 4)
         spin = np.zeros((dim, dim))
@@ -69,7 +72,8 @@ def objectivity(subject: Subject) -> None:
 
 
 def full_stress(subject: Subject) -> None:
-    """``stress_of_points`` is the stress of the step: symmetric, its plane part to 1e-9 of K + 4 G / 3."""
+    """The stress for outputs is that of the step, and symmetric. ``stress_of_points`` is the stress of the
+    step: symmetric, its plane part to 1e-9 of K + 4 G / 3."""
     for dim in dims_of(subject):
         bench = Bench(subject, dim, 4)
         for f in path(dim, 4, 0.05, 10):
@@ -86,7 +90,8 @@ def full_stress(subject: Subject) -> None:
 
 
 def plane_strain(subject: Subject) -> None:
-    """In 2D stress and energy are those of 3D with F_zz = 1, to 1e-12 of K + 4 G / 3."""
+    """Two dimensions are plane strain. In 2D stress and energy are those of 3D with F_zz = 1, to 1e-12 of K +
+    4 G / 3."""
     if not {2, 3} <= set(dims_of(subject)):
         raise Inapplicable("the material does not work in both dimensions")
     plane, space = Bench(subject, 2, 4), Bench(subject, 3, 4)
@@ -107,14 +112,5 @@ def _padded(f: FloatArray) -> FloatArray:
     return padded
 
 
-def elasticity_checks() -> list[Check]:
-    """In their order."""
-    return [
-        Check("rest", "Without strain there is neither stress nor energy, however the body is turned.", rest),
-        Check("moduli", "At small strain the stress is that of bulk_modulus and shear_modulus.", moduli),
-        Check(
-            "objectivity", "An observer who turns sees the turned stress, and the same energy.", objectivity
-        ),
-        Check("full-stress", "The stress for outputs is that of the step, and symmetric.", full_stress),
-        Check("plane-strain", "Two dimensions are plane strain.", plane_strain),
-    ]
+#: In the order in which they are run.
+CHECKS = (rest, moduli, objectivity, full_stress, plane_strain)

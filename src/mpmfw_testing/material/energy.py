@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from mpmfw.state.fields import FloatArray
-from mpmfw_testing.check import Check, Violation
-from mpmfw_testing.material.bench import Bench, dims_of, path, within
+from mpmfw_testing.check import Violation, within
+from mpmfw_testing.material.bench import Bench, dims_of, path
 from mpmfw_testing.subject import Subject
 
 #: Work that is neither stored nor lost, over the largest work of the path.
@@ -31,11 +31,12 @@ def _history(bench: Bench, steps: FloatArray) -> tuple[FloatArray, FloatArray, F
     return np.array(work), np.array(energy), np.array(lost)
 
 
-def work_is_accounted_for(subject: Subject) -> None:
-    """Along paths of 2000 steps ∫ P : dF is the change of the stored energy and what was lost, to 2 % of the largest work.
+def work(subject: Subject) -> None:
+    """The work of the stress is stored or lost. Along paths of 2000 steps ∫ P : dF is the change of the
+    stored energy and what was lost, to 2 % of the largest work.
 
-    At every step, at strains of 0.1, 10 and 40 %, with rotation and most of the way back. A stress that is no gradient of its
-    energy misses it by its own size.
+    At every step, at strains of 0.1, 10 and 40 %, with rotation and most of the way back. A stress that is no
+    gradient of its energy misses it by its own size.
     """
     for dim in dims_of(subject):
         for size in SIZES:
@@ -55,8 +56,9 @@ def work_is_accounted_for(subject: Subject) -> None:
             within(float(share.max()), UNEXPLAINED, message, case)
 
 
-def loss_never_falls(subject: Subject) -> None:
-    """What is lost grows or stays in every step, to 1e-14 of K + 4 G / 3.
+def loss(subject: Subject) -> None:
+    """What is lost never comes back, and is declared. What is lost grows or stays in every step, to 1e-14 of
+    K + 4 G / 3.
 
     A material that says ``dissipates = False`` loses nothing.
     """
@@ -71,9 +73,5 @@ def loss_never_falls(subject: Subject) -> None:
         within(back, RETURNED, "energy that was lost comes back (over K + 4 G / 3)", {"dim": dim})
 
 
-def energy_checks() -> list[Check]:
-    """In their order."""
-    return [
-        Check("work", "The work of the stress is stored or lost.", work_is_accounted_for),
-        Check("loss", "What is lost never comes back, and is declared.", loss_never_falls),
-    ]
+#: In the order in which they are run.
+CHECKS = (work, loss)

@@ -8,31 +8,15 @@ Tests of a shape function's own closed forms can use :func:`place` as well::
 
 from __future__ import annotations
 
-from mpmfw_testing.check import Check
-from mpmfw_testing.sent import SENT
-from mpmfw_testing.shape.contract import contract_checks
-from mpmfw_testing.shape.deformation import deformation_checks
-from mpmfw_testing.shape.gradients import gradient_checks
-from mpmfw_testing.shape.options import option_checks
+from mpmfw_testing.sent import sent
+from mpmfw_testing.shape import contract, deformation, gradients, options, support, surfaces, weights
 from mpmfw_testing.shape.placement import Placement, boxes, place
 from mpmfw_testing.shape.sums import dense
-from mpmfw_testing.shape.support import support_checks
-from mpmfw_testing.shape.surfaces import surface_checks
-from mpmfw_testing.shape.weights import weight_checks
 
+#: Those first whose failure makes others fail as well.
+CHECKS = (
+    *contract.CHECKS, *weights.CHECKS, *gradients.CHECKS, *support.CHECKS, *deformation.CHECKS, *surfaces.CHECKS,
+    *options.CHECKS, sent,
+)  # fmt: skip
 
-def shape_checks() -> list[Check]:
-    """All checks of a shape function: those first whose failure makes others fail as well."""
-    return [
-        *contract_checks(),
-        *weight_checks(),
-        *gradient_checks(),
-        *support_checks(),
-        *deformation_checks(),
-        *surface_checks(),
-        *option_checks(),
-        SENT,
-    ]
-
-
-__all__ = ["Placement", "boxes", "dense", "place", "shape_checks"]
+__all__ = ["Placement", "boxes", "dense", "place"]

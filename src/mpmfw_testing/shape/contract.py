@@ -15,7 +15,7 @@ from mpmfw.state.fields import AnyArray, FloatArray
 from mpmfw.state.history import NotSaved, put, take
 from mpmfw.state.structs import Stencil
 from mpmfw.state.windows import set_windows
-from mpmfw_testing.check import Check, Picture, Violation
+from mpmfw_testing.check import Picture, Violation
 from mpmfw_testing.searching import hypothesis
 from mpmfw_testing.shape.cases import CELLS, MIDDLE, dimensions_of, points, search_dimensions, within
 from mpmfw_testing.shape.picture import picture_of
@@ -29,7 +29,8 @@ WARM, FILLINGS = 20, 40
 
 
 def runs(subject: Subject) -> None:
-    """One filling, in the plane, of the simplest case comes to its end.
+    """A table is filled for the points of a body. One filling, in the plane, of the simplest case comes to
+    its end.
 
     It is the plainest thing that a shape function does: what breaks it breaks most other checks as well.
     """
@@ -41,11 +42,12 @@ def runs(subject: Subject) -> None:
 
 
 def structure(subject: Subject) -> None:
-    """``row`` counts up from 0 to at most the number of entries; int64, int32 and contiguous float64; all finite; the nodes of a
-    row ascend, if ``rows_ascend`` says so.
+    """The table has the layout that compiled kernels read. ``row`` counts up from 0 to at most the number of
+    entries; int64, int32 and contiguous float64; all finite; the nodes of a row ascend, if ``rows_ascend``
+    says so.
 
-    Compiled kernels read the table without asking: a wrong type compiles them anew or crashes, a wrong row reads
-    another point's entries.
+    Compiled kernels read the table without asking: a wrong type compiles them anew or crashes, a wrong row
+    reads another point's entries.
     """
 
     def trial(dim: int, case: dict[str, Any]) -> None:
@@ -68,7 +70,8 @@ def structure(subject: Subject) -> None:
 
 
 def repeatable(subject: Subject) -> None:
-    """The same points give the same bits: filled again, and by a fresh object after other points."""
+    """The same points give the same table, bit by bit. The same points give the same bits: filled again, and
+    by a fresh object after other points."""
 
     def trial(dim: int, case: dict[str, Any]) -> None:
         placed = _one_among_three(subject, dim, case)
@@ -88,7 +91,8 @@ def repeatable(subject: Subject) -> None:
 
 
 def saved(subject: Subject) -> None:
-    """Values that are taken in the middle of a motion and put into a fresh object go on with the same bits.
+    """A motion that is saved in the middle and loaded goes on to the same bits. Values that are taken in the
+    middle of a motion and put into a fresh object go on with the same bits.
 
     Taken is what its class names in ``history``, and declared arrays of points and bodies.
     """
@@ -122,7 +126,8 @@ def saved(subject: Subject) -> None:
 
 
 def changes_nothing_else(subject: Subject) -> None:
-    """``particle_reach``, ``interpolate`` and ``interpolate_surface`` leave every array of points and grid as it was."""
+    """Filling the table changes nothing but the table. ``particle_reach``, ``interpolate`` and
+    ``interpolate_surface`` leave every array of points and grid as it was."""
 
     def trial(dim: int, case: dict[str, Any]) -> None:
         placed = _one_among_three(subject, dim, case)
@@ -141,7 +146,8 @@ def changes_nothing_else(subject: Subject) -> None:
 
 
 def no_growth(subject: Subject) -> None:
-    """A filling of 200 points adds at most 400 bytes to memory, on the mean of 40: a run fills a million times.
+    """Filling the table again and again needs no more memory. A filling of 200 points adds at most 400 bytes
+    to memory, on the mean of 40: a run fills a million times.
 
     A table of them has more than 10 kB. What is let through is Python's own small change.
     """
@@ -202,7 +208,8 @@ def _memory_picture(held: FloatArray) -> Picture:
 
 
 def dimensions(subject: Subject) -> None:
-    """``dimensions`` is a tuple of 2, 3 or both, and the name is one that a scene can give."""
+    """The plug-in declares its name and the dimensions that it works in. ``dimensions`` is a tuple of 2, 3 or
+    both, and the name is one that a scene can give."""
     declared = dimensions_of(subject)
     if not declared or not set(declared) <= {2, 3} or len(set(declared)) != len(declared):
         raise Violation(f"dimensions must be (2,), (3,) or (2, 3); it is {declared}")
@@ -262,16 +269,5 @@ def _require_table(table: Stencil, count: int, dim: int, gradients: bool, placed
         raise Violation("the table holds values that are not finite", {}, picture_of(placed, 1))
 
 
-def contract_checks() -> list[Check]:
-    """The checks of this file."""
-    return [
-        Check("runs", "A table is filled for the points of a body.", runs),
-        Check("dimensions", "The plug-in declares its name and the dimensions that it works in.", dimensions),
-        Check("structure", "The table has the layout that compiled kernels read.", structure),
-        Check("repeatable", "The same points give the same table, bit by bit.", repeatable),
-        Check("saved", "A motion that is saved in the middle and loaded goes on to the same bits.", saved),
-        Check(
-            "changes-nothing-else", "Filling the table changes nothing but the table.", changes_nothing_else
-        ),
-        Check("no-growth", "Filling the table again and again needs no more memory.", no_growth),
-    ]
+#: In the order in which they are run.
+CHECKS = (runs, dimensions, structure, repeatable, saved, changes_nothing_else, no_growth)

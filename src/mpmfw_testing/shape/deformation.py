@@ -10,7 +10,7 @@ import numpy as np
 from mpmfw.geometry.disc import Disc
 from mpmfw.state.fields import AnyArray, FloatArray
 from mpmfw.state.structs import Stencil
-from mpmfw_testing.check import Check, Inapplicable, Violation
+from mpmfw_testing.check import Inapplicable, Violation
 from mpmfw_testing.searching import hypothesis, ladder
 from mpmfw_testing.shape.cases import (
     MIDDLE,
@@ -33,10 +33,11 @@ EDGES = (0.5, 0.45, 0.35)
 
 
 def deformed_sums(subject: Subject) -> None:
-    """After a homogeneous deformation Σ φ = 1 and Σ φ x_i = x_p to 1e-11, Σ ∇φ = 0 and Σ x_i ⊗ ∇φ = 1 to 1e-9.
+    """After stretch, shear and rotation weights and gradients still reproduce constant and linear fields.
+    After a homogeneous deformation Σ φ = 1 and Σ φ x_i = x_p to 1e-11, Σ ∇φ = 0 and Σ x_i ⊗ ∇φ = 1 to 1e-9.
 
-    Four steps of the motion, with ``update_particle_domains`` after each; the bounds are rounding, more of it than
-    before the deformation since positions and domains have been summed up.
+    Four steps of the motion, with ``update_particle_domains`` after each; the bounds are rounding, more of it
+    than before the deformation since positions and domains have been summed up.
     """
 
     def trial(dim: int, case: dict[str, Any]) -> None:
@@ -49,10 +50,11 @@ def deformed_sums(subject: Subject) -> None:
 
 
 def irregular_domains(subject: Subject) -> None:
-    """The sums of ``deformed-sums``, to the same bounds, for every point of a disc with a fitted layout.
+    """Weights and gradients of irregular domains reproduce constant and linear fields (2D). The sums of
+    ``deformed-sums``, to the same bounds, for every point of a disc with a fitted layout.
 
-    Its domains are quadrilaterals of different shapes and sizes; parallelograms of the same centre and area stand for
-    them in CPDI. Points are where the plug-in left them in ``setup``: at the centroids.
+    Its domains are quadrilaterals of different shapes and sizes; parallelograms of the same centre and area
+    stand for them in CPDI. Points are where the plug-in left them in ``setup``: at the centroids.
     """
 
     def trial(dim: int, case: dict[str, Any]) -> None:
@@ -68,11 +70,12 @@ def irregular_domains(subject: Subject) -> None:
 
 
 def constant_stress(subject: Subject) -> None:
-    """|Σ V ∇φ| ≤ 1e-11 h^(dim−1), rounding alone, at every node inside a block of square domains.
+    """A constant stress makes no force inside a body. |Σ V ∇φ| ≤ 1e-11 h^(dim−1), rounding alone, at every
+    node inside a block of square domains.
 
-    The block lies anywhere on the grid. Domains tile it, whatever their edge: the sum over them has no net boundary
-    inside. Of points without extent the sum is a quadrature, exact where each cell holds the same lattice of points:
-    their distance is half a cell.
+    The block lies anywhere on the grid. Domains tile it, whatever their edge: the sum over them has no net
+    boundary inside. Of points without extent the sum is a quadrature, exact where each cell holds the same
+    lattice of points: their distance is half a cell.
     """
     edges = EDGES if _has_extent(subject) else EDGES[:1]
 
@@ -89,11 +92,12 @@ def constant_stress(subject: Subject) -> None:
 
 
 def constant_stress_deformed(subject: Subject) -> None:
-    """|Σ V ∇φ| ≤ 1e-9 h^(dim−1) at every node inside a block that was deformed homogeneously.
+    """A constant stress makes no force inside a body that was deformed homogeneously: domains follow F. |Σ V
+    ∇φ| ≤ 1e-9 h^(dim−1) at every node inside a block that was deformed homogeneously.
 
-    Domains that follow the deformation still tile the block: the sum over them has no net boundary inside, whatever F
-    is. The bound is rounding. Asked of functions with domains alone: of points without extent the sum is a quadrature,
-    which is exact on commensurate lattices only.
+    Domains that follow the deformation still tile the block: the sum over them has no net boundary inside,
+    whatever F is. The bound is rounding. Asked of functions with domains alone: of points without extent the
+    sum is a quadrature, which is exact on commensurate lattices only.
     """
     if not _has_extent(subject):
         raise Inapplicable("points have no extent (particle_reach is 0): Σ V ∇φ is a quadrature")
@@ -197,23 +201,5 @@ def _require_no_force(block: Placement, deformation: FloatArray, bound: float) -
         )
 
 
-def deformation_checks() -> list[Check]:
-    """The checks of this file."""
-    return [
-        Check(
-            "deformed-sums",
-            "After stretch, shear and rotation weights and gradients still reproduce constant and linear fields.",
-            deformed_sums,
-        ),
-        Check(
-            "irregular-domains",
-            "Weights and gradients of irregular domains reproduce constant and linear fields (2D).",
-            irregular_domains,
-        ),
-        Check("constant-stress", "A constant stress makes no force inside a body.", constant_stress),
-        Check(
-            "constant-stress-deformed",
-            "A constant stress makes no force inside a body that was deformed homogeneously: domains follow F.",
-            constant_stress_deformed,
-        ),
-    ]
+#: In the order in which they are run.
+CHECKS = (deformed_sums, irregular_domains, constant_stress, constant_stress_deformed)

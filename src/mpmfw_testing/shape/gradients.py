@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from mpmfw.state.fields import FloatArray
-from mpmfw_testing.check import Check
 from mpmfw_testing.searching import hypothesis, ladder
 from mpmfw_testing.shape.cases import AXES, MIDDLE, one_point, points, require, search_dimensions, two_points
 from mpmfw_testing.shape.sums import dense, gradient_errors
@@ -18,11 +17,12 @@ STEP = 1e-5
 
 
 def gradient_sums(subject: Subject) -> None:
-    """h |Σ ∇φ| and |Σ x_i ⊗ ∇φ − 1| are at most 1e-10.
+    """Σ ∇φ = 0 and Σ x_i ⊗ ∇φ = 1, in every dimension. h |Σ ∇φ| and |Σ x_i ⊗ ∇φ − 1| are at most 1e-10.
 
-    They are the gradients of Σ φ = 1 and of Σ φ x_i = x. Domains of a tenth of a cell multiply rounding by 10 and
-    more, whence the bound. With the first, a uniform velocity strains nothing and internal forces add up to zero; with
-    the second, a uniform velocity gradient is read as it is, and a gradient's sign and its 1/h are right.
+    They are the gradients of Σ φ = 1 and of Σ φ x_i = x. Domains of a tenth of a cell multiply rounding by 10
+    and more, whence the bound. With the first, a uniform velocity strains nothing and internal forces add up
+    to zero; with the second, a uniform velocity gradient is read as it is, and a gradient's sign and its 1/h
+    are right.
     """
 
     def trial(dim: int, case: dict[str, Any]) -> None:
@@ -35,14 +35,16 @@ def gradient_sums(subject: Subject) -> None:
 
 
 def gradient_is_derivative(subject: Subject) -> None:
-    """h |∇φ − dφ/dx_p| ≤ 1e-4, by central differences of 1e-5 h, the domain moving along with its point.
+    """Within one cell ∇φ is the derivative of φ as the point moves, its domain with it. h |∇φ − dφ/dx_p| ≤
+    1e-4, by central differences of 1e-5 h, the domain moving along with its point.
 
-    The domain is a square or cube within one cell. There the mean over the domain of ∇N (GIMP), the gradient of the
-    function between the domain's corners (CPDI, CPDI2) and the gradient at the point (linear functions, splines) all
-    are the derivative of the weight: N has no term above the first in any one coordinate, and what the corners leave
-    out of it is odd in two coordinates, so that it cancels. Across cells CPDI's gradient is another one by design,
-    tied to forces by ``constant-stress`` alone. The bound allows for a kink of ∇φ, which a difference smears over its
-    step: 1e-5 times a second derivative of up to 3 per cell².
+    The domain is a square or cube within one cell. There the mean over the domain of ∇N (GIMP), the gradient
+    of the function between the domain's corners (CPDI, CPDI2) and the gradient at the point (linear
+    functions, splines) all are the derivative of the weight: N has no term above the first in any one
+    coordinate, and what the corners leave out of it is odd in two coordinates, so that it cancels. Across
+    cells CPDI's gradient is another one by design, tied to forces by ``constant-stress`` alone. The bound
+    allows for a kink of ∇φ, which a difference smears over its step: 1e-5 times a second derivative of up to
+    3 per cell².
     """
 
     def trial(dim: int, case: dict[str, Any]) -> None:
@@ -78,13 +80,5 @@ def _difference(subject: Subject, centre: FloatArray, edge: float, axis: int) ->
     return difference
 
 
-def gradient_checks() -> list[Check]:
-    """The checks of this file."""
-    return [
-        Check("gradient-sums", "Σ ∇φ = 0 and Σ x_i ⊗ ∇φ = 1, in every dimension.", gradient_sums),
-        Check(
-            "gradient-is-derivative",
-            "Within one cell ∇φ is the derivative of φ as the point moves, its domain with it.",
-            gradient_is_derivative,
-        ),
-    ]
+#: In the order in which they are run.
+CHECKS = (gradient_sums, gradient_is_derivative)

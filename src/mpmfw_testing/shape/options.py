@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from mpmfw.state.structs import OutsideGrid, Stencil
-from mpmfw_testing.check import Check
 from mpmfw_testing.options import every_option_acts
 from mpmfw_testing.shape.cases import CELLS, MIDDLE, dimensions_of, two_points, velocity_gradient
 from mpmfw_testing.shape.placement import Placement
@@ -20,12 +19,13 @@ from mpmfw_testing.subject import Subject
 PLACES = (MIDDLE + 0.3, float(MIDDLE), 0.4, CELLS - 0.4)
 
 
-def options_act(subject: Subject) -> None:
-    """Every option changes a table by a bit at least, for one of its values.
+def options(subject: Subject) -> None:
+    """Every option changes something or is refused. Every option changes a table by a bit at least, for one
+    of its values.
 
-    Tables of points and, in 2D, of surface points, in the middle and at the ends of the grid, before and after a
-    deformation. Values are tried alone and together with each choice of the other options. Values may be refused, by
-    the model or as a ``SceneError``, but not all that are tried.
+    Tables of points and, in 2D, of surface points, in the middle and at the ends of the grid, before and
+    after a deformation. Values are tried alone and together with each choice of the other options. Values may
+    be refused, by the model or as a ``SceneError``, but not all that are tried.
     """
     every_option_acts(subject, [functools.partial(_digest, subject)])
 
@@ -62,6 +62,5 @@ def _bytes(table: Stencil) -> Iterator[bytes]:
         yield np.ascontiguousarray(array).tobytes()
 
 
-def option_checks() -> list[Check]:
-    """The check of this file."""
-    return [Check("options", "Every option changes something or is refused.", options_act)]
+#: In the order in which they are run.
+CHECKS = (options,)

@@ -9,7 +9,7 @@ import numpy as np
 from mpmfw.errors import SceneError
 from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import OutsideGrid, Stencil
-from mpmfw_testing.check import Check, Violation
+from mpmfw_testing.check import Violation
 from mpmfw_testing.searching import hypothesis
 from mpmfw_testing.shape.cases import (
     AXES,
@@ -42,7 +42,8 @@ REACHING, LONGEST = (0.5, 4.0, 0.25, 1.0), 16.0
 
 
 def own_field(subject: Subject) -> None:
-    """No entry is a node of another body's velocity field; the two bodies lie in the same place, one larger."""
+    """A point's entries are nodes of its own body's velocity field. No entry is a node of another body's
+    velocity field; the two bodies lie in the same place, one larger."""
 
     def trial(dim: int, case: dict[str, Any]) -> None:
         centre = MIDDLE + within(case, dim)
@@ -58,11 +59,12 @@ def own_field(subject: Subject) -> None:
 
 
 def support_inside(subject: Subject) -> None:
-    """As a point moves without its window being laid anew, either its table is right or ``OutsideGrid`` names it.
+    """A support lies in the point's window, or OutsideGrid is raised with the index of the point. As a point
+    moves without its window being laid anew, either its table is right or ``OutsideGrid`` names it.
 
-    Right means entries of the own field with Σ φ = 1 and Σ φ x_i = x_p to 1e-9: nodes that run over the end of a
-    row or of a field are somewhere else. A point that is a number no more, or beyond the grid, must be named; after
-    the windows are laid anew a point with three cells of grid on all sides must not be.
+    Right means entries of the own field with Σ φ = 1 and Σ φ x_i = x_p to 1e-9: nodes that run over the end
+    of a row or of a field are somewhere else. A point that is a number no more, or beyond the grid, must be
+    named; after the windows are laid anew a point with three cells of grid on all sides must not be.
     """
     draw = hypothesis().strategies
 
@@ -92,7 +94,8 @@ def support_inside(subject: Subject) -> None:
 
 
 def surface_inside(subject: Subject) -> None:
-    """As ``support-inside``, for points on the boundary."""
+    """The support of a surface point lies in its window, or OutsideGrid is raised with its index. As
+    ``support-inside``, for points on the boundary."""
     draw = hypothesis().strategies
 
     def trial(dim: int, case: dict[str, Any]) -> None:
@@ -115,11 +118,13 @@ def surface_inside(subject: Subject) -> None:
 
 
 def reach(subject: Subject) -> None:
-    """Windows laid by ``particle_reach`` hold the support, for domains stretched up to 16 fold, or to 16 cells.
+    """Windows laid by particle_reach hold the supports of stretched domains. Windows laid by
+    ``particle_reach`` hold the support, for domains stretched up to 16 fold, or to 16 cells.
 
-    The reach is finite, not negative and (n, dim). The window's margin of three cells hides a reach that is too small
-    until domains are large, when a run would stop with "left the grid" in the middle of it. Domains that are bounded while
-    they stretch become so large where they begin with four cells; a shape function may refuse these.
+    The reach is finite, not negative and (n, dim). The window's margin of three cells hides a reach that is
+    too small until domains are large, when a run would stop with "left the grid" in the middle of it. Domains
+    that are bounded while they stretch become so large where they begin with four cells; a shape function may
+    refuse these.
     """
     draw = hypothesis().strategies
 
@@ -161,7 +166,8 @@ def reach(subject: Subject) -> None:
 
 
 def independence(subject: Subject) -> None:
-    """Weights and gradients h ∇φ differ by at most 1e-14 whether a point is alone or the last of five."""
+    """A point's table does not depend on the other points. Weights and gradients h ∇φ differ by at most 1e-14
+    whether a point is alone or the last of five."""
 
     def trial(dim: int, case: dict[str, Any]) -> None:
         centre = MIDDLE + within(case, dim)
@@ -230,20 +236,5 @@ def _require_right(table: Stencil, row: int, position: FloatArray, placed: Place
     require(error, 1e-9, message, placed, 1)
 
 
-def support_checks() -> list[Check]:
-    """The checks of this file."""
-    return [
-        Check("own-field", "A point's entries are nodes of its own body's velocity field.", own_field),
-        Check(
-            "support-inside",
-            "A support lies in the point's window, or OutsideGrid is raised with the index of the point.",
-            support_inside,
-        ),
-        Check(
-            "surface-inside",
-            "The support of a surface point lies in its window, or OutsideGrid is raised with its index.",
-            surface_inside,
-        ),
-        Check("reach", "Windows laid by particle_reach hold the supports of stretched domains.", reach),
-        Check("independence", "A point's table does not depend on the other points.", independence),
-    ]
+#: In the order in which they are run.
+CHECKS = (own_field, support_inside, surface_inside, reach, independence)

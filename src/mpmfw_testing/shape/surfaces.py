@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.state.fields import FloatArray
-from mpmfw_testing.check import Check, Inapplicable, Violation
+from mpmfw_testing.check import Inapplicable, Violation
 from mpmfw_testing.searching import ladder
 from mpmfw_testing.shape.cases import MIDDLE, coordinates, require, search_dimensions, two_points, within
 from mpmfw_testing.shape.picture import picture_of
@@ -22,10 +22,11 @@ QUADRATURE = 200
 
 
 def surface_sums(subject: Subject) -> None:
-    """|Σ N − 1| ≤ 1e-12 and |Σ N x_i − x_s| ≤ 1e-12 h: rounding alone.
+    """At a surface point Σ N = 1 and Σ N x_i = x_s (2D). |Σ N − 1| ≤ 1e-12 and |Σ N x_i − x_s| ≤ 1e-12 h:
+    rounding alone.
 
-    The first keeps contact forces when they are mapped to the grid, the second their moments, and both make the
-    surface move with its body.
+    The first keeps contact forces when they are mapped to the grid, the second their moments, and both make
+    the surface move with its body.
     """
 
     def trial(dim: int, case: dict[str, Any]) -> None:
@@ -42,13 +43,15 @@ def surface_sums(subject: Subject) -> None:
 
 
 def divergence_theorem(subject: Subject) -> None:
-    """Σ_i |Σ_p V ∇φ_i − ∮ N_i n dS| ≤ 0.05 Σ_i |∮ N_i n dS| for a square of 16 by 16 points anywhere on the grid.
+    """Σ V ∇φ = ∮ N n dS to the quadrature's error: the surface's functions match the points' (2D). Σ_i |Σ_p V
+    ∇φ_i − ∮ N_i n dS| ≤ 0.05 Σ_i |∮ N_i n dS| for a square of 16 by 16 points anywhere on the grid.
 
-    If it does not hold, pressure on the surface is not in balance with the same pressure inside: the stress at the
-    surface is wrong while every displacement looks right. The surface integral is taken with 200 points a side, whose
-    own error is below 1e-4. What remains is the quadrature by four points a cell edge: nothing for GIMP, 0.008 for
-    CPDI, 0.027 for quadratic and 0.011 for cubic B-splines at the worst place. The wrong partner leaves more, and
-    denser points do not help: 0.16 and more for B-splines of another order, 0.49 for splines with linear functions.
+    If it does not hold, pressure on the surface is not in balance with the same pressure inside: the stress
+    at the surface is wrong while every displacement looks right. The surface integral is taken with 200
+    points a side, whose own error is below 1e-4. What remains is the quadrature by four points a cell edge:
+    nothing for GIMP, 0.008 for CPDI, 0.027 for quadratic and 0.011 for cubic B-splines at the worst place.
+    The wrong partner leaves more, and denser points do not help: 0.16 and more for B-splines of another
+    order, 0.49 for splines with linear functions.
     """
 
     def trial(_dim: int, case: dict[str, Any]) -> None:
@@ -72,11 +75,13 @@ def divergence_theorem(subject: Subject) -> None:
 
 
 def boundary_mass(subject: Subject) -> None:
-    """At most a tenth of a boundary point's weight goes to nodes without mass, or ``massless_boundary`` is declared.
+    """Nodes that boundary points reach have mass, or massless_boundary is declared (2D). At most a tenth of a
+    boundary point's weight goes to nodes without mass, or ``massless_boundary`` is declared.
 
-    A force on a node without mass is lost, or all acceleration. The core follows the declaration when it chooses how
-    surfaces are mapped. Asked of a square of two points a cell edge: linear functions leave up to a quarter (and more
-    at corners), quadratic B-splines 0.06, functions with domains that reach the boundary nothing.
+    A force on a node without mass is lost, or all acceleration. The core follows the declaration when it
+    chooses how surfaces are mapped. Asked of a square of two points a cell edge: linear functions leave up to
+    a quarter (and more at corners), quadratic B-splines 0.06, functions with domains that reach the boundary
+    nothing.
     """
     if subject.make().massless_boundary:
         raise Inapplicable("massless_boundary is declared: surfaces are mapped by mass")
@@ -121,18 +126,5 @@ def _outline(lower: FloatArray) -> tuple[FloatArray, FloatArray]:
     return lower + position, normal * edge / QUADRATURE
 
 
-def surface_checks() -> list[Check]:
-    """The checks of this file."""
-    return [
-        Check("surface-sums", "At a surface point Σ N = 1 and Σ N x_i = x_s (2D).", surface_sums),
-        Check(
-            "divergence-theorem",
-            "Σ V ∇φ = ∮ N n dS to the quadrature's error: the surface's functions match the points' (2D).",
-            divergence_theorem,
-        ),
-        Check(
-            "boundary-mass",
-            "Nodes that boundary points reach have mass, or massless_boundary is declared (2D).",
-            boundary_mass,
-        ),
-    ]
+#: In the order in which they are run.
+CHECKS = (surface_sums, divergence_theorem, boundary_mass)

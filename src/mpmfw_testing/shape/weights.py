@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw_testing.check import Check, Inapplicable
+from mpmfw_testing.check import Inapplicable
 from mpmfw_testing.searching import hypothesis
 from mpmfw_testing.shape.cases import (
     AXES,
@@ -26,7 +26,8 @@ ROUNDING = 1e-12
 
 
 def partition_of_unity(subject: Subject) -> None:
-    """|Σ φ − 1| ≤ 1e-12: rounding alone; a part of a point's mass would otherwise be lost or made."""
+    """The weights of a point add up to 1, in every dimension. |Σ φ − 1| ≤ 1e-12: rounding alone; a part of a
+    point's mass would otherwise be lost or made."""
 
     def trial(dim: int, case: dict[str, Any]) -> None:
         placed = one_point(subject, case, dim)
@@ -37,10 +38,11 @@ def partition_of_unity(subject: Subject) -> None:
 
 
 def linear_reproduction(subject: Subject) -> None:
-    """|Σ φ x_i − x_p| ≤ 1e-12 h: rounding alone.
+    """The weights' centroid is the point: Σ φ x_i = x_p, the centroid of its domain. |Σ φ x_i − x_p| ≤ 1e-12
+    h: rounding alone.
 
-    For a function that is averaged over a domain x_p is the domain's centroid, which is where layouts put points.
-    Without it a linear velocity is read wrongly, and angular momentum changes with every transfer.
+    For a function that is averaged over a domain x_p is the domain's centroid, which is where layouts put
+    points. Without it a linear velocity is read wrongly, and angular momentum changes with every transfer.
     """
 
     def trial(dim: int, case: dict[str, Any]) -> None:
@@ -53,7 +55,8 @@ def linear_reproduction(subject: Subject) -> None:
 
 
 def non_negative(subject: Subject) -> None:
-    """φ ≥ −1e-15, rounding alone: a negative weight can make a node's lumped mass zero or negative."""
+    """No weight is negative, so that lumped masses are positive. φ ≥ −1e-15, rounding alone: a negative
+    weight can make a node's lumped mass zero or negative."""
 
     def trial(dim: int, case: dict[str, Any]) -> None:
         placed = one_point(subject, case, dim)
@@ -65,7 +68,8 @@ def non_negative(subject: Subject) -> None:
 
 
 def continuity(subject: Subject) -> None:
-    """|φ(x + ε) − φ(x − ε)| ≤ 1e-7 for ε = 1e-9 h: a slope of up to 50 per cell passes, a jump does not.
+    """Weights are continuous as a point or its domain crosses a face. |φ(x + ε) − φ(x − ε)| ≤ 1e-7 for ε =
+    1e-9 h: a slope of up to 50 per cell passes, a jump does not.
 
     The point itself, or a face of its domain, crosses from one cell into the next.
     """
@@ -97,7 +101,8 @@ def continuity(subject: Subject) -> None:
 
 
 def translation(subject: Subject) -> None:
-    """Weights and gradients h ∇φ change by at most 1e-12 (rounding) when the point moves by whole cells."""
+    """A point that moves by whole cells keeps its weights and gradients. Weights and gradients h ∇φ change by
+    at most 1e-12 (rounding) when the point moves by whole cells."""
 
     def trial(dim: int, case: dict[str, Any]) -> None:
         # away from roundings of positions, which decide on which side of a face a point is
@@ -120,11 +125,13 @@ def translation(subject: Subject) -> None:
     search_dimensions(subject, cases, trial)
 
 
-def spread_is_regular(subject: Subject) -> None:
-    """The smallest eigenvalue of D_p = Σ φ q qᵀ, q = x_i − x_p, is at least 0.01 h².
+def regular_spread(subject: Subject) -> None:
+    """Σ φ q qᵀ, q = x_i − x_p, can be inverted, or singular_spread is declared. The smallest eigenvalue of
+    D_p = Σ φ q qᵀ, q = x_i − x_p, is at least 0.01 h².
 
-    Affine transfers multiply by D⁻¹. A domain of a tenth of a cell, the smallest that is tried, leaves 0.025 h² with
-    GIMP; a D that vanishes somewhere must be declared with ``singular_spread``, so that ∇φ is taken in its place.
+    Affine transfers multiply by D⁻¹. A domain of a tenth of a cell, the smallest that is tried, leaves 0.025
+    h² with GIMP; a D that vanishes somewhere must be declared with ``singular_spread``, so that ∇φ is taken
+    in its place.
     """
     if subject.make().singular_spread:
         raise Inapplicable("singular_spread is declared: affine transfers take Σ v ∇φᵀ")
@@ -139,27 +146,5 @@ def spread_is_regular(subject: Subject) -> None:
     search_dimensions(subject, points, trial)
 
 
-def weight_checks() -> list[Check]:
-    """The checks of this file."""
-    return [
-        Check(
-            "partition-of-unity",
-            "The weights of a point add up to 1, in every dimension.",
-            partition_of_unity,
-        ),
-        Check(
-            "linear-reproduction",
-            "The weights' centroid is the point: Σ φ x_i = x_p, the centroid of its domain.",
-            linear_reproduction,
-        ),
-        Check("non-negative", "No weight is negative, so that lumped masses are positive.", non_negative),
-        Check("continuity", "Weights are continuous as a point or its domain crosses a face.", continuity),
-        Check(
-            "translation", "A point that moves by whole cells keeps its weights and gradients.", translation
-        ),
-        Check(
-            "regular-spread",
-            "Σ φ q qᵀ, q = x_i − x_p, can be inverted, or singular_spread is declared.",
-            spread_is_regular,
-        ),
-    ]
+#: In the order in which they are run.
+CHECKS = (partition_of_unity, linear_reproduction, non_negative, continuity, translation, regular_spread)
