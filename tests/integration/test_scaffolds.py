@@ -13,8 +13,10 @@ from typer.testing import CliRunner
 
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
-from mpmfw_testing.templates import KINDS, WHOLE, write_package
+from mpmfw_testing.templates import TEMPLATES, write_package
 
+#: Kinds whose template is a distribution in the documentation, with its folder and the names in it.
+WHOLE = {kind: (*folders, *names) for kind, (folders, *names) in TEMPLATES.items() if len(folders) == 1}
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 
@@ -33,10 +35,9 @@ def announce(place: Path) -> None:
 def test_every_kind_of_one_module_passes_its_own_tests(tmp_path: Path) -> None:
     """All in one process: an installation each would take a minute and show no more."""
     places = []
-    for kind in KINDS:
-        if kind not in WHOLE:
-            places.append(write_package(kind, f"my_{kind}", tmp_path))
-            announce(places[-1])
+    for kind in TEMPLATES.keys() - WHOLE:
+        places.append(write_package(kind, f"my_{kind}", tmp_path))
+        announce(places[-1])
     path = os.pathsep.join(str(place / "src") for place in places)
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *map(str, places)]
     found = subprocess.run(

@@ -1,4 +1,7 @@
-"""What ``mpmfw new`` writes: for each kind of plug-in the least that passes its checks, to be renamed and replaced."""
+"""What ``mpmfw new`` writes: for each kind of plug-in the least that passes its checks, to be renamed and replaced.
+
+A template is one folder of files or several laid over each other, some of them in the documentation.
+"""
 
 from __future__ import annotations
 
@@ -9,28 +12,29 @@ from pathlib import Path
 
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import available, did_you_mean
-from mpmfw_testing.templates.texts import MODULE_OF, PYPROJECT, README, RUN, TESTS
 
-#: Kinds that are whole distributions among the documentation: the folder, and name and class of the plug-in in it.
-WHOLE: Mapping[str, tuple[str, str, str]] = {
-    "contact": ("plugin-template", "film", "Film"),
-    "law": ("plugin-template", "film", "Film"),
-    "shape": ("shape-template", "bounded_bspline", "BoundedBSpline"),
+#: Folders of each kind, and name and class of the plug-in in them.
+TEMPLATES: Mapping[str, tuple[tuple[str, ...], str, str]] = {
+    "contact": (("plugin-template",), "film", "Film"),
+    "law": (("plugin-template",), "film", "Film"),
+    "shape": (("shape-template",), "bounded_bspline", "BoundedBSpline"),
+    **{kind: (("common", kind), "template", "Template") for kind in ("material", "load")},
+    **{
+        kind: (("common", "square", kind), "template", "Template")
+        for kind in ("friction", "detection", "geometry")
+    },
 }
-
-#: All kinds.
-KINDS = (*WHOLE, *TESTS)
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
 
 
 def write_package(kind: str, name: str, folder: Path) -> Path:
-    """Write a distribution with a plug-in of one's own, with tests that it passes.
+    """Write a distribution with a new plug-in, and with tests that it passes.
 
     Parameters
     ----------
     kind
-        One of :data:`KINDS`.
+        One of :data:`TEMPLATES`.
     name
         What scenes will call it: small letters, digits and ``_``.
     folder
@@ -45,81 +49,39 @@ def write_package(kind: str, name: str, folder: Path) -> Path:
     SceneError
         No such kind, no such name, a plug-in of the name is installed, or the folder is there already.
     """
-    if kind not in KINDS:
-        raise SceneError(f"no plug-in of the kind '{kind}' can be written; {did_you_mean(kind, KINDS)}")
+    if kind not in TEMPLATES:
+        raise SceneError(f"no plug-in of the kind '{kind}' can be written; {did_you_mean(kind, TEMPLATES)}")
     if not _NAME.fullmatch(name) or keyword.iskeyword(name):
         raise SceneError(f"{name}: expected a name of small letters, digits and '_', such as soft_wall")
-    if name in _taken(kind):
+    if name in available("law" if kind == "contact" else kind):  # type: ignore[arg-type]
         raise SceneError(f"{name}: a {kind} of this name is installed already; expected another name")
     place = folder / f"mpmfw-{name.replace('_', '-')}"
     if place.exists():
         raise SceneError(f"{place}: is there already; give another name, or another folder by --into")
-    files = _copied(*WHOLE[kind], name) if kind in WHOLE else _made(kind, name)
-    for path, text in files.items():
-        file = place / path
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(text, encoding="utf-8")
+    for source in map(_folder, TEMPLATES[kind][0]):
+        for path in sorted(source.rglob("*")):
+            if path.is_file() and path.suffix in (".py", ".toml", ".md", ".typed"):
+                file = place / _renamed(path.relative_to(source).as_posix(), kind, name)
+                file.parent.mkdir(parents=True, exist_ok=True)
+                file.write_text(_renamed(path.read_text(encoding="utf-8"), kind, name), encoding="utf-8")
     return place
 
 
-def _taken(kind: str) -> set[str]:
-    """Names of installed plug-ins of the kind."""
-    return set(available("law" if kind == "contact" else kind))  # type: ignore[arg-type]
-
-
-def _copied(folder: str, known: str, kind: str, name: str) -> dict[str, str]:
-    """A whole distribution with another name."""
+def _folder(name: str) -> Path:
+    """Return the folder of a template: beside this file, or in the documentation of the checkout that it runs from."""
     package = Path(__file__).parent
-    source = package / folder
-    if not source.is_dir():  # in the checkout that it runs from
-        source = package.parents[2] / "docs" / folder
-    files = {}
-    for path in sorted(source.rglob("*")):
-        if path.is_file() and path.suffix in (".py", ".toml", ".md", ".typed"):
-            place = _renamed(path.relative_to(source).as_posix(), known, kind, name)
-            text = _renamed(path.read_text(encoding="utf-8"), known, kind, name)
-            # Links into mpmfw's own documentation lead nowhere from another place
-            files[place] = re.sub(r"\[([^\]]+)\]\(\.\./[^)]*\)", r"\1", text)
-    return files
+    return package / name if (package / name).is_dir() else package.parents[2] / "docs" / name
 
 
-def _made(kind: str, name: str) -> dict[str, str]:
-    """A distribution of one module, with its test."""
-    module = (Path(__file__).parent / f"{kind}.py").read_text(encoding="utf-8")
-    facts = {
-        "NAME": name,
-        "DASHED": name.replace("_", "-"),
-        "KIND": kind,
-        "ENTRY": _class_name(name),
-        "RUN": RUN.get(kind, ""),
-    }
-    texts = {
-        "pyproject.toml": PYPROJECT,
-        "README.md": README,
-        f"src/mpmfw_{name}/__init__.py": MODULE_OF,
-        f"tests/test_{name}.py": TESTS[kind],
-    }
-    files = {path: _filled(_filled(text, facts), facts) for path, text in texts.items()}
-    return {
-        **files,
-        f"src/mpmfw_{name}/{kind}.py": module.replace("template", name).replace(
-            "Template", _class_name(name)
-        ),
-        f"src/mpmfw_{name}/py.typed": "",
-    }
-
-
-def _filled(text: str, facts: Mapping[str, str]) -> str:
-    """A text with the facts in place of their names, ``@NAME@``."""
-    return re.sub(r"@([A-Z]+)@", lambda found: facts[found.group(1)], text)
-
-
-def _class_name(name: str) -> str:
-    return "".join(part.capitalize() for part in name.split("_"))
-
-
-def _renamed(text: str, known: str, kind: str, name: str) -> str:
-    """The text with another name of the plug-in and its class ``kind``; where it is a word of prose, after a blank, it stays."""
-    text = text.replace(f"mpmfw-{known.replace('_', '-')}", f"mpmfw-{name.replace('_', '-')}")
+def _renamed(text: str, kind: str, name: str) -> str:
+    """Return the text with another name of the plug-in and its class; where it is a word of prose, after a blank, it stays."""
+    _, known, of_class = TEMPLATES[kind]
+    text = text.replace("KIND", kind).replace(
+        f"mpmfw-{known.replace('_', '-')}", f"mpmfw-{name.replace('_', '-')}"
+    )
     text = re.sub(rf"(?<! ){known}|(?<=mpmfw check ){known}", name, text)
-    return re.sub(rf"\b{kind}(?=\b|Options)", _class_name(name), text)
+    text = re.sub(
+        rf"\b{of_class}(?=\b|Options)", "".join(part.capitalize() for part in name.split("_")), text
+    )
+    # Links into mpmfw's own documentation lead nowhere from another place
+    return re.sub(r"\[([^\]]+)\]\(\.\./[^)]*\)", r"\1", text)
