@@ -5,10 +5,9 @@ from __future__ import annotations
 from mpmfw.contact.strategy import NoInteraction
 from mpmfw.runs.simulation import Simulation
 from mpmfw_testing.check import Violation
-from mpmfw_testing.contact.meeting import CELL, EXTENT, Meeting, body, rectangle, search_meetings
+from mpmfw_testing.contact.meeting import CELL, EXTENT, TURNS, Meeting, body, rectangle, search_meetings
 from mpmfw_testing.contact.motion import simulate
 from mpmfw_testing.contact.separation import fixed_step, same_bits
-from mpmfw_testing.searching import ladder
 from mpmfw_testing.subject import Subject
 
 
@@ -26,7 +25,7 @@ def one_body(subject: Subject) -> None:
             raise Violation("the law is called though there is nothing to touch")
         same_bits(motion, reference, "one body does not move as if there were no contact")
 
-    search_meetings(trial, {"turn": ladder(0.0, 345.0, 24)}, form="discs", examples=2)
+    search_meetings(trial, "discs", turn=TURNS, examples=2)
 
 
 def bystander(subject: Subject) -> None:
@@ -47,8 +46,5 @@ def bystander(subject: Subject) -> None:
         same_bits(motion, reference, "a body far from those that meet is disturbed by their contact", body=2)
 
     search_meetings(
-        trial,
-        {"turn": ladder(0.0, 180.0, 13), "slide": ladder(0.0, 1.0, 3), "friction": ladder(0.0, 0.5, 3)},
-        form="discs",
-        examples=4,
+        trial, "discs", turn=(0.0, 180.0, 13), slide=(0.0, 1.0, 3), friction=(0.0, 0.5, 3), examples=4
     )

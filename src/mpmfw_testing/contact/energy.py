@@ -10,10 +10,18 @@ from mpmfw.errors import SimulationError
 from mpmfw.runs.simulation import Simulation
 from mpmfw_testing.check import Inapplicable, Violation, within
 from mpmfw_testing.contact.drawing import histories
-from mpmfw_testing.contact.meeting import BULK_MODULUS, DENSITY, DEPTH, WIDTH, Meeting, search_meetings
-from mpmfw_testing.contact.motion import Motion, note, recorded, simulate
+from mpmfw_testing.contact.meeting import (
+    BULK_MODULUS,
+    DENSITY,
+    DEPTH,
+    TURNS,
+    UNEQUAL,
+    WIDTH,
+    Meeting,
+    search_meetings,
+)
+from mpmfw_testing.contact.motion import Motion, meetings, note, recorded
 from mpmfw_testing.saving import remember
-from mpmfw_testing.searching import ladder
 from mpmfw_testing.subject import Subject
 
 #: Growth of kinetic and strain energy over that at the start.
@@ -28,7 +36,10 @@ SHAKEN = 2.0
 LONG = 250
 
 
-def energy(subject: Subject) -> None:
+@meetings(
+    "discs", **UNEQUAL, turn=TURNS, slide=(0.0, 1.0, 3), friction=(0.0, 1.0, 3), partial=True, examples=10
+)
+def energy(_meeting: Meeting, motion: Motion) -> None:
     """Contact gives the bodies no energy. Kinetic and strain energy of all bodies never exceed those at the
     start by more than 0.5 %.
 
@@ -36,31 +47,14 @@ def energy(subject: Subject) -> None:
     be less. Half a per cent is left for the time integration. Bodies of unequal mass and stiffness meet at an
     angle, with friction.
     """
-
-    def trial(meeting: Meeting) -> None:
-        motion = simulate(subject, meeting.mapping(), duration=meeting.duration, partial=True)
-        energy = motion.energy / motion.energy[0]
-        time = np.concatenate([[0.0], np.cumsum(motion.dt)])
-        within(
-            float(energy.max()) - 1.0,
-            GROWTH,
-            "the bodies gain energy from contact (growth over the energy at the start)",
-            {"step of the maximum": int(energy.argmax())},
-            histories({"kinetic and strain energy": (time, energy)}, "energy over that at the start"),
-        )
-        motion.require_whole()
-
-    search_meetings(
-        trial,
-        {
-            "heavier": ladder(1.0, 9.0, 5),
-            "stiffer": ladder(1.0, 9.0, 5),
-            "turn": ladder(0.0, 345.0, 24),
-            "slide": ladder(0.0, 1.0, 3),
-            "friction": ladder(0.0, 1.0, 3),
-        },
-        form="discs",
-        examples=10,
+    energy = motion.energy / motion.energy[0]
+    time = np.concatenate([[0.0], np.cumsum(motion.dt)])
+    within(
+        float(energy.max()) - 1.0,
+        GROWTH,
+        "the bodies gain energy from contact (growth over the energy at the start)",
+        {"step of the maximum": int(energy.argmax())},
+        histories({"kinetic and strain energy": (time, energy)}, "energy over that at the start"),
     )
 
 
@@ -99,7 +93,9 @@ def time_step(subject: Subject) -> None:
 
     search_meetings(
         trial,
-        {"stiffer": ladder(1.0, 9.0, 3), "heavier": ladder(1.0, 9.0, 3), "friction": ladder(0.0, 0.5, 2)},
+        stiffer=(1.0, 9.0, 3),
+        heavier=(1.0, 9.0, 3),
+        friction=(0.0, 0.5, 2),
         speed=0.0,
         gap=0.0,
         examples=4,

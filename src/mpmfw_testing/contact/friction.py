@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from mpmfw.state.fields import FloatArray
 from mpmfw_testing.check import Inapplicable, within
 from mpmfw_testing.contact.drawing import impulse_history, impulses_at
-from mpmfw_testing.contact.meeting import CELL, WIDTH, Meeting, search_meetings
-from mpmfw_testing.contact.motion import Motion, simulate
-from mpmfw_testing.searching import hypothesis, ladder
+from mpmfw_testing.contact.meeting import CELL, QUARTERS, WIDTH, Meeting, search_meetings
+from mpmfw_testing.contact.motion import Motion, meetings, simulate
 from mpmfw_testing.subject import Subject
 
 #: Distance from the ends of a common face that is left out [cells]: there the normals of a block's corners tilt.
@@ -22,6 +23,8 @@ SLIPPING = 0.9
 NEEDED = 3.0
 #: Steps of a meeting of blocks that count: until the first waves from the far ends are back, and the faces part.
 LASTING = 0.5
+#: Ladders of a second body that is heavier and stiffer.
+_UNEQUAL: dict[str, Any] = {"heavier": (1.0, 9.0, 3), "stiffer": (1.0, 9.0, 3)}
 
 
 def face_impulse(meeting: Meeting, motion: Motion) -> FloatArray:
@@ -44,37 +47,25 @@ def face_impulse(meeting: Meeting, motion: Motion) -> FloatArray:
     return np.array(rows)
 
 
-def coulomb_cone(subject: Subject) -> None:
+@meetings(
+    friction=(0.1, 0.9, 5), slide=(1.0, 0.2, 5), turn=QUARTERS, **_UNEQUAL, lasting=LASTING, partial=True
+)
+def coulomb_cone(meeting: Meeting, motion: Motion) -> None:
     """Friction is at most the friction coefficient times the normal impulse. Through the middle of two
     blocks' face, |J_t| − μ J_n is at most 1 % of the largest J_n, in every step.
 
     The face bends a little, so that a true normal has a tangential part; a law without a cone exceeds the
     bound by the friction coefficient's order.
     """
-
-    def trial(meeting: Meeting) -> None:
-        motion = simulate(subject, meeting.mapping(), duration=LASTING * meeting.duration, partial=True)
-        push, drag = face_impulse(meeting, motion).T
-        excess = np.abs(drag) - meeting.friction * np.maximum(push, 0.0)
-        step = int(excess.argmax())
-        within(
-            float(excess.max()) / _largest(push, meeting),
-            BEYOND,
-            "the tangential impulse is beyond Coulomb's cone (by a share of the largest normal impulse)",
-            {"step": step + 1, "tangential [N s/m]": float(drag[step]), "normal [N s/m]": float(push[step])},
-            impulses_at(motion, step),
-        )
-        motion.require_whole()
-
-    search_meetings(
-        trial,
-        {
-            "friction": ladder(0.1, 0.9, 5),
-            "slide": ladder(1.0, 0.2, 5),
-            "turn": ladder(0.0, 270.0, 4),
-            "heavier": ladder(1.0, 9.0, 3),
-            "stiffer": ladder(1.0, 9.0, 3),
-        },
+    push, drag = face_impulse(meeting, motion).T
+    excess = np.abs(drag) - meeting.friction * np.maximum(push, 0.0)
+    step = int(excess.argmax())
+    within(
+        float(excess.max()) / _largest(push, meeting),
+        BEYOND,
+        "the tangential impulse is beyond Coulomb's cone (by a share of the largest normal impulse)",
+        {"step": step + 1, "tangential [N s/m]": float(drag[step]), "normal [N s/m]": float(push[step])},
+        impulses_at(motion, step),
     )
 
 
@@ -106,17 +97,24 @@ def slip_on_the_cone(subject: Subject) -> None:
 
     search_meetings(
         trial,
-        {
-            "friction": ladder(0.1, 0.3, 3),
-            "slide": hypothesis().strategies.sampled_from([2.0, -2.0, 1.5, -1.5]),
-            "turn": ladder(0.0, 270.0, 4),
-            "heavier": ladder(1.0, 9.0, 3),
-        },
+        friction=(0.1, 0.3, 3),
+        slide=[2.0, -2.0, 1.5, -1.5],
+        turn=QUARTERS,
+        heavier=(1.0, 9.0, 3),
         examples=5,
     )
 
 
-def sticking(subject: Subject) -> None:
+@meetings(
+    friction=(0.5, 1.0, 3),
+    slide=(0.02, 0.06, 3),
+    turn=QUARTERS,
+    heavier=(1.0, 4.0, 3),
+    lasting=LASTING,
+    partial=True,
+    examples=5,
+)
+def sticking(meeting: Meeting, motion: Motion) -> None:
     """Where less friction is enough to stick, no more acts. Where little friction makes bodies stick, Σ |J_t|
     over the meeting is at most 3 times what equalises their speeds.
 
@@ -124,61 +122,32 @@ def sticking(subject: Subject) -> None:
     and half as much again for what the faces' own oscillation moves to and fro. A law that applies μ J_n
     whatever sticking needs exceeds it by μ times the speed of approach over the sliding speed, 10 to 50 here.
     """
-
-    def trial(meeting: Meeting) -> None:
-        motion = simulate(subject, meeting.mapping(), duration=LASTING * meeting.duration, partial=True)
-        drag = motion.impulse[:, 0] @ meeting.tangent
-        needed = meeting.reduced_mass * abs(meeting.slide)
-        within(
-            float(np.abs(drag).sum()) / needed,
-            NEEDED,
-            "bodies that would stick with little friction are given more (over what equalises their speeds)",
-            {"sum of |tangential impulse| [N s/m]": float(np.abs(drag).sum()), "needed [N s/m]": needed},
-            impulse_history(motion, meeting.tangent, "tangential impulse"),
-        )
-        motion.require_whole()
-
-    search_meetings(
-        trial,
-        {
-            "friction": ladder(0.5, 1.0, 3),
-            "slide": ladder(0.02, 0.06, 3),
-            "turn": ladder(0.0, 270.0, 4),
-            "heavier": ladder(1.0, 4.0, 3),
-        },
-        examples=5,
+    drag = motion.impulse[:, 0] @ meeting.tangent
+    needed = meeting.reduced_mass * abs(meeting.slide)
+    within(
+        float(np.abs(drag).sum()) / needed,
+        NEEDED,
+        "bodies that would stick with little friction are given more (over what equalises their speeds)",
+        {"sum of |tangential impulse| [N s/m]": float(np.abs(drag).sum()), "needed [N s/m]": needed},
+        impulse_history(motion, meeting.tangent, "tangential impulse"),
     )
 
 
-def frictionless(subject: Subject) -> None:
+@meetings(slide=(1.0, 0.0, 5), turn=QUARTERS, **_UNEQUAL, lasting=LASTING, partial=True, friction=0.0)
+def frictionless(meeting: Meeting, motion: Motion) -> None:
     """Without friction, contact leaves the tangential velocity alone. With μ = 0 the tangential impulse
     through the middle of a face is at most 1 % of the largest normal one.
 
     In every step, at any sliding speed; the face bends a little, so that a true normal has a tangential part.
     """
-
-    def trial(meeting: Meeting) -> None:
-        motion = simulate(subject, meeting.mapping(), duration=LASTING * meeting.duration, partial=True)
-        push, drag = face_impulse(meeting, motion).T
-        step = int(np.abs(drag).argmax())
-        within(
-            float(np.abs(drag).max()) / _largest(push, meeting),
-            BEYOND,
-            "contact without friction changes the tangential velocity (impulse over the largest normal one)",
-            {"step": step + 1, "tangential [N s/m]": float(drag[step]), "normal [N s/m]": float(push[step])},
-            impulses_at(motion, step),
-        )
-        motion.require_whole()
-
-    search_meetings(
-        trial,
-        {
-            "slide": ladder(1.0, 0.0, 5),
-            "turn": ladder(0.0, 270.0, 4),
-            "heavier": ladder(1.0, 9.0, 3),
-            "stiffer": ladder(1.0, 9.0, 3),
-        },
-        friction=0.0,
+    push, drag = face_impulse(meeting, motion).T
+    step = int(np.abs(drag).argmax())
+    within(
+        float(np.abs(drag).max()) / _largest(push, meeting),
+        BEYOND,
+        "contact without friction changes the tangential velocity (impulse over the largest normal one)",
+        {"step": step + 1, "tangential [N s/m]": float(drag[step]), "normal [N s/m]": float(push[step])},
+        impulses_at(motion, step),
     )
 
 

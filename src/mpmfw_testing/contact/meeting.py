@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from mpmfw.plugin.discovery import available
 from mpmfw.state.fields import FloatArray
-from mpmfw_testing.searching import search
+from mpmfw_testing.searching import hypothesis, ladder, search
 
 CELL = 0.1  #: h [m]
 EXTENT = 1.5  #: half the edge of the grid [m]
@@ -191,25 +191,41 @@ def scene(bodies: dict[str, Any], materials: dict[str, Any], friction: float, **
     }
 
 
+#: Directions from the first body to the second [degrees]: ladders of :func:`search_meetings`.
+TURNS, QUARTERS = (0.0, 345.0, 24), (0.0, 270.0, 4)
+#: Ladders of a second body that is heavier and stiffer than the first.
+UNEQUAL: dict[str, Any] = {"heavier": (1.0, 9.0, 5), "stiffer": (1.0, 9.0, 5)}
+
+
+#: Directions from the first body to the second [degrees]: ladders of :func:`search_meetings`.
+TURNS, QUARTERS = (0.0, 345.0, 24), (0.0, 270.0, 4)
+#: Ladders of a second body that is heavier and stiffer than the first.
+UNEQUAL: dict[str, Any] = {"heavier": (1.0, 9.0, 5), "stiffer": (1.0, 9.0, 5)}
+
+
 def search_meetings(
     trial: Callable[[Meeting], None],
-    cases: Mapping[str, Any],
+    form: str = "blocks",
     *,
     examples: int = 8,
     most: int = 40,
-    **fixed: Any,
+    **numbers: Any,
 ) -> None:
-    """Try a property on meetings that differ in ``cases``; ``fixed`` numbers are the same in all.
+    """Try a property on meetings that differ in some of their ``numbers``.
+
+    A tuple is a ladder, by its first and last number and its rungs, a list has all values; others are the same in all.
 
     Raises
     ------
     Violation
         Of the smallest case that breaks it.
     """
-    search(
-        cases,
-        lambda **numbers: trial(Meeting(**{**fixed, **numbers})),
-        examples=examples,
-        most=most,
-        names=NAMES,
-    )
+    draw = hypothesis().strategies.sampled_from
+    cases = {name: ladder(*given) for name, given in numbers.items() if isinstance(given, tuple)}
+    cases |= {name: draw(given) for name, given in numbers.items() if isinstance(given, list)}
+    fixed = {"form": form, **{name: given for name, given in numbers.items() if name not in cases}}
+
+    def one(**case: Any) -> None:
+        trial(Meeting(**fixed, **case))
+
+    search(cases, one, examples=examples, most=most, names=NAMES)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import math
-from collections.abc import Generator, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
@@ -16,6 +17,7 @@ from mpmfw.results import Frame
 from mpmfw.runs.simulation import Simulation
 from mpmfw_testing.check import Inapplicable, Violation
 from mpmfw_testing.contact.finite import FiniteWatch
+from mpmfw_testing.contact.meeting import Meeting, search_meetings
 from mpmfw_testing.saving import remember
 from mpmfw_testing.searching import raised
 from mpmfw_testing.subject import Subject
@@ -225,3 +227,39 @@ def moment(arm: FloatArray, vector: FloatArray) -> FloatArray:
     if arm.shape[1] == 3:
         return np.asarray(np.cross(arm, vector).sum(axis=0))
     return np.array([(arm[:, 0] * vector[:, 1] - arm[:, 1] * vector[:, 0]).sum()])
+
+
+def meetings(
+    form: str = "blocks",
+    *,
+    steps: int | None = None,
+    lasting: float = 1.0,
+    partial: bool = False,
+    **numbers: Any,
+) -> Callable[[Callable[[Meeting, Motion], None]], Callable[[Subject], None]]:
+    """Make a check of a function that looks at the motion of one meeting.
+
+    Parameters
+    ----------
+    form, numbers
+        As of :func:`mpmfw_testing.contact.meeting.search_meetings`.
+    steps, lasting
+        Length of the runs, in steps or as a share of a meeting's duration.
+    partial
+        Whether the function is given a run that breaks down, as far as it got.
+    """
+
+    def check_of(look: Callable[[Meeting, Motion], None]) -> Callable[[Subject], None]:
+        @functools.wraps(look)
+        def check(subject: Subject) -> None:
+            def trial(meeting: Meeting) -> None:
+                duration = None if steps is not None else lasting * meeting.duration
+                motion = simulate(subject, meeting.mapping(), steps, duration=duration, partial=partial)
+                look(meeting, motion)
+                motion.require_whole()
+
+            search_meetings(trial, form, **numbers)
+
+        return check
+
+    return check_of

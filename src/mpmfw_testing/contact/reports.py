@@ -6,10 +6,8 @@ import numpy as np
 
 from mpmfw_testing.check import Inapplicable, within
 from mpmfw_testing.contact.drawing import histories
-from mpmfw_testing.contact.meeting import Meeting, search_meetings
-from mpmfw_testing.contact.motion import Motion, simulate
-from mpmfw_testing.searching import ladder
-from mpmfw_testing.subject import Subject
+from mpmfw_testing.contact.meeting import TURNS, Meeting
+from mpmfw_testing.contact.motion import Motion, meetings
 
 #: Difference of reported and measured impulse, as a share of what was exchanged.
 REPORTED = 1e-9
@@ -17,7 +15,16 @@ REPORTED = 1e-9
 FALLEN = 1e-12
 
 
-def reports(subject: Subject) -> None:
+@meetings(
+    "discs",
+    friction=(0.3, 0.9, 3),
+    slide=(0.5, 0.0, 3),
+    heavier=(1.0, 9.0, 3),
+    turn=TURNS,
+    steps=40,
+    examples=4,
+)
+def reports(meeting: Meeting, motion: Motion) -> None:
     """The reported contact force is the momentum exchanged. The series ``contact_force`` times the interval
     is the impulse on the pair's first body, to 1e-9 of all exchanged.
 
@@ -26,27 +33,12 @@ def reports(subject: Subject) -> None:
     is left, times the impulse, is the difference of two equal numbers. Laws that declare neither series are
     not asked.
     """
-
-    def trial(meeting: Meeting) -> None:
-        motion = simulate(subject, meeting.mapping(), 40)
-        if not {"contact_force", "frictional_work"} & set(motion.series):
-            raise Inapplicable("the law declares neither of the series contact_force and frictional_work")
-        if "contact_force" in motion.series:
-            _is_the_impulse(motion, meeting)
-        if "frictional_work" in motion.series:
-            _never_falls(motion)
-
-    search_meetings(
-        trial,
-        {
-            "friction": ladder(0.3, 0.9, 3),
-            "slide": ladder(0.5, 0.0, 3),
-            "heavier": ladder(1.0, 9.0, 3),
-            "turn": ladder(0.0, 345.0, 24),
-        },
-        form="discs",
-        examples=4,
-    )
+    if not {"contact_force", "frictional_work"} & set(motion.series):
+        raise Inapplicable("the law declares neither of the series contact_force and frictional_work")
+    if "contact_force" in motion.series:
+        _is_the_impulse(motion, meeting)
+    if "frictional_work" in motion.series:
+        _never_falls(motion)
 
 
 def _never_falls(motion: Motion) -> None:

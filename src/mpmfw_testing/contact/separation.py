@@ -9,9 +9,9 @@ import numpy as np
 from mpmfw.contact.strategy import NoInteraction
 from mpmfw_testing.check import Violation, within
 from mpmfw_testing.contact.drawing import impulse_history, impulses_at
-from mpmfw_testing.contact.meeting import CELL, WAVE_SPEED, Meeting, search_meetings, slowest
-from mpmfw_testing.contact.motion import Motion, simulate
-from mpmfw_testing.searching import ladder, try_all
+from mpmfw_testing.contact.meeting import CELL, TURNS, UNEQUAL, WAVE_SPEED, Meeting, search_meetings, slowest
+from mpmfw_testing.contact.motion import Motion, meetings, simulate
+from mpmfw_testing.searching import try_all
 from mpmfw_testing.subject import Subject
 
 #: Pull in a step, as a share of the largest push.
@@ -24,44 +24,31 @@ GAINED = 0.005
 NOTHING = 1e-12
 
 
-def pushes_apart(subject: Subject) -> None:
+@meetings("discs", turn=TURNS, **UNEQUAL, speed=(1.0, 0.5, 3))
+def pushes_apart(meeting: Meeting, motion: Motion) -> None:
     """Bodies that meet are pushed apart until they stop, and never pulled. Bodies that meet are stopped (5 %
     of the speed of approach may be left), and no step pulls (1 % of the largest push).
 
     A step may pull a little where friction at inclined parts of a face has a component along the line between
     the bodies. Speed may be left where a method lets go as soon as the bodies' mean velocities agree.
     """
-
-    def trial(meeting: Meeting) -> None:
-        motion = simulate(subject, meeting.mapping(), duration=meeting.duration)
-        push = -motion.impulse[:, 0] @ meeting.normal
-        picture = impulses_at(motion) if motion.nodal and push.any() else None
-        left = (motion.velocity[-1, 0] - motion.velocity[-1, 1]) @ meeting.normal
-        within(
-            float(left) / meeting.speed,
-            LEFT,
-            "bodies that meet are not stopped: a share of the speed of approach is left",
-            {"impulse that pushed the first body back [N s/m]": float(push.sum())},
-            picture or impulses_at(motion),
-        )
-        worst = int(push.argmin())
-        within(
-            float(-push.min() / push.max()),
-            PULL,
-            "the bodies pull at each other while they meet, by a share of the largest push",
-            {"step": worst + 1, "pull [N s/m]": float(-push.min())},
-            impulse_history(motion, -meeting.normal, "push on the first"),
-        )
-
-    search_meetings(
-        trial,
-        {
-            "turn": ladder(0.0, 345.0, 24),
-            "heavier": ladder(1.0, 9.0, 5),
-            "stiffer": ladder(1.0, 9.0, 5),
-            "speed": ladder(1.0, 0.5, 3),
-        },
-        form="discs",
+    push = -motion.impulse[:, 0] @ meeting.normal
+    picture = impulses_at(motion) if motion.nodal and push.any() else None
+    left = (motion.velocity[-1, 0] - motion.velocity[-1, 1]) @ meeting.normal
+    within(
+        float(left) / meeting.speed,
+        LEFT,
+        "bodies that meet are not stopped: a share of the speed of approach is left",
+        {"impulse that pushed the first body back [N s/m]": float(push.sum())},
+        picture or impulses_at(motion),
+    )
+    worst = int(push.argmin())
+    within(
+        float(-push.min() / push.max()),
+        PULL,
+        "the bodies pull at each other while they meet, by a share of the largest push",
+        {"step": worst + 1, "pull [N s/m]": float(-push.min())},
+        impulse_history(motion, -meeting.normal, "push on the first"),
     )
 
 
@@ -92,7 +79,16 @@ def unequal(subject: Subject) -> None:
     try_all({"ratio": (1e3, 1e-3)}, trial, names={"ratio": "density of the second body over the first's"})
 
 
-def no_adhesion(subject: Subject) -> None:
+@meetings(
+    "discs",
+    turn=TURNS,
+    gap=(0.0, 0.4, 5),
+    friction=(0.0, 1.0, 3),
+    heavier=(1.0, 9.0, 3),
+    speed=(-1.0, -0.25, 4),
+    steps=25,
+)
+def no_adhesion(meeting: Meeting, motion: Motion) -> None:
     """Bodies that touch and part do not feel each other. Bodies that touch, or nearly so, and part exchange
     less than 1e-12 of their momentum in every step.
 
@@ -100,29 +96,14 @@ def no_adhesion(subject: Subject) -> None:
     would have to transmit. Discs that also slide would graze each other for a law that sees them through a
     cell.
     """
-
-    def trial(meeting: Meeting) -> None:
-        motion = simulate(subject, meeting.mapping(), 25)
-        exchanged = np.linalg.norm(motion.impulse[:, 0], axis=1)
-        worst = int(exchanged.argmax())
-        within(
-            float(exchanged.max()) / (meeting.reduced_mass * abs(meeting.speed)),
-            NOTHING,
-            "bodies that part pull at each other (share of their momentum in a step)",
-            {"step": worst + 1, "impulse on the first body [N s/m]": motion.impulse[worst, 0].tolist()},
-            impulses_at(motion, worst),
-        )
-
-    search_meetings(
-        trial,
-        {
-            "turn": ladder(0.0, 345.0, 24),
-            "gap": ladder(0.0, 0.4, 5),
-            "friction": ladder(0.0, 1.0, 3),
-            "heavier": ladder(1.0, 9.0, 3),
-            "speed": ladder(-1.0, -0.25, 4),
-        },
-        form="discs",
+    exchanged = np.linalg.norm(motion.impulse[:, 0], axis=1)
+    worst = int(exchanged.argmax())
+    within(
+        float(exchanged.max()) / (meeting.reduced_mass * abs(meeting.speed)),
+        NOTHING,
+        "bodies that part pull at each other (share of their momentum in a step)",
+        {"step": worst + 1, "impulse on the first body [N s/m]": motion.impulse[worst, 0].tolist()},
+        impulses_at(motion, worst),
     )
 
 
@@ -143,14 +124,12 @@ def asleep_apart(subject: Subject) -> None:
 
     search_meetings(
         trial,
-        {
-            "turn": ladder(0.0, 345.0, 24),
-            "gap": ladder(3.5, 8.5, 6),
-            "heavier": ladder(1.0, 9.0, 3),
-            "friction": ladder(0.0, 1.0, 3),
-            "speed": ladder(0.5, -1.0, 4),
-        },
-        form="discs",
+        "discs",
+        turn=TURNS,
+        gap=(3.5, 8.5, 6),
+        heavier=(1.0, 9.0, 3),
+        friction=(0.0, 1.0, 3),
+        speed=(0.5, -1.0, 4),
     )
 
 

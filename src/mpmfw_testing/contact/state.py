@@ -14,7 +14,6 @@ from mpmfw_testing.contact.meeting import Meeting, search_meetings
 from mpmfw_testing.contact.motion import Motion, note, recorded, simulate
 from mpmfw_testing.contact.separation import same_bits
 from mpmfw_testing.saving import remember
-from mpmfw_testing.searching import ladder
 from mpmfw_testing.subject import Subject
 
 #: Steps before and after the restart.
@@ -39,7 +38,7 @@ def used_twice(subject: Subject) -> None:
             motion, reference, "a strategy object that was used before gives another motion than a fresh one"
         )
 
-    search_meetings(trial, _SLIDING, examples=3)
+    search_meetings(trial, **_SLIDING, examples=3)
 
 
 def restart(subject: Subject) -> None:
@@ -70,7 +69,7 @@ def restart(subject: Subject) -> None:
                 _side_by_side(motion, reference, "contact_force", "N/m"),
             )
 
-    search_meetings(trial, _SLIDING, examples=3)
+    search_meetings(trial, **_SLIDING, examples=3)
 
 
 def saved(subject: Subject) -> None:
@@ -111,15 +110,11 @@ def saved(subject: Subject) -> None:
                     f"the series {name} goes on otherwise after loading: history does not name all that is kept"
                 )
 
-    search_meetings(trial, _SLIDING, examples=3)
+    search_meetings(trial, **_SLIDING, examples=3)
 
 
 #: Blocks that slide on each other from the first step on.
-_SLIDING: dict[str, Any] = {
-    "friction": ladder(0.3, 0.9, 3),
-    "slide": ladder(0.2, 1.0, 3),
-    "heavier": ladder(1.0, 4.0, 2),
-}
+_SLIDING: dict[str, Any] = {"friction": (0.3, 0.9, 3), "slide": (0.2, 1.0, 3), "heavier": (1.0, 4.0, 2)}
 
 
 def _side_by_side(motion: Motion, reference: Motion, name: str, unit: str) -> Picture:
