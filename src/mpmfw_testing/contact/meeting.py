@@ -197,12 +197,6 @@ TURNS, QUARTERS = (0.0, 345.0, 24), (0.0, 270.0, 4)
 UNEQUAL: dict[str, Any] = {"heavier": (1.0, 9.0, 5), "stiffer": (1.0, 9.0, 5)}
 
 
-#: Directions from the first body to the second [degrees]: ladders of :func:`search_meetings`.
-TURNS, QUARTERS = (0.0, 345.0, 24), (0.0, 270.0, 4)
-#: Ladders of a second body that is heavier and stiffer than the first.
-UNEQUAL: dict[str, Any] = {"heavier": (1.0, 9.0, 5), "stiffer": (1.0, 9.0, 5)}
-
-
 def search_meetings(
     trial: Callable[[Meeting], None],
     form: str = "blocks",
