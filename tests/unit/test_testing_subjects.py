@@ -115,8 +115,8 @@ class Unmarked(ContactStrategy):
         (Raises, r"raises\(…\) cannot be made: ZeroDivisionError: no gap in \{\}"),
         (Nameless, "Nameless: expected a class attribute 'name'"),
         (lambda: Nameless(), "Nameless: expected a class attribute 'name'"),
-        (Unmarked, r"Unmarked\.after_momentum_update has the name of a hook and is not marked"),
-        (lambda: Unmarked(), r"Unmarked\.after_momentum_update has the name of a hook and is not marked"),
+        (Unmarked, r"after_momentum_update has the name of a hook; expected @hookimpl"),
+        (lambda: Unmarked(), r"after_momentum_update has the name of a hook; expected @hookimpl"),
     ],
 )
 def test_an_error_of_the_author_is_one_message(plugin, said):

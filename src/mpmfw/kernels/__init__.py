@@ -32,6 +32,12 @@ in 2D.
 =========================== ======================== ==================================================================
 argument                    shape [unit]             meaning
 =========================== ======================== ==================================================================
+``points``                                           material points, an ``mpmfw.api.Particles``
+``table``                                            their interpolation table, an ``mpmfw.api.Stencil``
+``grid``                                             nodes of all velocity fields, an ``mpmfw.api.Grid``
+``thickness``               (n,) [m]                 of the points, or None
+``flip``                    [1]                      from 0 (PIC) to 1 (FLIP)
+``least_squares``                                    whether the affine field is B_p D_p⁻¹, else B_p
 ``row``                     (n + 1,)                 entries of point p are ``row[p]:row[p + 1]``
 ``nodes``                   (m,) int32               flat index of the entry's node, the offset of its field included
 ``weight``, ``values``      (m,)                     φ_ip; in ``linear_weights`` (dim, 2), w_d of the two nodes
@@ -50,16 +56,11 @@ argument                    shape [unit]             meaning
 ``position``                (n, dim) [m]             x_p; in the geometry surface nodes x_s
 ``affine``                  (n, dim, dim) [1/s]      C_p, or None
 ``moment``                  (n, dim, dim) [m^2/s]    B_p
-``velocity_gradient``       (n, dim, dim) [1/s]      L_p
 ``deformation_gradient``    (n, dim, dim)            F_p
 ``volume``                  (n,) [m^dim]             V_p
-``initial_volume``          (n,) [m^dim]             V_p⁰, where F_p = 1
 ``stress``                  (n, dim, dim) [Pa]       σ_p, Cauchy, tension positive
-``node_position``           (N, dim) [m]             x_i
 ``node_mass``               (N,) [kg/m]              m_i
 ``node_momentum``           (N, dim) [kg/s]          (m v)_i
-``node_velocity``           (N, dim) [m/s]           v_i, the grid's final velocity
-``node_start_velocity``     (N, dim) [m/s]           v_i⁰, the grid's velocity as projected, before forces and contact
 ``node_force``              (N, dim) [N/m]           f_i
 ``lower``                   (dim,) [m]               first node of the background grid; of boxes (B, dim)
 ``upper``                   (B, dim) [m]               upper corners of boxes

@@ -1,8 +1,8 @@
 """Arrays that kernels take as one argument, ``rows.gap[c]``.
 
-numba takes a ``NamedTuple`` as well, but works out its type and unpacks every array anew at each call: 5 µs for 15 arrays, a few
-percent of a small scene's step. A struct keeps addresses and shapes of its arrays in a row of numbers, which compiled code reads
-at once: 0.5 µs, whatever their number.
+numba takes a ``NamedTuple`` as well, but works out its type and unpacks every array anew at each call: 5 µs
+for 15 arrays, a few percent of a small scene's step. A struct keeps addresses and shapes of its arrays in a
+row of numbers, which compiled code reads at once: 0.5 µs, whatever their number.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ _struct_types: dict[tuple[Any, ...], StructType] = {}
 class Struct:
     """Base of classes whose annotated attributes are arrays that kernels take in one argument.
 
-    A subclass annotates them, or names those that kernels see in ``member_names`` and is made in its own way. Arrays are
-    read and written in place; :meth:`set` replaces some.
+    A subclass annotates them, or names those that kernels see in ``member_names`` and is made in its own way.
+    Arrays are read and written in place; :meth:`set` replaces some.
 
     Parameters
     ----------
@@ -82,7 +82,8 @@ class Struct:
         return self
 
     def __setattr__(self, name: str, value: Any) -> None:
-        """As any attribute; compiled code sees a member's new array. One that was changed in place, by ``+=``, is not new."""
+        """As any attribute; compiled code sees a member's new array. One that was changed in place, by
+        ``+=``, is not new."""
         new = name in self.member_names and value is not self.__dict__.get(name)
         super().__setattr__(name, value)
         if new and hasattr(self, "kernel_arrays"):  # not while the object is being made
@@ -199,7 +200,8 @@ def _unbox(kind: StructType, value: Any, c: Any) -> Any:
 
 
 def _signature_of(kind: type[Struct]) -> inspect.Signature:
-    """Members as what the class is made of, where ``help()`` shows them: they are no attributes of the class."""
+    """Members as what the class is made of, where ``help()`` shows them: they are no attributes of the
+    class."""
     if kind.__init__ is not Struct.__init__:
         _, *others = inspect.signature(kind.__init__).parameters.values()
         return inspect.Signature(others)

@@ -15,8 +15,8 @@ from mpmfw.kernels.types import Floats, Nodes, Points, Table
 
 @kernel
 def gather(
-    points: Points, affine: Floats | None, table: Table, grid: Nodes, least_squares: bool, flip: float, dt: float,
-    spacing: tuple[float, ...],
+    points: Points, affine: Floats | None, table: Table, grid: Nodes, least_squares: bool, flip: float,
+    dt: float, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Velocity, position, velocity gradient and affine field of every material point, in one pass over the
     table.
@@ -91,7 +91,8 @@ def _store_affine(
 
 @kernel
 def gather_velocity_gradient(points: Points, table: Table, grid: Nodes, spacing: tuple[float, ...]) -> None:
-    """L_p = Σ_i v_i ∇φ_ipᵀ [1/s] alone, of the grid's ``velocity``: that which MUSL and USF take the strain from."""
+    """L_p = Σ_i v_i ∇φ_ipᵀ [1/s] alone, of the grid's ``velocity``: that which MUSL and USF take the strain
+    from."""
     dim = len(spacing)
     l = scratch.matrix(spacing, spacing)
     for p in range(len(points.mass)):
@@ -118,10 +119,11 @@ def _add_identity_scaled(a: Floats, factor: float, out: Floats, spacing: tuple[f
 
 @kernel
 def transport_affine(points: Points, affine: Floats, dt: float, spacing: tuple[float, ...]) -> None:
-    """C ← C (1 + Δt C)⁻¹ of every point: the gradient of the same material velocity field after the points moved.
+    """C ← C (1 + Δt C)⁻¹ of every point: the gradient of the same material velocity field after the points
+    moved.
 
-    A field v(x) = C x carried along x ← (1 + Δt C) x has, at the new positions, the gradient C (1 + Δt C)⁻¹. Without it a
-    spinning disc loses angular momentum at second order in Δt every step.
+    A field v(x) = C x carried along x ← (1 + Δt C) x has, at the new positions, the gradient C (1 + Δt C)⁻¹.
+    Without it a spinning disc loses angular momentum at second order in Δt every step.
     """
     dim = len(spacing)
     c = scratch.matrix(spacing, spacing)

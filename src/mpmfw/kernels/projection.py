@@ -12,7 +12,8 @@ from mpmfw.kernels.types import Floats, Nodes, Points, Table
 
 @device
 def _velocity_at_origin(
-    points: Points, position: Floats, affine: Floats | None, p: int, v: Floats, columns: Floats, spacing: tuple[float, ...]
+    points: Points, position: Floats, affine: Floats | None, p: int, v: Floats, columns: Floats,
+    spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """v[0] = v_p − C_p x_p and columns = C_pᵀ, so that v_p + C_p (x − x_p) = v[0] + Σ_e x_e columns[e]."""
     dim = len(spacing)
@@ -53,8 +54,8 @@ def project_mass_momentum(
 
 @kernel
 def project_momentum(
-    points: Points, position: Floats, affine: Floats | None, table: Table, grid: Nodes, spacing: tuple[float, ...],
-    own_nodes: NodeRange | None = None,
+    points: Points, position: Floats, affine: Floats | None, table: Table, grid: Nodes,
+    spacing: tuple[float, ...], own_nodes: NodeRange | None = None,
 ) -> None:  # fmt: skip
     """(m v)_i += Σ_p φ_ip m_p (v_p + C_p (x_i − x_p)) alone: the second projection of MUSL.
 

@@ -1,4 +1,5 @@
-"""The pairs of bodies that a run lists: all of a few bodies, and of many those that have come near each other."""
+"""The pairs of bodies that a run lists: all of a few bodies, and of many those that have come near each
+other."""
 
 from __future__ import annotations
 
@@ -53,8 +54,8 @@ def overlapping(lower: AnyArray, upper: AnyArray) -> tuple[IntArray, IntArray]:
 def _strips(lower: FloatArray, upper: FloatArray) -> tuple[int, IntArray, IntArray, IntArray]:
     """Axis of the sweep, and entries of boxes in strips across the axis of next to the largest spread.
 
-    A strip is as wide as the median box, and there are no more of them than boxes: a box in an ordinary place is in two or
-    three, and one as large as all together in no more than there are boxes.
+    A strip is as wide as the median box, and there are no more of them than boxes: a box in an ordinary place
+    is in two or three, and one as large as all together in no more than there are boxes.
     """
     spread = (lower + upper).max(axis=0) - (lower + upper).min(axis=0)
     across, along = (int(axis) for axis in np.argsort(spread)[-2:])
@@ -75,11 +76,13 @@ def _strips(lower: FloatArray, upper: FloatArray) -> tuple[int, IntArray, IntArr
 
 @dataclass
 class NearPairs:
-    """Adds to ``State.pairs`` the bodies that come near each other, in the scene's order of each laying of windows.
+    """Adds to ``State.pairs`` the bodies that come near each other, in the scene's order of each laying of
+    windows.
 
-    Near are bodies whose velocity fields' windows of the grid share a node: between two layings no body leaves its window,
-    so that what exchanges momentum at shared nodes, or touches within a cell, is listed before it does. Where the bodies
-    share one velocity field, near are those whose outlines' boxes are within a cell of each other at an output.
+    Near are bodies whose velocity fields' windows of the grid share a node: between two layings no body
+    leaves its window, so that what exchanges momentum at shared nodes, or touches within a cell, is listed
+    before it does. Where the bodies share one velocity field, near are those whose outlines' boxes are within
+    a cell of each other at an output.
 
     Parameters
     ----------
@@ -121,7 +124,8 @@ class NearPairs:
         return self.add(state, first, second)
 
     def add(self, state: State, first: IntArray, second: IntArray) -> bool:
-        """List pairs, by the indices of both bodies, that are not listed yet; return whether there are any."""
+        """List pairs, by the indices of both bodies, that are not listed yet; return whether there are
+        any."""
         return self._list(state, np.setdiff1d(first * len(self.names) + second, self._listed))
 
     def restore(self, state: State, bodies: IntArray) -> bool:

@@ -48,7 +48,8 @@ class Stencil(Struct):
         return Stencil(row[begin : end + 1], *entries)
 
     def show(self, entries: int) -> Stencil:
-        """Show the first ``entries`` of the room in Python; kernels see all of it, and read what ``row`` names."""
+        """Show the first ``entries`` of the room in Python; kernels see all of it, and read what ``row``
+        names."""
         _, nodes, weight, gradient = self.kernel_arrays
         self.__dict__.update(nodes=nodes[:entries], weight=weight[:entries], gradient=gradient[:entries])
         return self
@@ -109,22 +110,26 @@ class Pair:
         """
         if self.friction_law is not None:
             raise SceneError(
-                f"the friction of pair {self.label} was asked for, but contact.friction_law = '{self.friction_law}' says it "
-                "anew for every row; expected a contact law that takes it from rows.friction, as slip_bound does"
+                f"the friction of pair {self.label} was asked for, but contact.friction_law = "
+                f"'{self.friction_law}' says it anew for every row; expected a contact law that takes it from "
+                "rows.friction, as slip_bound does"
             )
         return self.mu
 
 
 @dataclass(eq=False)
 class Particles(Struct):
-    """Material points of all bodies, body after body. Kernels see their arrays, but for those that may be None."""
+    """Material points of all bodies, body after body. Kernels see their arrays, but for those that may be
+    None."""
 
     member_names = (
-        "position", "velocity", "mass", "initial_volume", "volume", "deformation_gradient", "velocity_gradient", "stress",
+        "position", "velocity", "mass", "initial_volume", "volume", "deformation_gradient", "velocity_gradient",
+        "stress",
     )  # fmt: skip
 
     history = (
-        "position", "velocity", "volume", "deformation_gradient", "velocity_gradient", "stress", "affine", "moment",
+        "position", "velocity", "volume", "deformation_gradient", "velocity_gradient", "stress", "affine",
+        "moment",
     )  # fmt: skip
 
     position: FloatArray  #: (n, dim) [m]
@@ -164,7 +169,8 @@ class Particles(Struct):
 
 
 def joined(slices: tuple[slice, ...], own: slice) -> tuple[slice, ...]:
-    """The slices and one more; bodies that follow each other become one slice, and take one call of a kernel."""
+    """The slices and one more; bodies that follow each other become one slice, and take one call of a
+    kernel."""
     if slices and slices[-1].stop == own.start:
         return (*slices[:-1], slice(slices[-1].start, own.stop))
     return (*slices, own)
@@ -234,8 +240,8 @@ class Grid(Struct):
 
 @dataclass(slots=True)
 class Surface:
-    """Closed surfaces of all bodies, moved by their own velocity field: two-node segments in the plane, triangles in
-    space."""
+    """Closed surfaces of all bodies, moved by their own velocity field: two-node segments in the plane,
+    triangles in space."""
 
     history = ("position", "displacement")
 
@@ -253,7 +259,7 @@ class Surface:
     stage: str = "contact"  #: stage of the clock that pays for it: ``gap`` if only the diagnostic uses it
     stencil: Stencil | None = None  #: N_i(x_s) of this step
     covered: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
-    """(n_f,) body that lies flush on the facet near a third body, −1 for none; (0,) where it is not asked for"""
+    """(n_f,) body that lies flush on the facet near a third body, −1 for none; (0,) unless it is needed"""
 
     @property
     def count(self) -> int:

@@ -1,10 +1,13 @@
-"""Several threads of one run: each has a part of a line of the step, and the result is the same to the bit as with one.
+"""Several threads of one run: each has a part of a line of the step, and the result is the same to the bit as
+with one.
 
-Kernels let go of the interpreter's lock, so that Python threads are enough. Nothing here depends on when a thread is done:
+Kernels let go of the interpreter's lock, so that Python threads are enough. Nothing here depends on when a
+thread is done:
 
-- lines that go from the grid to the points, or over points alone, are shared out by points, none of which asks another;
-- lines that go from points to the grid are shared out by nodes. Every thread goes through the points in their order, and adds to
-  its own nodes alone what a single thread would add to them, one after the other.
+- lines that go from the grid to the points, or over points alone, are shared out by points, none of which
+  asks another;
+- lines that go from points to the grid are shared out by nodes. Every thread goes through the points in their
+  order, and adds to its own nodes alone what a single thread would add to them, one after the other.
 
 Imported where a run has more than one thread.
 """
@@ -36,14 +39,16 @@ Room: TypeAlias = tuple[IntArray, IndexArray, FloatArray, FloatArray]
 #: How often a thread looks whether there is something to do before it sleeps: 0.1 ms.
 LOOKS = 300_000
 
-#: As often the thread that calls looks away, before it needs the interpreter's lock itself: 3 µs, in which the others come
-#: from the call to their kernels. Who asks for the lock while another has it sleeps, and is awake 20 µs later.
+#: As often the thread that calls looks away, before it needs the interpreter's lock itself: 3 µs, in which
+#: the others come from the call to their kernels. Who asks for the lock while another has it sleeps, and is
+#: awake 20 µs later.
 FIRST_LOOKS = 48_000
 
 #: Sleep of the thread that calls, when another has none of the cores [s].
 NAP = 1e-4
 
-#: Projections after which the nodes are shared out anew: points move on, and the threads should have equally many.
+#: Projections after which the nodes are shared out anew: points move on, and the threads should have equally
+#: many.
 RENEWAL = 256
 
 
@@ -89,7 +94,8 @@ class Threads:
         return [np.clip(first, *part) for part in self.parts(0, int(first[-1]))]
 
     def over_points(self, kernel: Callable[..., int | None], *arguments: Any) -> int:
-        """Call a kernel of the step with every thread's part of the points: of their arrays, their table, and arrays beside.
+        """Call a kernel of the step with every thread's part of the points: of their arrays, their table, and
+        arrays beside.
 
         Returns
         -------
@@ -104,7 +110,8 @@ class Threads:
         return -1
 
     def _parts_of(self, argument: Any, ranges: list[tuple[int, int]]) -> list[Any]:
-        """Return each thread's part of an argument: of an array, or of what has a method ``part``; all else is everybody's.
+        """Return each thread's part of an argument: of an array, or of what has a method ``part``; all else
+        is everybody's.
 
         Parts of structs are kept while their arrays are the same.
         """
@@ -136,7 +143,8 @@ class Threads:
             kernel(*arguments)
 
     def share_nodes(self, row: IntArray, nodes: IndexArray) -> None:
-        """Cut the nodes where as many points begin below as above; now and then, since any cut gives the same sums."""
+        """Cut the nodes where as many points begin below as above; now and then, since any cut gives the same
+        sums."""
         if self._left == 0 and self.rows_ascend:
             lowest = nodes[row[:-1]]
             ranks = [len(lowest) * t // self.count for t in range(1, self.count)]
@@ -149,9 +157,11 @@ class Threads:
         self._left = 0
 
     def fill_rows(self, fill: Callable[..., int], first: IntArray, room: Room) -> int:
-        """Fill a table of rows of varying length by ``fill(first, k, *room)``, in parts that begin where they did last time.
+        """Fill a table of rows of varying length by ``fill(first, k, *room)``, in parts that begin where they
+        did last time.
 
-        Between the end of a part and the next are a few entries of weight 0, the last node of the row before once more.
+        Between the end of a part and the next are a few entries of weight 0, the last node of the row before
+        once more.
 
         Returns
         -------
@@ -175,7 +185,8 @@ class Threads:
         return code
 
     def _begins(self, room: Room) -> list[int]:
-        """Where every thread's entries begin: with room for some more than last time, or for equally many a point."""
+        """Where every thread's entries begin: with room for some more than last time, or for equally many a
+        point."""
         if self._entries:
             return list(itertools.accumulate((n + n // 128 + 64 for n in self._entries[:-1]), initial=0))
         row, nodes, *_ = room
@@ -197,13 +208,15 @@ class Threads:
 class _Team:
     """The threads themselves, which know nothing of the object that they work for: it may end before them.
 
-    Part 0 is the caller's, every other part that of the thread which takes it first: the caller takes what is left when it has
-    done its own, so that a thread which other processes keep from the cores holds up nothing that it has not begun.
+    Part 0 is the caller's, every other part that of the thread which takes it first: the caller takes what is
+    left when it has done its own, so that a thread which other processes keep from the cores holds up nothing
+    that it has not begun.
     """
 
     def __init__(self, count: int) -> None:
         self.count, self.round, self.ended = count, 0, False
-        #: Number 0: the last round that was called. Number t: the last round in which another thread has done part t
+        #: Number 0: the last round that was called. Number t: the last round in which another thread has done
+        #: part t
         self.rounds = np.zeros(2 * count * waiting.APART, dtype=np.int64)
         self.results: list[Any] = [None] * count
         self.left: deque[tuple[Callable[[int], Any], int, int]] = (

@@ -24,7 +24,8 @@ Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 
 
 def over_points(kernel: Kernel) -> Kernel:
-    """Mark a kernel in which no point asks another; it returns None, or the first point that failed, −1 if none did."""
+    """Mark a kernel in which no point asks another; it returns None, or the first point that failed, −1 if
+    none did."""
 
     @functools.wraps(kernel)
     def shared(points: Particles, *arguments: Any) -> Any:
@@ -115,8 +116,8 @@ def _left_the_grid(state: State, error: OutsideGrid) -> SimulationError:
         index=error.index - first,
         position=position.tolist(),
         time=state.time,
-        advice="a larger grid (grid.lower, grid.upper), or an earlier time.end; if the position is far off or nan, "
-        "a smaller time.safety",
+        advice="a larger grid (grid.lower, grid.upper), or an earlier time.end; if the position is far off "
+        "or nan, a smaller time.safety",
     )
 
 
@@ -148,7 +149,8 @@ def _apply_moment(p: Particles, phi: Stencil, g: Grid, position: FloatArray) -> 
 
 
 def gather(p: Particles, phi: Stencil, g: Grid, transfer: Transfer, dt: float) -> None:
-    """v_p, x_p, L_p and the affine field from the grid's final velocity; the field is not carried along yet."""
+    """v_p, x_p, L_p and the affine field from the grid's final velocity; the field is not carried along
+    yet."""
     kind = transfer.affine
     affine = p.moment if kind == "moment" else p.affine if kind == "least_squares" else None
     _gather(p, affine, phi, g, kind == "least_squares", transfer.flip, dt, g.spacing)

@@ -23,7 +23,8 @@ def step(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Call
     """One time step; strain and positions follow from one and the same grid velocity, which keeps rotation.
 
     1. φ_ip, ∇φ_ip
-    2. m_i = Σ φ m,  (m v)_i = Σ φ m (v + C (x_i − x_p)), per velocity field; contacts are detected, Δt is chosen
+    2. m_i = Σ φ m,  (m v)_i = Σ φ m (v + C (x_i − x_p)), per velocity field; contacts are detected, Δt is
+      chosen
     3. f_i = −Σ V σ·∇φ + f_ext + f_cont                     (eq. 12 of [H17])
     4. (m v)_i += Δt f_i, then velocity-correcting contact, inertia correction, boundary conditions
     5. v_p, x_p, C_p from the grid; surface nodes move with the same velocity
