@@ -111,8 +111,8 @@ class Pair:
         if self.friction_law is not None:
             raise SceneError(
                 f"the friction of pair {self.label} was asked for, but contact.friction_law = "
-                f"'{self.friction_law}' says it anew for every row; expected a contact law that takes it from "
-                "rows.friction, as slip_bound does"
+                f"'{self.friction_law}' says it anew for every row; expected a contact law that takes it "
+                "from rows.friction, as slip_bound does"
             )
         return self.mu
 
@@ -123,8 +123,8 @@ class Particles(Struct):
     None."""
 
     member_names = (
-        "position", "velocity", "mass", "initial_volume", "volume", "deformation_gradient", "velocity_gradient",
-        "stress",
+        "position", "velocity", "mass", "initial_volume", "volume", "deformation_gradient",
+        "velocity_gradient", "stress",
     )  # fmt: skip
 
     history = (
