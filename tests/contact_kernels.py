@@ -6,16 +6,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from mpmfw.contact.springs import SpringArrays, add_friction
+from mpmfw.contact.surfaces import cells, search
+from mpmfw.contact.surfaces.assembly import SurfaceTable, assemble
+from mpmfw.contact.surfaces.candidates import Candidates, SearchGrid
+from mpmfw.contact.surfaces.detection import SurfaceRows
+from mpmfw.contact.surfaces.outline import Outline
 from mpmfw.geometry.facets import neighbours_of, stars_of, tributaries_of
 from mpmfw.kernels.contact import Records
 from mpmfw.kernels.facets import signed_distance
 from mpmfw.kernels.pair_table import pair_table as pair_of_bodies
-from mpmfw_contact import _springs
-from mpmfw_contact.surfaces import cells, search
-from mpmfw_contact.surfaces.assembly import SurfaceTable, assemble
-from mpmfw_contact.surfaces.candidates import Candidates, SearchGrid
-from mpmfw_contact.surfaces.detection import SurfaceRows
-from mpmfw_contact.surfaces.outline import Outline
+from mpmfw_contact.penalty import spring_forces
 
 #: Tells kernels that they work in the plane.
 PLANE = (1.0, 1.0)
@@ -185,9 +186,9 @@ def pair_table(n_bodies):
 def rows_of(loops, found, *, across=False, ties=True, friction=True, tilts=False, passes=1.0, table=None):
     """Rows of the candidates; without a table the grid's nodes are the surface's own."""
     n = len(loops.body)
-    own = dict.fromkeys(("bears", "rest", "k", "tangent_k"), 0) | {"tangential": 1, "moved": 1}
+    own = dict.fromkeys((*SpringArrays.member_names, "rest"), 0) | {"tangential": 1, "moved": 1}
     rows = SurfaceRows(2, couples=friction, tilts=tilts, own=own)
-    rows.hold(cohesion=False)
+    rows.allocate_friction(cohesion=False)
     rows.make_room(2 * found.facet.size, 400 * n)
     table = (np.arange(n + 1), np.arange(n, dtype=np.int32), np.ones(n)) if table is None else table
     table = SurfaceTable(**dict(zip(SurfaceTable.member_names, table, strict=True)))
@@ -219,7 +220,7 @@ def history_of(loops, found, old_master=None, old_tangential=None):
             (s * loops.n_bodies + old_master[s, j], e, old_tangential[s, j] * np.array([-e[1], e[0]]))
         )
     old.make_room(len(kept) + 1, 1)
-    old.count, old.gap[:] = len(kept), -1.0
+    old.count, old.gap[:], old.own.k_t[:] = len(kept), -1.0, 1.0
     for c, each in enumerate(sorted(kept, key=lambda each: each[0])):
         old.identity[c], old.normal[c], old.own.tangential[c] = each
     return old
@@ -240,12 +241,11 @@ def forces(loops, found, law, old_master=None, old_tangential=None):
     old = history_of(loops, found, old_master, old_tangential)
     rows.match(old)
     own, m, records = rows.own, rows.count, no_records(n_pairs)
-    own.k[:m] = own.bears[:m] = law.stiffness * rows.area[:m] / whole_of(rows)
+    own.k[:m] = own.effective_area[:m] = law.stiffness * rows.area[:m] / whole_of(rows)
     rows.friction[:m] = law.friction
-    _springs.spring_forces(
-        rows, m, own, old, old.count, old.own, law.tangential_ratio, law.damping / law.stiffness, np.inf, records,
-        np.zeros(n_pairs),
-    )  # fmt: skip
+    own.entered[:m] = 1.0
+    spring_forces(rows, m, own, old, law.tangential_ratio, law.damping / law.stiffness, np.inf, records)
+    add_friction(rows, m, own, old, old.count, old.own, records, np.zeros(n_pairs))
     force, tangential = np.zeros((n, 2)), np.zeros((n, slots))
     rows.add_to(force, (1.0, 1.0))
     rows.record(law.dt, records, (1.0, 1.0))
@@ -264,7 +264,7 @@ def forces(loops, found, law, old_master=None, old_tangential=None):
 def whole_of(rows):
     """Area of the whole place that every row belongs to."""
     identity = rows.identity[: rows.count]
-    return np.array([rows.whole[: rows.count][identity == each].sum() for each in identity])
+    return np.array([rows.tributary_area[: rows.count][identity == each].sum() for each in identity])
 
 
 class OneNode:

@@ -76,22 +76,14 @@ LEAST = Brings(
 
 _SHAPE = "setup particle_reach interpolate interpolate_surface"
 _SURFACES = " ".join(
-    ["mpmfw_contact.surfaces"]
+    ["mpmfw.contact.surfaces"]
     + [
-        f"mpmfw_contact.surfaces.{name}"
+        f"mpmfw.contact.surfaces.{name}"
         for name in (
-            "detection",
-            "near_facets",
-            "options",
-            "search",
-            "cells",
-            "assembly",
-            "candidates",
-            "outline",
+            *("detection", "near_facets", "options", "search", "cells", "assembly", "candidates", "outline"),
+            *("facing", "tracking", "travel", "covering"),
         )
     ]
-    + [f"mpmfw_contact.surfaces.{name}" for name in ("facing", "tracking", "travel", "covering")]
-    + ["mpmfw_contact._stiffness"]
 )
 EFFECTS = {
     "linear": brings("linear", hooks=_SHAPE, modules="mpmfw_shape.linear mpmfw_shape._at_points"),
@@ -183,15 +175,14 @@ EFFECTS = {
         hooks="declare_fields setup add_pairs detect after_momentum_projection after_momentum_update "
         "after_second_projection advect diagnostics",
         arrays="impulse friction_impulse frictional_work damping_work energy count volume_gradient",
-        modules="mpmfw_contact.bardenhagen mpmfw_contact.impulse mpmfw_contact.nodes mpmfw_contact._shared_nodes "
-        "mpmfw_contact._stiffness",
+        modules="mpmfw_contact.bardenhagen mpmfw_contact.impulse mpmfw.contact.nodes mpmfw.contact.shared_nodes",
         series="contact_force friction_force contact_count frictional_work contact_energy damping_work",
     ),
     "averaged normals": brings(
         "leaning_normals",
         hooks="declare_fields setup add_pairs after_momentum_projection add_nodal_force after_momentum_update concerns",
         arrays="normal_impulse mean_normal lean",
-        modules="mpmfw_contact._leaning",
+        modules="mpmfw.contact.normal_bias",
     ),
     "distance of bodies": brings("bardenhagen", arrays="mean_position"),
     "penalty": brings(
@@ -200,7 +191,7 @@ EFFECTS = {
         arrays="impulse friction_impulse frictional_work damping_work spring_work energy count force master facet share gap "
         "normal inside inside_facet owner shared head head_stamp head_body link link_facet link_body near near_count "
         "facet_lower facet_upper box_lower box_upper near_lower near_upper",
-        modules=f"mpmfw_contact.penalty mpmfw_contact._springs {_SURFACES}",
+        modules=f"mpmfw_contact.penalty mpmfw_contact._springs mpmfw.contact.springs {_SURFACES}",
         series="contact_force friction_force contact_count frictional_work contact_energy damping_work spring_work",
         surface="force",
     ),
@@ -210,7 +201,7 @@ EFFECTS = {
         "surface_layer",
         hooks="declare_fields setup after_momentum_projection after_second_projection advect",
         arrays="interface_mass interface_velocity",
-        modules="mpmfw_contact.surfaces.layer",
+        modules="mpmfw.contact.surfaces.layer",
     ),
     "ledger": brings(
         "energy_ledger",

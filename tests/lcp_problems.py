@@ -15,7 +15,7 @@ def problem(seed, dim, count=30, *, couples=False, tilts=False, friction=0.0, no
     rng = np.random.default_rng(seed)
     own = Lcp().row_arrays(friction=True)
     rows = ContactRows(dim, couples=couples, tilts=tilts, own=own)
-    rows.hold(cohesion=False)
+    rows.allocate_friction(cohesion=False)
     rows.make_room(count, 6 * count)
     rows.count = count
     rows.pair[:] = rng.integers(0, 2, count)

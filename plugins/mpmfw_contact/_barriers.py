@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 
-from mpmfw.kernels import Struct, device, kernel, scratch
-from mpmfw.kernels.contact import Records, Rows, slip_bound
+from mpmfw.contact.springs import SpringArrays, approach_of
+from mpmfw.contact.surfaces.assembly import Places, SurfaceTable
+from mpmfw.contact.surfaces.outline import Outline, hidden
+from mpmfw.kernels import device, kernel, scratch
+from mpmfw.kernels.contact import Records, Rows
 from mpmfw.kernels.facets import read_point, signed_distance
 from mpmfw.kernels.types import Float, Floats
-from mpmfw_contact._springs import along_and_across, end_of, first_of, old_force, return_to_cone
-from mpmfw_contact.surfaces.assembly import Places, SurfaceTable
-from mpmfw_contact.surfaces.outline import Outline, hidden
 
 #: Least part of a distance that is left when the stiffness of the step's end is foreseen.
 LEFT = 0.25
@@ -22,14 +22,10 @@ LEAST_SHARE = 0.1
 USED = 0.5
 
 
-class BarrierArrays(Struct):
-    """The law's own arrays of n rows."""
+class BarrierArrays(SpringArrays):
+    """Arrays of barriers; ``limit_k`` is the stiffness at its greatest in the step."""
 
-    bears: Floats  #: (n,) area that bears [m^(dim−1)]
     distance: Floats  #: (n,) gap, counted from where its pair began [m]
-    k: Floats  #: (n,) stiffness, at its greatest in the step [N m^(dim−4)]
-    moved: Floats  #: (n, dim) motion over the step [m]
-    tangential: Floats  #: (n, dim) tangential force; (0, dim) where there is no friction
 
 
 @device
@@ -79,58 +75,36 @@ def set_barriers(
     for c in range(count):
         p = rows.pair[c]
         distance = rows.gap[c] + offset[p]
-        own.distance[c], own.k[c] = distance, 0.0
+        own.distance[c], own.limit_k[c] = distance, 0.0
         if distance <= 0.0:
             return c
-        approach, _ = along_and_across(c, rows)
-        own.bears[c] = max(rows.area[c], LEAST_SHARE * rows.whole[c])
+        approach = approach_of(c, rows)
+        own.effective_area[c] = max(rows.area[c], LEAST_SHARE * rows.tributary_area[c])
         ahead = max(distance + min(2.0 * approach, 0.0), LEFT * distance)
         if ahead < reach:
-            unit = modulus[p] * (cell_size / reach) * own.bears[c]
-            own.k[c] = max(barrier_curvature(ahead / reach), stiffest) * unit
+            unit = modulus[p] * (cell_size / reach) * own.effective_area[c]
+            own.limit_k[c] = max(barrier_curvature(ahead / reach), stiffest) * unit
     return -1
 
 
 @kernel
 def barrier_forces(
-    rows: Rows, count: int, own: BarrierArrays, old: Rows, old_count: int, old_own: BarrierArrays, modulus: Floats,
-    reach: float, cell_size: float, tangential_ratio: float, records: Records,
+    rows: Rows, count: int, own: BarrierArrays, old_own: BarrierArrays, modulus: Floats, reach: float, cell_size: float,
+    tangential_ratio: float, records: Records,
 ) -> None:  # fmt: skip
-    """f = f_n n + f_t of every row nearer than ``reach``: f_n = −κ M A b'(d / reach), and f_t from the last step's.
+    """N = −κ M A b'(d / reach) of every row nearer than ``reach``.
 
-    The pairs' works are added to, their energies written. Where a place comes within reach, only the part of the step counts
-    that it spent there.
+    Where a place comes within reach, only the part of the step counts for friction that it spent there.
     """
-    dim, has_friction = rows.normal.shape[1], len(own.tangential) > 0
-    records.energy[:] = 0.0
     for c in range(count):
-        for d in range(dim):
-            rows.force[c, d] = 0.0
-            if has_friction:
-                own.tangential[c, d] = 0.0
-        s = own.distance[c] / reach
+        s, o, k = own.distance[c] / reach, rows.previous[c], modulus[rows.pair[c]] * own.effective_area[c]
         if s >= 1.0:
             continue
-        p, o, k = rows.pair[c], rows.before[c], modulus[rows.pair[c]] * own.bears[c]
-        if o >= 0 and old_own.distance[o] >= reach:
-            o = -1  # no contact then
-        f_n = k * cell_size * barrier_slope(s)
-        records.energy[p] += k * cell_size * reach * barrier(s)
-        for d in range(dim):
-            rows.force[c, d] = f_n * rows.normal[c, d]
-        if has_friction:
-            share = 1.0 / (end_of(c, count, rows.identity) - first_of(c, rows.identity))
-            old_force(c, o, rows, old, old_count, old_own.tangential, share, own.tangential)
-            approach, _ = along_and_across(c, rows)
-            within = min(1.0, (own.distance[c] - reach) / approach) if o < 0 and approach < 0.0 else 1.0
-            k_t = tangential_ratio * k * cell_size / reach
-            for d in range(dim):
-                own.tangential[c, d] -= k_t * within * (rows.motion[c, d] - approach * rows.normal[c, d])
-            lost, stored = return_to_cone(c, slip_bound(rows, c, f_n), k_t, own.tangential)
-            records.frictional_work[p] += lost
-            records.energy[p] += stored
-            for d in range(dim):
-                rows.force[c, d] += own.tangential[c, d]
+        own.normal[c], own.k_t[c] = k * cell_size * barrier_slope(s), tangential_ratio * k * cell_size / reach
+        records.energy[rows.pair[c]] += k * cell_size * reach * barrier(s)
+        approach = approach_of(c, rows)
+        if approach < 0.0 and (o < 0 or old_own.distance[o] >= reach):
+            own.entered[c] = min(1.0, (own.distance[c] - reach) / approach)
 
 
 @device

@@ -7,7 +7,7 @@ those of :mod:`mpmfw.kernels.contact`.
 from __future__ import annotations
 
 from mpmfw.kernels import Struct, device, kernel, scratch
-from mpmfw.kernels.contact import Rows, row_velocity, slip_bound
+from mpmfw.kernels.contact import Rows, row_velocity, slip_limit
 from mpmfw.kernels.types import Float, Floats
 
 #: Changes of a row, over the largest velocity of its nodes, that are rounding.
@@ -76,7 +76,7 @@ def state_problem(
             size = abs(rows.weight[k]) + couple**0.5
             own.compliance[c] += size * (size + tilt**0.5) / mass[i]
         gap = rows.gap[c]
-        if gap > 0.0 and rows.area[c] < facing * rows.whole[c]:
+        if gap > 0.0 and rows.area[c] < facing * rows.tributary_area[c]:
             own.compliance[c] = 0.0
         own.allowed[c] = (gap if gap > 0.0 else recovery * gap) * per_step
         row_velocity(c, rows, velocity, u, spacing)
@@ -116,7 +116,7 @@ def meet_row(
         change[d] = tangential
         square += tangential * tangential
     closed = new > 0.0 or along + own.allowed[c] <= touching
-    size, limit = square**0.5, slip_bound(rows, c, new) if closed else 0.0
+    size, limit = square**0.5, slip_limit(rows, c, new) if closed else 0.0
     kept = limit / size if size > limit else 1.0
     square = 0.0
     for d in range(dim):

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-from mpmfw.kernels import Struct, device, kernel, scratch
-from mpmfw.kernels.contact import Rows
-from mpmfw.kernels.facets import length_of, read_corners, write_gradients
-from mpmfw.kernels.pair_table import pair_index
-from mpmfw.kernels.types import Float, Floats, Ints
-from mpmfw_contact.surfaces.assembly import SurfaceTable
-from mpmfw_contact.surfaces.candidates import SearchGrid
-from mpmfw_contact.surfaces.cells import (
+from mpmfw.contact.surfaces.assembly import SurfaceTable
+from mpmfw.contact.surfaces.candidates import SearchGrid
+from mpmfw.contact.surfaces.cells import (
     advance,
     cells_of,
     flat_index,
@@ -17,7 +12,12 @@ from mpmfw_contact.surfaces.cells import (
     outside_near,
     reach_of_facet,
 )
-from mpmfw_contact.surfaces.outline import Outline, area_of, hidden
+from mpmfw.contact.surfaces.outline import Outline, area_of, hidden
+from mpmfw.kernels import Struct, device, kernel, scratch
+from mpmfw.kernels.contact import Rows
+from mpmfw.kernels.facets import length_of, read_corners, write_gradients
+from mpmfw.kernels.pair_table import pair_index
+from mpmfw.kernels.types import Float, Floats, Ints
 
 #: Least cosine between one segment's normal and the other's reversed one: sides at right angles do not face each other.
 LEAST_COSINE = 0.1
@@ -239,7 +239,7 @@ def write_midlines(
             rows.pair[c], rows.sign[c] = p, 1.0 if pair_first[p] == body else -1.0
             rows.identity[c] = (m * n_facets + other) * 2 + point
             rows.gap[c] = gap_at(s, ends, other_ends)
-            rows.area[c] = rows.whole[c] = 0.5 * (high - low)
+            rows.area[c] = rows.tributary_area[c] = 0.5 * (high - low)
             for d in range(len(spacing)):
                 rows.normal[c, d], rows.motion[c, d] = normal[d], 0.0
             half = 0.5 * rows.gap[c]

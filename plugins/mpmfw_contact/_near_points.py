@@ -170,7 +170,7 @@ def write_point_rows(
         rows.identity[c] = (found.pair[c] * n_points + p) * n_points + q
         rows.gap[c] = distance - r_p - r_q
         rows.area[c] = (2.0 * min(r_p, r_q)) ** (dim - 1)
-        rows.whole[c] = rows.area[c]
+        rows.tributary_area[c] = rows.area[c]
         for d in range(dim):
             rows.normal[c, d] /= distance
         at = rows.start[c]

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
+from mpmfw.contact.shared_nodes import GridNodes, NodePairs, SharedNodes, write_row
 from mpmfw.kernels import Struct, device, kernel, scratch
 from mpmfw.kernels.contact import Rows
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
-from mpmfw_contact._shared_nodes import GridNodes, NodePairs, SharedNodes, write_row
 
 #: Most iterations of a regression; about four are used.
 ITERATIONS = 50

@@ -1,10 +1,11 @@
-"""Kernels of springs on rows: what they bear, their forces, and what they lose as they change."""
+"""Springs that grow stiffer with their depth, and that lose energy as they change: their area, their rest, their facet."""
 
 from __future__ import annotations
 
-from mpmfw.kernels import Struct, device, kernel
-from mpmfw.kernels.contact import Records, Rows, add_turned, slip_bound
-from mpmfw.kernels.types import Float, Floats, Ints
+from mpmfw.contact.springs import SpringArrays, approach_of, end_of, first_of
+from mpmfw.kernels import device, kernel
+from mpmfw.kernels.contact import Rows
+from mpmfw.kernels.types import Float, Floats
 
 #: Depth in cells from which a spring grows stiffer: were it linear, bodies at the speed of their waves would cross.
 LINEAR_TO = 0.25
@@ -22,15 +23,11 @@ SHALLOW = 0.01
 NOISE = 0.02
 
 
-class SpringArrays(Struct):
-    """A law's own arrays of n rows."""
+class ChangingSprings(SpringArrays):
+    """Arrays of springs that change."""
 
-    bears: Floats  #: (n,) area that bears [m^(dim−1)]
     rest: Floats  #: (n,) gap without force [m]
-    k: Floats  #: (n,) stiffness [N m^(dim−4)]
-    tangent_k: Floats  #: (n,) tangent stiffness, at its greatest
     moved: Floats  #: (n, dim) motion over the step [m]
-    tangential: Floats  #: (n, dim) tangential force; (0, dim) where there is no friction
 
 
 @device
@@ -92,37 +89,10 @@ def changed_spring(
     return share, left
 
 
-@device
-def along_and_across(c: int, rows: Rows) -> tuple[Float, Float]:
-    """Part of row c's motion along its normal, and length of the rest."""
-    along, square = 0.0, 0.0
-    for d in range(rows.normal.shape[1]):
-        along += rows.motion[c, d] * rows.normal[c, d]
-        square += rows.motion[c, d] * rows.motion[c, d]
-    return along, max(square - along * along, 0.0) ** 0.5
-
-
-@device
-def end_of(c: int, count: int, identity: Ints) -> int:
-    """The row behind those that have the identity of row c."""
-    e = c + 1
-    while e < count and identity[e] == identity[c]:
-        e += 1
-    return e
-
-
-@device
-def first_of(c: int, identity: Ints) -> int:
-    """The first row with the identity of row c."""
-    while c > 0 and identity[c - 1] == identity[c]:
-        c -= 1
-    return c
-
-
 @kernel
 def set_springs(
-    rows: Rows, count: int, own: SpringArrays, old: Rows, old_count: int, old_own: SpringArrays, modulus: Floats, stiffest: float,
-    cell_size: float, linear_to: float, begins: bool,
+    rows: Rows, count: int, own: ChangingSprings, old: Rows, old_count: int, old_own: ChangingSprings, modulus: Floats,
+    stiffest: float, cell_size: float, linear_to: float, begins: bool,
 ) -> None:  # fmt: skip
     """Area that bears, rest gap and stiffness of every row; ``modulus`` is κ M / h of each pair.
 
@@ -135,66 +105,42 @@ def set_springs(
         part, total, free = 0.0, 0.0, 0.0
         for i in range(c, e):
             part += rows.area[i]
-            total += rows.whole[i]
-        share, o, gap = part / total, rows.before[c], rows.gap[c]
-        along, across = along_and_across(c, rows)
+            total += rows.tributary_area[i]
+        share, o, gap = part / total, rows.previous[c], rows.gap[c]
+        along, square = approach_of(c, rows), 0.0
+        for d in range(rows.motion.shape[1]):
+            square += rows.motion[c, d] * rows.motion[c, d]
+        across = max(square - along * along, 0.0) ** 0.5
         if o >= 0 and old.gap[o] < 0.0 and gap < 0.0:
             bore = 0.0
             for i in range(o, end_of(o, old_count, old.identity)):
-                bore += old_own.bears[i]
+                bore += old_own.effective_area[i]
             share, free = changed_spring(share, bore / total, old_own.rest[o], across, gap, cell_size)
         elif not begins:
             free = new_rest(gap, -along)
         for i in range(c, e):
-            own.bears[i] = share * total * (rows.area[i] / part if part > 0.0 else rows.whole[i] / total)
+            own.effective_area[i] = (
+                share * total * (rows.area[i] / part if part > 0.0 else rows.tributary_area[i] / total)
+            )
             own.rest[i] = free
-            own.k[i] = modulus[rows.pair[i]] * own.bears[i]
-            own.tangent_k[i] = stiffest * own.k[i]
+            own.k[i] = modulus[rows.pair[i]] * own.effective_area[i]
+            own.limit_k[i] = stiffest * own.k[i]
             if rows.gap[i] < -linear_to:
-                own.tangent_k[i] = stiffest * tangent_stiffness(own.k[i], free - rows.gap[i], linear_to)
+                own.limit_k[i] = stiffest * tangent_stiffness(own.k[i], free - rows.gap[i], linear_to)
         c = e
 
 
-@device
-def old_force(
-    c: int, o: int, rows: Rows, old: Rows, old_count: int, old_tangential: Floats, share: Float, out: Floats
-) -> None:
-    """Tangential force that the place of row c had from row ``o`` on [N/m], turned into its plane, into row c of ``out``, times
-    ``share``; none where o is negative."""
-    for d in range(out.shape[1]):
-        out[c, d] = 0.0
-    if o >= 0:
-        for i in range(o, end_of(o, old_count, old.identity)):
-            add_turned(old_tangential, i, old, c, rows, out)
-    for d in range(out.shape[1]):
-        out[c, d] *= share
-
-
-@device
-def return_to_cone(c: int, limit: Float, k_t: Float, trial: Floats) -> tuple[Float, Float]:
-    """Shorten row c of the ``trial`` force to its ``limit`` [N/m]; the work that slip takes, and the energy left [J/m]."""
-    dim, square = trial.shape[1], 0.0
-    for d in range(dim):
-        square += trial[c, d] * trial[c, d]
-    size = square**0.5
-    held = min(size, limit)
-    for d in range(dim):
-        trial[c, d] = trial[c, d] * (held / size) if size > limit else trial[c, d]
-    if k_t <= 0.0:
-        return 0.0, 0.0
-    return held * (size - held) / k_t, 0.5 * held * held / k_t
-
-
-@device
+@kernel
 def add_losses(
-    rows: Rows, count: int, own: SpringArrays, old: Rows, old_count: int, old_own: SpringArrays, tangential_ratio: float,
+    rows: Rows, count: int, own: ChangingSprings, old: Rows, old_count: int, old_own: ChangingSprings,
     linear_to: float, work: Floats,
 ) -> None:  # fmt: skip
     """Add to every pair's ``work`` [J/m] the energy of the last step's springs, where they are now, less that of today's.
 
     A spring whose row moved by Δu has the gap g + n·Δu; what it is now beyond that is a change of the spring: of its area,
-    its rest, its facet, or its end. A tangential spring did the work f_t·Δu meanwhile. Energy of today's tangential springs and
-    what friction took are no losses (:func:`spring_forces`). A new normal spring changes nothing, since its gap was zero.
+    its rest, its facet, or its end. A tangential spring did the work f_t·Δu meanwhile. A new normal spring changes nothing,
+    since its gap was zero. Friction and the energy of today's tangential springs are not losses:
+    :func:`mpmfw.contact.springs.add_friction` subtracts them.
     """
     c = 0
     for o in range(old_count):
@@ -207,8 +153,8 @@ def add_losses(
                 slip += old_own.tangential[o, d] * old_own.moved[o, d]
                 square += old_own.tangential[o, d] * old_own.tangential[o, d]
         lost = spring_energy(k, max(old_own.rest[o] - gap, 0.0), linear_to)
-        if k > 0.0 and square > 0.0:
-            lost += 0.5 * square / (tangential_ratio * k) - slip
+        if old_own.k_t[o] > 0.0 and square > 0.0:
+            lost += 0.5 * square / old_own.k_t[o] - slip
         while c < count and rows.identity[c] < old.identity[o]:
             c += 1
         i = c
@@ -217,57 +163,3 @@ def add_losses(
                 lost -= spring_energy(own.k[i], max(own.rest[i] - rows.gap[i], 0.0), linear_to)
             i += 1
         work[old.pair[o]] += lost
-
-
-@kernel
-def spring_forces(
-    rows: Rows, count: int, own: SpringArrays, old: Rows, old_count: int, old_own: SpringArrays, tangential_ratio: float,
-    dashpot: float, linear_to: float, records: Records, change: Floats,
-) -> None:  # fmt: skip
-    """f = f_n n + f_t of every row that overlaps; tangential forces have no rows where there is no friction.
-
-    f_t is the last step's, less k_t times the slip since; at first contact only the part of the step counts that was spent
-    in penetration. The pairs' works are added to, their energies written. To ``change`` is added what springs lose that change:
-    not what slip takes.
-    """
-    dim, has_friction = rows.normal.shape[1], len(own.tangential) > 0
-    records.energy[:] = 0.0
-    for c in range(count):
-        for d in range(dim):
-            rows.force[c, d] = 0.0
-            if has_friction:
-                own.tangential[c, d] = 0.0
-        gap = rows.gap[c]
-        if gap >= 0.0:
-            continue
-        p, k, o = rows.pair[c], own.k[c], rows.before[c]
-        if o >= 0 and old.gap[o] >= 0.0:
-            o = -1  # no contact then
-        depth = max(own.rest[c] - gap, 0.0)
-        f_n = normal_force(k, depth, linear_to)
-        records.energy[p] += spring_energy(k, depth, linear_to)
-        approach, _ = along_and_across(c, rows)
-        if dashpot > 0.0:
-            held = max(-min(dashpot * k, 2.0 * k) * approach, -f_n)
-            f_n += held
-            records.damping_work[p] += max(-held * approach, 0.0)
-        for d in range(dim):
-            rows.force[c, d] = f_n * rows.normal[c, d]
-        if has_friction:
-            first, total = first_of(c, rows.identity), 0.0
-            for i in range(first, end_of(first, count, rows.identity)):
-                total += own.bears[i]
-            share = own.bears[c] / total if total > 0.0 else 0.0
-            old_force(c, o, rows, old, old_count, old_own.tangential, share, own.tangential)
-            slipped = min(1.0, gap / approach) if o < 0 and approach < 0.0 else 1.0
-            k_t = tangential_ratio * k
-            for d in range(dim):
-                own.tangential[c, d] -= k_t * slipped * (rows.motion[c, d] - approach * rows.normal[c, d])
-            lost, stored = return_to_cone(c, slip_bound(rows, c, f_n), k_t, own.tangential)
-            records.frictional_work[p] += lost
-            change[p] -= lost
-            records.energy[p] += stored
-            change[p] -= stored
-            for d in range(dim):
-                rows.force[c, d] += own.tangential[c, d]
-    add_losses(rows, count, own, old, old_count, old_own, tangential_ratio, linear_to, change)

@@ -13,18 +13,18 @@ component of the whole velocity change, which depends on the axes.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseContact, Particles, Setup, Stencil
+from mpmfw.contact.nodes import Nodes
+from mpmfw.contact.shared_nodes import all_entries, point_of
 from mpmfw.kernels import kernel
 from mpmfw.kernels.contact import Rows
 from mpmfw.kernels.types import Flags, Floats, Indices, Ints
-from mpmfw_contact._shared_nodes import all_entries, point_of
 from mpmfw_contact.impulse import Impulse, find_approach, stop
-from mpmfw_contact.nodes import Nodes, NodesOptions
 
 
 @kernel
@@ -97,8 +97,20 @@ class TractionImpulse(Impulse):
         return arrays
 
     def prepare(self, setup: Setup, owner: str) -> None:  # noqa: ARG002
-        """The cell size."""
+        """Take the cell size."""
         self.cell_size = setup.cell_size
+
+    def measure(self, rows: ContactRows, grid: Grid, phi: Stencil, particles: Particles) -> None:
+        """Find the rows whose bodies are compressed, if the normal traction counts."""
+        if not self.options.traction:
+            return
+        stress = np.zeros((*grid.momentum.shape, grid.dim))
+        shared = np.zeros(len(grid.mass), dtype=bool)
+        shared[rows.dof[: rows.start[rows.count]]] = True
+        project_stress(
+            phi.row, phi.nodes, phi.weight, particles.volume, particles.stress, shared, stress, grid.spacing
+        )
+        mark_compressed(rows, rows.count, stress, rows.own.compressed, grid.spacing)
 
     def impulses(
         self, rows: ContactRows, grid: Grid, scratch: FloatArray, work: FloatArray | None, *, projected: bool
@@ -119,16 +131,6 @@ class TractionImpulse(Impulse):
         )  # fmt: skip
 
 
-class BardenhagenOptions(TractionOptions, NodesOptions):
-    """Criterion of contact, kind of normal, and the additions of 2001."""
-
-    criterion: Literal["velocity", "position"] = Field(
-        "velocity",
-        description="velocity: bodies approach at a shared node (2000); position: and their extrapolated "
-        "positions are closer than the cut-off",
-    )
-
-
 class Bardenhagen(ImpulseContact):
     """Momentum exchange at grid nodes that two bodies share, with Coulomb friction.
 
@@ -140,23 +142,5 @@ class Bardenhagen(ImpulseContact):
     name = "bardenhagen"
     Detection = Nodes
     Law = TractionImpulse
-    Options = BardenhagenOptions
-    detection: Nodes
-    options: BardenhagenOptions
+    defaults: ClassVar[dict[str, str]] = {"criterion": "velocity"}
     leaves_bodies_out = True
-
-    def find_rows(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
-        """Find the shared nodes, and those whose bodies are compressed if the normal traction counts."""
-        super().find_rows(grid, phi, particles)
-        rows = self.rows
-        if not self.options.traction or rows.count == 0:
-            return
-        name = f"{self.name}/nodal_stress"
-        nodes, stress = self.detection.nodes_of(grid), self.state.arrays.get(name)
-        if stress is None or len(stress) != len(grid.mass):
-            stress = self.state.arrays[name] = np.zeros((*grid.momentum.shape, grid.dim))
-        project_stress(
-            phi.row, phi.nodes, phi.weight, particles.volume, particles.stress, nodes.shared, stress,
-            grid.spacing,
-        )  # fmt: skip
-        mark_compressed(rows, rows.count, stress, rows.own.compressed, grid.spacing)

@@ -15,7 +15,7 @@ the published dashpot of slow slip, on which a body would creep at Δt times the
 Each place weighs by its area, so that a pressure has one distance whatever the facets' size, and the energy per area is
 κ M d̂ b(d / d̂). Bodies that the scene puts closer than d̂, as those that touch, begin without a force: their distances count
 from there, by one offset for all that are so joined. Facets are those that face a node
-(:class:`~mpmfw_contact.surfaces.Surfaces`), one for each body; published are all.
+(:class:`~mpmfw.contact.surfaces.Surfaces`), one for each body; published are all.
 """
 
 from __future__ import annotations
@@ -38,11 +38,11 @@ from mpmfw.api import (
     SimulationError,
     State,
 )
+from mpmfw.contact.springs import SpringLaw, SpringOptions
+from mpmfw.contact.surfaces import Surfaces
+from mpmfw.contact.surfaces.assembly import SurfaceTable
+from mpmfw.contact.surfaces.outline import outline_of
 from mpmfw_contact._barriers import barrier_forces, least_gaps, set_barriers, time_to_touch
-from mpmfw_contact.penalty import SpringOptions, Springs
-from mpmfw_contact.surfaces import Surfaces, SurfacesOptions
-from mpmfw_contact.surfaces.assembly import SurfaceTable
-from mpmfw_contact.surfaces.outline import outline_of
 
 #: b'' where −b' is a thousandth.
 FIRST = 0.11
@@ -60,37 +60,22 @@ class BarrierLawOptions(SpringOptions):
     reach: float = Field(0.1, gt=0, le=0.5, description="distance r in cells from which barriers act")
 
 
-class BarrierLaw(Springs):
+class BarrierLaw(SpringLaw):
     """f_n = −κ M A b'(d / r) where a place is nearer than r to a facet, with friction that has a history."""
 
     name = "barrier"
     Options = BarrierLawOptions
     options: BarrierLawOptions
-    needs_facets = True
+    needs = frozenset({"gap", "facets", "nodes"})
     history = ("offset", "placed")
     dimensions = (2,)
     dimensions_note = (
         "in space edges cross edges with no node near a facet, where bodies would interpenetrate"
     )
 
-    @classmethod
-    def joined_with(cls, detection: type[Any]) -> type[Any]:
-        """With a detection of nodes against facets.
-
-        Raises
-        ------
-        SceneError
-            It is another.
-        """
-        if detection.facets and not issubclass(detection, Surfaces):
-            raise SceneError(
-                f"law '{cls.name}' follows nodes towards facets, and detection '{detection.name}' lists no nodes"
-            )
-        return super().joined_with(detection)
-
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:
-        """Area, distance, stiffness, motion over the step, and the tangential force."""
-        return {"bears": 0, "distance": 0, "k": 0, "moved": 1, "tangential": 1 if friction else None}
+        """Return the arrays of :class:`BarrierArrays`, and the motion over the step."""
+        return {**super().row_arrays(friction=friction), "distance": 0, "moved": 1}
 
     def prepare(self, setup: Setup, owner: str) -> None:
         """As of springs, and the surfaces that the collision detection follows."""
@@ -104,16 +89,16 @@ class BarrierLaw(Springs):
         self.table: SurfaceTable | None = None
         super().prepare(setup, owner)
 
-    def widest_gap(self) -> float:
+    def range(self) -> float:
         """The distance from which barriers act."""
         return self.reach
 
     def compliance(self) -> None:
         """None: barriers give by no more than their reach."""
 
-    def expected(self, bulk_frequency: float) -> float:
+    def estimate_frequency(self, bulk_frequency: float) -> float:
         """That of a place where barriers bear a thousandth of κ M."""
-        return FIRST / self.options.reach * super().expected(bulk_frequency)
+        return FIRST / self.options.reach * super().estimate_frequency(bulk_frequency)
 
     def list_pairs(self, state: State) -> None:
         """Bodies that have come near were farther apart than a barrier reaches, unless others join them."""
@@ -134,7 +119,7 @@ class BarrierLaw(Springs):
         )  # fmt: skip
         if worst >= 0:
             raise self._passed(rows, worst)
-        return rows.own.k  # type: ignore[no-any-return]
+        return rows.own.limit_k  # type: ignore[no-any-return]
 
     def _join_bodies(self, rows: ContactRows) -> None:
         """Number the groups of bodies that are closer than barriers reach, and count their distances from there."""
@@ -172,17 +157,13 @@ class BarrierLaw(Springs):
             grid.momentum, grid.spacing,
         )  # fmt: skip
 
-    def forces(self, rows: ContactRows, old: ContactRows, dashpot: float, records: PairRecords) -> None:  # noqa: ARG002
-        """Barriers along the normal, and f_t returned to Coulomb's cone."""
+    def normal_forces(self, rows: ContactRows, old: ContactRows, records: PairRecords) -> None:
+        """Write N."""
         self.placed = True
         barrier_forces(
-            rows, rows.count, rows.own, old, old.count, old.own, self.modulus, self.reach, self.cell_size,
-            self.options.tangential_ratio, records,
+            rows, rows.count, rows.own, old.own, self.modulus, self.reach, self.cell_size, self.options.tangential_ratio,
+            records,
         )  # fmt: skip
-
-
-class BarrierOptions(BarrierLawOptions, SurfacesOptions):
-    """Those of the barriers and of the surfaces."""
 
 
 class Barrier(ForceContact):
@@ -194,4 +175,3 @@ class Barrier(ForceContact):
     name = "barrier"
     Detection = Surfaces
     Law = BarrierLaw
-    Options = BarrierOptions

@@ -13,72 +13,37 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from mpmfw.api import (
-    ContactRows,
-    FloatArray,
-    ForceContact,
-    Length,
-    Pair,
-    PairRecords,
-    SceneError,
-    Setup,
-    hookimpl,
-)
-from mpmfw.kernels import Struct, kernel
-from mpmfw.kernels.contact import Records, Rows, slip_bound
-from mpmfw.kernels.types import Floats
-from mpmfw_contact._springs import along_and_across, end_of, first_of, old_force, return_to_cone
-from mpmfw_contact.penalty import SpringOptions, Springs
-from mpmfw_contact.surfaces import FacetOptions, Surfaces
-
-
-class Own(Struct):
-    """The law's own arrays of n rows."""
-
-    k: Floats  #: (n,) stiffness [N m^(dim−4)]
-    limit_k: Floats  #: (n,) stiffness that limits the step
-    tangential: Floats  #: (n, dim) tangential force; (0, dim) where none is carried from step to step
+from mpmfw.api import ContactRows, ForceContact, Pair, PairRecords, SceneError, Setup
+from mpmfw.contact.springs import SpringArrays, SpringLaw, SpringOptions, approach_of
+from mpmfw.contact.surfaces import FacetOptions, Surfaces
+from mpmfw.kernels import kernel
+from mpmfw.kernels.contact import Records, Rows
 
 
 @kernel
-def pair_forces(
-    rows: Rows, count: int, own: Own, old: Rows, old_count: int, old_own: Own, tangential_ratio: float, records: Records,
-) -> None:  # fmt: skip
-    """f = −(ω_n g_n C_n + ω_t g_t C_t) of every row that overlaps (eq. 9).
-
-    ``own.tangential`` without rows is the literal friction: g_t of this step alone, and no cap.
-    """
-    dim, adds_up = rows.normal.shape[1], len(own.tangential) > 0
-    records.energy[:] = 0.0
+def linear_springs(
+    rows: Rows, count: int, own: SpringArrays, tangential_ratio: float, records: Records
+) -> None:
+    """N = −k g of every row that overlaps (eq. 9)."""
     for c in range(count):
-        for d in range(dim):
-            rows.force[c, d] = 0.0
-            if adds_up:
-                own.tangential[c, d] = 0.0
-        gap = rows.gap[c]
-        if gap >= 0.0:
+        k, gap = own.k[c], rows.gap[c]
+        if gap < 0.0:
+            own.normal[c], own.k_t[c] = -k * gap, tangential_ratio * k
+            records.energy[rows.pair[c]] += 0.5 * k * gap * gap
+
+
+@kernel
+def add_literal_friction(rows: Rows, count: int, own: SpringArrays, records: Records) -> None:
+    """Add −ω_t g_t C_t of eq. 9 as it is written: g_t of this step alone, and no limit, where μ > 0."""
+    for c in range(count):
+        if own.k_t[c] == 0.0 or rows.friction[c] == 0.0:
             continue
-        p, k, k_t = rows.pair[c], own.k[c], tangential_ratio * own.k[c]
-        records.energy[p] += 0.5 * k * gap * gap
-        along, across = along_and_across(c, rows)
-        for d in range(dim):
-            rows.force[c, d] = -k * gap * rows.normal[c, d]
-        if adds_up:
-            first = first_of(c, rows.identity)
-            share = 1.0 / (end_of(c, count, rows.identity) - first)
-            old_force(c, rows.before[c], rows, old, old_count, old_own.tangential, share, own.tangential)
-            for d in range(dim):
-                own.tangential[c, d] -= k_t * (rows.motion[c, d] - along * rows.normal[c, d])
-            limit = slip_bound(rows, c, 0.0) - rows.friction[c] * k * gap
-            lost, stored = return_to_cone(c, limit, k_t, own.tangential)
-            records.frictional_work[p] += lost
-            records.energy[p] += stored
-            for d in range(dim):
-                rows.force[c, d] += own.tangential[c, d]
-        elif len(rows.friction) > 0 and rows.friction[c] > 0.0:
-            for d in range(dim):
-                rows.force[c, d] -= k_t * (rows.motion[c, d] - along * rows.normal[c, d])
-            records.frictional_work[p] += k_t * across * across
+        approach, square = approach_of(c, rows), 0.0
+        for d in range(rows.normal.shape[1]):
+            slip = rows.motion[c, d] - approach * rows.normal[c, d]
+            rows.force[c, d] -= own.k_t[c] * slip
+            square += slip * slip
+        records.frictional_work[rows.pair[c]] += own.k_t[c] * square
 
 
 class Hamad2017LawOptions(SpringOptions):
@@ -90,21 +55,20 @@ class Hamad2017LawOptions(SpringOptions):
     )
 
 
-class Hamad2017Law(Springs):
+class Hamad2017Law(SpringLaw):
     """Linear springs on every row that overlaps, by eq. 9."""
 
     name = "hamad2017"
     Options = Hamad2017LawOptions
     options: Hamad2017LawOptions
-    needs_facets = True
+    needs = frozenset({"gap", "facets"})
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:
-        """Stiffness; the tangential force where gaps add up."""
-        coulomb = friction and self.options.friction_law == "coulomb"
-        return {"k": 0, "limit_k": 0, "tangential": 1 if coulomb else None}
+        """Return the arrays of springs, with a tangential force where gaps add up."""
+        return super().row_arrays(friction=friction and self.options.friction_law == "coulomb")
 
     def unused(self, pairs: Sequence[Pair]) -> list[str]:
-        """The value of μ under literal friction."""
+        """Return the value of μ under literal friction."""
         frictional = [pair.label for pair in pairs if pair.mu > 0.0]
         if self.options.friction_law == "coulomb" or not frictional:
             return []
@@ -113,7 +77,7 @@ class Hamad2017Law(Springs):
         ]
 
     def prepare(self, setup: Setup, owner: str) -> None:
-        """As of springs; literal friction has no bound that a friction law could set.
+        """List the stiffness of the pairs; literal friction has no limit that a friction law could set.
 
         Raises
         ------
@@ -127,18 +91,19 @@ class Hamad2017Law(Springs):
                 "expected 'coulomb' there"
             )
 
-    def stiffness(self, rows: ContactRows, old: ContactRows) -> FloatArray:  # noqa: ARG002
-        """k = κ M A / h of the whole area."""
-        own, n = rows.own, slice(rows.count)
-        own.k[n] = self.modulus[rows.pair[n]] * rows.area[n]
-        own.limit_k[n] = self.stiffest * own.k[n]
-        return own.limit_k  # type: ignore[no-any-return]
+    def normal_forces(self, rows: ContactRows, old: ContactRows, records: PairRecords) -> None:  # noqa: ARG002
+        """Write N."""
+        linear_springs(rows, rows.count, rows.own, self.options.tangential_ratio, records)
 
-    def forces(self, rows: ContactRows, old: ContactRows, dashpot: float, records: PairRecords) -> None:  # noqa: ARG002
-        """Eq. 9."""
-        pair_forces(
-            rows, rows.count, rows.own, old, old.count, old.own, self.options.tangential_ratio, records
-        )  # fmt: skip
+    def forces(self, rows: ContactRows, old: ContactRows, dashpot: float, records: PairRecords) -> None:
+        """Write eq. 9, with the friction that the options name."""
+        super().forces(rows, old, dashpot, records)
+        if self.options.friction_law == "literal" and len(rows.friction):
+            add_literal_friction(rows, rows.count, rows.own, records)
+
+    def remarks(self) -> list[str]:
+        """Return what friction ignores."""
+        return self.unused(self.state.pairs)
 
 
 class EveryFacet(Surfaces):
@@ -150,29 +115,13 @@ class EveryFacet(Surfaces):
     dimensions = (2,)
 
 
-class Hamad2017Options(Hamad2017LawOptions, FacetOptions):
-    """Springs between surfaces, with [H17]'s layer, and the reading of its friction: options of the law and of detection.
-
-    The stiffness "can be the same as the elastic stiffness" ([H17] 3.1): κ = 1.
-    """
-
-    kappa: float = Field(
-        1.0, gt=0, description="stiffness factor: k = kappa M area / h, M the softer K + 4 G / 3"
-    )
-    interface_thickness: Length = Field(
-        0.001, ge=0, description="thickness of the surface layer that carries mass ([H17] 3.1)"
-    )
-
-
 class Hamad2017(ForceContact):
-    """One body of a pair is master; its facets repel every node that they find behind them (eq. 10), by eq. 7-11."""
+    """One body of a pair is master; its facets repel every node that they find behind them (eq. 10), by eq. 7-11.
+
+    The layer of the surface has the mass of [H17] 3.1, where the stiffness "can be the same as the elastic stiffness": κ = 1.
+    """
 
     name = "hamad2017"
     Detection = EveryFacet
     Law = Hamad2017Law
-    Options = Hamad2017Options
-
-    @hookimpl
-    def concerns(self) -> list[str]:
-        """What friction ignores, for the results."""
-        return self.unused(self.state.pairs)
+    defaults: ClassVar[dict[str, float]] = {"kappa": 1.0, "interface_thickness": 0.001}

@@ -19,8 +19,8 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseContact, Setup, State
+from mpmfw.contact.surfaces import Surfaces
 from mpmfw_contact.impulse import Impulse, find_approach, stop
-from mpmfw_contact.surfaces import Surfaces, SurfacesOptions
 
 
 class HybridOptions(BaseModel):
@@ -45,8 +45,7 @@ class Hybrid(Impulse):
     name = "hybrid"
     Options = HybridOptions
     options: HybridOptions
-    needs_gap = True
-    needs_facets = True
+    needs = frozenset({"gap", "facets"})
     softness_option = "kappa"
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:
@@ -91,14 +90,9 @@ class Hybrid(Impulse):
         )  # fmt: skip
 
 
-class HybridContactOptions(HybridOptions, SurfacesOptions):
-    """Spring that is the bound, between surfaces: options of the law and of detection."""
-
-
 class HybridContact(ImpulseContact):
     """Rows between surfaces, each stopped as far as its spring bears."""
 
     name = "hybrid"
     Detection = Surfaces
     Law = Hybrid
-    Options = HybridContactOptions

@@ -6,7 +6,7 @@ import numpy as np
 
 from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseLaw
 from mpmfw.kernels import Struct, kernel, scratch
-from mpmfw.kernels.contact import Rows, slip_bound
+from mpmfw.kernels.contact import Rows, slip_limit
 from mpmfw.kernels.types import Floats
 
 
@@ -66,7 +66,7 @@ def stop(
             normal_impulse = abs(normal_impulse)
         if len(limit) > 0:
             normal_impulse = max(-limit[c], min(normal_impulse, limit[c]))
-        tangential = min(slip_bound(rows, c, abs(normal_impulse)), speed / compliance)
+        tangential = min(slip_limit(rows, c, abs(normal_impulse)), speed / compliance)
         for d in range(dim):
             direction = slip[d] / speed if speed > 0.0 else 0.0
             rows.force[c, d] = normal_impulse * rows.normal[c, d] - tangential * direction

@@ -17,8 +17,8 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseContact, ImpulseLaw, Setup
+from mpmfw.contact.surfaces import Surfaces
 from mpmfw_contact._gauss_seidel import add_friction_work, solve, state_problem
-from mpmfw_contact.surfaces import Surfaces, SurfacesOptions
 
 #: By how many times the tolerance a solution may miss it, unsaid.
 MISSED = 10.0
@@ -80,13 +80,11 @@ class Lcp(ImpulseLaw):
             return
         if len(self.velocity) != len(grid.mass):
             self.velocity = np.zeros_like(grid.momentum)
-        on_surfaces = hasattr(rows, "places")
-        facing = FACING if on_surfaces else 0.0
         own, options, spacing = rows.own, self.options, grid.spacing
         self._begin(rows, anew=work is None)
         fastest = state_problem(
             rows, rows.count, own, grid.mass, grid.momentum, self.velocity, 1.0 / self.dt, options.recovery,
-            facing, spacing
+            FACING, spacing
         )  # fmt: skip
         sweeps, change = solve(
             rows, rows.count, own, grid.mass, self.velocity, fastest, options.tolerance, options.sweeps,
@@ -125,14 +123,9 @@ class Lcp(ImpulseLaw):
         ]
 
 
-class LcpContactOptions(LcpOptions, SurfacesOptions):
-    """Solution of all rows between surfaces: options of the law and of detection."""
-
-
 class LcpContact(ImpulseContact):
     """Rows between surfaces, solved at once."""
 
     name = "lcp"
     Detection = Surfaces
     Law = Lcp
-    Options = LcpContactOptions

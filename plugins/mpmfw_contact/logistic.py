@@ -18,8 +18,8 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from mpmfw.api import ContactRows, Grid, Particles, SceneError, Setup, Stencil
+from mpmfw.contact.nodes import AtNodes
 from mpmfw_contact._regression import Clouds, Domains, list_points, write_regressed_rows
-from mpmfw_contact.nodes import AtNodes
 
 
 class LogisticOptions(BaseModel):
@@ -43,13 +43,13 @@ class Logistic(AtNodes):
     Options = LogisticOptions
     options: LogisticOptions
 
-    def for_law(self, *, needs_gap: bool, forces: bool) -> None:  # noqa: ARG002
-        """A gap there is, for impulses alone.
+    def configure(self, needs: frozenset[str], *, forces: bool) -> None:  # noqa: ARG002
+        """Refuse laws of forces.
 
         Raises
         ------
         SceneError
-            The law gives forces: the gap jumps as points come and go, and springs would make energy of that.
+            The gap jumps as points come and go, and springs would make energy of that.
         """
         if forces:
             raise SceneError(

@@ -29,15 +29,15 @@ from mpmfw.api import (
     State,
     Stencil,
 )
+from mpmfw.contact.surfaces import cells
+from mpmfw.contact.surfaces.assembly import SurfaceTable
+from mpmfw.contact.surfaces.candidates import no_lists
+from mpmfw.contact.surfaces.covering import Seams
+from mpmfw.contact.surfaces.outline import outline_of
+from mpmfw.contact.surfaces.travel import TravelLimit
 from mpmfw.kernels.pair_table import pair_table
 from mpmfw_contact._midlines import SegmentPairs, list_segments, write_midlines
-from mpmfw_contact.hamad2017 import Hamad2017Law, Hamad2017LawOptions
-from mpmfw_contact.surfaces import cells
-from mpmfw_contact.surfaces.assembly import SurfaceTable
-from mpmfw_contact.surfaces.candidates import no_lists
-from mpmfw_contact.surfaces.covering import Seams
-from mpmfw_contact.surfaces.outline import outline_of
-from mpmfw_contact.surfaces.travel import TravelLimit
+from mpmfw_contact.hamad2017 import Hamad2017Law
 
 
 class MidplaneDetectionOptions(BaseModel):
@@ -59,9 +59,9 @@ class Midplane(Detection):
     name = "midplane"
     Options = MidplaneDetectionOptions
     options: MidplaneDetectionOptions
-    facets = True
+    provides = frozenset({"facets"})
     needs_surface = True
-    gap_option = "search_radius"
+    range_option = "search_radius"
     dimensions = (2,)
     dimensions_note = "the plane form of a method for space: polygons that two facets share are not built"
 
@@ -140,14 +140,9 @@ class Midplane(Detection):
         return listed
 
 
-class MidplaneOptions(Hamad2017LawOptions, MidplaneDetectionOptions):
-    """Those of linear springs and of the search."""
-
-
 class MidplaneContact(ForceContact):
     """Linear springs on what segments of two bodies have in common, neither of which is master."""
 
     name = "midplane"
     Detection = Midplane
     Law = Hamad2017Law
-    Options = MidplaneOptions

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mpmfw.api import ImpulseContact
 from mpmfw_contact.impulse import Impulse
-from mpmfw_contact.logistic import Logistic, LogisticOptions
+from mpmfw_contact.logistic import Logistic
 
 
 class Nairn(ImpulseContact):
@@ -16,4 +16,3 @@ class Nairn(ImpulseContact):
     name = "nairn"
     Detection = Logistic
     Law = Impulse
-    Options = LogisticOptions

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseContact, ImpulseLaw, Setup
 from mpmfw.kernels import Struct, kernel, scratch
-from mpmfw.kernels.contact import Rows, slip_bound
+from mpmfw.kernels.contact import Rows, slip_limit
 from mpmfw.kernels.types import Floats
 from mpmfw_contact.points import PointSpheres
 
@@ -55,7 +55,7 @@ def push_apart(
             slip[d] = own.velocity[c, d] - along * rows.normal[c, d]
             square += slip[d] * slip[d]
         speed = square**0.5
-        tangential = slip_bound(rows, c, normal_impulse) if rows.gap[c] < 0.0 and speed > 0.0 else 0.0
+        tangential = slip_limit(rows, c, normal_impulse) if rows.gap[c] < 0.0 and speed > 0.0 else 0.0
         for d in range(dim):
             direction = slip[d] / speed if speed > 0.0 else 0.0
             rows.force[c, d] = normal_impulse * rows.normal[c, d] - tangential * direction
@@ -67,7 +67,7 @@ class LeastPenetration(ImpulseLaw):
 
     name = "particles"
     uses_friction = True
-    needs_gap = True
+    needs = frozenset({"gap"})
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002
         """The rows' velocity."""
@@ -109,4 +109,3 @@ class ParticleContact(ImpulseContact):
     name = "particles"
     Detection = PointCentres
     Law = LeastPenetration
-    Options = PointSpheres.Options

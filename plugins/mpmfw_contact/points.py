@@ -13,7 +13,6 @@ weights of both points are taken by their gradients. The published law, :mod:`mp
 from __future__ import annotations
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict
 
 from mpmfw.api import ContactRows, Detection, Grid, Particles, Setup, State, Stencil
 from mpmfw_contact._near_points import (
@@ -28,17 +27,10 @@ from mpmfw_contact._near_points import (
 )
 
 
-class PointsOptions(BaseModel):
-    """No options."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
 class PointSpheres(Detection):
     """Rows between the points of two bodies that are near each other; no surface is tracked, and none is smooth."""
 
     name = "points"
-    Options = PointsOptions
     #: Whether forces act on the centres, and not at the place between two points.
     at_centres = False
 
@@ -46,7 +38,7 @@ class PointSpheres(Detection):
         """Two cells: no sphere that a cell has a point of is larger."""
         return 2.0 * cell_size
 
-    def widest_gap(self, cell_size: float) -> float:  # noqa: ARG002
+    def range(self, cell_size: float) -> float:  # noqa: ARG002
         """That of the smallest spheres at the start, of which two have a row a little before they touch."""
         smallest: float = radius(float(self.points.volume.min()), self.state.grid.dim)
         return (NEAR - 1.0) * 2.0 * smallest

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from mpmfw.api import ImpulseContact
+from mpmfw.contact.surfaces import Surfaces
 from mpmfw_contact.impulse import Impulse
-from mpmfw_contact.surfaces import Surfaces, SurfacesOptions
 
 
 class SurfaceImpulse(ImpulseContact):
@@ -16,4 +16,3 @@ class SurfaceImpulse(ImpulseContact):
     name = "impulse"
     Detection = Surfaces
     Law = Impulse
-    Options = SurfacesOptions

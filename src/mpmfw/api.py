@@ -27,10 +27,11 @@ Names that are neither classes nor functions:
 from __future__ import annotations
 
 from mpmfw.contact.detection import Detection
+from mpmfw.contact.force_contact import ForceContact, ForceLaw
 from mpmfw.contact.friction import FrictionLaw
-from mpmfw.contact.law import ContactLaw, ForceLaw, ImpulseLaw
+from mpmfw.contact.impulse_contact import ImpulseContact, ImpulseLaw
 from mpmfw.contact.records import PairRecords
-from mpmfw.contact.row_contact import ForceContact, ImpulseContact
+from mpmfw.contact.row_contact import ContactLaw
 from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.errors import MpmfwError, PluginError, SceneError, SimulationError

@@ -35,13 +35,13 @@ def rows_of(
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     motion = STEP * speed * (np.arange(ROWS) % 4 > 0)[:, None]
     rows = ContactRows(dim, couples=False)
-    rows.hold(cohesion=law.cohesive)
+    rows.allocate_friction(cohesion=law.cohesive)
     n, matrix = len(chosen), np.eye(dim) if turn is None else turn
     rows.count = n
     rows.pair[:n], rows.identity[:n] = (np.arange(ROWS) % len(MU))[chosen], chosen
-    rows.sign[:n], rows.before[:n] = 1.0, chosen
+    rows.sign[:n], rows.previous[:n] = 1.0, chosen
     rows.gap[:n], rows.area[:n] = -1e-4, 0.02 * (1.0 + 0.1 * chosen)
-    rows.whole[:n] = rows.area[:n]
+    rows.tributary_area[:n] = rows.area[:n]
     rows.normal[:n], rows.motion[:n] = normal[chosen] @ matrix.T, motion[chosen] @ matrix.T
     for array in (rows.friction, rows.cohesion):
         array[:] = np.nan
@@ -50,7 +50,7 @@ def rows_of(
 
 def bounds(law: FrictionLaw, rows: ContactRows, mu: FloatArray = MU, dt: float = STEP) -> FloatArray:
     """μ and a of every row, (n, 2); a is 0 where the law has none."""
-    law.bound(rows, mu.copy(), dt)
+    law.slip_limit(rows, mu.copy(), dt)
     n = rows.count
     cohesion = rows.cohesion[:n] if len(rows.cohesion) else np.zeros(n)
     return np.column_stack([rows.friction[:n], cohesion])
@@ -75,7 +75,7 @@ def changes_nothing_else(subject: Subject) -> None:
     law = subject.make()
     rows, mu = rows_of(law, 2), MU.copy()
     before = {name: array.copy() for name, array in rows.arrays().items()}
-    law.bound(rows, mu, STEP)
+    law.slip_limit(rows, mu, STEP)
     own = ("friction", "cohesion")
     changed = [k for k, a in rows.arrays().items() if k not in own and not np.array_equal(a, before[k])]
     changed += [] if np.array_equal(mu, MU) else ["μ of the pairs"]
@@ -135,7 +135,7 @@ def share(subject: Subject) -> None:
     rows, law = rows_of(subject.make(), 2), subject.make()
     n = rows.count
     rows.area[:n] *= 0.25
-    rows.whole[:n] *= 0.25
+    rows.tributary_area[:n] *= 0.25
     rows.identity[:n] += 1
     found = bounds(law, rows) * np.array([1.0, 4.0])
     _same(

@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from mpmfw.contact.detection import Detection
-from mpmfw.contact.law import ContactLaw, ForceLaw
+from mpmfw.contact.row_contact import ContactLaw
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import Kind, available, full_name, load
 
@@ -56,5 +56,6 @@ def _partners(kind: Kind) -> list[type[Any]]:
         plugin for plugin in plugins if vars(plugin).get("checks_others")
     ]  # heirs have faults of their own
     return sorted(
-        declared, key=lambda plugin: not (issubclass(plugin, ForceLaw) or getattr(plugin, "facets", False))
+        declared,
+        key=lambda plugin: not (getattr(plugin, "gives_forces", False) or getattr(plugin, "provides", False)),
     )

@@ -10,11 +10,11 @@ import shapely
 
 from contact_kernels import PLANE, join
 from contact_scenes import CELL, body, disc, rectangle, run, scene
+from mpmfw.contact.surfaces.assembly import SurfaceTable
 from mpmfw.errors import SceneError, SimulationError
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
 from mpmfw_contact._barriers import time_to_reach
-from mpmfw_contact.surfaces.assembly import SurfaceTable
 from scenes_for_tests import box, with_changes
 
 WAVES = 10.0  # m/s in the soft body

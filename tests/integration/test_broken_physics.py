@@ -33,35 +33,35 @@ class Fault:
 
 CPDI = "penalty, cpdi"
 CPDI2 = "penalty, cpdi2"
-SPRINGS = "mpmfw_contact/_springs.py"
+PENALTY, STAGE = "mpmfw_contact/penalty.py", "mpmfw/contact/springs.py"
 SLIDING = "fitted acceleration, error"
 
 FAULTS = {
     "reversed normal": Fault(
-        SPRINGS,
-        "f_n = normal_force(k, depth, linear_to)",
-        "f_n = normal_force(k, gap, linear_to)",
+        PENALTY,
+        "normal_force(k, depth, linear_to), ",
+        "normal_force(k, gap, linear_to), ",
         "sliding-block",
         ((CPDI, "run"), (CPDI2, "run")),  # the block is pulled into the plane, and the run ends
         long=True,
     ),
     "friction halved": Fault(
-        SPRINGS,
-        "return_to_cone(c, slip_bound(rows, c, f_n), k_t, own.tangential)",
-        "return_to_cone(c, 0.5 * slip_bound(rows, c, f_n), k_t, own.tangential)",
+        STAGE,
+        "min(size, slip_limit(rows, c, own.normal[c] + own.pull[c]))",
+        "min(size, 0.5 * slip_limit(rows, c, own.normal[c] + own.pull[c]))",
         "sliding-block",
         ((CPDI, SLIDING), (CPDI2, SLIDING)),
         long=True,
     ),
     "P dropped": Fault(
-        "mpmfw_contact/surfaces/assembly.py",
+        "mpmfw/contact/surfaces/assembly.py",
         "write_gradients(corners, normal, g, gradient, spacing)",
         "write_gradients(corners, normal, 0.0, gradient, spacing)",
         "pair-force",
         (("", "l δξ − C_t, largest"), ("", "net moment of C_t"), ("", "net moment of the kernel's pairs")),
     ),
     "wrong surface map": Fault(
-        "mpmfw_contact/surfaces/detection.py",
+        "mpmfw/contact/surfaces/detection.py",
         "self.surface_map = self.options.map",
         'self.surface_map = "mass_weighted"',
         "contact-stress",
@@ -84,7 +84,9 @@ def gates(fault: Fault, folder: Path) -> dict[tuple[str, str], str]:
     """Verdicts of the gates that the broken package reaches, by (method, quantity)."""
     package = fault.file.partition("/")[0]
     shutil.copytree(
-        ROOT / "plugins" / package, folder / package, ignore=shutil.ignore_patterns("__pycache__")
+        ROOT / ("src" if package == "mpmfw" else "plugins") / package,
+        folder / package,
+        ignore=shutil.ignore_patterns("__pycache__"),
     )
     path = folder / fault.file
     text = path.read_text(encoding="utf-8")

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from contact_scenes import impact, run
-from mpmfw.contact.joined import joined
+from mpmfw.contact.row_contact import joined
+from mpmfw.contact.surfaces import Surfaces
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.plugin.discovery import available, choices
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
 from mpmfw_contact.penalty import PenaltyLaw
-from mpmfw_contact.surfaces import Surfaces
 from scenes_for_tests import two_blocks
 
 REFUSED = {
@@ -25,7 +25,7 @@ REFUSED = {
 } | {
     "logistic+penalty": "detection 'logistic' is for laws of impulses: its gap jumps as points come and go",
     "logistic+adhesion": "detection 'logistic' is for laws of impulses: its gap jumps as points come and go",
-    "midplane+barrier": "law 'barrier' follows nodes towards facets, and detection 'midplane' lists no nodes",
+    "midplane+barrier": "law 'barrier' acts on surface nodes against facets, and detection 'midplane' lists none",
 }
 COMBINED = [f"{detection}+{law}" for detection in available("detection") for law in available("law")]
 

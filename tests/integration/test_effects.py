@@ -204,6 +204,9 @@ def imported(scene: dict[str, Any]) -> set[str]:
     )
     modules = json.loads(done.stdout)
     parents = ("mpmfw_contact.", "mpmfw_load.", "mpmfw_shape.", "mpmfw_material.", "mpmfw.effects.")
+    parents += tuple(
+        "mpmfw.contact." + name for name in ("nodes", "normal_bias", "shared_nodes", "springs", "surfaces")
+    )
     return {name for name in modules if name.startswith(parents)}
 
 

@@ -9,11 +9,11 @@ from typing import Any
 import pytest
 
 from effects_table import CASES
-from mpmfw.contact import rows
+from mpmfw.contact import rows, springs
+from mpmfw.contact.surfaces import cells, detection, near_facets, search
 from mpmfw.plugin.hooks import BoundHooks
 from mpmfw.runs.simulation import Simulation
-from mpmfw_contact import _springs
-from mpmfw_contact.surfaces import cells, detection, near_facets, search
+from mpmfw_contact import penalty
 from scenes_for_tests import two_blocks, with_changes
 
 pytestmark = pytest.mark.effects
@@ -84,7 +84,8 @@ def test_diagnostics_are_called_at_outputs_alone() -> None:
 
 #: Kernels of the search and of the force, each behind the one before it.
 KERNELS = {
-    _springs: ("set_springs", "spring_forces"),
+    penalty: ("set_springs", "spring_forces", "add_losses"),
+    springs: ("add_friction",),
     detection: ("assemble",),
     rows: ("couplings", "add_row_forces"),
     cells: ("near_boxes", "list_facets"),

@@ -24,6 +24,7 @@ RUN = """
 import json, sys
 from mpmfw.runs.simulation import Simulation
 parents = ("mpmfw_contact.", "mpmfw_load.", "mpmfw_shape.", "mpmfw_material.", "mpmfw.effects.")
+parents += tuple("mpmfw.contact." + name for name in ("nodes", "normal_bias", "shared_nodes", "springs", "surfaces"))
 found = {}
 for name, scene in json.load(sys.stdin).items():
     for module in [module for module in sys.modules if module.startswith(parents)]:

@@ -13,11 +13,11 @@ from scipy.integrate import solve_ivp
 import mpmfw
 from mpmfw.cli.arguments import chosen_scene
 from mpmfw.cli.unused import unused_facts
+from mpmfw.contact.surfaces import Surfaces
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.results.references import rolling
 from mpmfw.runs.simulation import Simulation
 from mpmfw_contact.impulse import Impulse
-from mpmfw_contact.surfaces import Surfaces
 from scenes_for_tests import two_blocks
 
 CONTACTS = ("penalty", "bardenhagen(normal=master)", "surfaces+impulse")

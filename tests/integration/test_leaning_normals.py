@@ -10,10 +10,10 @@ import pytest
 
 from contact_scenes import CELL, disc, rectangle, scene
 from mpmfw import run
+from mpmfw.contact.normal_bias import LARGEST, BiasSums, add_bias
 from mpmfw.contact.rows import ContactRows
 from mpmfw.errors import ResultsWarning
 from mpmfw.runs.simulation import Simulation
-from mpmfw_contact._leaning import LARGEST, LeanSums, add_lean
 
 TOP = 0.37 * CELL  # m, of the plane: off the grid lines
 GAP = 0.2 * CELL  # m
@@ -107,8 +107,8 @@ def test_lean_agrees_with_numpy(dim):
     dof = np.stack([a, b], axis=1).ravel()
     rows = ContactRows(dim, couples=False)
     rows.set(pair=pair, dof=dof, normal=-normal, force=0.1 * impulse)
-    sums = LeanSums(total=total, normal=mean, lean=lean)
-    add_lean(rows, count, 10.0, gradient, sums, (0.5,) * dim)
+    sums = BiasSums(total=total, normal=mean, lean=lean)
+    add_bias(rows, count, 10.0, gradient, sums, (0.5,) * dim)
     expected = np.zeros(2), np.zeros((2, dim)), np.zeros((2, dim))
     for c in range(count):
         size, g_a, g_b = -impulse[c] @ normal[c], gradient[a[c]], gradient[b[c]]

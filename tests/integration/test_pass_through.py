@@ -13,10 +13,10 @@ import shapely
 from contact_scenes import CELL, material
 from mpmfw import run
 from mpmfw.api import SimulationError
+from mpmfw.contact.surfaces import detection, travel
 from mpmfw.effects.verdict import DEEP
 from mpmfw.errors import ResultsWarning
 from mpmfw.runs.simulation import Simulation
-from mpmfw_contact.surfaces import detection, travel
 
 SOLID = material(1e6, 1000.0)  # K 1 MPa, G 0.5 MPa
 C = math.sqrt((1e6 + 4.0 * 5e5 / 3.0) / 1000.0)  # m/s

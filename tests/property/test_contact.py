@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from contact_scenes import ACTING, MU, STEP, STRATEGIES, expect, impact, run, simulation, slider
 from mpmfw.api import ForceContact, ImpulseContact, SimulationError, hookimpl
-from mpmfw_contact import _springs
+from mpmfw.contact import springs
 
 TILTED = "averaged normals tilt at the block's corners, where half of the impulse then has a tangential part"
 CORNERS = "what a row at a corner bears is along its normal, which half looks sideways, whatever its part of the face"
@@ -164,13 +164,13 @@ def test_no_tension_notices_a_reversed_normal(strategy):
 
 @pytest.mark.parametrize("strategy", ["penalty", "penalty-one-pass"])
 def test_no_tension_notices_a_reversed_force(strategy, monkeypatch):
-    original = _springs.spring_forces
+    original = springs.add_friction
 
     def reversed_forces(rows, *arguments):
         original(rows, *arguments)
         rows.force *= -1.0
 
-    monkeypatch.setattr(_springs, "spring_forces", reversed_forces)
+    monkeypatch.setattr(springs, "add_friction", reversed_forces)
     with pytest.raises(
         (AssertionError, SimulationError)
     ):  # bodies that pull each other in may not get through at all

@@ -9,6 +9,8 @@ from scipy.optimize import brentq
 from contact_kernels import PLANE, flat, join
 from interpreted import interpreted
 from mpmfw.contact.rows import ContactRows
+from mpmfw.contact.springs import SpringArrays
+from mpmfw.contact.surfaces.assembly import SurfaceTable
 from mpmfw_contact._barriers import (
     LEAST_SHARE,
     LEFT,
@@ -19,21 +21,20 @@ from mpmfw_contact._barriers import (
     time_to_reach,
 )
 from mpmfw_contact.barrier import FIRST
-from mpmfw_contact.surfaces.assembly import SurfaceTable
 
 REACH = 0.01
 
 
 def foreseen(distance, approach=0.0, share=1.0, **constants):
     """Stiffness per area of a place of unit area, and its area, for the step that begins so far away [reach]."""
-    own = {"bears": 0, "distance": 0, "k": 0, "moved": 1, "tangential": None}
+    own = dict.fromkeys((*SpringArrays.member_names, "distance"), 0) | {"tangential": None}
     rows = ContactRows(2, couples=False, own=own)
     rows.normal[0], rows.motion[0] = (0.0, 1.0), (0.0, -approach * REACH)
-    rows.gap[0], rows.area[0], rows.whole[0] = distance * REACH, share, 1.0
+    rows.gap[0], rows.area[0], rows.tributary_area[0] = distance * REACH, share, 1.0
     modulus, offset = np.ones(1), np.zeros(1)
     set_them = interpreted(set_barriers, **constants)
     assert set_them(rows, 1, rows.own, modulus, offset, REACH, REACH, 0.0) == -1
-    return rows.own.k[0], rows.own.bears[0]
+    return rows.own.limit_k[0], rows.own.effective_area[0]
 
 
 def part_used(distance, **constants):

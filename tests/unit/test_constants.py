@@ -49,14 +49,13 @@ TESTS = [
 
 
 def test_the_constants_are_found() -> None:
-    assert {("mpmfw_contact.surfaces.facing", "FLUSH"), ("mpmfw_contact.lcp", "FACING")} <= set(constants())
+    assert {("mpmfw.contact.surfaces.facing", "FLUSH"), ("mpmfw_contact.lcp", "FACING")} <= set(constants())
     assert len(constants()) > 25
 
 
 #: Constants of covered facets and of equal stiffness that no test varies by name yet.
 WAITING = {
-    ("mpmfw_contact._stiffness", "EQUAL"),
-    *(("mpmfw_contact.surfaces.covering", name) for name in ("OPPOSITE", "EDGE", "ASIDE")),
+    *(("mpmfw.contact.surfaces.covering", name) for name in ("OPPOSITE", "EDGE", "ASIDE")),
 }
 CONSTANTS = [
     pytest.param(

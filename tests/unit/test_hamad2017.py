@@ -7,9 +7,10 @@ import pytest
 
 from contact_kernels import find, flat, join, no_records, pair_table, rows_of, star
 from mpmfw.api import Pair
+from mpmfw.contact.springs import add_friction
 from mpmfw.kernels import struct
 from mpmfw.kernels.contact import match_rows
-from mpmfw_contact.hamad2017 import Hamad2017, pair_forces
+from mpmfw_contact.hamad2017 import Hamad2017, add_literal_friction, linear_springs
 
 K, MU = 1e4, 0.3
 SLOTS = 8
@@ -34,10 +35,15 @@ class Surfaces:
         own, old_own = (each.members() for each in (rows.own, old.own))
         if self.literal:
             own["tangential"] = np.zeros((0, 2))
-        own["k"][:] = K
+        own["k"][:] = own["effective_area"][:] = K
+        own["entered"][:] = 1.0
+        own = struct(**own)
         records = no_records(len(pair_table(loops.n_bodies)[1]))
         rows.friction[:] = self.friction
-        pair_forces(rows, rows.count, struct(**own), old, old_count, struct(**old_own), self.ratio, records)
+        linear_springs(rows, rows.count, own, self.ratio, records)
+        add_friction(rows, rows.count, own, old, old_count, struct(**old_own), records, np.zeros(0))
+        if self.literal:
+            add_literal_friction(rows, rows.count, own, records)
         force = np.zeros_like(loops.position)
         rows.add_to(force, (1.0, 1.0))
         self.old, self.tangential = rows, np.zeros((len(loops.body), SLOTS))

@@ -12,13 +12,13 @@ import pytest
 
 import mpmfw
 from mpmfw.api import ContactStrategy, hookimpl
-from mpmfw.contact.joined import joined
+from mpmfw.contact.nodes import Nodes
+from mpmfw.contact.row_contact import joined
 from mpmfw.errors import MpmfwError, PluginError, ResultsWarning, SceneError
 from mpmfw.plugin.checks import bundled, described
 from mpmfw.report import write_report
 from mpmfw.results.reading import read
 from mpmfw_contact.impulse import Impulse
-from mpmfw_contact.nodes import Nodes
 from mpmfw_material.neo_hookean import NeoHookean
 from mpmfw_shape.linear import Linear
 from scenes_for_tests import two_blocks
@@ -183,7 +183,7 @@ def test_a_part_of_a_joined_contact_is_its_own_distribution_s(strange, install):
     install(
         "pass",
         head="from mpmfw.api import ContactStrategy\n"
-        "from mpmfw_contact.impulse import Impulse\nfrom mpmfw_contact.nodes import Nodes\n"
+        "from mpmfw_contact.impulse import Impulse\nfrom mpmfw.contact.nodes import Nodes\n"
         "class StrangeNodes(Nodes):\n    name = 'mine'\nclass StrangeImpulse(Impulse):\n    name = 'mine'\n"
         "class Law(ContactStrategy):\n",
     )

@@ -21,7 +21,7 @@ def impulse(
     law = Hybrid()
     law.modulus, law.strain_first, law.dt = np.array([MODULUS]), False, dt
     rows = ContactRows(2, couples=False, own=law.row_arrays(friction=True))
-    rows.hold(cohesion=False)
+    rows.allocate_friction(cohesion=False)
     rows.count = 1
     rows.start[:2], rows.dof[:2], rows.weight[:2] = [0, 2], [0, 1], [1.0, -1.0]
     rows.normal[0], rows.gap[0], rows.area[0], rows.friction[0] = [-1.0, 0.0], gap, AREA, friction

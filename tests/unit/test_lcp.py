@@ -161,7 +161,7 @@ def test_from_the_solution_it_takes_a_sweep_and_from_elsewhere_it_gets_there(fri
 def test_a_row_that_takes_no_part_loses_the_impulse_that_it_began_with():
     """Open, and its area along the normal: the impulse of a step before must not act on."""
     p = problem(9, 2)
-    p.rows.gap[:10], p.rows.whole[:10], p.rows.area[:10] = 0.01, 1.0, 0.5
+    p.rows.gap[:10], p.rows.tributary_area[:10], p.rows.area[:10] = 0.01, 1.0, 0.5
     impulse, *_ = solved(p, begin=np.ones((30, 2)))
     np.testing.assert_array_equal(impulse[:10], 0.0)
     assert np.abs(impulse[10:]).max() > 0.1

@@ -10,9 +10,9 @@ import pytest
 from scipy.optimize import least_squares
 
 from interpreted import interpreted
+from mpmfw.contact import shared_nodes as shared
 from mpmfw.contact.rows import ContactRows
 from mpmfw_contact import _regression as regression
-from mpmfw_contact import _shared_nodes as shared
 from mpmfw_contact.impulse import Impulse
 
 H = 0.5

@@ -9,9 +9,9 @@ from contact_kernels import PLANE, join, pair_table
 from contact_scenes import rectangle, scene
 from interpreted import interpreted
 from mpmfw.contact.rows import ContactRows
+from mpmfw.contact.surfaces.assembly import SurfaceTable
 from mpmfw.runs.simulation import Simulation
 from mpmfw_contact._midlines import DEEPEST, LEAST_COSINE, LEAST_OVERLAP, SegmentPairs, write_midlines
-from mpmfw_contact.surfaces.assembly import SurfaceTable
 
 
 def cut(x, y0, y1):

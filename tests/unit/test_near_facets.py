@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mpmfw.contact.surfaces.near_facets import SKIN, STALE, WORTH, NearFacets, find_listed
 from mpmfw.runs.simulation import Simulation
-from mpmfw_contact.surfaces.near_facets import SKIN, STALE, WORTH, NearFacets, find_listed
 from scenes_for_tests import SOFT
 
 H = 0.25

@@ -9,10 +9,10 @@ import pytest
 import shapely
 
 from contact_kernels import PLANE, Law, find, flat, forces, join, rows_of, search_grid, star
+from mpmfw.contact.surfaces.cells import near_boxes
+from mpmfw.contact.surfaces.layer import gather_layer, project_layer
 from mpmfw.kernels.contact import couplings
 from mpmfw.kernels.gaps import bounding_boxes, minimum_gap
-from mpmfw_contact.surfaces.cells import near_boxes
-from mpmfw_contact.surfaces.layer import gather_layer, project_layer
 
 H = 0.25
 

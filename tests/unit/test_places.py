@@ -64,7 +64,7 @@ def test_other_tables_name_classes_of_modules() -> None:
     [
         ("no_such_module:Law", "cannot be imported from no_such_module:Law: ModuleNotFoundError"),
         ("mpmfw_contact.penalty:Penalti", "cannot be imported from .*: AttributeError"),
-        ("mpmfw_contact.penalty:MOVED", "is not a class"),
+        ("mpmfw_contact.penalty:SPRING_WORK", "is not a class"),
     ],
 )
 def test_what_is_not_there_is_said(place: str, said: str) -> None:

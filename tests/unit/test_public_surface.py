@@ -35,7 +35,9 @@ MODULES = (
 )
 PACKAGES = ("mpmfw", "mpmfw_testing", "mpmfw_contact", "mpmfw_load", "mpmfw_shape", "mpmfw_material")
 #: What a plug-in may import.
-OPEN = re.compile(r"mpmfw\.(api|kernels)(\.(?!_)|$)|mpmfw_testing(\.|$)")
+OPEN = re.compile(
+    r"mpmfw\.(api|kernels|contact\.(nodes|shared_nodes|springs|surfaces))(\.(?!_)|$)|mpmfw_testing(\.|$)"
+)
 
 
 def public_names(module: Any) -> Iterator[tuple[str, Any]]:

@@ -7,8 +7,8 @@ import itertools
 import numpy as np
 
 from contact_kernels import empty_candidates
+from mpmfw.contact.surfaces.search import keep_nearest
 from mpmfw.kernels import kernel
-from mpmfw_contact.surfaces.search import keep_nearest
 
 
 @kernel

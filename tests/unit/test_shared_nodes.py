@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from contact_kernels import no_records
+from mpmfw.contact import shared_nodes as shared
 from mpmfw.contact.rows import ContactRows
-from mpmfw_contact import _shared_nodes as shared
 from mpmfw_contact import impulse as law
 
 

@@ -9,6 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
+from mpmfw.contact.surfaces.assembly import SurfaceTable, assemble
+from mpmfw.contact.surfaces.candidates import Candidates
+from mpmfw.contact.surfaces.detection import SurfaceRows
+from mpmfw.contact.surfaces.outline import Outline
 from mpmfw.kernels.contact import Records
 from mpmfw.kernels.facets import segment_coordinate
 from mpmfw.kernels.pair_table import pair_table
@@ -16,10 +20,6 @@ from mpmfw.plots.style import dress, legend_below, new_figure
 from mpmfw.state.fields import FloatArray
 from mpmfw.validation import Case
 from mpmfw_contact._springs import spring_forces
-from mpmfw_contact.surfaces.assembly import SurfaceTable, assemble
-from mpmfw_contact.surfaces.candidates import Candidates
-from mpmfw_contact.surfaces.detection import SurfaceRows
-from mpmfw_contact.surfaces.outline import Outline
 
 # Only an error of the closed form is left: the step's truncation is h² / l² ~ 1e-12, its rounding 1e-16 / h ~ 1e-10.
 STEP = 1e-6  # of the central differences, in segment lengths
@@ -27,7 +27,7 @@ VARIATION, BALANCE = 1e-8, 1e-14
 STIFFNESS, FRICTION = 1e4, 0.3  # N/m², 1: of the kernel's own call
 
 #: Arrays of the law's own.
-OWN = {"bears": 0, "rest": 0, "k": 0, "tangent_k": 0, "moved": 1, "tangential": 1}
+OWN = {"effective_area": 0, "rest": 0, "k": 0, "tangent_k": 0, "moved": 1, "tangential": 1}
 
 Rows = dict[str, FloatArray]
 
@@ -157,8 +157,8 @@ def kernel_force(points: FloatArray, moved: FloatArray) -> FloatArray:
     """Force on x_s, x_1, x_2 [N/m] by the kernel that runs in a step, for one slave node of body 0."""
     rows = row_of(points, moved)
     old = SurfaceRows(2, couples=True, own=OWN)
-    rows.before[:] = -1
-    rows.own.k[:] = rows.own.bears[:] = STIFFNESS
+    rows.previous[:] = -1
+    rows.own.k[:] = rows.own.effective_area[:] = STIFFNESS
     records = Records(**{name: np.zeros((1, 2) if name == "impulse" else 1) for name in Records.member_names})
     rows.set(friction=np.full(len(rows.gap), FRICTION))
     spring_forces(rows, 1, rows.own, old, 0, old.own, 1.0, 0.0, np.inf, records, np.zeros(1))

@@ -27,8 +27,8 @@ from expansion import PLACES, expansion_of, placed  # noqa: E402
 from pressure import of_forces  # noqa: E402
 from sliding import acceleration_error  # noqa: E402
 
+from mpmfw.contact.surfaces import Surfaces  # noqa: E402
 from mpmfw_contact.penalty import Penalty  # noqa: E402
-from mpmfw_contact.surfaces import Surfaces  # noqa: E402
 
 OFFSETS = (0.0, 0.23, 0.5, 0.75)  #: of the block's left side past a grid line [cells]
 IMPACTS, OTHERS, FEW = 200, 40, 6  #: random impacts of nodes, of other variants, and in the quick version

@@ -8,6 +8,12 @@ import numpy as np
 from pydantic import Field
 
 from mpmfw.api import AnyArray, ContactRows, FloatArray, Grid, Particles, Setup, Stencil
+from mpmfw.contact.surfaces import Surfaces, SurfacesOptions
+from mpmfw.contact.surfaces.assembly import Places, SurfaceTable, add_point, write_geometry
+from mpmfw.contact.surfaces.candidates import SearchGrid
+from mpmfw.contact.surfaces.detection import SurfaceRows
+from mpmfw.contact.surfaces.outline import Outline
+from mpmfw.contact.surfaces.search import outside_box
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.contact import Rows
 from mpmfw.kernels.facets import read_corners, signed_distance, squared_distance
@@ -16,12 +22,6 @@ from mpmfw.kernels.pair_table import pair_index
 from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw_contact import _springs as springs
 from mpmfw_contact.penalty import PenaltyLaw
-from mpmfw_contact.surfaces import Surfaces, SurfacesOptions
-from mpmfw_contact.surfaces.assembly import Places, SurfaceTable, add_point, write_geometry
-from mpmfw_contact.surfaces.candidates import SearchGrid
-from mpmfw_contact.surfaces.detection import SurfaceRows
-from mpmfw_contact.surfaces.outline import Outline
-from mpmfw_contact.surfaces.search import outside_box
 
 
 @device
@@ -84,8 +84,8 @@ def rows_of_points(
                 p = pair_index(pair_of, body[s], b)
                 rows.pair[c], rows.identity[c], rows.gap[c] = p, (s * len(points) + q) * n_bodies + b, g
                 rows.sign[c] = 1.0 if pair_first[p] == body[s] else -1.0
-                rows.whole[c] = parts[q] * length[s]
-                rows.area[c] = rows.whole[c]
+                rows.tributary_area[c] = parts[q] * length[s]
+                rows.area[c] = rows.tributary_area[c]
                 places.slave[c], places.facet[c] = s, m
                 write_geometry(c, share, normal, outline, rows, places, spacing)
                 motion_between(c, s, points[q], outline, rows, places)
@@ -163,7 +163,7 @@ class PlainSprings(PenaltyLaw):
         """k = κ M A / h."""
         own: Any = rows.own
         n = slice(rows.count)
-        own.bears[n], own.rest[n] = rows.area[n], 0.0
+        own.effective_area[n], own.rest[n] = rows.area[n], 0.0
         own.k[n] = self.modulus[rows.pair[n]] * rows.area[n]
         own.tangent_k[n] = self.stiffest * own.k[n]
         deep = np.flatnonzero(-rows.gap[n] > self.linear_to)

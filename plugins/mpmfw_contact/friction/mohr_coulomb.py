@@ -29,8 +29,8 @@ class MohrCoulomb(FrictionLaw):
     Options = MohrCoulombOptions
     options: MohrCoulombOptions
 
-    def bound(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
+    def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
         """The pairs' μ, and c A."""
-        super().bound(rows, friction, dt)
+        super().slip_limit(rows, friction, dt)
         n = rows.count
         rows.cohesion[:n] = self.options.cohesion * rows.area[:n]

@@ -50,7 +50,7 @@ class Stribeck(FrictionLaw):
     Options = StribeckOptions
     options: StribeckOptions
 
-    def bound(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
+    def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
         """μ by the speed of every row."""
         options = self.options
         weaken(rows, rows.count, friction, options.static_ratio, options.velocity, dt)

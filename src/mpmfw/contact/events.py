@@ -59,9 +59,9 @@ def follow_contacts(
             p, last = rows.pair[c], rows.identity[c]
             deepest[p] = max(deepest[p], -rows.gap[c])
             age[c] = 1.0
-            if rows.before[c] >= 0:
-                age[c] += old_age[rows.before[c]]
-                old_age[rows.before[c]] = 0.0
+            if rows.previous[c] >= 0:
+                age[c] += old_age[rows.previous[c]]
+                old_age[rows.previous[c]] = 0.0
     for o in range(len(old_pair)):
         if old_age[o] > 0.0:
             fewest[old_pair[o]] = min(fewest[old_pair[o]], old_age[o])

@@ -14,7 +14,7 @@ class FrictionLaw(PlugIn):
 
     The tangential force on a row is at most T = μ N + a, with N the normal one. A friction law says μ and a, once a step, after
     the rows are detected and before the step's length is chosen: what depends on the slip follows that of the step before. A
-    contact law obeys it with ``mpmfw.kernels.contact.slip_bound``.
+    contact law obeys it with ``mpmfw.kernels.contact.slip_limit``.
     """
 
     #: Whether rows hold something without a normal force, a > 0, so that pairs with μ = 0 have friction as well.
@@ -22,7 +22,7 @@ class FrictionLaw(PlugIn):
     #: Whether T is μ N with the μ of the pairs, of which closed forms are known.
     is_coulomb: ClassVar[bool] = False
 
-    def bound(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:  # noqa: ARG002
+    def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:  # noqa: ARG002
         """Write ``rows.friction`` (n,) [1], and ``rows.cohesion`` (n,) [N m^(dim−3)] where the law is :attr:`cohesive`.
 
         Parameters

@@ -1,95 +1,195 @@
-"""Contact strategies of a detection and a law: what acts on the grid, the stable step, the records."""
+"""Contact of a detection and a law: what both share, whether the law gives forces or impulses."""
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from pydantic import BaseModel
+from pydantic import BaseModel, create_model
 
 from mpmfw.contact.detection import Detection
 from mpmfw.contact.friction import FrictionLaw
-from mpmfw.contact.law import ContactLaw, ForceLaw, ImpulseLaw
-from mpmfw.contact.reach import refuse_short_reach
 from mpmfw.contact.records import PairRecords
 from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.errors import SceneError
+from mpmfw.plugin.base import PlugIn
+from mpmfw.plugin.checks import bundled
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, Field, FloatArray
-from mpmfw.state.history import check_indices
 from mpmfw.state.structs import Grid, Pair, Particles, State, Stencil
 
 if TYPE_CHECKING:
     from mpmfw.state.numbers import Numbers
 
+#: What a law may need of a detection, as messages name it.
+NEEDS = {"facets": "facets of surfaces", "nodes": "surface nodes against facets"}
+
+
+class ContactLaw(PlugIn):
+    """Base of laws, announced as entry points of the group ``mpmfw.law``; a law is a :class:`ForceLaw` or an
+    :class:`ImpulseLaw`."""
+
+    #: What it needs of the rows: ``gap`` for a signed gap, ``facets``, ``nodes`` for nodes against facets.
+    needs: ClassVar[frozenset[str]] = frozenset()
+    #: Whether it gives forces, and not impulses.
+    gives_forces: ClassVar[bool] = False
+    #: Whether the law uses the pairs' friction.
+    uses_friction: ClassVar[bool] = False
+    #: Its option that makes contact softer where it is smaller, for advice; None where there is none.
+    softness_option: ClassVar[str | None] = None
+    #: Whether the conformance kit checks detections by joining them with it.
+    checks_others: ClassVar[bool] = False
+    #: Whether bodies at rest may be left out for a while: its history is in its rows.
+    leaves_bodies_out: ClassVar[bool] = False
+    #: Dimensions that it works in.
+    dimensions: ClassVar[tuple[int, ...]] = (2, 3)
+    #: Reason for these dimensions, for the message that refuses others.
+    dimensions_note: ClassVar[str] = ""
+
+    @classmethod
+    def strategy(cls) -> type[RowContact]:
+        """Return the base of contacts with this law."""
+        raise NotImplementedError
+
+    @classmethod
+    def joined_with(cls, detection: type[Any]) -> type[Any]:
+        """Return the contact strategy of a class ``detection`` and this law, ``DETECTION+LAW``.
+
+        Raises
+        ------
+        SceneError
+            They do not go together.
+        """
+        return joined(detection, cls)
+
+    def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002
+        """Return the law's own arrays of the rows, by name: the number of further dimensions, or None for an array without rows.
+
+        They are its history, ``rows.own`` as one argument of kernels. ``friction`` is true if any pair has friction. An array
+        called ``moved`` is filled with B v Δt at the end of the step.
+        """
+        return {}
+
+    def unused(self, pairs: Sequence[Pair]) -> list[str]:  # noqa: ARG002
+        """Return facts of these ``pairs`` that have no effect with its options, one line each."""
+        return []
+
+    def fields(self) -> list[Field]:
+        """Return the declarations of series beside those that all contacts have."""
+        return []
+
+    def prepare(self, setup: Setup, owner: str) -> None:
+        """Take facts of the scene from ``setup``, and list arrays under ``owner``."""
+
+    def measure(self, rows: ContactRows, grid: Grid, phi: Stencil, particles: Particles) -> None:
+        """Take what the law needs of the material points, once the rows of the step are there; nothing by default.
+
+        ``phi`` is the table of interpolation of the points.
+        """
+
+    def range(self) -> float:
+        """Return the gap up to which the law acts [m], after :meth:`prepare`; 0 where it acts on bodies that touch alone.
+
+        A detection that lists no rows so far apart (:meth:`Detection.range`) is refused.
+        """
+        return 0.0
+
+    def list_pairs(self, state: State) -> None:
+        """Take facts of ``state.pairs`` as arrays: bodies have come near that were apart."""
+
+    def series(self) -> dict[str, AnyArray]:
+        """Return values of the declared series."""
+        return {}
+
+    def restart(self) -> None:
+        """Forget accumulated work at time zero, after settling."""
+
+    def remarks(self) -> list[str]:
+        """Return warnings for a reader of the results, a sentence each, after the last step."""
+        return []
+
 
 class RowContact(ContactStrategy):
-    """Base of strategies that name a detection and a law; its options are those of both.
+    """Base of contacts that name the classes ``Detection`` and ``Law``; their options are those of both.
 
-    Subclasses are :class:`ForceContact` and :class:`ImpulseContact`, after what the law gives. They name the classes
-    ``Detection`` and ``Law``; the hook ``concerns`` is there where the law has something to say.
+    Subclasses are :class:`ForceContact` and :class:`ImpulseContact`, after what the law gives. The hook ``concerns`` is there
+    where the law has warnings.
     """
 
     Detection: ClassVar[type[Detection]]  #: what lists the rows
     Law: ClassVar[type[ContactLaw]]  #: what acts on them
+    #: Options whose defaults are others than those of the two parts, by name.
+    defaults: ClassVar[dict[str, Any]] = {}
     velocity_fields = "per_body"
     stage = "contact"
     history: ClassVar[tuple[str, ...]] = ("detection", "law", "friction", "records")
-    #: The hook, of laws that have something to say.
+    #: The hook, of laws that have warnings.
     concerns: ClassVar[Any]
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
         self.detection: Detection = _part(self.Detection, self.options)
         self.law: Any = _part(self.Law, self.options)
-        self.detection.for_law(needs_gap=self.Law.needs_gap, forces=issubclass(self.Law, ForceLaw))
+        self.detection.configure(self.Law.needs, forces=self.Law.gives_forces)
         self._parts: list[Any] = self.detection.parts(self)
         self.surface_map = self.detection.surface_map
         self.adds_mass = self.detection.adds_mass
+        self.leaves_bodies_out = self.law.leaves_bodies_out and self.detection.leaves_bodies_out
         option = self.Law.softness_option
         own = self.name.rpartition("+")[2]  # in a scene a joined law has a table of its own
         self.softer_by = None if option is None else f"contact.{own}.{option}"
 
     def __init_subclass__(cls, **keywords: Any) -> None:
         super().__init_subclass__(**keywords)
-        if hasattr(cls, "Detection"):
-            cls.needs_surface = cls.Detection.needs_surface
-            cls.dimensions = tuple(d for d in cls.Detection.dimensions if d in cls.Law.dimensions)
-            cls.dimensions_note = cls.Detection.dimensions_note or cls.Law.dimensions_note
-            cls.uses_friction = cls.takes_friction_law = cls.Law.uses_friction
-            if cls.Law.remarks is not ContactLaw.remarks:
-                cls.concerns = _concerns
+        if not hasattr(cls, "Detection"):
+            return
+        detection, law = cls.Detection, cls.Law
+        cls.needs_surface = detection.needs_surface
+        cls.dimensions = tuple(d for d in detection.dimensions if d in law.dimensions)
+        cls.dimensions_note = detection.dimensions_note or law.dimensions_note
+        cls.uses_friction = cls.takes_friction_law = law.uses_friction
+        if law.remarks is not ContactLaw.remarks:
+            cls.concerns = _concerns
+        if "Options" not in vars(cls) and ("Detection" in vars(cls) or "Law" in vars(cls)):
+            cls.Options = _options_of_both(cls)
 
     def parts(self) -> list[Any]:
-        """Parts of the detection."""
+        """Return the parts of the detection."""
         return self._parts
 
     def reach(self, cell_size: float) -> float | None:
-        """Reach of the detection [m]."""
+        """Return the reach of the detection [m]; ``cell_size`` is h [m]."""
         return self.detection.reach(cell_size)
 
     def unused(self, pairs: Sequence[Pair]) -> list[str]:
-        """What the law does not look at."""
+        """Return facts of these ``pairs`` that the law does not use."""
         return self.law.unused(pairs)  # type: ignore[no-any-return]
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """The pairs' series, and what detection and law have beside them."""
+        """Return the declarations of the pairs' series and of the law's."""
         return [*PairRecords.declarations(), *self.law.fields()]
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Detection, law, records, and rows of this step and the last."""
+        """Prepare detection, law and records, and make the rows of this step and the last.
+
+        Raises
+        ------
+        SceneError
+            The law acts across wider gaps than are found, or cohesion has no area to act on.
+        """
         self.state, self.friction = setup.state, setup.friction_law or FrictionLaw()
         self.records = PairRecords(setup, self.name)
         self.detection.prepare(setup, self.name)
         self.law.prepare(setup, self.name)
-        refuse_short_reach(self.detection, self.law, self.name, setup.cell_size)
-        self.detection.acts_to = self.law.widest_gap()
+        self.check_range(setup.cell_size)
+        self.detection.law_range = self.law.range()
         own = self.law.row_arrays(friction=setup.has_friction)
         self.rows, self.old = self.detection.new_rows(own), self.detection.new_rows(own)
         if self.friction.cohesive and not self.detection.measures_area:
@@ -99,44 +199,69 @@ class RowContact(ContactStrategy):
             )
         if setup.has_friction and self.uses_friction:
             for rows in (self.rows, self.old):
-                rows.hold(cohesion=self.friction.cohesive)
-        self._list_friction(setup.state)
-        self._list_thickness(setup.state)
+                rows.allocate_friction(cohesion=self.friction.cohesive)
+        self._list_facts(setup.state)
         self.node_sum = np.zeros(0)
+
+    def check_range(self, cell_size: float) -> None:
+        """Refuse a law that acts across wider gaps than the detection finds: its force would end short of its range.
+
+        Both are prepared; ``cell_size`` is h [m].
+
+        Raises
+        ------
+        SceneError
+            They do not go together with these options.
+        """
+        detection, law = self.detection, self.law
+        found, needed = detection.range(cell_size), law.range()
+        if found is None or needed <= found or math.isclose(needed, found):
+            return
+        across = f"and law '{law.name}' acts across gaps of up to {needed:.4g} m"
+        option = detection.range_option
+        if option is None:
+            raise SceneError(
+                f"contact '{self.name}': detection '{detection.name}' finds gaps of up to {found:.4g} m, {across}; expected "
+                "another detection, or a law that acts across none so wide"
+            )
+        given = getattr(detection.options, option)
+        table = self.name.partition("+")[0]  # in a scene a joined detection has a table of its own
+        raise SceneError(
+            f"contact.{table}.{option} = {given:g} finds gaps of up to {found:.4g} m, {across}; expected at least "
+            f"{given * needed / found:.4g}, or a law that acts across none so wide"
+        )
 
     @hookimpl
     def add_pairs(self, state: State) -> None:
-        """Facts and records of bodies that have come near."""
+        """Add facts and records of bodies that have come near."""
         self.detection.list_pairs(state)
         self.law.list_pairs(state)
         self.records.add_pairs(state)
-        self._list_friction(state)
-        self._list_thickness(state)
+        self._list_facts(state)
 
-    def _list_friction(self, state: State) -> None:
-        """μ of every pair, as the scene has it."""
-        self.pair_friction = np.array([pair.mu for pair in state.pairs], dtype=float)
-
-    def _list_thickness(self, state: State) -> None:
-        """Width over which every pair touches: the lesser thickness of the two; None where no body names one."""
+    def _list_facts(self, state: State) -> None:
+        """List μ of every pair, and the lesser thickness of the two bodies; None where no body names one."""
         bodies, self.width = state.bodies, None
+        self.pair_friction = np.array([pair.mu for pair in state.pairs], dtype=float)
         if state.particles.thickness is not None:
             width = [min(bodies[p.first].thickness, bodies[p.second].thickness) for p in state.pairs]
             self.width = np.array(width, dtype=float)
 
     def find_rows(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
-        """The rows where the bodies are now; areas with the width over which the bodies touch."""
+        """Find the rows where the bodies are now; areas with the width over which the bodies touch."""
         rows = self.rows
         self.detection.find(grid, phi, particles, rows)
         if self.width is not None:
             width = self.width[rows.pair[: rows.count]]
-            for area in (rows.area, rows.whole):
+            for area in (rows.area, rows.tributary_area):
                 area[: rows.count] *= width
+        if rows.count:
+            self.law.measure(rows, grid, phi, particles)
 
-    def bound_slip(self) -> None:
-        """What the rows of this step hold along their planes."""
+    def limit_slip(self) -> None:
+        """Write what the rows of this step hold along their planes."""
         if len(self.rows.friction):
-            self.friction.bound(self.rows, self.pair_friction, self.state.dt)
+            self.friction.slip_limit(self.rows, self.pair_friction, self.state.dt)
 
     @property
     def last_rows(self) -> ContactRows:
@@ -144,7 +269,7 @@ class RowContact(ContactStrategy):
         return self.rows
 
     def scratch(self, grid: Grid) -> FloatArray:
-        """A number for every node of the grid, all zero."""
+        """Return a number for every node of the grid, all zero."""
         if len(self.node_sum) != len(grid.mass):
             self.node_sum = np.zeros(len(grid.mass))
         return self.node_sum
@@ -169,199 +294,94 @@ class RowContact(ContactStrategy):
 
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:  # noqa: ARG002
-        """The series, and the detection's output fields."""
+        """Return the pairs' series and the law's; ``interval`` [s] is since the last output."""
         return {**self.records.series(interval), **self.law.series()}
-
-
-class ForceContact(RowContact):
-    """Forces on rows act beside the internal ones (eq. 12 of [H17]), and the step must resolve them.
-
-    A subclass names the classes ``Detection`` and ``Law``; the hook ``concerns`` is there where the law has something to say.
-    """
-
-    Law: ClassVar[type[ForceLaw]]  #: what acts on the rows
-    history = ("old", "omega_squared", "longest_step")
-
-    def restored(self) -> None:
-        """Refuse rows of pairs that there are not.
-
-        Raises
-        ------
-        NotSaved
-            There are some.
-        """
-        check_indices(len(self.state.pairs), pair=self.old.pair[: self.old.count])
-
-    def monitors(self) -> list[Any]:
-        """Steps per contact and deepest penetration."""
-        from mpmfw.contact.events import ContactEvents
-
-        return [ContactEvents(self)]
-
-    @hookimpl
-    def declare_fields(self) -> list[Field]:
-        """Fields of every contact, and the detection's output fields."""
-        return [*self.detection.fields(), *super().declare_fields()]
-
-    @hookimpl
-    def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
-        """Series of every contact, and the detection's output fields, from the rows of the last step; ``interval`` [s] is since
-        the last output."""
-        return {**self.detection.outputs(self.old), **super().diagnostics(state, interval)}
-
-    @hookimpl
-    def setup(self, setup: Setup) -> None:
-        """As before, and the frequency of the bulk."""
-        super().setup(setup)
-        self.bulk_frequency = setup.bulk_frequency
-        self.omega_squared: float | None = (
-            None  #: of the rows of this step [1/s²]; None before any was detected
-        )
-        self.longest_step = math.inf  #: that the law allows beside it [s]
-
-    @hookimpl
-    def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
-        """The rows where the bodies are now, their stiffness, and the highest frequency that they give the grid."""
-        rows, old = self.rows, self.old
-        self.find_rows(grid, phi, particles)
-        self.omega_squared, self.longest_step = 0.0, math.inf
-        if rows.count:
-            rows.match(old)
-            self.bound_slip()
-            stiffness = self.law.stiffness(rows, old)
-            self.omega_squared = rows.couplings(stiffness, grid, self.scratch(grid), stiffness)
-            self.longest_step = self.law.longest_step(rows, grid)
-            if not rows.touch():
-                # The step in which they touch must not be longer than the next: springs begin with the depth that it leaves,
-                # and with its square the energy that nothing paid for
-                self.omega_squared = max(self.omega_squared, self.law.expected(self.bulk_frequency))
-
-    @hookimpl
-    def add_nodal_force(self, grid: Grid, dt: float) -> None:
-        """The law's forces on the rows, mapped by Bᵀ (eq. 9, 11); ``dt`` [s] is the length of the step."""
-        rows, old = self.rows, self.old
-        if rows.count == 0 and old.count == 0:
-            return
-        period = math.sqrt(self.omega_squared or 0.0) * self.state.dt
-        # c = ζ 2 sqrt(k m) with the mass k / ω² that goes with the highest frequency; per length of the last step
-        dashpot = 2.0 * self.law.damping / period if period > 0.0 else 0.0
-        self.law.forces(rows, old, dashpot, self.records)
-        rows.add_to(grid.force, grid.spacing)
-        self.record(dt, grid.spacing)
-
-    def work_over_last_step(self) -> float:
-        """Work [J/m] of this step's forces on how far their rows came in the last one; asked before :meth:`advect`."""
-        return self.rows.work_over_last_step()
-
-    @hookimpl
-    def advect(self, grid: Grid, dt: float) -> None:
-        """How far every row's sides move in the step of ``dt`` [s]; its rows are the history of the next."""
-        rows = self.rows
-        if "moved" in rows.own.member_names and rows.count:
-            rows.velocity(grid.velocity, dt, rows.own.moved, grid.spacing)
-        self.detection.keep()
-        self.rows, self.old = self.old, rows
-
-    def take_over(self, other: RowContact, numbers: Numbers) -> None:
-        """Those, and the rows of the last step that ``other`` has, by ``numbers``."""
-        super().take_over(other, numbers)
-        self.old.take_over(other.last_rows, numbers)
-
-    @property
-    def last_rows(self) -> ContactRows:
-        """The rows of the last step, with their forces."""
-        return self.old
-
-    @hookimpl
-    def stable_timestep(self) -> tuple[float, str] | None:
-        """2 / sqrt(ω_bulk² + ω²) [s]: bulk and springs act together. Before the first detection, ω² is that of equal bodies.
-
-        It is less where the law allows less.
-        """
-        omega_squared = self.omega_squared
-        if omega_squared is None:
-            omega_squared = self.law.expected(self.bulk_frequency)
-        if omega_squared == 0.0 and self.longest_step == math.inf:
-            return None
-        zeta = self.law.damping
-        # A dashpot that lags by a step takes away from the limit of its spring: 2 (√(1 + ζ²) − ζ) / ω.
-        omega_squared /= (math.sqrt(1.0 + zeta * zeta) - zeta) ** 2
-        resolved = 2.0 / math.sqrt(self.bulk_frequency**2 + omega_squared)
-        if self.longest_step < resolved:
-            return self.longest_step, f"{self.law.name} at the present approach"
-        return resolved, f"{self.law.name} springs and bulk"
-
-
-class ImpulseContact(RowContact):
-    """Impulses on rows correct the grid's momentum: the projected and the updated one, and MUSL's second.
-
-    A subclass names the classes ``Detection`` and ``Law``; the hook ``concerns`` is there where the law has something to say.
-    """
-
-    Law: ClassVar[type[ImpulseLaw]]  #: what acts on the rows
-
-    @hookimpl
-    def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
-        """The rows where the bodies are now."""
-        self.find_rows(grid, phi, particles)
-        self.scratch(grid)
-        self.bound_slip()
-        self.cohesion = (
-            self.rows.cohesion.copy()
-        )  #: forces; in the rows stand the impulses of each correction
-
-    @hookimpl
-    def after_momentum_projection(self, grid: Grid, dt: float) -> None:
-        """Correct the projected momentum; cohesion holds against the forces of the step, which have not acted yet.
-
-        ``dt`` [s] is the length of the step.
-        """
-        self.law.dt = dt
-        self.rows.cohesion[:] = 0.0
-        self._correct(grid, projected=True)
-
-    @hookimpl
-    def after_momentum_update(self, grid: Grid, dt: float) -> None:
-        """Correct the updated momentum, at the same rows; ``dt`` [s] is the length of the step."""
-        self.rows.cohesion[:] = dt * self.cohesion
-        self._correct(grid, projected=False)
-
-    @hookimpl
-    def after_second_projection(self, grid: Grid) -> None:
-        """Correct MUSL's second momentum, from which the strain is taken, at the same rows.
-
-        Else bodies that no longer approach are strained as if they did, and what the strain takes up has no work
-        against it. No point moves with this momentum: its impulse and work are in no record.
-        """
-        if self.rows.count:
-            self.law.impulses(self.rows, grid, self.node_sum, None, projected=False)
-            self.rows.add_to(grid.momentum, grid.spacing)
-
-    def _correct(self, grid: Grid, *, projected: bool) -> None:
-        rows, records = self.rows, self.records
-        if rows.count == 0:
-            records.count.fill(0.0)
-            return
-        self.law.impulses(rows, grid, self.node_sum, records.frictional_work, projected=projected)
-        rows.add_to(grid.momentum, grid.spacing)
-        self.record(1.0, grid.spacing)
-
-    @hookimpl
-    def advect(self) -> None:
-        """What was detected is the past."""
-        self.detection.keep()
 
 
 @hookimpl
 def _concerns(self: RowContact) -> list[str]:
-    """What a reader must know of the law's work, of those laws that have to say something."""
+    """Return the law's warnings."""
     return self.law.remarks()  # type: ignore[no-any-return]
 
 
 def _part(kind: type[Any], options: BaseModel) -> Any:
-    """A detection or law from the options of the whole: those that were set, and those with a default of the whole's own."""
-    own, whole = kind.Options.model_fields, type(options).model_fields
+    """Make a detection or law from the options of both: those that were set, and those with a default of the contact's own."""
+    own, both = kind.Options.model_fields, type(options).model_fields
     given = [
-        name for name in own if name in options.model_fields_set or whole[name].default != own[name].default
+        name for name in own if name in options.model_fields_set or both[name].default != own[name].default
     ]
     return kind(**{name: getattr(options, name) for name in given})
+
+
+def _options_of_both(contact: type[RowContact]) -> type[BaseModel]:
+    """Make the model of a contact's options from those of law and detection, with the contact's own defaults."""
+    models = tuple(dict.fromkeys((contact.Law.Options, contact.Detection.Options)))
+    fields: dict[str, Any] = {}
+    for model in models:
+        for name in model.model_fields.keys() & contact.defaults.keys():
+            info = copy.copy(model.model_fields[name])
+            info.default = contact.defaults[name]
+            fields[name] = (info.annotation, info)
+    text = f"Options of law '{contact.Law.name}' and of detection '{contact.Detection.name}'."
+    made: type[BaseModel] = create_model(
+        "Options", __base__=models, __module__=contact.__module__, __doc__=text, **fields
+    )
+    made.__qualname__ = f"{contact.__qualname__}.Options"
+    return made
+
+
+#: Classes that were joined, each once.
+_JOINED: dict[tuple[type[Any], type[Any]], type[RowContact]] = {}
+
+
+def joined(detection: type[Detection], law: type[ContactLaw]) -> type[RowContact]:
+    """Return the contact of a detection and a law, called ``DETECTION+LAW``.
+
+    Raises
+    ------
+    SceneError
+        The law cannot act on what the detection lists, or both have an option of one name.
+    """
+    if (detection, law) in _JOINED:
+        return _JOINED[detection, law]
+    for need in sorted((law.needs & NEEDS.keys()) - detection.provides):
+        raise SceneError(
+            f"law '{law.name}' acts on {NEEDS[need]}, and detection '{detection.name}' lists none"
+        )
+    twice = sorted(set(detection.Options.model_fields) & set(law.Options.model_fields))
+    if twice:
+        raise SceneError(
+            f"detection '{detection.name}' and law '{law.name}' both have an option '{twice[0]}'"
+        )
+
+    def options_parts(self: BaseModel) -> tuple[Any, ...]:
+        return _options_of, (detection, law, self.model_dump(exclude_unset=True))
+
+    def strategy_parts(self: RowContact) -> tuple[Any, ...]:
+        return _strategy_of, (detection, law, self.options.model_dump(exclude_unset=True))
+
+    # The classes are in no module, where pickle would look for them. Theirs is that of the part which is not mpmfw's own: what
+    # it does wrong is its distribution's.
+    name = f"{detection.name}+{law.name}"
+    body = {
+        "name": name,
+        "Detection": detection,
+        "Law": law,
+        "__reduce__": strategy_parts,
+        "__module__": (detection if bundled(law) else law).__module__,
+        "__doc__": f"Detection '{detection.name}' with law '{law.name}'.",
+    }
+    made: type[RowContact] = type(name, (law.strategy(),), body)
+    made.Options.__reduce__ = options_parts  # type: ignore[assignment]
+    _JOINED[detection, law] = made
+    return made
+
+
+def _options_of(detection: type[Detection], law: type[ContactLaw], given: dict[str, Any]) -> BaseModel:
+    """Make options of a joined contact, in another process."""
+    return joined(detection, law).Options(**given)
+
+
+def _strategy_of(detection: type[Detection], law: type[ContactLaw], given: dict[str, Any]) -> RowContact:
+    """Make a joined contact that was not set up yet, in another process."""
+    return joined(detection, law)(**given)

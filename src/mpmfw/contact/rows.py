@@ -28,16 +28,16 @@ if TYPE_CHECKING:
 
 #: Which arrays have a vector in every row, which are of integers, and which have rows for the entries of B.
 _VECTORS = ("normal", "motion", "force", "couple", "tilt")
-_INTEGERS = ("pair", "identity", "before", "start", "dof")
+_INTEGERS = ("pair", "identity", "previous", "start", "dof")
 _OF_ENTRIES = ("dof", "weight", "couple", "tilt")
 
 
 class ContactRows(Rows):
     """The rows of one step. Arrays have room for more than ``count`` rows, the first ``count`` are meant.
 
-    Kernels take them as one argument, ``rows.gap[c]``. :class:`mpmfw.kernels.contact.Rows` says what each is: pair, identity,
-    before, sign, gap, area, whole, normal, motion, spin, friction, cohesion, force, and of the operator start, dof, weight,
-    couple, tilt.
+    Kernels take them as one argument, ``rows.gap[c]``. :class:`mpmfw.kernels.contact.Rows` defines each: pair, identity,
+    previous, sign, gap, area, tributary_area, normal, motion, spin, friction, cohesion, force; and of the operator start,
+    dof, weight, couple, tilt.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class ContactRows(Rows):
         Whether the detection knows how far the sides turn about the normal, in space: what friction has stored turns with them.
     own
         Arrays of the law, by name: the number of their further dimensions, each ``dim`` long, or None for an array without
-        rows. They are the history of the next step, which finds them by ``before``. ``own`` has them as one argument of
+        rows. They are the history of the next step, which finds them by ``previous``. ``own`` has them as one argument of
         kernels.
     """
 
@@ -72,7 +72,7 @@ class ContactRows(Rows):
         self._without += ["friction", "cohesion"]
         self.make_room(64, 1024)
 
-    def hold(self, *, cohesion: bool) -> None:
+    def allocate_friction(self, *, cohesion: bool) -> None:
         """Have ``friction``, and ``cohesion`` if it is asked for: rows of bodies without friction have neither."""
         self._without = [
             name for name in self._without if name not in ("friction", "cohesion")[: 1 + cohesion]
@@ -146,7 +146,7 @@ class ContactRows(Rows):
         history["pair"] = numbers.pair[history["pair"]]
 
     def match(self, old: ContactRows) -> None:
-        """Fill ``before`` with the rows of the last step, ``old``."""
+        """Fill ``previous`` with the rows of the last step, ``old``."""
         match_rows(self, self.count, old, old.count)
 
     def touch(self) -> bool:

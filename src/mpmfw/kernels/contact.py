@@ -23,11 +23,11 @@ class Rows(Struct):
 
     pair: Ints  #: (n,) index of the pair
     identity: Ints  #: (n,) which place against which body: the key of the row's history
-    before: Ints  #: (n,) first row of the last step with this identity; −1 without one
+    previous: Ints  #: (n,) first row of the last step with this identity; −1 without one
     sign: Floats  #: (n,) 1 where the first side is the pair's first body, else −1
     gap: Floats  #: (n,) signed, negative where the bodies overlap [m]; 0 where none is measured
     area: Floats  #: (n,) tributary area across the normal [m^(dim−1)]
-    whole: Floats  #: (n,) tributary area of the place, whatever its direction [m^(dim−1)]
+    tributary_area: Floats  #: (n,) of the place, whatever its direction [m^(dim−1)]
     normal: Floats  #: (n, dim) unit vector
     motion: Floats  #: (n, dim) B v Δt over the last step [m]
     spin: Floats  #: (n,) angle by which both sides turned about the normal over the last step [rad]; (0,) if unknown, and in 2D
@@ -53,7 +53,7 @@ class Records(Struct):
 
 
 @device
-def slip_bound(rows: Rows, c: int, normal_force: Float) -> Float:
+def slip_limit(rows: Rows, c: int, normal_force: Float) -> Float:
     """μ N + a of row c, the largest tangential force beside ``normal_force``; or impulse beside impulse."""
     bound = rows.friction[c] * normal_force if len(rows.friction) > 0 else 0.0
     return bound + (rows.cohesion[c] if len(rows.cohesion) > 0 else 0.0)
@@ -66,7 +66,7 @@ def match_rows(rows: Rows, count: int, old: Rows, old_count: int) -> None:
     for c in range(count):
         while o < old_count and old.identity[o] < rows.identity[c]:
             o += 1
-        rows.before[c] = o if o < old_count and old.identity[o] == rows.identity[c] else -1
+        rows.previous[c] = o if o < old_count and old.identity[o] == rows.identity[c] else -1
 
 
 @kernel

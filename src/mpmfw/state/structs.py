@@ -112,7 +112,7 @@ class Pair:
             raise SceneError(
                 f"the friction of pair {self.label} was asked for, but contact.friction_law = "
                 f"'{self.friction_law}' says it anew for every row; expected a contact law that takes it "
-                "from rows.friction, as slip_bound does"
+                "from rows.friction, as slip_limit does"
             )
         return self.mu
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.api import hookimpl
-from mpmfw_contact.penalty import Penalty, PenaltyLaw, PenaltyOptions
+from mpmfw_contact.penalty import Penalty, PenaltyLaw
 
 
 class FirstPairLaw(PenaltyLaw):
@@ -33,9 +33,9 @@ class OthersLengthLaw(PenaltyLaw):
         of = surface.body[surface.facets[:, 0]]
         mean = np.array([length[of == body.index].mean() for body in self.state.bodies])
         ratio = np.array([mean[p.second] / mean[p.first] for p in pairs])[rows.pair[:n]]
-        for k in (rows.own.k, rows.own.tangent_k):
+        for k in (rows.own.k, rows.own.limit_k):
             k[:n] *= np.where(rows.sign[:n] > 0, ratio, 1.0 / ratio)
-        return rows.own.tangent_k
+        return rows.own.limit_k
 
 
 class OthersLength(Penalty):
@@ -49,9 +49,9 @@ class PerPointLaw(PenaltyLaw):
     def stiffness(self, rows, old):
         super().stiffness(rows, old)
         n = rows.count
-        for k in (rows.own.k, rows.own.tangent_k):
-            k[:n] *= 0.5 * self.cell_size / rows.whole[:n]
-        return rows.own.tangent_k
+        for k in (rows.own.k, rows.own.limit_k):
+            k[:n] *= 0.5 * self.cell_size / rows.tributary_area[:n]
+        return rows.own.limit_k
 
 
 class PerPoint(Penalty):
@@ -59,10 +59,6 @@ class PerPoint(Penalty):
 
     name = "per-point"
     Law = PerPointLaw
-
-
-class DampedOptions(PenaltyOptions):
-    damping: float = 0.3
 
 
 class DashpotLaw(PenaltyLaw):
@@ -74,7 +70,7 @@ class DashpotWithoutTime(Penalty):
     """The dashpot's force is of the motion over a step, and not of the speed."""
 
     name = "dashpot-without-time"
-    Law, Options = DashpotLaw, DampedOptions
+    Law, defaults = DashpotLaw, {"damping": 0.3}
 
 
 class FadingLaw(PenaltyLaw):

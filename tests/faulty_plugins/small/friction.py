@@ -16,8 +16,8 @@ class Sound(FrictionLaw):
 
     name = "sound"
 
-    def bound(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
-        super().bound(rows, friction, dt)
+    def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
+        super().slip_limit(rows, friction, dt)
         n = rows.count
         rows.friction[:n] /= 1.0 + self.speed(rows, dt)
 
@@ -42,8 +42,8 @@ class OneNumberNeedsAnother(Sound):
     name = "one-number-needs-another"
     Options = GrowthOptions
 
-    def bound(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
-        FrictionLaw.bound(self, rows, friction, dt)
+    def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
+        FrictionLaw.slip_limit(self, rows, friction, dt)
         growth = self.options.growth * np.log1p(self.speed(rows, dt) / self.options.velocity)
         rows.friction[: rows.count] *= 1.0 + growth
 
@@ -64,9 +64,9 @@ class SlidingRowsOnly(Sound):
 
     name = "sliding-rows-only"
 
-    def bound(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
+    def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
         before = rows.friction.copy()
-        super().bound(rows, friction, dt)
+        super().slip_limit(rows, friction, dt)
         rest = self.speed(rows, dt) == 0.0
         rows.friction[: rows.count][rest] = before[: rows.count][rest]
 
@@ -76,8 +76,8 @@ class TurnsNormals(Sound):
 
     name = "turns-normals"
 
-    def bound(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
-        super().bound(rows, friction, dt)
+    def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
+        super().slip_limit(rows, friction, dt)
         rows.normal[: rows.count] *= 1.0 + 1e-9
 
 
@@ -86,8 +86,8 @@ class FirstPair(Sound):
 
     name = "first-pair"
 
-    def bound(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
-        super().bound(rows, np.full_like(friction, friction[0]), dt)
+    def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
+        super().slip_limit(rows, np.full_like(friction, friction[0]), dt)
 
 
 class MeanSpeed(Sound):
@@ -105,9 +105,9 @@ class WearsOut(Sound):
 
     name = "wears-out"
 
-    def bound(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
+    def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
         self.calls = getattr(self, "calls", 0) + 1
-        super().bound(rows, friction / self.calls, dt)
+        super().slip_limit(rows, friction / self.calls, dt)
 
 
 class AlongX(Sound):
@@ -157,8 +157,8 @@ class ByArea(Sound):
 
     name = "by-area"
 
-    def bound(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
-        super().bound(rows, friction, dt)
+    def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
+        super().slip_limit(rows, friction, dt)
         rows.friction[: rows.count] *= 1.0 + rows.area[: rows.count]
 
 
@@ -167,8 +167,8 @@ class OddNumbers(Sound):
 
     name = "odd-numbers"
 
-    def bound(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
-        super().bound(rows, friction, dt)
+    def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
+        super().slip_limit(rows, friction, dt)
         rows.friction[: rows.count] *= 1.0 + 0.1 * (rows.identity[: rows.count] % 2)
 
 

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseLaw, Setup
 from mpmfw.kernels import Floats, Struct, kernel, scratch
-from mpmfw.kernels.contact import Rows, slip_bound
+from mpmfw.kernels.contact import Rows, slip_limit
 
 
 class FilmOptions(BaseModel):
@@ -59,7 +59,7 @@ def exchange(rows: Rows, count: int, own: Own, drag: float, work: Floats, spacin
             slip[d] = own.velocity[c, d] + approach * rows.normal[c, d]
             square += slip[d] * slip[d]
         speed = square**0.5
-        bound = slip_bound(rows, c, m * approach)
+        bound = slip_limit(rows, c, m * approach)
         tangential = min(bound + drag * rows.area[c] * speed, m * speed)
         for d in range(dim):
             along = slip[d] / speed if speed > 0.0 else 0.0

@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from mpmfw.api import FloatArray, SceneError, State
-from mpmfw_contact.nodes import AtNodes
+from mpmfw.contact.nodes import AtNodes
 
 
 class TemplateOptions(BaseModel):
@@ -24,9 +24,9 @@ class Template(AtNodes):
     Options = TemplateOptions
     options: TemplateOptions
 
-    def for_law(self, *, needs_gap: bool, forces: bool) -> None:
+    def configure(self, needs: frozenset[str], *, forces: bool) -> None:
         """Laws of impulses alone: no gap is measured."""
-        if needs_gap or forces:
+        if "gap" in needs or forces:
             raise SceneError("detection 'template' measures no gap, which the law needs")
 
     def weights(self, state: State) -> tuple[FloatArray, FloatArray]:

@@ -22,7 +22,7 @@ class Template(FrictionLaw):
     Options = TemplateOptions
     options: TemplateOptions
 
-    def bound(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
+    def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
         """Write ``rows.friction`` (n,) [1]; ``friction`` is μ of every pair (n_pairs,) [1], ``dt`` the last step [s]."""
-        super().bound(rows, friction, dt)
+        super().slip_limit(rows, friction, dt)
         rows.friction[: rows.count] *= self.options.factor

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 
-from mpmfw.api import SimulationError, State
+from mpmfw.contact.surfaces.candidates import Candidates, put
+from mpmfw.contact.surfaces.covering import past_a_seam
+from mpmfw.contact.surfaces.outline import Outline, area_of, distance_to, hidden
+from mpmfw.errors import SimulationError
 from mpmfw.kernels import device, scratch
 from mpmfw.kernels.facets import add_normal, extent_of, length_of, read_corners, way_across
 from mpmfw.kernels.types import Float, Floats
-from mpmfw_contact.surfaces.candidates import Candidates, put
-from mpmfw_contact.surfaces.covering import past_a_seam
-from mpmfw_contact.surfaces.outline import Outline, area_of, distance_to, hidden
+from mpmfw.state.structs import State
 
 #: Least cosine between a slave node's reversed normal and that of a facet that faces it: blocks have sides at right angles,
 #: and neither rounding nor how little an elastic side leans must decide. A wedge of 2.3 degrees has sides that face nothing.

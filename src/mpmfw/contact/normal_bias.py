@@ -1,31 +1,27 @@
-"""How far averaged normals lean to one side: the reason why contact at shared nodes holds sliding back."""
+"""Bias of averaged normals to one side: the reason why contact at shared nodes holds sliding back."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
-from mpmfw.api import Field, FloatArray, ForceContact, Grid, Setup, State, hookimpl
 from mpmfw.kernels import Struct, kernel
 from mpmfw.kernels.contact import Rows
 from mpmfw.kernels.types import Floats
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.plugin.setup import Setup
+from mpmfw.state.fields import Field, FloatArray
+from mpmfw.state.structs import Grid, State
 
-if TYPE_CHECKING:
-    from mpmfw_contact.nodes import Nodes
-
-#: Lean, as a coefficient of friction, from which a reader must know of it: symmetric impacts and a cylinder that rolls with
+#: Bias, as a coefficient of friction, from which a reader is warned: symmetric impacts and a cylinder that rolls with
 #: ``criterion = "position"`` have at most 0.02, blocks and discs that slide in 0.05 to 0.3.
 LARGEST = 0.05
 
-TOTAL = Field("normal_impulse", ("pair",), "N s m-1", "sum of the normal impulses' sizes", "contact")
-NORMAL = Field("mean_normal", ("pair", "axis"), "N s m-1", "sum of the normal impulses", "contact")
-LEAN = Field("lean", ("pair", "axis"), "N s m-1", "sum of J_n (n_a + n_b) / 2", "contact")
 
-
-class LeanSums(Struct):
-    """Sums of every pair that tell how far normals lean."""
+class BiasSums(Struct):
+    """Sums of every pair."""
 
     total: Floats  #: (pair,) Σ J_n [N s/m]
     normal: Floats  #: (pair, dim) Σ J_n n
@@ -33,8 +29,8 @@ class LeanSums(Struct):
 
 
 @kernel
-def add_lean(
-    rows: Rows, count: int, scale: float, gradient: Floats, sums: LeanSums, spacing: tuple[float, ...]
+def add_bias(
+    rows: Rows, count: int, scale: float, gradient: Floats, sums: BiasSums, spacing: tuple[float, ...]
 ) -> None:
     """Add J_n, J_n n and J_n (n_a + n_b) / 2 of every shared node, n_a and n_b the two bodies' own outward normals.
 
@@ -57,46 +53,50 @@ def add_lean(
                 sums.lean[p, d] += 0.5 * normal_impulse * both
 
 
-class LeaningNormals:
-    """Follows the averaged normals through a run, and says at its end if they lean to one side.
+class NormalBias:
+    """Follows averaged normals through a run, and warns at its end if they lean to one side.
 
-    A plug-in of its own beside contact at nodes, registered only where normals are averaged.
     At the edge of a contact the two bodies' own normals disagree: the front corner of a block that slides on a plane points
-    ahead, a disc sees the plane ahead of it through the wedge between them. A mean normal there leans ahead, what slides in
-    counts as approach, and impulses along it brake the body and throw it up. What leans ahead and behind alike cancels.
+    ahead, a disc sees the plane ahead of it through the wedge between them. A mean normal there leans ahead, sliding in
+    counts as approach, and impulses along it brake the body and throw it up. Normals that lean ahead and behind alike cancel.
+
+    Parameters
+    ----------
+    contact, nodes
+        The contact, and its detection.
     """
 
     name = "leaning_normals"
     stage = "contact"
-    #: Declarations of the members of :class:`LeanSums`.
-    declared: ClassVar[dict[str, Field]] = {"total": TOTAL, "normal": NORMAL, "lean": LEAN}
+    #: Declarations of the members of :class:`BiasSums`.
+    declared: ClassVar[dict[str, Field]] = {
+        "total": Field(
+            "normal_impulse", ("pair",), "N s m-1", "sum of the normal impulses' sizes", "contact"
+        ),
+        "normal": Field("mean_normal", ("pair", "axis"), "N s m-1", "sum of the normal impulses", "contact"),
+        "lean": Field("lean", ("pair", "axis"), "N s m-1", "sum of J_n (n_a + n_b) / 2", "contact"),
+    }
 
-    def __init__(self, contact: Any, nodes: Nodes) -> None:
+    def __init__(self, contact: Any, nodes: Any) -> None:
         self.contact, self.nodes = contact, nodes
-        self.forces = isinstance(contact, ForceContact)
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """The sums of every pair."""
+        """Return the declarations of the sums."""
         return list(self.declared.values())
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
         """Allocate the sums."""
         self.state = setup.state
-        self.sums = LeanSums(
-            **{name: setup.allocate(self.name, field) for name, field in self.declared.items()}
-        )
+        arrays = {name: setup.allocate(self.name, field) for name, field in self.declared.items()}
+        self.sums = BiasSums(**arrays)
 
     @hookimpl
     def add_pairs(self, state: State) -> None:
-        """Nothing has leaned yet between bodies that have come near."""
-        self.sums.set(
-            **{
-                name: state.lengthen(f"{self.name}/{field.name}", len(state.pairs))
-                for name, field in self.declared.items()
-            }
-        )
+        """Begin with zero for bodies that have come near."""
+        for name, field in self.declared.items():
+            self.sums.set(**{name: state.lengthen(f"{self.name}/{field.name}", len(state.pairs))})
 
     def restart(self) -> None:
         """Forget the settling."""
@@ -105,29 +105,29 @@ class LeaningNormals:
 
     @hookimpl
     def after_momentum_projection(self, grid: Grid) -> None:
-        """The impulses that corrected the projected momentum."""
-        if not self.forces:
+        """Add the impulses that corrected the projected momentum."""
+        if not self.nodes.forces:
             self._add(grid, 1.0)
 
     @hookimpl
     def add_nodal_force(self, grid: Grid, dt: float) -> None:
-        """The forces of a law of forces."""
-        if self.forces:
+        """Add the forces of a law of forces, over the step ``dt`` [s]."""
+        if self.nodes.forces:
             self._add(grid, dt)
 
     @hookimpl
     def after_momentum_update(self, grid: Grid) -> None:
-        """The impulses that corrected the updated momentum."""
-        if not self.forces:
+        """Add the impulses that corrected the updated momentum."""
+        if not self.nodes.forces:
             self._add(grid, 1.0)
 
     def _add(self, grid: Grid, scale: float) -> None:
         rows = self.contact.rows
         if rows.count:
-            add_lean(rows, rows.count, scale, self.nodes.gradient, self.sums, grid.spacing)
+            add_bias(rows, rows.count, scale, self.nodes.gradient, self.sums, grid.spacing)
 
     def sideways(self) -> FloatArray:
-        """Lean across the mean normal over all normal impulses, of every pair (pair,): a coefficient of friction."""
+        """Return the bias across the mean normal over all normal impulses, of every pair (pair,): a coefficient of friction."""
         sums = self.sums
         length = np.linalg.norm(sums.normal, axis=1, keepdims=True)
         n = sums.normal / np.where(length > 0.0, length, 1.0)
@@ -136,7 +136,7 @@ class LeaningNormals:
 
     @hookimpl
     def concerns(self) -> list[str]:
-        """Pairs whose normals lean by more than :data:`LARGEST`."""
+        """Return a warning for every pair whose normals lean by more than :data:`LARGEST`."""
         tries = ['normal = "master" or "specified" for faces']
         if not self.nodes.by_position:
             tries.append('criterion = "position" for round bodies')

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.api import IntArray
+from mpmfw.contact.surfaces.candidates import SearchGrid
+from mpmfw.contact.surfaces.cells import boxes_apart, reach_of_facet
+from mpmfw.contact.surfaces.outline import Outline, area_of, hidden
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.facets import at_rim, closest_point, length_of, read_corners, read_point
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
-from mpmfw_contact.surfaces.candidates import SearchGrid
-from mpmfw_contact.surfaces.cells import boxes_apart, reach_of_facet
-from mpmfw_contact.surfaces.outline import Outline, area_of, hidden
+from mpmfw.state.fields import IntArray
 
 #: Distance from another body up to which a facet's corner is covered, in cells.
 FLUSH = 0.05

@@ -6,10 +6,12 @@ import math
 
 import numpy as np
 
-from mpmfw.api import Pair, Setup, State, Surface, hookimpl
 from mpmfw.kernels import Struct, kernel
 from mpmfw.kernels.gaps import bounding_boxes
 from mpmfw.kernels.types import Floats, Ints
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.plugin.setup import Setup
+from mpmfw.state.structs import Pair, State, Surface
 
 #: Share of the search radius that bodies near each other may travel in a step, before the safety factor.
 SHARE = 0.5

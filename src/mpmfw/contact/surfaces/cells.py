@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
+from mpmfw.contact.surfaces.candidates import SearchGrid
+from mpmfw.contact.surfaces.outline import Outline
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.gaps import bounding_boxes
 from mpmfw.kernels.types import Float, Floats, Ints
-from mpmfw_contact.surfaces.candidates import SearchGrid
-from mpmfw_contact.surfaces.outline import Outline
 
 
 @device

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from mpmfw.contact.surfaces.candidates import Candidates
+from mpmfw.contact.surfaces.facing import faces, outlook
+from mpmfw.contact.surfaces.outline import Outline, area_of, distance_to, hidden
 from mpmfw.kernels import Struct, device, kernel, scratch
 from mpmfw.kernels.contact import Rows
 from mpmfw.kernels.facets import (
@@ -15,9 +18,6 @@ from mpmfw.kernels.facets import (
 from mpmfw.kernels.pair_table import pair_index
 from mpmfw.kernels.table import entries
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
-from mpmfw_contact.surfaces.candidates import Candidates
-from mpmfw_contact.surfaces.facing import faces, outlook
-from mpmfw_contact.surfaces.outline import Outline, area_of, distance_to, hidden
 
 #: Difference of distances, in lengths of a facet, below which two facets are equally close: what rounding leaves.
 TIE = 1e-9
@@ -259,8 +259,8 @@ def assemble(
                 rows.pair[c], rows.identity[c], rows.gap[c] = p, s * n_bodies + master, g
                 rows.sign[c] = 1.0 if pair_first[p] == body[s] else -1.0
                 passes = 0.5 if rank[body[s]] == rank[master] else 1.0
-                rows.whole[c] = taken * passes * outline.tributary[s]
-                rows.area[c] = rows.whole[c]
+                rows.tributary_area[c] = taken * passes * outline.tributary[s]
+                rows.area[c] = rows.tributary_area[c]
                 if across:
                     rows.area[c] *= share_across(s, normal, outline, spacing)
                 places.slave[c], places.facet[c] = s, m

@@ -6,21 +6,21 @@ import math
 
 import numpy as np
 
-from mpmfw.api import IntArray
-from mpmfw.kernels import Struct, device, kernel, scratch
-from mpmfw.kernels.facets import read_point
-from mpmfw.kernels.types import Float, Floats, Indices, Ints
-from mpmfw_contact.surfaces.candidates import Candidates, SearchGrid
-from mpmfw_contact.surfaces.cells import cell_beside, cell_of, flat_index, outside_near, tagged
-from mpmfw_contact.surfaces.facing import turn_to_facing
-from mpmfw_contact.surfaces.outline import Outline, square_of
-from mpmfw_contact.surfaces.search import (
+from mpmfw.contact.surfaces.candidates import Candidates, SearchGrid
+from mpmfw.contact.surfaces.cells import cell_beside, cell_of, flat_index, outside_near, tagged
+from mpmfw.contact.surfaces.facing import turn_to_facing
+from mpmfw.contact.surfaces.outline import Outline, square_of
+from mpmfw.contact.surfaces.search import (
     begin_with_last,
     outside_box,
     reach_of,
     reach_towards,
     search_facet,
 )
+from mpmfw.kernels import Struct, device, kernel, scratch
+from mpmfw.kernels.facets import read_point
+from mpmfw.kernels.types import Float, Floats, Indices, Ints
+from mpmfw.state.fields import IntArray
 
 #: How far beyond what a node's search needs facets are listed, in cells: the motion that a list outlasts.
 SKIN = 0.1

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.api import Field, Setup
 from mpmfw.kernels import Struct, device
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
+from mpmfw.plugin.setup import Setup
+from mpmfw.state.fields import Field
 
 
 class Candidates(Struct):

@@ -6,34 +6,25 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from mpmfw.api import (
-    AnyArray,
-    Body,
-    ContactRows,
-    Detection,
-    FloatArray,
-    Grid,
-    IntArray,
-    Particles,
-    SceneError,
-    Setup,
-    State,
-    Stencil,
-    check_indices,
-)
-from mpmfw.api import Field as ArrayField
+from mpmfw.contact.detection import Detection, ranks_of, stiffness_ranks
+from mpmfw.contact.rows import ContactRows
+from mpmfw.contact.surfaces import cells, search
+from mpmfw.contact.surfaces.assembly import Places, SurfaceTable, assemble, point_forces
+from mpmfw.contact.surfaces.candidates import no_candidates, no_lists
+from mpmfw.contact.surfaces.covering import Seams
+from mpmfw.contact.surfaces.facing import too_fine
+from mpmfw.contact.surfaces.near_facets import STALE, NearFacets
+from mpmfw.contact.surfaces.options import FacetOptions, SurfacesOptions
+from mpmfw.contact.surfaces.outline import outline_of
+from mpmfw.contact.surfaces.tracking import CROSSED, crossed, find_crossings, keep_inside, remember_inside
+from mpmfw.contact.surfaces.travel import TravelLimit
+from mpmfw.errors import SceneError
 from mpmfw.kernels.pair_table import pair_table
-from mpmfw_contact._stiffness import ranks_of, stiffness_ranks
-from mpmfw_contact.surfaces import cells, search
-from mpmfw_contact.surfaces.assembly import Places, SurfaceTable, assemble, point_forces
-from mpmfw_contact.surfaces.candidates import no_candidates, no_lists
-from mpmfw_contact.surfaces.covering import Seams
-from mpmfw_contact.surfaces.facing import too_fine
-from mpmfw_contact.surfaces.near_facets import STALE, NearFacets
-from mpmfw_contact.surfaces.options import FacetOptions, SurfacesOptions
-from mpmfw_contact.surfaces.outline import outline_of
-from mpmfw_contact.surfaces.tracking import CROSSED, crossed, find_crossings, keep_inside, remember_inside
-from mpmfw_contact.surfaces.travel import TravelLimit
+from mpmfw.plugin.setup import Setup
+from mpmfw.state.fields import AnyArray, FloatArray, IntArray
+from mpmfw.state.fields import Field as ArrayField
+from mpmfw.state.history import check_indices
+from mpmfw.state.structs import Body, Grid, Particles, State, Stencil
 
 #: Travel in a step, in search radii, below which no node can pass the middle of a body unseen.
 THIN = 0.05
@@ -55,9 +46,9 @@ class Surfaces(Detection):
     checks_others = True
     Options: ClassVar[type[FacetOptions]] = SurfacesOptions
     options: FacetOptions
-    facets = True
+    provides = frozenset({"facets", "nodes"})
     needs_surface = True
-    gap_option = "search_radius"
+    range_option = "search_radius"
     #: Whether a node meets every facet that it penetrates (eq. 10), and not the closest one of a body.
     every_facet: bool = False
     history = ("was_inside",)
@@ -66,6 +57,7 @@ class Surfaces(Detection):
         super().__init__(**options)
         self.surface_map = self.options.map
         self.adds_mass = self.options.interface_thickness > 0.0
+        self.leaves_bodies_out = self.options.master is None and not self.adds_mass  # a master must be there
         self.two_passes = getattr(self.options, "passes", "one") == "two"
 
     @property
@@ -78,7 +70,7 @@ class Surfaces(Detection):
         travel = TravelLimit(self.options.search_radius)
         if not self.adds_mass:
             return [travel]
-        from mpmfw_contact.surfaces.layer import InterfaceLayer
+        from mpmfw.contact.surfaces.layer import InterfaceLayer
 
         return [travel, InterfaceLayer(self.options.interface_thickness)]
 
@@ -147,9 +139,9 @@ class Surfaces(Detection):
             assert isinstance(rows, SurfaceRows)
             self._assemble(rows)
             if len(rows.spin):
-                from mpmfw_contact.surfaces.turning import write_spins  # not called for in the plane
+                from mpmfw.contact.surfaces.turning import write_spins  # not called for in the plane
 
-                write_spins(rows.count, self.acts_to, self.outline, rows, rows.places, grid.spacing)
+                write_spins(rows.count, self.law_range, self.outline, rows, rows.places, grid.spacing)
 
     def _search(self, grid: Grid) -> int:
         """Number of candidates after the search's three steps, and after nodes inside bodies were followed."""
@@ -232,7 +224,7 @@ class Surfaces(Detection):
                 return
             rows.make_room(2 * len(rows.pair), 2 * len(rows.dof))
 
-    def keep(self) -> None:
+    def end_step(self) -> None:
         """Note which nodes are inside which bodies."""
         c = self.candidates
         if not self.every_facet and (self.count or self.was_inside):

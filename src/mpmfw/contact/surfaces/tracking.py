@@ -5,7 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from mpmfw.api import FloatArray, SimulationError, State
+from mpmfw.contact.surfaces.candidates import Candidates, SearchGrid, put
+from mpmfw.contact.surfaces.cells import boxes_apart
+from mpmfw.contact.surfaces.covering import past_a_seam
+from mpmfw.contact.surfaces.facing import LEAST_COSINE, against, outlook
+from mpmfw.contact.surfaces.outline import Outline, distance_to, hidden, square_of
+from mpmfw.errors import SimulationError
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.facets import (
     at_rim,
@@ -13,11 +18,8 @@ from mpmfw.kernels.facets import (
     project,
 )
 from mpmfw.kernels.types import Float, Floats, Ints
-from mpmfw_contact.surfaces.candidates import Candidates, SearchGrid, put
-from mpmfw_contact.surfaces.cells import boxes_apart
-from mpmfw_contact.surfaces.covering import past_a_seam
-from mpmfw_contact.surfaces.facing import LEAST_COSINE, against, outlook
-from mpmfw_contact.surfaces.outline import Outline, distance_to, hidden, square_of
+from mpmfw.state.fields import FloatArray
+from mpmfw.state.structs import State
 
 #: Least cosine between a slave node's normal and the direction out of a body by which the node has gone through it: one
 #: that leaves the way it entered, or round a corner, has an angle of 90° or more, or little less.

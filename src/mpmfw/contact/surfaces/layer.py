@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.api import Field, FloatArray, Grid, Setup, Stencil, hookimpl
 from mpmfw.kernels import kernel
 from mpmfw.kernels.nodal import velocity_of_momentum
 from mpmfw.kernels.types import Floats, Indices, Ints
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.plugin.setup import Setup
+from mpmfw.state.fields import Field, FloatArray
+from mpmfw.state.structs import Grid, Stencil
 
 MASS = Field("interface_mass", ("surface_node",), "kg m-1", "mass of the surface layer", "surface")
 VELOCITY = Field(

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from mpmfw.contact.surfaces.candidates import Candidates, SearchGrid, put
+from mpmfw.contact.surfaces.cells import cell_beside, cell_of, flat_index, outside_near, tagged
+from mpmfw.contact.surfaces.facing import turn_to_facing
+from mpmfw.contact.surfaces.outline import Outline, distance_to, hidden, square_of
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.facets import project, read_corners, read_point
 from mpmfw.kernels.types import Float, Floats, Ints
-from mpmfw_contact.surfaces.candidates import Candidates, SearchGrid, put
-from mpmfw_contact.surfaces.cells import cell_beside, cell_of, flat_index, outside_near, tagged
-from mpmfw_contact.surfaces.facing import turn_to_facing
-from mpmfw_contact.surfaces.outline import Outline, distance_to, hidden, square_of
 
 
 @device

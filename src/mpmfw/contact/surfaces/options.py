@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from mpmfw.api import Length
+from mpmfw.units import Length
 
 
 class FacetOptions(BaseModel):

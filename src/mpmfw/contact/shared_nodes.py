@@ -194,7 +194,7 @@ def write_row(
     rows.pair[c], rows.sign[c] = p, 1.0
     rows.identity[c] = p * size + background_index(i, pairs.first[p], grid)
     rows.gap[c] = gap
-    rows.area[c], rows.whole[c] = area_across(i, j, normal, grid), spacing[0] ** (dim - 1)
+    rows.area[c], rows.tributary_area[c] = area_across(i, j, normal, grid), spacing[0] ** (dim - 1)
     for d in range(dim):
         rows.normal[c, d] = normal[d]
         rows.motion[c, d] = dt * (grid.start_velocity[i, d] - grid.start_velocity[j, d])

@@ -6,12 +6,12 @@ do: a spring that stayed as it is in space would pull aside, and after half a tu
 
 from __future__ import annotations
 
+from mpmfw.contact.surfaces.assembly import Places
+from mpmfw.contact.surfaces.outline import Outline
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.contact import Rows
 from mpmfw.kernels.facets import area_vector, length_of, read_corners, read_point, write_own_gradients
 from mpmfw.kernels.types import Float, Floats
-from mpmfw_contact.surfaces.assembly import Places
-from mpmfw_contact.surfaces.outline import Outline
 
 
 @device

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.api import Surface
 from mpmfw.kernels import Struct, device, scratch
 from mpmfw.kernels.facets import area_vector, read_corners, read_point, signed_distance, squared_distance
 from mpmfw.kernels.types import Float, Floats, Ints
+from mpmfw.state.structs import Surface
 
 
 class Outline(Struct):

@@ -1,0 +1,183 @@
+"""Laws of forces, and their contact: what acts beside internal forces, and limits the step."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from mpmfw.contact.records import PairRecords
+from mpmfw.contact.row_contact import ContactLaw, RowContact
+from mpmfw.contact.rows import ContactRows
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.plugin.setup import Setup
+from mpmfw.state.fields import AnyArray, Field, FloatArray
+from mpmfw.state.history import check_indices
+from mpmfw.state.structs import Grid, Particles, State, Stencil
+
+if TYPE_CHECKING:
+    from mpmfw.state.numbers import Numbers
+
+
+class ForceLaw(ContactLaw):
+    """A force on every row, which acts beside internal forces and limits the step."""
+
+    gives_forces = True
+    #: Normal dashpot as a fraction of critical.
+    damping: float = 0.0
+
+    @classmethod
+    def strategy(cls) -> type[RowContact]:
+        """Return the base of contacts with laws of forces."""
+        return ForceContact
+
+    def estimate_frequency(self, bulk_frequency: float) -> float:
+        """Return ω² of its springs [1/s²] before anything was detected, for equal bodies; ``bulk_frequency`` is 2 c / h [1/s]."""
+        raise NotImplementedError
+
+    def stiffness(self, rows: ContactRows, old: ContactRows) -> FloatArray:
+        """Return the tangent stiffness of every row (n,) [N m^(dim−4)], in contact or not: it limits the step.
+
+        Parameters
+        ----------
+        rows, old
+            Of this step, and of the last one, where ``rows.previous`` points.
+        """
+        raise NotImplementedError
+
+    def longest_step(self, rows: ContactRows, grid: Grid) -> float:  # noqa: ARG002
+        """Return the step [s] that ``rows`` allow beside their stiffness, before the safety factor; infinite by default.
+
+        ``grid`` has the mass and the momentum of the projection, before forces have acted.
+        """
+        return math.inf
+
+    def forces(self, rows: ContactRows, old: ContactRows, dashpot: float, records: PairRecords) -> None:
+        """Write ``rows.force``, and the pairs' works and energies.
+
+        Parameters
+        ----------
+        rows, old
+            As in :meth:`stiffness`, which was called before.
+        dashpot
+            c / (k Δt) [1] of the last step, with Δt [s], of a dashpot of the fraction :attr:`damping` of critical.
+        records
+            Of the pairs; impulse and count are not the law's to add.
+        """
+        raise NotImplementedError
+
+
+class ForceContact(RowContact):
+    """Forces on rows act beside the internal ones (eq. 12 of [H17]), and the step must resolve them."""
+
+    Law: ClassVar[type[ForceLaw]]  #: what acts on the rows
+    history = ("old", "omega_squared", "longest_step")
+
+    def restored(self) -> None:
+        """Refuse rows of pairs that there are not.
+
+        Raises
+        ------
+        NotSaved
+            There are some.
+        """
+        check_indices(len(self.state.pairs), pair=self.old.pair[: self.old.count])
+
+    def monitors(self) -> list[Any]:
+        """Return what follows steps per contact and deepest penetration."""
+        from mpmfw.contact.events import ContactEvents
+
+        return [ContactEvents(self)]
+
+    @hookimpl
+    def declare_fields(self) -> list[Field]:
+        """Return the declarations of every contact's series and of the detection's output fields."""
+        return [*self.detection.fields(), *super().declare_fields()]
+
+    @hookimpl
+    def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
+        """Return series of every contact, and the detection's output fields from the rows of the last step.
+
+        ``interval`` [s] is since the last output.
+        """
+        return {**self.detection.outputs(self.old), **super().diagnostics(state, interval)}
+
+    @hookimpl
+    def setup(self, setup: Setup) -> None:
+        """Prepare as every contact, with the frequency of the bulk."""
+        super().setup(setup)
+        self.bulk_frequency = setup.bulk_frequency
+        #: Of the rows of this step [1/s²]; None before any was detected.
+        self.omega_squared: float | None = None
+        self.longest_step = math.inf  #: that the law allows beside it [s]
+
+    @hookimpl
+    def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
+        """Find the rows where the bodies are now, their stiffness, and the highest frequency that they give the grid."""
+        rows, old = self.rows, self.old
+        self.find_rows(grid, phi, particles)
+        self.omega_squared, self.longest_step = 0.0, math.inf
+        if rows.count:
+            rows.match(old)
+            self.limit_slip()
+            stiffness = self.law.stiffness(rows, old)
+            self.omega_squared = rows.couplings(stiffness, grid, self.scratch(grid), stiffness)
+            self.longest_step = self.law.longest_step(rows, grid)
+            if not rows.touch():
+                # The step in which they touch must not be longer than the next: springs begin with the depth that it leaves,
+                # and with its square the energy that nothing paid for
+                self.omega_squared = max(self.omega_squared, self.law.estimate_frequency(self.bulk_frequency))
+
+    @hookimpl
+    def add_nodal_force(self, grid: Grid, dt: float) -> None:
+        """Add the law's forces on the rows, mapped by Bᵀ (eq. 9, 11); ``dt`` [s] is the length of the step."""
+        rows, old = self.rows, self.old
+        if rows.count == 0 and old.count == 0:
+            return
+        period = math.sqrt(self.omega_squared or 0.0) * self.state.dt
+        # c = ζ 2 sqrt(k m) with the mass k / ω² that goes with the highest frequency; per length of the last step
+        dashpot = 2.0 * self.law.damping / period if period > 0.0 else 0.0
+        self.law.forces(rows, old, dashpot, self.records)
+        rows.add_to(grid.force, grid.spacing)
+        self.record(dt, grid.spacing)
+
+    def work_over_last_step(self) -> float:
+        """Return the work [J/m] of this step's forces on the motion of their rows over the last one, before :meth:`advect`."""
+        return self.rows.work_over_last_step()
+
+    @hookimpl
+    def advect(self, grid: Grid, dt: float) -> None:
+        """Note the motion of every row's sides in the step of ``dt`` [s]; its rows are the history of the next."""
+        rows = self.rows
+        if "moved" in rows.own.member_names and rows.count:
+            rows.velocity(grid.velocity, dt, rows.own.moved, grid.spacing)
+        self.detection.end_step()
+        self.rows, self.old = self.old, rows
+
+    def take_over(self, other: RowContact, numbers: Numbers) -> None:
+        """Those, and the rows of the last step that ``other`` has, by ``numbers``."""
+        super().take_over(other, numbers)
+        self.old.take_over(other.last_rows, numbers)
+
+    @property
+    def last_rows(self) -> ContactRows:
+        """The rows of the last step, with their forces."""
+        return self.old
+
+    @hookimpl
+    def stable_timestep(self) -> tuple[float, str] | None:
+        """Return 2 / sqrt(ω_bulk² + ω²) [s], or less where the law allows less: bulk and springs act together.
+
+        Before the first detection, ω² is that of equal bodies.
+        """
+        omega_squared = self.omega_squared
+        if omega_squared is None:
+            omega_squared = self.law.estimate_frequency(self.bulk_frequency)
+        if omega_squared == 0.0 and self.longest_step == math.inf:
+            return None
+        zeta = self.law.damping
+        # A dashpot that lags by a step takes away from the limit of its spring: 2 (√(1 + ζ²) − ζ) / ω.
+        omega_squared /= (math.sqrt(1.0 + zeta * zeta) - zeta) ** 2
+        resolved = 2.0 / math.sqrt(self.bulk_frequency**2 + omega_squared)
+        if self.longest_step < resolved:
+            return self.longest_step, f"{self.law.name} at the present approach"
+        return resolved, f"{self.law.name} springs and bulk"

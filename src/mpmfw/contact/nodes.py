@@ -1,0 +1,253 @@
+"""Detection at grid nodes: those that two bodies share, with the normal of their volume gradients; in 2D and 3D.
+
+Multiple velocity fields: Bardenhagen, Brackbill & Sulsky (2000), Bardenhagen et al. (2001).
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from mpmfw.contact.detection import Detection, stiffness_ranks
+from mpmfw.contact.rows import ContactRows
+from mpmfw.contact.shared_nodes import (
+    GridNodes,
+    NodePairs,
+    SharedNodes,
+    find_shared_nodes,
+    mark_nodes,
+    project_position,
+    project_volume_gradient,
+    write_rows,
+)
+from mpmfw.errors import SceneError
+from mpmfw.plugin.setup import Setup
+from mpmfw.state.fields import FloatArray
+from mpmfw.state.structs import Grid, Particles, State, Stencil
+
+#: Share of a full cell's mass that both bodies must have at a node for a force to act there: with less it would be all
+#: acceleration.
+LEAST_MASS = 0.05
+
+
+class NodesOptions(BaseModel):
+    """Criterion of contact and kind of normal."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    criterion: Literal["auto", "velocity", "position"] = Field(
+        "auto",
+        description="velocity: bodies approach at a shared node (2000, 2001); position: and their extrapolated "
+        "positions are closer than the cut-off; auto: position where the law needs a gap, else velocity",
+    )
+    cut_off: float = Field(
+        0.8, gt=0, description="separation in cells below which bodies touch (criterion = position)"
+    )
+    normal: Literal["averaged", "master", "specified"] = Field(
+        "averaged",
+        description="averaged of the pair, the stiffer body's (of equals the larger volume gradient at a node), or given by "
+        "`direction`",
+    )
+    direction: tuple[float, ...] | None = Field(
+        None, description="unit vector out of a pair's first body (normal = specified)"
+    )
+
+    @model_validator(mode="after")
+    def _options_have_an_effect(self) -> NodesOptions:
+        if "cut_off" in self.model_fields_set and self.criterion == "velocity":
+            raise ValueError(
+                '\'cut_off\' has no effect with criterion = "velocity"; expected criterion = "position"'
+            )
+        if (self.direction is not None) != (self.normal == "specified"):
+            raise ValueError("'direction' and normal = \"specified\" go together")
+        if self.direction is not None and not np.isclose(np.linalg.norm(self.direction), 1.0):
+            raise ValueError("'direction' must have length 1")
+        return self
+
+
+class AtNodes(Detection):
+    """Base of detections at grid nodes with mass of both bodies of a pair; a row is v_a − v_b there.
+
+    By itself it lists all shared nodes at which there is a normal, that of the bodies' volume gradients.
+    """
+
+    #: Whether forces act on the rows, which need nodes that have some mass.
+    forces = False
+    #: What is projected on the nodes: volume gradients, and mean positions.
+    projects_gradient = True
+    projects_mean = False
+    #: Separation of the mean positions below which bodies touch [m].
+    cut_off: float = np.inf
+
+    def prepare(self, setup: Setup, owner: str) -> None:
+        """The bodies of the pairs, and the least mass of a node."""
+        self.state, self.owner = setup.state, owner
+        self.given = np.zeros(setup.dim)  #: direction that takes the normals' place, if it is one
+        cell = min(body.areal_density for body in setup.bodies) * setup.cell_size**setup.dim
+        self.least_mass = LEAST_MASS * cell if self.forces else 0.0
+        self.make_room(64)
+        self.grid: GridNodes | None = None
+        self.list_pairs(setup.state)
+
+    def make_room(self, nodes: int) -> None:
+        """Room for so many shared nodes."""
+        names = SharedNodes.member_names
+        self.shared = SharedNodes(**{name: np.zeros(nodes, dtype=np.int64) for name in names})
+
+    def weights(self, state: State) -> tuple[FloatArray, FloatArray]:
+        """What the volume gradients of every pair's bodies weigh in its normal, (pair,) each."""
+        ones = np.ones(len(state.pairs))
+        return ones, ones
+
+    def list_pairs(self, state: State) -> None:
+        """Bodies of all pairs, and which of their gradients make up the normal."""
+        weight_first, weight_second = self.weights(state)
+        self.pairs = NodePairs(
+            first=np.array([pair.first for pair in state.pairs], dtype=np.int64),
+            second=np.array([pair.second for pair in state.pairs], dtype=np.int64),
+            weight_first=weight_first,
+            weight_second=weight_second,
+        )
+
+    def new_rows(self, own: dict[str, int | None]) -> ContactRows:
+        """Rows of two entries, without a couple: both sides are at one place.
+
+        They tell no spin: where bodies turn about the normal, what friction has stored stays as it is in space.
+        """
+        return ContactRows(self.state.grid.dim, couples=False, own=own)
+
+    def nodes_of(self, grid: Grid) -> GridNodes:
+        """The grid's arrays and those projected on it, made anew whenever its windows were laid anew."""
+        if self.grid is not None and self.grid.mass is grid.mass:
+            return self.grid
+        empty = np.zeros((0, grid.dim))
+        self.grid = GridNodes(
+            window_lower=grid.window_lower, window_shape=grid.window_shape, offset=grid.offset, nodes=grid.nodes,
+            mass=grid.mass, start_velocity=grid.start_velocity, shared=np.zeros(len(grid.mass), dtype=bool),
+            gradient=np.zeros_like(grid.momentum) if self.projects_gradient else empty,
+            mean=np.zeros_like(grid.momentum) if self.projects_mean else empty,
+        )  # fmt: skip
+        for name, array in (("volume_gradient", self.grid.gradient), ("mean_position", self.grid.mean)):
+            if len(array):
+                self.state.arrays[f"{self.owner}/{name}"] = array
+        return self.grid
+
+    @property
+    def gradient(self) -> FloatArray:
+        """Volume gradients of the last detection at shared nodes, Σ V ∇φ (n_nodes, dim) [m^(dim−1)]."""
+        assert self.grid is not None
+        return self.grid.gradient
+
+    def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:
+        """Find the shared nodes, project what normals and gaps are made of, and write the rows."""
+        nodes = self.nodes_of(grid)
+        listed = self._list(nodes)
+        rows.count = 0
+        if listed == 0:
+            return
+        mark_nodes(listed, self.shared, nodes)
+        if len(nodes.gradient):
+            project_volume_gradient(phi.row, phi.nodes, phi.gradient, particles.volume, nodes, grid.spacing)
+        if len(nodes.mean):
+            project_position(
+                phi.row, phi.nodes, phi.weight, particles.mass, particles.position, nodes, grid.spacing
+            )
+        if len(rows.pair) < listed:
+            rows.make_room(2 * listed, 4 * listed)
+        rows.count = self.write(listed, grid, phi, particles, rows)
+
+    def write(self, listed: int, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> int:  # noqa: ARG002
+        """Write rows of the ``listed`` shared nodes that have a normal and where the bodies are near; their number."""
+        return write_rows(
+            listed, self.shared, self.pairs, self.nodes_of(grid), self.given, self.cut_off, self.least_mass,
+            self.state.dt, rows, grid.spacing,
+        )  # fmt: skip
+
+    def _list(self, nodes: GridNodes) -> int:
+        listed = find_shared_nodes(self.pairs, nodes, self.shared)
+        if listed > len(self.shared.pair):
+            self.make_room(2 * listed)
+            find_shared_nodes(self.pairs, nodes, self.shared)
+        return listed
+
+
+class Nodes(AtNodes):
+    """Rows where the normal of the volume gradients, or the given one, says that bodies touch."""
+
+    name = "nodes"
+    checks_others = True
+    Options = NodesOptions
+    options: NodesOptions
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self.by_position = self.options.criterion == "position"
+        self.measures_area = self.options.normal != "specified"
+
+    def configure(self, needs: frozenset[str], *, forces: bool) -> None:
+        """Measure the gap by positions where the law needs one; forces need an area, and nodes that have some mass.
+
+        Raises
+        ------
+        SceneError
+            The criterion of velocity measures no gap, for a law or a cut-off, and a given normal no area.
+        """
+        self.forces = forces
+        if "gap" in needs and self.options.criterion == "velocity":
+            raise SceneError(
+                'detection \'nodes\' with criterion = "velocity" measures no gap, which the law needs; expected "position"'
+            )
+        if forces and not self.measures_area:
+            raise SceneError(
+                "detection 'nodes' with normal = \"specified\" measures no area, which the law needs; expected "
+                '"averaged" or "master"'
+            )
+        self.by_position = self.by_position or "gap" in needs
+        if "cut_off" in self.options.model_fields_set and not self.by_position:
+            raise SceneError(
+                "detection 'nodes': 'cut_off' has no effect with the criterion of velocity, which auto is with this law; "
+                'expected criterion = "position"'
+            )
+
+    def range(self, cell_size: float) -> float | None:  # noqa: ARG002
+        """Return 0 beyond the cut-off, which gaps count from; None where none is measured."""
+        return 0.0 if self.by_position else None
+
+    def parts(self, contact: Any) -> list[Any]:
+        """Return what follows the bias of averaged normals; the other kinds are of one body alone."""
+        if self.options.normal != "averaged":
+            return []
+        from mpmfw.contact.normal_bias import NormalBias
+
+        return [NormalBias(contact, self)]
+
+    def prepare(self, setup: Setup, owner: str) -> None:
+        """The given direction, the cut-off, and the bodies of the pairs.
+
+        Raises
+        ------
+        SceneError
+            The direction has not the grid's number of components.
+        """
+        direction = self.options.direction
+        if direction is not None and len(direction) != setup.dim:
+            raise SceneError(
+                f"contact.{owner}.direction: expected {setup.dim} components, found {len(direction)}"
+            )
+        super().prepare(setup, owner)
+        if direction is not None:
+            self.given = np.array(direction)
+        if self.by_position:
+            self.cut_off = self.options.cut_off * setup.cell_size
+        self.projects_gradient = self.options.normal != "specified"
+        self.projects_mean = self.by_position
+
+    def weights(self, state: State) -> tuple[FloatArray, FloatArray]:
+        """Both gradients where normals are averaged, or the stiffer body's alone; 0 and 0 of equals: the larger one."""
+        if self.options.normal != "master":
+            return super().weights(state)
+        ranks = stiffness_ranks(state.bodies)
+        stiffer = np.array([ranks[p.first] - ranks[p.second] for p in state.pairs])
+        return np.where(stiffer > 0, 1.0, 0.0), np.where(stiffer < 0, 1.0, 0.0)
