@@ -7,7 +7,9 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict
 
-from mpmfw.api import BodyLoad, FloatArray, Particles, TimeTable, problems_in_time, quantity, vector_in_time
+from mpmfw.api.load import BodyLoad
+from mpmfw.api.types import FloatArray, Particles
+from mpmfw.api.units import TimeTable, problems_in_time, quantity, vector_in_time
 
 
 class BodyForceOptions(BaseModel):

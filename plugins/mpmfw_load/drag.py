@@ -8,18 +8,9 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from mpmfw.api import (
-    BodyLoad,
-    FloatArray,
-    Particles,
-    State,
-    TimeTable,
-    Velocity,
-    hookimpl,
-    problems_in_time,
-    quantity,
-    vector_in_time,
-)
+from mpmfw.api.load import BodyLoad
+from mpmfw.api.types import FloatArray, Particles, State, hookimpl
+from mpmfw.api.units import TimeTable, Velocity, problems_in_time, quantity, vector_in_time
 
 
 class DragOptions(BaseModel):

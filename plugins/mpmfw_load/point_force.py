@@ -8,20 +8,9 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, Strict
 
-from mpmfw.api import (
-    BodyLoad,
-    FloatArray,
-    Force,
-    Length,
-    Particles,
-    SceneError,
-    Setup,
-    TimeTable,
-    hookimpl,
-    problems_in_time,
-    shares_near,
-    vector_in_time,
-)
+from mpmfw.api.load import BodyLoad, shares_near
+from mpmfw.api.types import FloatArray, Particles, SceneError, Setup, hookimpl
+from mpmfw.api.units import Force, Length, TimeTable, problems_in_time, vector_in_time
 
 
 class PointForceOptions(BaseModel):

@@ -7,7 +7,9 @@ from typing import Any, ClassVar
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, model_validator
 
-from mpmfw.api import FloatArray, Material, Pressure
+from mpmfw.api.material import Material
+from mpmfw.api.types import FloatArray
+from mpmfw.api.units import Pressure
 
 _PAIRS = ("bulk_modulus", "shear_modulus"), ("youngs_modulus", "poissons_ratio")
 _PRESSURE = TypeAdapter(Pressure)

@@ -7,8 +7,9 @@ import math
 import numpy as np
 from pydantic import Field
 
-from mpmfw.api import AnyArray, FloatArray, Particles, Pressure, Setup, State, hookimpl
-from mpmfw.api import Field as ArrayField
+from mpmfw.api.types import AnyArray, FloatArray, Particles, Setup, State, hookimpl
+from mpmfw.api.types import Field as ArrayField
+from mpmfw.api.units import Pressure
 from mpmfw.kernels import Struct, device, kernel, scratch
 from mpmfw.kernels.small_matrix import determinant, invert
 from mpmfw.kernels.types import Float, Floats

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.api import FloatArray, Particles, Setup, hookimpl
+from mpmfw.api.types import FloatArray, Particles, Setup, hookimpl
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.small_matrix import invert
 from mpmfw.kernels.types import Floats

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from mpmfw.api import FloatArray, Particles, Setup, hookimpl
+from mpmfw.api.types import FloatArray, Particles, Setup, hookimpl
 from mpmfw.kernels import kernel, scratch
 from mpmfw.kernels.small_matrix import determinant
 from mpmfw.kernels.types import Floats

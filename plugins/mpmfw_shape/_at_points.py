@@ -8,18 +8,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from mpmfw.api import (
-    FloatArray,
-    Grid,
-    IntArray,
-    Particles,
-    Setup,
-    ShapeFunction,
-    Stencil,
-    check_inside,
-    empty_stencil,
-    hookimpl,
-)
+from mpmfw.api.shape import ShapeFunction, check_inside, empty_stencil
+from mpmfw.api.types import FloatArray, Grid, IntArray, Particles, Setup, Stencil, hookimpl
 from mpmfw.kernels.stencil import fill_linear
 
 #: A kernel that fills a table, and the number of its functions along an axis.

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from mpmfw.api import Particles, Stencil, check_inside, empty_stencil
+from mpmfw.api.shape import check_inside, empty_stencil
+from mpmfw.api.types import Particles, Stencil
 from mpmfw.kernels import FULL
 
 #: Entries a point to begin with: a domain of half a cell has 6.25 (2D) or 15.6 (3D) nodes in its box on average.

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from mpmfw.api import AnyArray, FloatArray, IntArray, Particles, Stencil, Surface
+from mpmfw.api.types import AnyArray, FloatArray, IntArray, Particles, Stencil, Surface
 from mpmfw.kernels import kernel
 from mpmfw.kernels.table import entries
 from mpmfw.kernels.types import Floats, Indices, Ints

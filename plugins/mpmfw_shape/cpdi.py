@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mpmfw.api import FloatArray, Grid, IntArray, Particles, Setup, Stencil, hookimpl
+from mpmfw.api.types import FloatArray, Grid, IntArray, Particles, Setup, Stencil, hookimpl
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.packed import CORNERS, FULL, OUTSIDE, fill_domain
 from mpmfw.kernels.small_matrix import invert

@@ -7,16 +7,7 @@ import math
 
 import numpy as np
 
-from mpmfw.api import (
-    Field,
-    FloatArray,
-    Grid,
-    Particles,
-    SceneError,
-    Setup,
-    Stencil,
-    hookimpl,
-)
+from mpmfw.api.types import Field, FloatArray, Grid, Particles, SceneError, Setup, Stencil, hookimpl
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.packed import CORNERS as EACH_CORNER
 from mpmfw.kernels.packed import FULL, OUTSIDE, fill_domain

@@ -11,16 +11,8 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from mpmfw.api import (
-    FloatArray,
-    Grid,
-    IntArray,
-    Particles,
-    Stencil,
-    check_inside,
-    empty_stencil,
-    hookimpl,
-)
+from mpmfw.api.shape import check_inside, empty_stencil
+from mpmfw.api.types import FloatArray, Grid, IntArray, Particles, Stencil, hookimpl
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.stencil import fill_tensor_product, fits, read_window
 from mpmfw.kernels.types import Float, Floats, Indices, Ints

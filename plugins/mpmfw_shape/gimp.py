@@ -6,16 +6,7 @@ import math
 
 import numpy as np
 
-from mpmfw.api import (
-    Field,
-    FloatArray,
-    Grid,
-    Particles,
-    SceneError,
-    Setup,
-    Stencil,
-    hookimpl,
-)
+from mpmfw.api.types import Field, FloatArray, Grid, Particles, SceneError, Setup, Stencil, hookimpl
 from mpmfw.kernels import FULL, device, kernel, scratch
 from mpmfw.kernels.stencil import fits, read_window
 from mpmfw.kernels.types import Float, Floats, Indices, Ints

@@ -86,6 +86,10 @@ def test_a_misspelt_group_is_reported(install):
         ("Law = 3\n", "is not a class"),
         ("class Law: pass\n", "expected a class attribute 'name', which is what scenes call it; found None"),
         ("class Law: name = 3\n", "expected a class attribute 'name', .* found 3"),
+        (
+            "class Law:\n    name = 'broken'\n    interface = 0\n",
+            "Law is written for version 0 of the plug-in interface; expected 1, that of this mpmfw",
+        ),
         ("class Law: name = 'law'\n", "Law has the name 'law'; expected the same as the entry point's"),
         (
             "class Law:\n    name = 'broken'\n    def __init__(self, stiffness): pass\n",

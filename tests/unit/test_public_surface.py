@@ -27,6 +27,10 @@ KERNELS = [
 MODULES = (
     "mpmfw",
     "mpmfw.api",
+    *(
+        f"mpmfw.api.{kind}"
+        for kind in ("contact", "geometry", "load", "material", "results", "shape", "types", "units")
+    ),
     "mpmfw.plots",
     "mpmfw.kernels",
     *KERNELS,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from mpmfw.api import OutsideGrid
+from mpmfw.api.shape import OutsideGrid
 from mpmfw_testing import subject_of
 from mpmfw_testing.shape import boxes, dense, place
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import mpmfw
 import numpy as np
 import pytest
-from mpmfw.api import SceneError
+from mpmfw.api.types import SceneError
 
 SCENE = {
     "grid": {"cell_size": 0.1, "lower": [0.0, 0.0], "upper": [1.0, 1.0]},

@@ -7,6 +7,9 @@ from typing import Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict
 
+#: Version of the plug-in interface; it moves when a plug-in written for it no longer works.
+INTERFACE = 1
+
 
 class NoOptions(BaseModel):
     """Options of a plug-in that has none."""
@@ -28,7 +31,8 @@ class PlugIn:
         An option is unknown, or its value is refused by the model.
     """
 
-    #: What scenes and the entry point call the plug-in.
+    #: What scenes and the entry point call the plug-in. Beside it a class may say ``interface = 1``, the version of
+    #: the plug-in interface (``mpmfw.api.INTERFACE``) that it is written for; without it that is 1.
     name: ClassVar[str]
     #: Model of the options; :class:`NoOptions` takes none. The validated instance is ``self.options``.
     Options: ClassVar[type[BaseModel]] = NoOptions

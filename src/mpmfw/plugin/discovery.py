@@ -13,6 +13,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Literal, TypeAlias, get_args
 
 from mpmfw.errors import SceneError
+from mpmfw.plugin.base import INTERFACE
 
 Kind: TypeAlias = Literal[
     "contact", "detection", "law", "friction", "shape", "material", "load", "boundary", "output", "geometry",
@@ -223,9 +224,15 @@ def refuse_class(plugin: type[Any]) -> None:
     Raises
     ------
     SceneError
-        As :func:`refuse_nameless`, or its constructor does not take its options, all as keywords, or asks for more.
+        As :func:`refuse_nameless`, it is written for another version of the plug-in interface, or its constructor
+        does not take its options, all as keywords, or asks for more.
     """
     refuse_nameless(plugin)
+    if (version := getattr(plugin, "interface", 1)) != INTERFACE:
+        raise SceneError(
+            f"{full_name(plugin)} is written for version {version} of the plug-in interface; expected {INTERFACE}, "
+            "that of this mpmfw"
+        )
     options = options_of(plugin)
     try:
         inspect.signature(plugin).bind(**options)

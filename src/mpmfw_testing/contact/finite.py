@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.api import AnyArray, ContactRows, Grid, hookimpl
+from mpmfw.api.contact import ContactRows
+from mpmfw.api.types import AnyArray, Grid, hookimpl
 
 
 class FiniteWatch:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.api import FloatArray, Grid, IntArray, State, hookimpl
+from mpmfw.api.types import FloatArray, Grid, IntArray, State, hookimpl
 from mpmfw.errors import PluginError, SimulationError
 from mpmfw.results import Frame
 from mpmfw.runs.simulation import Simulation

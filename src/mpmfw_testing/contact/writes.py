@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.api import AnyArray, Grid, Particles, Stencil, hookimpl
+from mpmfw.api.types import AnyArray, Grid, Particles, Stencil, hookimpl
 from mpmfw.runs.simulation import Simulation
 from mpmfw_testing.check import Violation, within
 from mpmfw_testing.contact.meeting import Meeting

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.api import ShapeFunction
+from mpmfw.api.shape import ShapeFunction
 from mpmfw.geometry.layout import Layout, layout_of_boxes
 from mpmfw.plugin.hooks import BoundHooks, make_manager
 from mpmfw.plugin.setup import Setup

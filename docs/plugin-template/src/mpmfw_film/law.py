@@ -6,7 +6,8 @@ from __future__ import annotations
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseLaw, Setup
+from mpmfw.api.contact import ContactRows, ImpulseLaw
+from mpmfw.api.types import FloatArray, Grid, Setup
 from mpmfw.kernels import Floats, Struct, kernel, scratch
 from mpmfw.kernels.contact import Rows, slip_limit
 

@@ -5,18 +5,8 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 import numpy as np
-from mpmfw.api import (
-    FloatArray,
-    Grid,
-    IntArray,
-    Particles,
-    Setup,
-    ShapeFunction,
-    Stencil,
-    check_inside,
-    empty_stencil,
-    hookimpl,
-)
+from mpmfw.api.shape import ShapeFunction, check_inside, empty_stencil
+from mpmfw.api.types import FloatArray, Grid, IntArray, Particles, Setup, Stencil, hookimpl
 from pydantic import BaseModel, ConfigDict, Field
 
 from mpmfw_bounded_bspline.kernel import WIDTH, fill_bounded

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from mpmfw.api import FloatArray, SceneError, State
+from mpmfw.api.types import FloatArray, SceneError, State
 from mpmfw.contact.nodes import AtNodes
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from mpmfw.api import ContactRows, FloatArray, FrictionLaw
+from mpmfw.api.contact import ContactRows, FrictionLaw
+from mpmfw.api.types import FloatArray
 
 
 class TemplateOptions(BaseModel):

@@ -8,7 +8,9 @@ import numpy as np
 import shapely
 from pydantic import Field
 
-from mpmfw.api import FloatArray, Length, PlaneGeometry
+from mpmfw.api.geometry import PlaneGeometry
+from mpmfw.api.types import FloatArray
+from mpmfw.api.units import Length
 
 #: Corners of the polygon that stands for the true shape.
 FINE = 720

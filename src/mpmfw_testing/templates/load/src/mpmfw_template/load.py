@@ -8,15 +8,9 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
-from mpmfw.api import (
-    Acceleration,
-    BodyLoad,
-    FloatArray,
-    Particles,
-    TimeTable,
-    problems_in_time,
-    vector_in_time,
-)
+from mpmfw.api.load import BodyLoad
+from mpmfw.api.types import FloatArray, Particles
+from mpmfw.api.units import Acceleration, TimeTable, problems_in_time, vector_in_time
 
 
 class TemplateOptions(BaseModel):

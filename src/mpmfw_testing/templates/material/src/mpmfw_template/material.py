@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
-from mpmfw.api import FloatArray, Material, Particles, Pressure, hookimpl
+from mpmfw.api.material import Material
+from mpmfw.api.types import FloatArray, Particles, hookimpl
+from mpmfw.api.units import Pressure
 
 
 class TemplateOptions(BaseModel):

@@ -1,0 +1,7 @@
+"""The base class of materials."""
+
+from __future__ import annotations
+
+from mpmfw.plugin.material import Material
+
+__all__ = ["Material"]
