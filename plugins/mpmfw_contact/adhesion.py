@@ -6,7 +6,8 @@ surfaces attract each other by adds to the load of friction, T = μ (N + σ_0 A)
 Reibung, Z. Physik 88, 661-675. Neither paper was at hand; both laws are textbooks'.
 
 Assumed here: a spring of k = κ M A / h leads from pressure to σ_0, since a force that jumps at contact has no stable step. The
-force is a function of the gap alone, so that bodies attract each other when they approach as when they part, and nothing is lost.
+force is a function of the gap alone, so that bodies attract each other when they approach as when they part, and nothing is
+lost. Gaps that jump would make energy of nothing, as at grid nodes, which come in deep: such detections are refused.
 """
 
 from __future__ import annotations
@@ -82,6 +83,7 @@ class AdhesionLaw(SpringLaw):
     """f_n = max(−k g, −σ_0 A) up to a separation, and friction of the load f_n + σ_0 A with a history."""
 
     name = "adhesion"
+    needs = frozenset({"gap", "steady gap"})
     Options = AdhesionLawOptions
     options: AdhesionLawOptions
 

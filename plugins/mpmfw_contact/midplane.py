@@ -59,7 +59,7 @@ class Midplane(Detection):
     name = "midplane"
     Options = MidplaneDetectionOptions
     options: MidplaneDetectionOptions
-    provides = frozenset({"facets"})
+    provides = frozenset({"facets", "steady gap"})
     needs_surface = True
     range_option = "search_radius"
     dimensions = (2,)

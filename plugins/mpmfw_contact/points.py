@@ -31,6 +31,7 @@ class PointSpheres(Detection):
     """Rows between the points of two bodies that are near each other; no surface is tracked, and none is smooth."""
 
     name = "points"
+    provides = frozenset({"steady gap"})
     #: Whether forces act on the centres, and not at the place between two points.
     at_centres = False
 

@@ -28,7 +28,8 @@ class Detection(PlugIn):
     keeps it until :meth:`end_step`.
     """
 
-    #: What laws may need of its rows: ``facets`` where they lie on facets of tracked surfaces, ``nodes`` where a node meets each.
+    #: What laws may need of its rows: ``facets`` where they lie on facets of tracked surfaces, ``nodes`` where a node meets
+    #: each, ``steady gap`` where gaps do not jump as rows come and go.
     provides: ClassVar[frozenset[str]] = frozenset()
     #: Whether it works on tracked surfaces, ``state.surface``.
     needs_surface: ClassVar[bool] = False

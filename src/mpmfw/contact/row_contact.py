@@ -27,14 +27,19 @@ if TYPE_CHECKING:
     from mpmfw.state.numbers import Numbers
 
 #: What a law may need of a detection, as messages name it.
-NEEDS = {"facets": "facets of surfaces", "nodes": "surface nodes against facets"}
+NEEDS = {
+    "facets": "facets of surfaces",
+    "nodes": "surface nodes against facets",
+    "steady gap": "gaps that do not jump",
+}
 
 
 class ContactLaw(PlugIn):
     """Base of laws, announced as entry points of the group ``mpmfw.law``; a law is a :class:`ForceLaw` or an
     :class:`ImpulseLaw`."""
 
-    #: What it needs of the rows: ``gap`` for a signed gap, ``facets``, ``nodes`` for nodes against facets.
+    #: What it needs of the rows: ``gap`` for a signed gap, ``steady gap`` for one that does not jump as rows come and go,
+    #: ``facets``, ``nodes`` for nodes against facets.
     needs: ClassVar[frozenset[str]] = frozenset()
     #: Whether it gives forces, and not impulses.
     gives_forces: ClassVar[bool] = False

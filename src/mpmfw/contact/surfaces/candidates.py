@@ -24,25 +24,18 @@ class Candidates(Struct):
 
 def no_candidates(setup: Setup, owner: str, slots: int, *, tracked: bool) -> Candidates:
     """Allocate and list the arrays, without a candidate."""
-
-    def array(
-        name: str, unit: str, meaning: str, dtype: str = "i8", dims: tuple[str, ...] = ()
-    ) -> np.ndarray:
-        field = Field(name, ("surface_node", "slot", *dims), unit, meaning, "surface", dtype)
-        return setup.allocate(owner, field, slot=slots)
-
-    def none() -> np.ndarray:
-        return np.full((0, slots), -1)
-
-    candidates = Candidates(
-        master=array("master", "1", "body of the candidate"),
-        facet=array("facet", "1", "closest facet"),
-        share=array("share", "1", "barycentric coordinates on the facet", "f8", ("axis",)),
-        gap=array("gap", "m", "normal gap", "f8"),
-        normal=array("normal", "1", "direction of the normal force", "f8", ("axis",)),
-        inside=array("inside", "1", "body that the node was inside of") if tracked else none(),
-        inside_facet=array("inside_facet", "1", "facet that it was behind") if tracked else none(),
-    )
+    arrays = {}
+    for name in Candidates.member_names:
+        axes = ("axis",) if name in ("share", "normal") else ()
+        kind, unit = ("f8", "m" if name == "gap" else "1") if axes or name == "gap" else ("i8", "1")
+        field = Field(
+            name, ("surface_node", "slot", *axes), unit, "candidates of surface nodes", "surface", kind
+        )
+        if tracked or not name.startswith("inside"):
+            arrays[name] = setup.allocate(owner, field, slot=slots)
+        else:
+            arrays[name] = np.zeros((0, slots), dtype=kind)
+    candidates = Candidates(**arrays)
     for each in (candidates.facet, candidates.master, candidates.inside):
         each.fill(-1)
     return candidates
@@ -89,33 +82,26 @@ class SearchGrid(Struct):
     near_upper: Floats  #: (n_bodies, dim) [m]
 
 
+#: Dimensions, type and unit of the arrays of :class:`SearchGrid` that belong to the search.
+ARRAYS = {
+    **dict.fromkeys(("owner", "shared", "head", "head_stamp", "head_body"), (("grid_node",), "i8", "1")),
+    **dict.fromkeys(("link", "link_facet", "link_body"), (("entry",), "i4", "1")),
+    "near": (("facet",), "i4", "1"),
+    "near_count": (("one",), "i8", "1"),
+    **dict.fromkeys(("facet_lower", "facet_upper"), (("facet", "axis"), "f8", "m")),
+    **dict.fromkeys(("box_lower", "box_upper", "near_lower", "near_upper"), (("body", "axis"), "f8", "m")),
+}
+
+
 def no_lists(setup: Setup, owner: str) -> SearchGrid:
     """Allocate and list the arrays of the search, without marks."""
     grid, surface = setup.state.grid, setup.state.surface
     facets = 0 if surface is None else len(surface.facets)
     sizes = {"grid_node": int(np.prod(grid.nodes)), "facet": facets, "entry": 4 * facets, "one": 1}
-
-    def array(name: str, dims: tuple[str, ...], meaning: str, dtype: str, unit: str = "1") -> np.ndarray:
-        return setup.allocate(owner, Field(name, dims, unit, meaning, "contact", dtype), **sizes)
-
-    node, entry, body, facet = ("grid_node",), ("entry",), ("body", "axis"), ("facet", "axis")
-    return SearchGrid(
-        lower=grid.lower,
-        nodes=grid.nodes,
-        owner=array("owner", node, "first body whose surface reached the node", "i8"),
-        shared=array("shared", node, "stamp of nodes reached by two surfaces", "i8"),
-        head=array("head", node, "first entry of the cell's list of facets", "i8"),
-        head_stamp=array("head_stamp", node, "stamp of the list", "i8"),
-        head_body=array("head_body", node, "body of all facets of the list, or -1", "i8"),
-        link=array("link", entry, "next entry of the list", "i4"),
-        link_facet=array("link_facet", entry, "facet of the entry", "i4"),
-        link_body=array("link_body", entry, "its body", "i4"),
-        near=array("near", ("facet",), "facets in their bodies' near boxes", "i4"),
-        near_count=array("near_count", ("one",), "number of those facets", "i8"),
-        facet_lower=array("facet_lower", facet, "lower corner of such a facet's bounding box", "f8", "m"),
-        facet_upper=array("facet_upper", facet, "upper corner of such a facet's bounding box", "f8", "m"),
-        box_lower=array("box_lower", body, "lower corner of the body's bounding box", "f8", "m"),
-        box_upper=array("box_upper", body, "upper corner of the body's bounding box", "f8", "m"),
-        near_lower=array("near_lower", body, "lower corner of what may be near another body", "f8", "m"),
-        near_upper=array("near_upper", body, "upper corner of what may be near another body", "f8", "m"),
-    )
+    arrays = {
+        name: setup.allocate(
+            owner, Field(name, dims, unit, "search for near facets", "contact", kind), **sizes
+        )
+        for name, (dims, kind, unit) in ARRAYS.items()
+    }
+    return SearchGrid(lower=grid.lower, nodes=grid.nodes, **arrays)

@@ -46,7 +46,7 @@ class Surfaces(Detection):
     checks_others = True
     Options: ClassVar[type[FacetOptions]] = SurfacesOptions
     options: FacetOptions
-    provides = frozenset({"facets", "nodes"})
+    provides = frozenset({"facets", "nodes", "steady gap"})
     needs_surface = True
     range_option = "search_radius"
     #: Whether a node meets every facet that it penetrates (eq. 10), and not the closest one of a body.
