@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from mpmfw.results import open
     from mpmfw.results.notebook import field, gap, history, pareto, table
     from mpmfw.results.selection import difference, select
-    from mpmfw.runs.resuming import resume
-    from mpmfw.runs.run import run
+    from mpmfw.runs.run import resume, run
     from mpmfw.runs.simulation import Simulation
     from mpmfw.scene import load_scene
     from mpmfw.studies.choosing import choose
@@ -50,7 +49,7 @@ _MODULES = {
     "open": "mpmfw.results",
     "pareto": "mpmfw.results.notebook",
     "rank": "mpmfw.studies.ranking",
-    "resume": "mpmfw.runs.resuming",
+    "resume": "mpmfw.runs.run",
     "run": "mpmfw.runs.run",
     "select": "mpmfw.results.selection",
     "study": "mpmfw.studies.study",

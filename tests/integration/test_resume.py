@@ -28,7 +28,7 @@ from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, Si
 from mpmfw.kernels import integrate_momentum
 from mpmfw.results.reading import read
 from mpmfw.runs.restart import seconds_between
-from mpmfw.runs.resuming import resume
+from mpmfw.runs.run import resume
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
 from mpmfw_contact.penalty import Penalty
@@ -292,14 +292,14 @@ def test_a_strategy_object_is_given_again(tmp_path):
     assert "mpmfw.resume('" in str(error)
     with pytest.raises(
         SceneError,
-        match=r"the run was given a contact object, penalty\(kappa=0.5\), which no file holds; give",
+        match=r"contact: the run was given penalty\(kappa=0.5\), found none; mpmfw.resume\(…, contact=…\)",
     ):
         resume(path)
     with pytest.raises(
-        SceneError, match=r"contact: the run was given penalty\(kappa=0.5\), and not penalty$"
+        SceneError, match=r"contact: the run was given penalty\(kappa=0.5\), found penalty;"
     ):
         resume(path, contact=Penalty())
-    with pytest.raises(SceneError, match=r"shape: the run was given no object; the scene names its shape"):
+    with pytest.raises(SceneError, match=r"shape: the run was given no object, found cpdi"):
         resume(path, contact=Penalty(kappa=0.5), shape=Cpdi())
     resume(path, contact=Penalty(kappa=0.5))
     same_results(path, tmp_path / "reference.nc")
@@ -349,7 +349,7 @@ def test_what_cannot_go_on_says_why(tmp_path):
     with netCDF4.Dataset(path, "a") as dataset:
         dataset.setncattr("kind", "study")
     refused(
-        "run.nc: is no run's results, but of kind 'study'; what it still lacks is run when its command is given again"
+        "run.nc: is no run's results, but of kind 'study'; give the command that made it again"
     )
     assert sorted(each.name for each in tmp_path.iterdir()) == ["run.nc", "run.nc.checkpoint"]
 

@@ -23,7 +23,7 @@ from mpmfw.errors import ResultsWarning, SceneError, SimulationError
 from mpmfw.plugin.discovery import available
 from mpmfw.runs.identity import key_of
 from mpmfw.runs.limits import cores
-from mpmfw.runs.resuming import resume
+from mpmfw.runs.run import resume
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
 from scenes_for_tests import ball_on_a_box, box, disc, one_body, two_blocks, with_changes

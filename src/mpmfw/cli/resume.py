@@ -32,12 +32,14 @@ def resume(
     trust: TrustOption = False,
 ) -> None:
     """Go on with RUN.nc from its last checkpoint, to the end that it would have had."""
-    from mpmfw.runs.resuming import last_checkpoint, resume_to_file
+    from mpmfw.runs.run import last_checkpoint, resuming
 
     time, end = last_checkpoint(results, trust)
     typer.echo(f"{results}: goes on at {time:.6g} s of {end:g} s", err=True)
     with run_progress(end) as progress:
-        resume_to_file(
+        again = resuming(
             results, progress=progress, force=force, checkpoint=checkpoint, threads=threads, trust=trust
         )
+        with again:
+            pass
     typer.echo(str(results))

@@ -1,4 +1,4 @@
-"""Restart: now and then what a run keeps, in a file beside its results, from which a run that was killed goes on.
+"""Restart: now and then the values that a run keeps, in a file beside its results, from which a run that was killed goes on.
 
 The file is one of safetensors, a header in JSON before bare numbers, which any reader of that format opens. It holds values by
 place and names no class and no function. Its sizes are compared with its length, and its checksum is computed, before anything
@@ -8,6 +8,7 @@ is used.
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import json
 import math
 import os
@@ -19,17 +20,22 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import netCDF4
 import numpy as np
 from llvmlite.binding import get_host_cpu_name  # type: ignore[import-untyped]
 from pydantic import BaseModel, Field
 
-from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
-from mpmfw.results.replacing import abandoned, replacement
+from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, is_complete
+from mpmfw.results import RunHeader, RunWriter, check_results
+from mpmfw.results.reading import is_hdf5
+from mpmfw.results.replacing import abandoned, replacement, unfinished
+from mpmfw.results.writers import claim, release
 from mpmfw.runs.identity import code_of
+from mpmfw.scene.loading import refuse_code, scene_from
 from mpmfw.scene.override import parse_value
-from mpmfw.scene.scene import Source
+from mpmfw.scene.scene import Scene, Source
 from mpmfw.state.fields import AnyArray
-from mpmfw.state.history import Snapshot
+from mpmfw.state.history import TYPES, Snapshot
 from mpmfw.units import to_si
 
 #: Seconds of wall time between two checkpoints.
@@ -46,39 +52,24 @@ _HEAD = f'{{"__metadata__": {{"mpmfw": "{_KIND}"'.encode()
 #: Bytes that a header has at most.
 _LONGEST = 1 << 24
 
-#: Types of numbers, as the file and as NumPy calls them.
-_TYPES = {"F64": "<f8", "F32": "<f4", "I64": "<i8", "I32": "<i4", "I8": "|i1", "U8": "|u1", "BOOL": "|b1"}
-_NAMES = {number: name for name, number in _TYPES.items()}
+#: Types of numbers, as the file calls them.
+_NAMES = dict(zip(TYPES, ("F64", "F32", "I64", "I32", "I8", "U8", "BOOL"), strict=True))
+_TYPES = {name: number for number, name in _NAMES.items()}
 
 #: Places of the copy of the results, and of the checksum of all bytes before it.
 RESULTS, CHECKSUM = "results.nc", "crc32"
 
 
-class SavedScene(BaseModel):
-    """Where the scene came from, as :class:`mpmfw.scene.scene.Source` has it."""
-
-    mapping: dict[str, Any]
-    text: str | None
-    name: str | None
-    directory: Path | None
-    overrides: dict[str, Any]
-
-
 class Facts(BaseModel):
-    """What a checkpoint says of its run."""
+    """Facts about the run of a checkpoint."""
 
     made_by: dict[str, str]  #: see :func:`dependencies_of`
     objects: dict[str, str]  #: labels of strategy objects, by kind
-    scene: SavedScene
+    scene: Source  #: where the scene came from
     frames: int = Field(ge=0)  #: outputs so far
     time: float  #: [s]
     resumed: list[float]  #: times at which the run was taken up again so far [s]
     every: float = Field(ge=0)  #: seconds of wall time between two checkpoints
-
-    @property
-    def source(self) -> Source:
-        """Where the scene came from."""
-        return Source(**dict(self.scene))
 
 
 def seconds_between(given: float | str) -> float:
@@ -311,13 +302,114 @@ class Checkpoints:
     def _facts(self) -> Facts:
         """What is to be known before the values are read."""
         source = self.simulation.scene.source
-        directory = None if source.directory is None else os.path.abspath(source.directory)
+        folder = None if source.directory is None else Path(os.path.abspath(source.directory))
         return Facts(
             made_by=self._code,
             objects={kind: method.label for kind, method in self.objects.items()},
-            scene=SavedScene(**{**vars(source), "directory": directory}),
+            scene=dataclasses.replace(source, directory=folder),
             frames=self.writer.frames,
             time=self.simulation.state.time,
             resumed=self.resumed,
             every=self.every,
         )
+
+
+def read_checkpoint(path: str, trust: bool) -> tuple[Snapshot, Facts, Scene]:
+    """Return the checkpoint beside a run's file, the facts about the run, and its scene.
+
+    Raises
+    ------
+    SceneError
+        There is no run that goes on, or no checkpoint; it is damaged, of another run, or names code that is not trusted.
+    """
+    file = checkpoint_path(path)
+    text = _unfinished_scene(path)
+    if not os.path.isfile(file):
+        raise SceneError(
+            f"{path}: there is no checkpoint beside it ({os.path.basename(file)}); a run writes one every ten minutes "
+            "(--checkpoint) and when it is interrupted; run it again"
+        )
+    try:
+        snapshot, facts = read_snapshot(file)
+    except MpmfwError as error:
+        raise SceneError(f"{error}; run it again") from error
+    if facts is None:
+        raise SceneError(f"{file}: is no checkpoint of a run")
+    if not trust:
+        refuse_code(facts.scene)
+    scene = scene_from(facts.scene, {})
+    if text is not None and text != scene.text:
+        raise SceneError(f"{path}: cannot go on from the checkpoint beside it: the file has another scene")
+    return snapshot, facts, scene
+
+
+def _unfinished_scene(path: str) -> str | None:
+    """Return the scene's text in the file of a run that has not come to its end; None in a file that is damaged."""
+    if not os.path.isfile(path):
+        raise SceneError(f"{path}: there is no such file; expected the results of a run")
+    try:
+        with netCDF4.Dataset(path) as dataset:
+            kind, status, scene = (str(getattr(dataset, name, "")) for name in ("kind", "status", "scene"))
+    except (OSError, RuntimeError):
+        if is_hdf5(path) and os.path.isfile(checkpoint_path(path)):
+            return None  # killed within a sync: the checkpoint has the outputs up to it
+        check_results(path)
+        raise
+    if kind != "run":
+        raise SceneError(
+            f"{path}: is no run's results, but of kind '{kind}'; give the command that made it again"
+        )
+    if is_complete(status):
+        raise SceneError(f"{path}: the run is finished; there is nothing to go on with")
+    return scene
+
+
+def check_same(facts: Facts, scene: Scene, objects: Mapping[str, Any], force: bool) -> None:
+    """Refuse other strategy objects than the run was given, and other code, libraries or processor unless ``force``.
+
+    Raises
+    ------
+    SceneError
+        Something differs.
+    """
+    labels = {kind: method.label for kind, method in objects.items()}
+    for kind in {*labels, *facts.objects}:
+        then, now = facts.objects.get(kind, "no object"), labels.get(kind, "none")
+        if then != now:
+            raise SceneError(
+                f"{kind}: the run was given {then}, found {now}; mpmfw.resume(…, {kind}=…) takes the same"
+            )
+    current = dependencies_of(scene, objects)
+    changed = [
+        f"{name} ({facts.made_by.get(name, 'absent')[:8]} then, {current.get(name, 'absent')[:8]} now)"
+        for name in sorted({*facts.made_by, *current})
+        if facts.made_by.get(name) != current.get(name)
+    ]
+    if changed and not force:
+        raise SceneError(
+            f"another version would go on than began: {', '.join(changed)}; --force (force=True) goes on all the same, to "
+            "other numbers"
+        )
+
+
+@contextlib.contextmanager
+def rewritten(snapshot: Snapshot, path: str, frames: int, header: RunHeader) -> Iterator[RunWriter]:
+    """The writer of a file that has the frames up to the checkpoint and takes the place of the old one."""
+    part, copy = str(unfinished(path)), str(unfinished(checkpoint_path(path)))
+    with contextlib.ExitStack() as undo:
+        try:
+            descriptor = claim(path)
+            undo.callback(release, path, descriptor)
+            undo.callback(Path(part).unlink, missing_ok=True)
+            undo.callback(Path(copy).unlink, missing_ok=True)
+            snapshot.arrays[RESULTS].tofile(copy)
+            writer = RunWriter(part, header)
+            undo.callback(writer.close)
+            writer.repeat(copy, frames)
+        except (MpmfwError, OSError) as error:
+            raise SceneError(f"{path}: cannot go on from the checkpoint beside it: {error}") from error
+        writer.take_place_of(path, descriptor)
+        undo.pop_all()
+        Path(copy).unlink(missing_ok=True)
+    with writer:
+        yield writer

@@ -16,9 +16,18 @@ from mpmfw.results.memory import peak_memory, restart_peak_memory
 from mpmfw.results.replacing import check_replaceable
 from mpmfw.runs.interruption import interruptible
 from mpmfw.runs.limits import check_length, remark_on_size, remark_on_threads
-from mpmfw.runs.restart import EVERY, Checkpoints, seconds_between
+from mpmfw.runs.restart import (
+    EVERY,
+    Checkpoints,
+    check_same,
+    checkpoint_path,
+    read_checkpoint,
+    rewritten,
+    seconds_between,
+)
 from mpmfw.runs.simulation import Simulation, chosen_methods
 from mpmfw.scene import load_scene, located
+from mpmfw.state.history import NotSaved
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -83,13 +92,7 @@ def run_to_file(
     force: bool = False,
     checkpoint: float | str | None = None,
 ) -> None:
-    """Run a scene and leave its results in the file; the rest is as :func:`run` says.
-
-    Raises
-    ------
-    SceneError, SimulationError, Interrupted
-        As there.
-    """
+    """Run a scene and leave its results in the file; the rest is as :func:`run` says."""
     with _writing(scene, None, None, output, progress, None, force, checkpoint, None):
         pass
 
@@ -134,6 +137,96 @@ def _writing(
         checkpoints.forget()  # of a run that was here before
         run_on(simulation, writer, checkpoints, progress)
         yield writer
+
+
+def resume(
+    results: str | os.PathLike[str],
+    contact: Any = None,
+    shape: Any = None,
+    progress: Callable[[float, int], None] | None = None,
+    force: bool = False,
+    checkpoint: float | str | None = None,
+    threads: int | None = None,
+    trust: bool = False,
+) -> xr.DataTree:
+    """Go on with a run from its last checkpoint; it ends as it would have without the interruption, to the bit.
+
+    Parameters
+    ----------
+    results
+        The run's file; the outputs after the checkpoint are written again.
+    contact, shape
+        The strategy objects that the run was given, as they were then; not those that the scene names.
+    progress
+        Called now and then with the simulated time [s] and the number of steps.
+    force
+        Go on with another version of the code, a library or the interpreter, or on another processor.
+    checkpoint
+        Wall time, [s] or as ``"10 min"``, between two checkpoints; as before by default.
+    threads
+        That share the work of each step, in place of the scene's; the results are the same to the bit.
+    trust
+        Whether the run may name ``module:Class``, whose code is imported; a checkpoint may be a stranger's.
+
+    Returns
+    -------
+    The results, as :func:`mpmfw.run` returns them; the attribute ``resumed`` tells where it was taken up.
+
+    Raises
+    ------
+    SceneError
+        There is no checkpoint, it is damaged or of another run, the run is finished, or something else than then would run it.
+    SimulationError, Interrupted
+        As :func:`mpmfw.run`.
+    """
+    with resuming(results, contact, shape, progress, force, checkpoint, threads, trust) as writer:
+        return writer.results()
+
+
+@contextmanager
+def resuming(
+    results: str | os.PathLike[str],
+    contact: Any = None,
+    shape: Any = None,
+    progress: Callable[[float, int], None] | None = None,
+    force: bool = False,
+    checkpoint: float | str | None = None,
+    threads: int | None = None,
+    trust: bool = False,
+) -> Iterator[RunWriter]:
+    """Context of the writer of a run that was taken up and has come to its end; the rest is as :func:`resume` says."""
+    every = None if checkpoint is None else seconds_between(checkpoint)
+    restart_peak_memory()
+    path = os.path.abspath(results)
+    snapshot, facts, scene = read_checkpoint(path, trust)
+    objects = {kind: one for kind, one in (("contact", contact), ("shape", shape)) if one is not None}
+    check_same(facts, scene, objects, force)
+    resumed = [*facts.resumed, facts.time]
+    simulation = Simulation(scene, contact=contact, shape=shape, threads=threads)
+    header = simulation.header({"resumed": json.dumps(resumed)})  # names the pairs that its first output has
+    try:
+        simulation.restore(snapshot)
+    except NotSaved as error:
+        raise SceneError(
+            f"{checkpoint_path(path)}: does not fit what is built from its scene: {error}"
+        ) from error
+    every = facts.every if every is None else every
+    with interruptible() as signals, rewritten(snapshot, path, facts.frames, header) as writer:
+        checkpoints = Checkpoints(simulation, writer, signals, every, objects, resumed)
+        run_on(simulation, writer, checkpoints, progress)
+        yield writer
+
+
+def last_checkpoint(results: str | os.PathLike[str], trust: bool = False) -> tuple[float, float]:
+    """Return the time of the checkpoint beside a run's file, and that of the run's end [s].
+
+    Raises
+    ------
+    SceneError
+        There is none, or it is damaged.
+    """
+    _, facts, scene = read_checkpoint(os.path.abspath(results), trust)
+    return facts.time, scene.time.end
 
 
 def run_on(
