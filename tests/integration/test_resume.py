@@ -295,9 +295,7 @@ def test_a_strategy_object_is_given_again(tmp_path):
         match=r"contact: the run was given penalty\(kappa=0.5\), found none; mpmfw.resume\(…, contact=…\)",
     ):
         resume(path)
-    with pytest.raises(
-        SceneError, match=r"contact: the run was given penalty\(kappa=0.5\), found penalty;"
-    ):
+    with pytest.raises(SceneError, match=r"contact: the run was given penalty\(kappa=0.5\), found penalty;"):
         resume(path, contact=Penalty())
     with pytest.raises(SceneError, match=r"shape: the run was given no object, found cpdi"):
         resume(path, contact=Penalty(kappa=0.5), shape=Cpdi())
@@ -348,9 +346,7 @@ def test_what_cannot_go_on_says_why(tmp_path):
     refused("cannot go on from the checkpoint beside it: the file has another scene")
     with netCDF4.Dataset(path, "a") as dataset:
         dataset.setncattr("kind", "study")
-    refused(
-        "run.nc: is no run's results, but of kind 'study'; give the command that made it again"
-    )
+    refused("run.nc: is no run's results, but of kind 'study'; give the command that made it again")
     assert sorted(each.name for each in tmp_path.iterdir()) == ["run.nc", "run.nc.checkpoint"]
 
 
