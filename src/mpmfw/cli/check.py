@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 import signal
 import subprocess
@@ -10,6 +11,7 @@ import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from textwrap import indent
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
@@ -59,6 +61,9 @@ SaveOption: TypeAlias = Annotated[
         metavar="DIR", help="Write the scene of each counterexample there, and the program that runs it."
     ),
 ]
+ListOption: TypeAlias = Annotated[
+    bool, typer.Option("--list", help="Print the checks of its kind with their bounds, and run none.")
+]
 BoundsOption: TypeAlias = Annotated[
     bool,
     typer.Option(
@@ -80,12 +85,19 @@ def check(
     pictures: PicturesOption = Path("mpmfw-check"),
     save: SaveOption = None,
     bounds: BoundsOption = False,
+    list_: ListOption = False,
 ) -> None:
     """Run the conformance kit on PLUGIN; exit status 1 if a check fails unexpectedly.
 
     Each failure says which property is broken, the smallest counterexample, and where its picture is.
     """
     asked = _kind_of(plugin, kind)
+    if list_:
+        from mpmfw_testing.parametrised import checks_of, chosen
+
+        for each in chosen(checks_of(asked), only):
+            typer.echo(f"{each.name}\n{indent(inspect.getdoc(each.run) or '', '  ')}\n")
+        return
     if (bounds or _is_strange(plugin, asked)) and _INSIDE not in os.environ:
         files = {"--expected-failures": expected_failures, "--pictures": pictures, "--save": save}
         given = [part for option, path in files.items() if path is not None for part in (option, str(path))]
