@@ -123,7 +123,14 @@ def test_a_constructor_may_take_its_options_by_name_or_all_together(install, req
 STRANGERS = ("boundary", "output", "measure", "reference")
 
 
-@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in STRANGERS])
+def test_bundled_detections_have_their_names():
+    """They are parts of a contact, which calls them: no plug-in manager has them."""
+    assert {name: load("detection", name).name for name in available("detection")} == {
+        name: name for name in available("detection")
+    }
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in (*STRANGERS, "detection")])
 def test_every_bundled_plugin_has_its_name_and_no_hook_that_is_never_called(kind):
     bundled = [name for name, entry in available(kind).items() if distribution_of(entry) == "mpmfw"]
     assert bundled
