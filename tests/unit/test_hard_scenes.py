@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
+import importlib.util
 import math
 import sys
 from types import SimpleNamespace
@@ -11,8 +11,6 @@ import numpy as np
 import pytest
 
 from mpmfw.validation import Case, Method
-from mpmfw.validation.measuring import scene_at
-from mpmfw.validation.reading import load_case
 from mpmfw.validation.suite import find_cases, shipped_suite
 
 SUITE = shipped_suite() / "hard"
@@ -22,7 +20,7 @@ SUITE = shipped_suite() / "hard"
 def _on_the_path(monkeypatch):
     monkeypatch.syspath_prepend(str(SUITE))
     yield
-    for name in ("made", "placing", "criteria", "closed", "matrix"):
+    for name in ("made", "placing", "criteria", "closed", "matrix", "held", "links"):
         sys.modules.pop(name, None)
 
 
@@ -33,19 +31,28 @@ def test_the_settings_of_the_slopes_count_as_one_scene():
         place, version = SimpleNamespace(scene=scene, at=at), SimpleNamespace(change=change)
         return SimpleNamespace(place=place, version=version, broken=broken)
 
-    slopes = [run("made:incline", f"mu {k}", ("energy",) if k == 0 else ()) for k in range(4)]
+    slopes = [run(criteria.SLOPES, f"mu {k}", ("energy",) if k == 0 else ()) for k in range(4)]
     others = [run("made:saws", f"saws {k}", ()) for k in range(2)]
     turned = [run("made:saws", "saws 0", ("energy",), change="placing:placed")]
     assert criteria.hold(slopes + others + turned) == pytest.approx(2.75)
 
 
+def load(folder):
+    """Return the test module of a case."""
+    (file,) = folder.glob("test_*.py")
+    spec = importlib.util.spec_from_file_location(f"case_{folder.name}", file)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
 @pytest.mark.parametrize("folder", find_cases(SUITE), ids=lambda folder: folder.name)
 def test_every_scene_loads_as_it_stands_and_turned(folder):
-    (runs,) = load_case(folder).runs
+    runs = load(folder).every
     assert len(runs.versions) == 8
     for place in runs.places:
         plain, turned = (
-            scene_at(Case(folder), runs, place, version, Method("penalty", "cpdi"), "full")
+            runs.scene_at(Case(folder), place, version, Method("penalty", "cpdi"))
             for version in (runs.versions[0], runs.versions[-1])
         )
         assert turned.grid.cell_size == pytest.approx(1.4 * plain.grid.cell_size)

@@ -6,6 +6,7 @@ import tomllib
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+import made
 import numpy as np
 
 from mpmfw.results.conservation import dissipation, energy_error, momentum_change
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from mpmfw.validation import CaseRun
 
 #: The scene whose settings of μ and θ are places of their own.
-SLOPES = "made:incline"
+SLOPES = made.incline
 
 
 def penetration(run: xr.DataTree) -> float:
@@ -95,8 +96,8 @@ def hold(runs: Sequence[CaseRun]) -> float:
     held: dict[str, list[bool]] = {}
     for run in runs:
         if run.version.change is None:
-            scene = run.place.scene if run.place.scene == SLOPES else run.place.at
-            held.setdefault(str(scene), []).append(not run.broken)
+            scene = "slopes" if run.place.scene is SLOPES else run.place.at
+            held.setdefault(scene, []).append(not run.broken)
     return float(sum(np.mean(settings) for settings in held.values()))
 
 

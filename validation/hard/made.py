@@ -1,4 +1,4 @@
-"""Scenes from the few numbers that tell them apart: what a place of a ``case.toml`` has as ``make``."""
+"""Scenes from the few numbers that tell them apart: ``make`` of a place."""
 
 from __future__ import annotations
 

@@ -7,7 +7,6 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from drawing import Curve, draw
 from questions import CYLINDER_MASS, GRAVITY
 from rolling import DISTANCE, NO_SLIP, SLIP, errors
 from viscous import displacement_after, viscosity
@@ -16,7 +15,6 @@ from mpmfw.results.references import scene_of
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
     from mpmfw.validation import CaseRun
 
@@ -65,7 +63,7 @@ def growth(runs: Sequence[CaseRun]) -> float:
 def _by_step(runs: Sequence[CaseRun], law: str) -> dict[float, float]:
     """Errors of the displacement by the fraction of the stability limit [%]."""
     return {
-        float(run.method.set["time.safety"]): run.read("rolling:errors", "displacement", roll=run.runs)
+        float(run.method.set["time.safety"]): run.of(errors, "displacement", roll=run.runs)
         for run in runs
         if _law(run) == law
     }
@@ -73,22 +71,3 @@ def _by_step(runs: Sequence[CaseRun], law: str) -> dict[float, float]:
 
 def _law(run: CaseRun) -> str:
     return "literal" if run.method.label.startswith("literal") else ""
-
-
-def values(runs: Sequence[CaseRun]) -> Figure:
-    """Errors over the time step [ms], and accelerations over μ."""
-    curves: dict[tuple[str, str], Curve] = {}
-    over_friction: dict[str, dict[float, float]] = {}
-    for run in runs:
-        law = _law(run)
-        if run.runs == "frictions":
-            friction = float(run.method.set["contact.pairs"][0]["friction"])
-            over_friction.setdefault(law, {})[friction] = run.read("increments:on_slope", "fitted")
-            continue
-        step, length = float(run.method.set["time.safety"]), 1e3 * time_step_of(run.results)
-        error = run.read("rolling:errors", "displacement", roll=run.runs)
-        curves.setdefault((run.runs, law), {})[step] = (length, error)
-        if law:
-            error = run.read("increments:viscous", "viscous", roll=run.runs)
-            curves.setdefault((run.runs, "viscous"), {})[step] = (length, error)
-    return draw(curves, over_friction)

@@ -14,12 +14,7 @@ from mpmfw.results.analysis import impulse
 from mpmfw.state.fields import FloatArray
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from mpmfw.validation import CaseRun
-
-#: What each setting is compared with.
-BESIDE = {"with Q": "", "shorter step": "", "kappa 0.1, with Q": "kappa 0.1"}
 
 
 @dataclass(frozen=True)
@@ -57,17 +52,3 @@ def _of_rings(runs: Sequence[CaseRun], label: str) -> Difference | None:
         return None
     own, other = (impulse(*forces[name]) for name in (label, ""))
     return Difference(forces[label][0], 100.0 * (own - other) / other[-1])
-
-
-def values(runs: Sequence[CaseRun]) -> Figure:
-    """All differences over time."""
-    from drawing import draw
-
-    found = {}
-    for name in ("no slip", "slip", "rings"):
-        own = [run for run in runs if run.runs == name]
-        for label, beside in BESIDE.items():
-            apart = _of_rings(own, label) if name == "rings" else _of_rolling(own, label, beside)
-            if apart is not None:
-                found[name, label] = apart
-    return draw(found)

@@ -6,15 +6,11 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from drawing import draw
+from rolling import errors
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from mpmfw.state.fields import FloatArray
     from mpmfw.validation import CaseRun
-
-NAMES = ("displacement", "acceleration", "spin", "angular acceleration")
 
 
 def gained(runs: Sequence[CaseRun], rotation: str) -> float:
@@ -43,14 +39,4 @@ def _errors(runs: Sequence[CaseRun], rotation: str, name: str) -> FloatArray:
 
 
 def _error(run: CaseRun, name: str) -> float:
-    return run.read("rolling:errors", name, roll=run.runs.partition(",")[0])
-
-
-def values(runs: Sequence[CaseRun]) -> Figure:
-    """Errors by roll, treatment and cell size."""
-    found: dict[tuple[str, str, float], dict[str, list[float]]] = {}
-    for run in runs:
-        key = (run.runs.partition(",")[0], run.method.label or "spin", run.scene.grid.cell_size)
-        for name in NAMES:
-            found.setdefault(key, {}).setdefault(name, []).append(_error(run, name))
-    return draw(found)
+    return run.of(errors, name, roll=run.runs.partition(",")[0])

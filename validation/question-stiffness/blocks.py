@@ -7,14 +7,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from drawing import Found, draw
 from questions import PRESSURE
 
 from mpmfw.results.references import scene_of
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
     from mpmfw.validation import CaseRun
 
@@ -37,7 +35,7 @@ def of_blocks(tree: xr.DataTree) -> dict[str, float]:
 
 def exponent(runs: Sequence[CaseRun]) -> float:
     """How the measured penetration goes with κ."""
-    depths = {kappa_of(run): run.read("blocks:of_blocks", "depth") for run in runs}
+    depths = {kappa_of(run): run.of(of_blocks, "depth") for run in runs}
     kappas = np.array([kappa for kappa in depths if kappa >= LINEAR])
     return float(np.polyfit(np.log(kappas), np.log([depths[kappa] for kappa in kappas]), 1)[0])
 
@@ -45,27 +43,3 @@ def exponent(runs: Sequence[CaseRun]) -> float:
 def kappa_of(run: CaseRun) -> float:
     """The stiffness factor of a run."""
     return float(run.method.set["contact.penalty.kappa"])
-
-
-def values(runs: Sequence[CaseRun]) -> Figure:
-    """Everything over κ."""
-    found: Found = {}
-    for run in runs:
-        kappa, own = kappa_of(run), {}
-        if run.runs == "blocks":
-            own = {name: run.read("blocks:of_blocks", name) for name in ("depth", "limit")}
-            own["stress"] = run.read("questions:of_blocks", "departure")
-        elif run.runs == "rolling":
-            keys = {"rolling_steps": "steps", "rolling_depth": "penetration"}
-            keys |= {name: name for name in ("displacement", "acceleration", "spin")}
-            own = {name: run.read("questions:of_rolling", key, roll="no slip") for name, key in keys.items()}
-        else:
-            keys = {
-                "impulse": "impulse_curve_error",
-                "rings_depth": "largest_penetration",
-                "rings_steps": "steps",
-            }
-            own = {name: run.read("questions:of_rings", key) for name, key in keys.items()}
-        for name, value in own.items():
-            found.setdefault(name, {})[kappa] = value
-    return draw(found, PRESSURE / MODULUS)

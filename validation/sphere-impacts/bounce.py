@@ -97,7 +97,7 @@ def kept(tree: xr.DataTree) -> dict[str, float]:
 
 def largest(runs: Sequence[CaseRun], of: str) -> float:
     """What ``kept`` has as ``of``, at its largest of all runs."""
-    return max(run.read("bounce:kept", of) for run in runs)
+    return max(run.of(kept, of) for run in runs)
 
 
 def _changes(found: dict[str, float], taken: float) -> dict[str, float]:

@@ -2,22 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from xarray import Dataset, DataTree
 
-from mpmfw.plots.style import dress, legend_below, new_figure
 from mpmfw.results.analysis import energy_kept
 from mpmfw.state.fields import FloatArray
-from mpmfw.validation import CaseRun
 
 BULK, SHEAR, DENSITY, SPIN = 6e6, 3e6, 1000.0, 10.0  # Pa, Pa, kg/m³, rad/s, R = 1 m: as in scene.toml
-TRANSFERS = ("flip", "pic", "apic", "tpic", "aflip")
-COLOURS = dict(zip(TRANSFERS, ("#D55E00", "#6B6B6B", "#009E73", "#E69F00", "#0072B2"), strict=True))
-STYLES = {"usl": "-", "musl": "--", "usf": ":"}
 
 
 def centrifugal_growth() -> float:
@@ -69,31 +60,3 @@ def gyration(tree: DataTree) -> FloatArray:
     r = x - (np.einsum("p,tpd->td", mass, x) / mass.sum())[:, None]
     square = np.einsum("p,tpd->t", mass, r**2)
     return np.asarray(np.sqrt(square / square[0]))
-
-
-def draw(runs: Sequence[CaseRun]) -> Figure:
-    """Angular momentum over the turn; transfers that dissipate on a scale of their own."""
-    steppings = [run for run in runs if "stepping.scheme" in run.method.set]
-    drawn = {run.method.label: run.results["series"].to_dataset() for run in steppings}
-    result = new_figure(1, 2, 50.0)
-    panels = result.subplots(2, 1, sharex=True)
-    for label, series in drawn.items():
-        if label.count(",") != 1:
-            continue
-        transfer, scheme = label.split(", ")
-        change = 100.0 * (momentum(series) - 1.0)
-        turns = series["time"].values * SPIN / (2.0 * np.pi)
-        for axes in panels:
-            axes.plot(turns, change, color=COLOURS[transfer], linestyle=STYLES[scheme], linewidth=0.9)
-    for axes in panels:
-        axes.axhspan(-0.05, 0.05, color="0.85", zorder=0)
-        axes.axhline(0.0, color="black", linewidth=0.6)
-    panels[1].set_ylim(-0.6, 0.2)
-    dress(panels[0], "", "change of $L$ [%]")
-    dress(panels[1], "turns [1]", "change of $L$, enlarged [%]")
-    transfers = [Line2D([], [], color=colour, linewidth=2.0, label=name) for name, colour in COLOURS.items()]
-    schemes = [Line2D([], [], color="0.3", linestyle=style, label=name) for name, style in STYLES.items()]
-    closed = Line2D([], [], color="black", linewidth=0.6, label="closed form")
-    gate = Line2D([], [], color="0.85", linewidth=4.0, label="gate")
-    legend_below(result, [transfers[:3], transfers[3:], schemes, [closed, gate]])
-    return result

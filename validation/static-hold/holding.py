@@ -6,28 +6,15 @@ T / N = tan θ, below μ.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.lines import Line2D
-
-from mpmfw.plots.style import dress, legend_below, new_figure
-from mpmfw.validation import CONTACTS, CaseRun
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
 HEIGHT = 0.3  # of the block [m]
-MOST_DISPLACEMENT = 1e-3  # of the height, as in case.toml
-
-
-COLOURS = dict(zip(CONTACTS, ("#009E73", "#D55E00", "#117733", "#0072B2"), strict=True)) | {
-    "hamad2017": "#56B4E9"
-}
-LITERAL = "#B2B200"
-STYLES = {"linear": ":", "gimp": "--", "cpdi": "-", "cpdi2": "-.", "bspline": (0, (5, 1, 1, 1, 1, 1))}
+MOST_DISPLACEMENT = 1e-3  # of the height, as the case has it
 
 
 def displacement(run: xr.DataTree) -> float:
@@ -68,42 +55,3 @@ def _moved(series: xr.Dataset) -> np.ndarray:
     """Displacement of the block's centre, (time, axis) [m]."""
     centre = series["centre_of_mass"].sel(body="block").values
     return centre - centre[0]
-
-
-def draw(runs: Sequence[CaseRun]) -> Figure:
-    """Magnitude of the displacement over time, logarithmic, against the limit."""
-    results = {run.method: run.results["series"].to_dataset() for run in runs}
-    figure = new_figure(1, 1, 78.0)
-    axes = figure.subplots()
-    rows: list[list[Line2D]] = [[], []]
-    for method, series in results.items():
-        literal = method.label == "literal"
-        if method.label and not literal:
-            continue
-        look = {
-            "color": LITERAL if literal else COLOURS[method.contact],
-            "linestyle": STYLES[method.shape],
-            "linewidth": 1.1,
-        }
-        size = np.hypot(*_moved(series).T) / HEIGHT
-        axes.semilogy(series["time"].values[1:], np.maximum(size[1:], 1e-12), **look)
-    axes.axhline(MOST_DISPLACEMENT, color="k", linewidth=1.0)
-    axes.annotate("limit", (0.5, MOST_DISPLACEMENT), xytext=(0, 2), textcoords="offset points")
-    axes.set_ylim(1e-10, 1.0)
-    dress(axes, "time [s]", "displacement / height [–]")
-    contacts = {m.contact for m in results}
-    rows[0] = [
-        Line2D([], [], color=colour, linewidth=2.5, label=name)
-        for name, colour in COLOURS.items()
-        if name in contacts
-    ]
-    if any(m.label == "literal" for m in results):
-        rows[0].append(Line2D([], [], color=LITERAL, linewidth=2.5, label="hamad2017, literal"))
-    shapes = [
-        Line2D([], [], color="0.3", linestyle=style, linewidth=1.1, label=name)
-        for name, style in STYLES.items()
-        if name in {m.shape for m in results}
-    ]
-    rows = [line[k : k + 3] for line in (rows[0], shapes) for k in range(0, len(line), 3)]
-    legend_below(figure, rows)
-    return figure

@@ -13,9 +13,6 @@ from mpmfw.cli.errors import check_writable
 from mpmfw.cli.progress import campaign_progress
 from mpmfw.errors import MpmfwError, SceneError
 
-#: Terminal width below which the table would be cut.
-WIDTH = 170
-
 
 def validate(
     cases: Annotated[
@@ -41,12 +38,6 @@ def validate(
         Path | None,
         typer.Option(metavar="FILE", help="Page of documentation (Markdown) to write as well."),
     ] = None,
-    known_red: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE", help="Gates known not to hold (TOML): end with 0 if these and no others are red."
-        ),
-    ] = None,
     jobs: Annotated[
         int | None,
         typer.Option(
@@ -62,24 +53,19 @@ def validate(
         bool, typer.Option("--force", help="Run cases again whose results lie in the output folder.")
     ] = False,
 ) -> None:
-    """Run validation cases: closed forms and references that tell contact algorithms apart.
+    """Run validation cases by pytest: closed forms and references that tell contact algorithms apart.
 
-    Ends with 0 if every gate holds, with 1 if one is red. The table and the page of documentation are of all cases
-    whose results, made by the code of today, lie in the output folder, so that cases may be run one by one. Such a case is
-    not run again.
+    Ends with 0 if every gate holds but those that are marked as known red, else with 1. The table and the page are of all
+    cases whose results, made by the code of today, lie in the output folder. Such a case is not run again.
     """
-    from rich.console import Console
-
-    from mpmfw.validation.known import departures, read_known_red
-    from mpmfw.validation.report import summary, terminal_table, write_csv, write_page
+    from mpmfw.validation.page import summary, write_csv, write_page
     from mpmfw.validation.suite import find_cases, kept, run_cases, suite_of
 
     folder = suite_of(suite)
     found = find_cases(folder, cases or ())
-    known = read_known_red(known_red) if known_red is not None else []
     _check_places(found, output, document, force)
     with campaign_progress("cases") as (progress, _):
-        outcomes = run_cases(
+        results = run_cases(
             found,
             output,
             quick=quick,
@@ -89,22 +75,20 @@ def validate(
             command=_command(cases, quick, suite if suite != folder else None, jobs, scheduler),
             force=force,
         )
-    console = Console()
-    Console(width=max(console.width, WIDTH)).print(terminal_table(outcomes))
-    for outcome in outcomes:
-        if outcome.error:
-            typer.echo(f"{outcome.folder.name} went wrong:\n{outcome.error}", err=True)
-    everything = kept([case for case in find_cases(folder) if case not in found], output, quick)
-    everything = sorted([*outcomes, *everything], key=lambda one: one.folder.name)
+    for one in results:
+        for row in one.rows:
+            if row.verdict in ("RED", "known red"):
+                typer.echo(f"{row.verdict}: {row.case}: {row}" + (f": {row.reason}" if row.reason else ""))
+        if one.error:
+            typer.echo(f"{one.folder.name} went wrong:\n{one.error}", err=True)
+    everything = [*results, *kept([case for case in find_cases(folder) if case not in found], output, quick)]
+    everything.sort(key=lambda one: one.folder.name)
     write_csv(everything, output / "validation.csv")
     if document is not None:
-        write_page(everything, document, known)
-    typer.echo(summary(outcomes))
-    typer.echo(f"{output}: {sum(len(one.figures) for one in outcomes)} figures, and validation.csv")
-    unexpected = departures([row for outcome in outcomes for row in outcome.rows], known, quick=quick)
-    for line in unexpected:
-        typer.echo(line)
-    if unexpected or any(outcome.error for outcome in outcomes):
+        write_page(everything, document)
+    typer.echo(summary(results))
+    typer.echo(f"{output}: {sum(len(one.figures) for one in results)} figures, and validation.csv")
+    if any(one.wrong for one in results):
         raise typer.Exit(1)
 
 

@@ -1,21 +1,44 @@
-"""The validation suite: cases that judge methods against closed forms and references, and what came of them.
+"""Validation cases in Python: closed forms and references that tell contact methods apart, run by pytest.
 
-A case is a folder with ``README.md`` (source, set-up, tolerances) and ``case.toml``: scenes, what of them varies, the
-quantities that are read off each run, and their gates. Where a table cannot say it, ``check.py`` defines ``check(case)``
-instead, which runs scenes and records rows and figures with the :class:`Case` that it is given.
+A case is a folder with a ``test_*.py`` that names scenes, methods and gates, and a ``README.md`` with its sources.
 """
 
-from mpmfw.validation.case import CLASSICAL, CONTACTS, SHAPES, Case, Method
-from mpmfw.validation.measuring import CaseRun
-from mpmfw.validation.rows import Row, Verdict
+from mpmfw.validation.case import (
+    CLASSICAL,
+    CONTACTS,
+    RECOMMENDED,
+    SHAPES,
+    CaseRun,
+    Method,
+    Place,
+    Runs,
+    RunSet,
+    Version,
+    full,
+    known_red,
+    methods,
+    quick,
+    together,
+)
+from mpmfw.validation.rows import Case, Row, Verdict
 
 __all__ = [
     "CLASSICAL",
     "CONTACTS",
+    "RECOMMENDED",
     "SHAPES",
     "Case",
     "CaseRun",
     "Method",
+    "Place",
     "Row",
+    "RunSet",
+    "Runs",
     "Verdict",
+    "Version",
+    "full",
+    "known_red",
+    "methods",
+    "quick",
+    "together",
 ]

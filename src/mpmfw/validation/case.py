@@ -1,48 +1,39 @@
-"""What checks a case, a table or its ``check.py``, works with: runs, rows and figures."""
+"""The parts of a case: methods, places, runs, and the rows that its gates record."""
 
 from __future__ import annotations
 
+import fnmatch
 import itertools
-import math
-import time
-import tomllib
-import warnings
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib.resources import files
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from mpmfw.errors import ResultsWarning, SceneError, SimulationError
-from mpmfw.scene import Scene, load_scene
-from mpmfw.validation.rows import Row
+import pytest
 
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
+from mpmfw.campaigns.measures import exact_of, measure_of
+from mpmfw.errors import SceneError
+from mpmfw.plugin.measure import About
+from mpmfw.scene import Scene
+from mpmfw.validation.rows import Case, Tolerance, limits
 
-_METHODS = tomllib.loads((files("mpmfw.validation") / "methods.toml").read_text(encoding="utf-8"))
-#: Contacts and shapes that the gates are for.
-RECOMMENDED = _METHODS["recommended"]
+#: Classical contact in its plainest form and in its strongest.
+CLASSICAL = ("bardenhagen", "bardenhagen(criterion=position, normal=master)")
+CONTACTS = ("none", *CLASSICAL, "penalty")
+SHAPES = ("linear", "gimp", "cpdi", "cpdi2", "bspline")
+#: Shape functions that gates bind, with penalty contact or without contact.
+RECOMMENDED = ("cpdi", "cpdi2")
 
-CLASSICAL, CONTACTS, SHAPES = (tuple(_METHODS[name]) for name in ("classical", "contacts", "shapes"))
+#: Tests of the full version alone, and of the reduced one.
+full, quick = pytest.mark.full, pytest.mark.quick
+#: ``@known_red(method, quantity, reason)``: this gate is known not to hold; the case fails if it holds.
+known_red = pytest.mark.known_red
 
 
 @dataclass(frozen=True)
 class Method:
-    """One way to run a scene.
+    """One way to run a scene: contact and shape with their options, values by dotted key, and a label for these.
 
-    Attributes
-    ----------
-    contact, shape
-        Names, with options as in ``penalty(kappa=2)``; an empty contact is a scene without.
-    set
-        Values by dotted key, set over the scene's own.
-    label
-        What ``set`` is about, in words; empty if it need not be said.
-    bound
-        Whether its case says that gates are for it as well.
+    ``bound`` methods are bound by gates as the recommended ones are. ``when`` is ``full`` or ``quick``.
     """
 
     contact: str
@@ -50,162 +41,219 @@ class Method:
     set: Mapping[str, Any] = field(default_factory=dict, hash=False)
     label: str = ""
     bound: bool = field(default=False, compare=False)
+    when: str = field(default="", compare=False)
 
     @property
     def recommended(self) -> bool:
-        """Whether it is a combination that the gates are for (``methods.toml``), all else as given by the scene; or bound."""
-        contacts = ("", *RECOMMENDED["contacts"])
+        """Return whether gates bind it: penalty or no contact, CPDI or CPDI2, all else as the scene has it."""
         return self.bound or (
-            self.contact in contacts and self.shape in RECOMMENDED["shapes"] and not self.label
+            self.contact in ("", "penalty") and self.shape in RECOMMENDED and not self.label
         )
+
+    def matches(self, *patterns: str) -> bool:
+        """Return whether a pattern, such as ``penalty, cpdi*``, fits its name."""
+        return any(fnmatch.fnmatchcase(str(self), pattern) for pattern in patterns)
 
     def __str__(self) -> str:
         return ", ".join(filter(None, (self.contact, self.shape, self.label)))
 
 
-@dataclass
-class Case:
-    """A case while it is checked; a ``check.py`` receives one.
+def methods(
+    contact: Sequence[str] = ("penalty",),
+    shape: Sequence[str] = ("cpdi",),
+    settings: Mapping[str, Mapping[str, Any]] | None = None,
+    bound: bool = False,
+    when: str = "",
+) -> list[Method]:
+    """Return every combination; ``settings`` are values by dotted key, by the label that names them."""
+    labelled = ({"": {}} if settings is None else settings).items()
+    product = itertools.product(contact, shape, labelled)
+    return [Method(c, s, values, label, bound, when) for c, s, (label, values) in product]
 
-    Attributes
-    ----------
-    folder
-        Of the case; its name is the case's.
-    quick
-        Whether the reduced version runs.
-    rows, figures
-        What was recorded.
+
+@dataclass(frozen=True)
+class Place:
+    """One variant of the scene that all methods run, such as a cell size; ``make`` are arguments of a scene's function.
+
+    ``within`` are limits that hold here, by ``key`` of a gate. ``open`` are gates that do not bind here, by key: the reason,
+    or reasons by patterns of methods; ``run`` is the run itself.
     """
 
-    folder: Path
-    quick: bool = False
-    rows: list[Row] = field(default_factory=list)
-    figures: dict[str, Figure] = field(default_factory=dict)
-    _cpu_time: float = math.nan
+    at: str = ""
+    set: Mapping[str, Any] = field(default_factory=dict)
+    scene: str | Callable[..., Any] | None = None
+    make: Mapping[str, Any] = field(default_factory=dict)
+    within: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    open: Mapping[str, str | Mapping[str, str]] = field(default_factory=dict)
+    when: str = ""
 
-    @property
-    def name(self) -> str:
-        """The folder's name."""
-        return self.folder.name
+    def is_open(self, key: str, method: Method) -> bool:
+        """Return whether a method is known to miss the limit of this key here."""
+        reason = self.open.get(key, {})
+        return isinstance(reason, str) or method.matches(*reason)
 
-    def methods(
-        self,
-        contact: Sequence[str] = tuple(RECOMMENDED["contacts"]),
-        shape: Sequence[str] = tuple(RECOMMENDED["shapes"][:1]),
-        settings: Mapping[str, Mapping[str, Any]] | None = None,
-    ) -> list[Method]:
-        """Every combination; ``settings`` are values by dotted key, under the label that says what they are."""
-        given = {"": {}} if settings is None else settings
-        return [
-            Method(c, s, dict(values), label)
-            for c, s, (label, values) in itertools.product(contact, shape, given.items())
-        ]
 
-    def scene(self, given: str | Mapping[str, Any], method: Method | None, set: Mapping[str, Any]) -> Scene:
-        """What a run runs: a file of the case, a shipped scene or nested mappings, all values set."""
-        chosen = {"contact.method": method.contact, "shape.method": method.shape} if method else {}
-        values = {key: one for key, one in chosen.items() if one}
-        if isinstance(given, str) and (self.folder / given).exists():
-            given = str(self.folder / given)
-        return load_scene(given, set={**values, **set, **(method.set if method else {})})
+@dataclass(frozen=True)
+class Version:
+    """Every place once more, changed by a function of the scene's mapping; its gates record no rows."""
 
-    def run(
-        self,
-        scene: str | Scene = "scene.toml",
-        method: Method | None = None,
-        set: Mapping[str, Any] | None = None,
-    ) -> xr.DataTree:
-        """Run a scene, or a file of the case or a shipped scene by name.
+    at: str = ""
+    change: Callable[..., Any] | None = None
+    args: Mapping[str, Any] = field(default_factory=dict)
+    when: str = ""
+
+
+@dataclass(eq=False)
+class Runs:
+    """A scene at places, in versions, with methods; as a decorator it makes a test of each run.
+
+    ``by`` takes the scene instead of a run. ``binds`` are patterns of methods whose failure is red, besides the recommended.
+    """
+
+    name: str
+    scene: str | Callable[..., Any] = "scene.toml"
+    methods: Sequence[Method] = field(default_factory=methods)
+    places: Sequence[Place] = (Place(),)
+    versions: Sequence[Version] = (Version(),)
+    set: Mapping[str, Any] = field(default_factory=dict)
+    quick: Mapping[str, Any] = field(default_factory=dict)
+    by: Callable[[Scene], Any] | None = None
+    binds: Sequence[str] = ()
+    when: str = ""
+    done: list[CaseRun] = field(default_factory=list)
+    started: int = 0
+
+    def __call__(self, function: Callable[..., Any]) -> Any:
+        return pytest.mark.runs(self)(function)
+
+    def points(self, now: str) -> list[tuple[Place, Version, Method]]:
+        """Return what runs in the ``full`` or ``quick`` version of the case."""
+        product = itertools.product(self.places, self.versions, self.methods)
+        return [point for point in product if all(one.when in ("", now) for one in (self, *point))]
+
+    def scene_at(self, case: Case, place: Place, version: Version, method: Method | None) -> Scene:
+        """Return the scene of a place in a version, with the method."""
+        given = place.scene or self.scene
+        values = {**self.set, **(self.quick if case.quick else {}), **place.set}
+        made = given(**place.make) if callable(given) else given
+        if version.change is not None:
+            made, values = version.change(case.scene(made, None, values).to_mapping(), **version.args), {}
+        return case.scene(made, method, values)
+
+    def start(self, case: Case, place: Place, version: Version, method: Method) -> CaseRun:
+        """Run one point.
 
         Raises
         ------
         SimulationError, SceneError
-            As :func:`mpmfw.run`; :meth:`runs` records them instead.
+            As :func:`mpmfw.run`.
         """
-        from mpmfw.runs.run import run
+        self.started += 1
+        scene = self.scene_at(case, place, version, method)
+        if self.by is None:
+            results = case.run(scene)
+        else:
+            with case.timed():
+                results = self.by(scene)
+        self.done.append(CaseRun(case, self.name, place, method, scene, results, version))
+        return self.done[-1]
 
-        loaded = scene if isinstance(scene, Scene) else self.scene(scene, method, set or {})
-        with warnings.catch_warnings():
-            # Methods that creep at rest end their settling with a warning; what they then do is in the rows.
-            warnings.simplefilter("ignore", ResultsWarning)
-            tree = run(loaded)
-        self._cpu_time = float(tree.attrs["cpu_time"]) + float(tree.attrs.get("settle_time", 0.0))
-        return tree
 
-    def runs(
+def together(*runs: Runs) -> Any:
+    """Decorate a test that takes all runs of these together as ``runs``, a :class:`RunSet`."""
+    return pytest.mark.together(*runs)
+
+
+@dataclass
+class CaseRun:
+    """One run: name of its runs, place, method, scene, results, version, and the keys of gates that it misses."""
+
+    case: Case
+    runs: str
+    place: Place
+    method: Method
+    scene: Scene
+    results: Any
+    version: Version = field(default_factory=Version)
+    broken: list[str] = field(default_factory=list)
+    _measured: dict[str, Any] = field(default_factory=dict)
+
+    def at(self, *patterns: str) -> bool:
+        """Return whether a pattern fits the name of its place."""
+        return any(fnmatch.fnmatchcase(self.place.at, pattern) for pattern in patterns)
+
+    def of(
         self,
-        methods: Sequence[Method],
-        scene: str = "scene.toml",
-        set: Mapping[str, Any] | None = None,
-        binds: bool | None = None,
-    ) -> Iterator[tuple[Method, xr.DataTree]]:
-        """Run a scene with each method; one that fails keeps its row and is not yielded.
+        measure: str | Callable[..., Any],
+        key: str | None = None,
+        scale: float = 1.0,
+        relative: bool = False,
+        **args: Any,
+    ) -> float | None:
+        """Return what a function of the results, or a campaign's measure, gives: a number, or None.
 
-        The row is red if the method is the recommended one, or as ``binds`` says.
+        ``key`` takes one of several values by name; ``relative`` is the departure from the scene's closed form.
         """
-        for method in methods:
-            try:
-                tree = self.run(scene, method, set)
-            except (SimulationError, SceneError) as error:
-                self._cpu_time = math.nan
-                self.failed(method, str(error), binds)
-            else:
-                yield method, tree
+        name = f"{measure} {args} {relative}"
+        if name not in self._measured:
+            self._measured[name] = (
+                measure(self.results, **args) if callable(measure) else self._measure(measure, relative, args)
+            )
+        return _number(self._measured[name], key, scale)
 
-    def failed(self, method: Method | str, why: str, binds: bool | None = None, at: str = "") -> None:
-        """Record that a method got no result at a place, and why."""
-        if binds is None:
-            binds = isinstance(method, Method) and method.recommended
-        name = f"{at}: run" if at else "run"
-        row = Row(self.name, str(method), name, math.nan, reference="ends", least=0.0, binds=binds, note=why)
-        self.rows.append(row)
+    def _measure(self, name: str, relative: bool, args: Mapping[str, Any]) -> float:
+        measure, about = measure_of(name), About(**args)
+        measured = measure.of(self.results, self.scene, about)
+        exact = exact_of(measure, self.scene, about) if relative else None
+        if relative and exact is None:
+            raise SceneError(f"scene '{self.scene.name}' has no closed form of {name}")
+        value = float(measured.values[0])
+        return value if exact is None else value / float(exact.at(measured.time)[0]) - 1.0
 
     def gate(
         self,
         quantity: str,
-        value: float,
-        *,
-        within: tuple[float, float] | None,
+        value: float | None,
         reference: float | str = "",
+        tolerance: Tolerance = None,
         unit: str = "",
-        method: Method | str = "",
-        binds: bool = True,
+        key: str = "",
+        binds: bool | None = None,
     ) -> None:
-        """Record a value that must lie within limits, if there are any, or, if it does not bind, a value that may."""
-        least, most = (-math.inf, math.inf) if within is None else (float(limit) for limit in within)
-        row = Row(
-            self.name,
-            str(method),
-            quantity,
-            float(value),
-            unit,
-            reference,
-            least,
-            most,
-            binds,
-            self._cpu_time,
-        )
-        self.rows.append(row)
+        """Record a value as :meth:`Case.gate`, within the limits of its place; None has no row."""
+        if value is None:
+            return
+        tolerance = self.place.within.get(key, tolerance)
+        least, most = limits(tolerance)
+        if not least <= value <= most and tolerance is not None:
+            self.broken.append(key or quantity)
+        if self.version.change is None:
+            binds = self.method.recommended if binds is None else binds
+            binds = binds and not (key and self.place.is_open(key, self.method))
+            self.case.gate(quantity, value, reference, tolerance, unit, self.method, binds)
 
-    def judge(self, method: Method, quantity: str, value: float, **limits: Any) -> None:
-        """Record a value whose gate binds the recommended method only."""
-        self.gate(quantity, value, method=method, binds=method.recommended, **limits)
 
-    def show(
-        self, quantity: str, value: float, *, within: tuple[float, float] | None = None, **said: Any
-    ) -> None:
-        """Record a value that decides nothing."""
-        self.gate(quantity, value, within=within, binds=False, **said)
+class RunSet(list[CaseRun]):
+    """Runs that are judged together."""
 
-    def figure(self, name: str, figure: Figure) -> None:
-        """Keep a figure, to be saved as ``<case>-<name>.png``, or ``<case>.png`` without a name."""
-        self.figures[f"{self.name}-{name}" if name else self.name] = figure
+    def of(
+        self, measure: Callable[..., Any], key: str | None = None, scale: float = 1.0, **args: Any
+    ) -> float | None:
+        """Return what a function of all these runs gives: a number, or None."""
+        return _number(measure(self, **args), key, scale)
 
-    @contextmanager
-    def timed(self) -> Iterator[None]:
-        """Take the CPU time of what is inside as that of the rows recorded afterwards."""
-        start = time.process_time()
-        try:
-            yield
-        finally:
-            self._cpu_time = time.process_time() - start
+    def by_method(self, *patterns: str) -> Iterator[tuple[Method, RunSet]]:
+        """Yield each method whose name a pattern fits, all without patterns, with its runs."""
+        for method in dict.fromkeys(run.method for run in self):
+            if not patterns or method.matches(*patterns):
+                yield method, RunSet(run for run in self if run.method == method)
+
+    def only(self, *patterns: str) -> RunSet:
+        """Return the runs of methods whose names a pattern fits."""
+        return RunSet(run for run in self if run.method.matches(*patterns))
+
+
+def _number(found: Any, key: str | None, scale: float) -> float | None:
+    """Return one of several values by key, scaled; None stays None."""
+    value = found[key] if isinstance(found, Mapping) and key is not None else found
+    return None if value is None else scale * float(value)

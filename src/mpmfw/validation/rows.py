@@ -1,17 +1,35 @@
-"""One line of the suite's table: a quantity of a method, beside its reference."""
+"""What a case records: rows of its table, and figures."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+import time
+import warnings
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+
+from mpmfw.errors import ResultsWarning, SceneError, SimulationError
+from mpmfw.runs.run import run as run_scene
+from mpmfw.scene import Scene, load_scene
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+#: Least and largest value, or a number t for ± t.
+Tolerance = float | tuple[float, float] | None
 
 
 class Verdict(StrEnum):
     """What a row says."""
 
     HOLDS = "holds"  #: a gate, and the value is within it
-    RED = "RED"  #: a gate that does not hold
+    RED = "RED"  #: a gate that does not hold, or holds though it is known not to
+    KNOWN = "known red"  #: a gate that is known not to hold
     WITHIN = "within"  #: no gate for this method; the value would pass
     OUTSIDE = "outside"  #: no gate for this method; the value would not pass
     SHOWN = "shown"  #: there is no limit
@@ -20,64 +38,161 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True)
 class Row:
-    """A measured quantity.
+    """A quantity of a method beside its reference and its limits.
 
-    Attributes
-    ----------
-    case, method, quantity
-        What was measured, of what.
-    value, unit
-        NaN where it could not be measured.
-    reference
-        What it is compared with: a number in the same unit, or words.
-    least, most
-        Limits of the value; infinite where there are none.
-    binds
-        Whether the suite fails if the value is outside.
-    cpu_time
-        Of the run or computation that the value comes from, without compilation [s].
-    note
-        Why a run failed.
+    ``binds``: the suite fails if the value is outside. ``seconds``: CPU time of the run, without compilation. ``note``: why a
+    run failed. ``reason``: why a gate is known not to hold.
     """
 
     case: str
     method: str
     quantity: str
     value: float
-    unit: str = ""
     reference: float | str = ""
+    unit: str = ""
     least: float = -math.inf
     most: float = math.inf
     binds: bool = False
-    cpu_time: float = math.nan
+    seconds: float = math.nan
     note: str = ""
+    reason: str = ""
 
     @property
-    def limited(self) -> bool:
-        """Whether there is a limit at all."""
-        return math.isfinite(self.least) or math.isfinite(self.most)
+    def inside(self) -> bool:
+        """Return whether the value is within its limits; NaN is not."""
+        return self.least <= self.value <= self.most
 
     @property
     def verdict(self) -> Verdict:
-        """Judge the value; NaN is within no limits."""
-        inside = self.least <= self.value <= self.most
+        """Judge the value."""
         if self.binds:
-            return Verdict.HOLDS if inside else Verdict.RED
+            if self.reason:
+                return Verdict.RED if self.inside else Verdict.KNOWN
+            return Verdict.HOLDS if self.inside else Verdict.RED
         if self.note:
             return Verdict.FAILED
-        if not self.limited:
+        if math.isinf(self.least) and math.isinf(self.most):
             return Verdict.SHOWN
-        return Verdict.WITHIN if inside else Verdict.OUTSIDE
+        return Verdict.WITHIN if self.inside else Verdict.OUTSIDE
+
+    def __str__(self) -> str:
+        value = self.note or f"{self.value:.4g} {self.unit}".rstrip()
+        cured = ", which holds, and is marked as known red" if self.reason and self.inside else ""
+        return f"{self.method}, {self.quantity}: {value} ({self.least:g} … {self.most:g}){cured}"
+
+
+class Bound(Protocol):
+    """A method, as a gate sees it."""
 
     @property
-    def tolerance(self) -> str:
-        """The limits in words."""
-        if not self.limited:
-            return ""
-        if not math.isfinite(self.least):
-            return f"≤ {self.most:.6g}"
-        if not math.isfinite(self.most):
-            return f"≥ {self.least:.6g}"
-        if self.least == -self.most:
-            return f"± {self.most:.6g}"
-        return f"{self.least:.6g} … {self.most:.6g}"
+    def recommended(self) -> bool: ...
+
+
+M = TypeVar("M", bound=Bound)
+
+
+@dataclass
+class Case:
+    """A case while it is checked: folder, version, and what was recorded."""
+
+    folder: Path
+    quick: bool = False
+    rows: list[Row] = field(default_factory=list)
+    figures: dict[str, Figure] = field(default_factory=dict)
+    _seconds: float = math.nan
+
+    def scene(self, given: str | Mapping[str, Any], method: Any, values: Mapping[str, Any]) -> Scene:
+        """Return a file of the case, a shipped scene or a mapping as a scene, all values and the method set."""
+        chosen = {"contact.method": method.contact, "shape.method": method.shape} if method else {}
+        chosen = {key: name for key, name in chosen.items() if name}
+        if isinstance(given, str) and (self.folder / given).exists():
+            given = str(self.folder / given)
+        return load_scene(given, set={**chosen, **values, **(method.set if method else {})})
+
+    def run(
+        self, scene: str | Scene, method: Any = None, set: Mapping[str, Any] | None = None
+    ) -> xr.DataTree:
+        """Run a scene; settling that ends with a warning is in the rows.
+
+        Raises
+        ------
+        SimulationError, SceneError
+            As :func:`mpmfw.run`.
+        """
+        loaded = scene if isinstance(scene, Scene) else self.scene(scene, method, set or {})
+        self._seconds = math.nan
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ResultsWarning)
+            tree = run_scene(loaded)
+        self._seconds = float(tree.attrs["cpu_time"]) + float(tree.attrs.get("settle_time", 0.0))
+        return tree
+
+    def runs(
+        self, methods: Iterable[M], scene: str = "scene.toml", set: Mapping[str, Any] | None = None
+    ) -> Iterator[tuple[M, xr.DataTree]]:
+        """Run a scene with each method; one that fails keeps its row and is not yielded."""
+        for method in methods:
+            try:
+                yield method, self.run(scene, method, set)
+            except (SimulationError, SceneError) as error:
+                self.failed(method, str(error))
+
+    def show(self, quantity: str, value: float, **limits: Any) -> None:
+        """Record a value that decides nothing."""
+        self.gate(quantity, value, binds=False, **limits)
+
+    def gate(
+        self,
+        quantity: str,
+        value: float | None,
+        reference: float | str = "",
+        tolerance: Tolerance = None,
+        unit: str = "",
+        method: Bound | str = "",
+        binds: bool | None = None,
+    ) -> None:
+        """Record a value beside its reference; None has no row.
+
+        Parameters
+        ----------
+        tolerance
+            Limits of the value; without them it is shown.
+        binds
+            Whether the suite fails if the value is outside; left out, of the recommended methods and of none.
+        """
+        if value is None:
+            return
+        least, most = limits(tolerance)
+        binds = (isinstance(method, str) or method.recommended) if binds is None else binds
+        binds = binds and tolerance is not None
+        name = self.folder.name
+        self.rows.append(
+            Row(name, str(method), quantity, value, reference, unit, least, most, binds, self._seconds)
+        )
+
+    def failed(self, method: Bound | str, why: str, binds: bool | None = None, at: str = "") -> None:
+        """Record that a method got no result at a place, and why; red of the recommended ones, or as ``binds`` says."""
+        quantity = f"{at}: run" if at else "run"
+        binds = not isinstance(method, str) and method.recommended if binds is None else binds
+        row = Row(self.folder.name, str(method), quantity, math.nan, "ends", "", 0.0, binds=binds, note=why)
+        self.rows.append(row)
+
+    def figure(self, name: str, figure: Figure) -> None:
+        """Keep a figure as ``<case>-<name>.png``, or ``<case>.png`` without a name."""
+        self.figures[f"{self.folder.name}-{name}" if name else self.folder.name] = figure
+
+    @contextmanager
+    def timed(self) -> Iterator[None]:
+        """Take the CPU time of the block as that of the rows recorded afterwards."""
+        start = time.process_time()
+        try:
+            yield
+        finally:
+            self._seconds = time.process_time() - start
+
+
+def limits(tolerance: Tolerance) -> tuple[float, float]:
+    """Return the least and the largest value."""
+    if tolerance is None:
+        return -math.inf, math.inf
+    return tolerance if isinstance(tolerance, tuple) else (-tolerance, tolerance)

@@ -1,69 +1,119 @@
-"""Find the cases of a suite and run them, each in a process of its own."""
+"""Find the cases of a suite and run each by pytest, in a process of its own."""
 
 from __future__ import annotations
 
+import contextlib
+import io
+import os
 import re
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 from mpmfw.campaigns.executors import Pool, executor_of
-from mpmfw.campaigns.outcome import Outcome
+from mpmfw.campaigns.outcome import Finished, Outcome
 from mpmfw.campaigns.running import Progress, do, resumable
 from mpmfw.campaigns.store import Store
 from mpmfw.errors import SceneError
 from mpmfw.runs.identity import code_of_plugins, digest, package, sources
-from mpmfw.validation.checking import CaseTask, check_once
 from mpmfw.validation.rows import Row, Verdict
 
-#: What says how a case is checked: tables, or a function.
-CHECKS = ("case.toml", "check.py")
+
+@dataclass(frozen=True)
+class CaseTask:
+    """One case to run; as :class:`mpmfw.campaigns.work.Task`."""
+
+    key: str
+    name: str
+    folder: Path
+    output: Path
+    quick: bool
+    command: str
+    code: Mapping[str, str]
 
 
 @dataclass(frozen=True)
 class CaseResult:
-    """What came of one case.
-
-    Attributes
-    ----------
-    folder
-        Of the case.
-    rows, figures
-        What it recorded; figures are PNG files.
-    error
-        The traceback, if the check itself went wrong; empty if not.
-    seconds
-        Wall time, compilation included.
-    command, cores
-        What it was run by, and on how many cores.
-    """
+    """What came of one case: rows, figures (PNG files), the error if it went wrong, and the command that ran it."""
 
     folder: Path
-    rows: tuple[Row, ...]
-    figures: tuple[Path, ...]
-    error: str
-    seconds: float
+    rows: tuple[Row, ...] = ()
+    figures: tuple[Path, ...] = ()
+    error: str = ""
     command: str = ""
-    cores: str = ""
 
     @property
-    def holds(self) -> bool:
-        """Whether the case ran, and no gate is red."""
-        return not self.error and all(row.verdict is not Verdict.RED for row in self.rows)
+    def wrong(self) -> bool:
+        """Return whether the case went wrong or a gate is red."""
+        return bool(self.error) or any(row.verdict is Verdict.RED for row in self.rows)
+
+
+def check_once(task: CaseTask) -> Finished:
+    """Check a case by pytest and save its figures; an error in it is part of the outcome, beside the rows before it."""
+    import pytest
+
+    from mpmfw.plots import write_figure
+    from mpmfw.plots.style import journal_style
+    from mpmfw.validation import plugin
+
+    errors: list[str] = []
+
+    class Errors:
+        """Errors of tests and of collection, but for the verdicts on gates."""
+
+        def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+            if report.failed and not report.user_properties:
+                errors.append(f"{report.nodeid}\n{report.longreprtext}")
+
+        def pytest_collectreport(self, report: pytest.CollectReport) -> None:
+            if report.failed:
+                errors.append(report.longreprtext)
+
+    plugin.CASES.clear()
+    sys.path.insert(0, str(task.folder.parent))
+    options = [
+        "-c",
+        os.devnull,
+        f"--rootdir={task.folder}",
+        "-p",
+        "no:cacheprovider",
+        *["--quick"] * task.quick,
+    ]
+    printed = io.StringIO()
+    try:
+        with journal_style(), contextlib.redirect_stdout(printed):
+            code = pytest.main([*options, "-p", plugin.__name__, str(task.folder)], [Errors()])
+        if code not in (0, 1) and not errors:
+            errors.append(printed.getvalue())
+        for case in plugin.CASES:
+            for name, figure in case.figures.items():
+                write_figure(figure, task.output / f"{name}.png")
+    except SystemExit as stop:
+        errors.append(f"SystemExit: {stop}")
+    rows = [row for case in plugin.CASES for row in case.rows]
+    red = any(row.verdict is Verdict.RED for row in rows)
+    status = "failed: it went wrong" if errors else "failed: a gate is red" if red else "ok"
+    values = {
+        "rows": [asdict(row) for row in rows],
+        "figures": [f"{name}.png" for case in plugin.CASES for name in case.figures],
+        "error": "\n".join(errors),
+        "command": task.command,
+    }
+    return Finished(Outcome(task.key, status, task.name, values=values, code=task.code))
 
 
 def shipped_suite() -> Path:
-    """The folder of mpmfw's own cases: installed with it, or in the checkout that it runs from."""
+    """Return the folder of mpmfw's own cases: installed with it, or in the checkout that it runs from."""
     package = Path(__file__).parents[1]
     installed = package / "cases"
     return installed if installed.is_dir() else package.parents[1] / "validation"
 
 
 def suite_of(given: Path | None) -> Path:
-    """The folder of a suite: as it is given, or one of mpmfw's own by name, such as ``hard``; without one, all of mpmfw's own
-    cases that are in no such folder."""
+    """Return the folder of a suite: as given, one of mpmfw's own by name, such as ``hard``, or its main one."""
     if given is None or given.is_dir():
         return given or shipped_suite()
     own = shipped_suite() / given
@@ -71,26 +121,20 @@ def suite_of(given: Path | None) -> Path:
 
 
 def find_cases(suite: Path, names: Sequence[str] = ()) -> list[Path]:
-    """Folders of the suite with a ``case.toml`` or a ``check.py``: all, or the named ones.
+    """Return the folders of the suite with a ``test_*.py``: all, or the named ones.
 
     Raises
     ------
     SceneError
-        There is no such suite, or no such case, or one has both files.
+        There is no such suite, or no such case.
     """
     if not suite.is_dir():
         raise SceneError(
-            f"--suite {suite}: there is no such folder; expected one with a folder for each case, "
-            "such as validation/ of the mpmfw repository"
+            f"--suite {suite}: there is no such folder; expected one with a folder for each case"
         )
-    known = {file.parent.name: file.parent for name in CHECKS for file in suite.glob(f"*/{name}")}
+    known = {file.parent.name: file.parent for file in sorted(suite.glob("*/test_*.py"))}
     if not known:
-        raise SceneError(f"--suite {suite}: no folder in it has a {' or a '.join(CHECKS)}")
-    for folder in known.values():
-        if all((folder / check).is_file() for check in CHECKS):
-            raise SceneError(
-                f"{folder}: has a {' and a '.join(CHECKS)}, and one would have no effect; leave one of them out"
-            )
+        raise SceneError(f"--suite {suite}: no folder in it has a test_*.py")
     for name in names:
         if name not in known:
             near = get_close_matches(name, known, n=1)
@@ -107,40 +151,29 @@ def run_cases(
     progress: Progress | None = None,
     *,
     executor: Any = None,
-    command: str = "mpmfw.validation.run_cases",
+    command: str = "",
     force: bool = False,
 ) -> list[CaseResult]:
-    """Run cases, each in a process of its own, and save their figures; those that are done, by today's code, are not run again.
+    """Run cases, longest first, and save their figures; those that today's code has done are not run again.
 
     Parameters
     ----------
-    cases
-        Folders, of :func:`find_cases`.
-    output
-        Folder for the figures, made if it is not there; results are kept in its folder ``runs``.
-    quick
-        Run the reduced versions.
-    jobs, executor
-        As :func:`mpmfw.campaign` takes them, but that no case runs in this process: one that brings down its own takes no
-        other with it.
-    progress
-        Called with an :class:`mpmfw.campaigns.running.Event` after each case.
+    cases, output
+        Folders of cases, and the one for the figures; results are kept in its folder ``runs``.
+    jobs, executor, progress
+        As :func:`mpmfw.campaign` takes them; each case has a process of its own.
     command
-        What the results are said to be written by.
+        The command that the results name.
     force
         Run cases again that are done.
-
-    Returns
-    -------
-    list of CaseResult
-        In the order of ``cases``.
     """
     output.mkdir(parents=True, exist_ok=True)
     runner = executor_of(executor, jobs) if executor is not None else Pool(jobs, fresh=True)
     store, code = Store(output / "runs"), code_of_plugins()
+    by = f"`{command}` on {runner.cores}"
     tasks = {
-        folder: CaseTask(_key(folder, quick), folder.name, folder, output, quick, command, runner.cores, code)
-        for folder in _longest_first(cases)
+        folder: CaseTask(_key(folder, quick), folder.name, folder, output, quick, by, code)
+        for folder in sorted(cases, key=_cost, reverse=True)
     }
     for task in tasks.values():
         if force or not _drawn(store, task.key, output):
@@ -151,57 +184,39 @@ def run_cases(
 
 
 def kept(cases: Iterable[Path], output: Path, quick: bool) -> list[CaseResult]:
-    """What earlier runs of these cases, reduced or full, found with the code of today, in the order of ``cases``."""
+    """Return what earlier runs of these cases found with today's code."""
     store = Store(output / "runs")
     keys = {folder: _key(folder, quick) for folder in cases}
     return [_result(f, output, store.outcome(key)) for f, key in keys.items() if _drawn(store, key, output)]
 
 
 def _drawn(store: Store, key: str, output: Path) -> bool:
-    """Whether a case is done and its figures are there."""
+    """Return whether a case is done and its figures are there."""
     outcome = store.outcome(key)
-    return outcome is not None and all(
-        (output / name).is_file() for name in outcome.values.get("figures", ())
-    )
+    names = outcome.values.get("figures", ()) if outcome is not None else ()
+    return outcome is not None and all((output / name).is_file() for name in names)
 
 
 def _key(folder: Path, quick: bool) -> str:
-    """A name for the run of a case: the same for the same files of it and of the suite, code and libraries."""
+    """Return a key that changes with the files of the case and of its suite, with the code and with libraries."""
     inner = [path for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts]
-    shared = [*folder.parent.glob("*.py"), *_like(folder)]
-    parts = [f"{name} {is_}" for name, is_ in sorted(code_of_plugins().items())]
-    return digest(folder.name, str(quick), sources([*inner, *shared]), package("mpmfw"), *parts)
+    parts = [f"{name} {version}" for name, version in sorted(code_of_plugins().items())]
+    files = sources([*inner, *folder.parent.glob("*.py")])
+    return digest(folder.name, str(quick), files, package("mpmfw"), *parts)
 
 
-def _like(folder: Path) -> list[Path]:
-    """The file that a case's tables go on from, if there is one."""
-    named = _said(folder, r"like = \"([^\"]+)\"")
-    return [folder / named] if named and (folder / named).is_file() else []
+def _cost(folder: Path) -> float:
+    """Return the CPU seconds that a case says it takes, ``# cost: 60``."""
+    for file in folder.glob("test_*.py"):
+        if found := re.search(r"^# cost: *([0-9.]+)", file.read_text(encoding="utf-8"), re.MULTILINE):
+            return float(found.group(1))
+    return 10.0
 
 
 def _result(folder: Path, output: Path, outcome: Outcome | None) -> CaseResult:
     if outcome is None or not outcome.values:
-        error = "it was not run" if outcome is None else outcome.status
-        return CaseResult(folder, (), (), f"{error}\n", 0.0)
-    known = dict(outcome.values)
-    rows = tuple(Row(**row) for row in known.pop("rows"))
-    figures = tuple(output / name for name in known.pop("figures"))
-    return CaseResult(folder, rows, figures, **known)
-
-
-def _longest_first(cases: Iterable[Path]) -> list[Path]:
-    """By the CPU seconds that a case says it takes (``cost = 60`` in its table, ``# cost: 60`` in its check.py), so that no
-    long one is left to run alone at the end."""
-    return sorted(cases, key=_cost, reverse=True)
-
-
-def _cost(folder: Path) -> float:
-    found = _said(folder, r"(?:# cost:|cost =) *([0-9.]+)")
-    return float(found) if found else 10.0
-
-
-def _said(folder: Path, line: str) -> str | None:
-    """What the group of a pattern is in a line of a case's file."""
-    file = next(folder / name for name in CHECKS if (folder / name).is_file())
-    found = re.search(f"^{line}", file.read_text(encoding="utf-8"), re.MULTILINE)
-    return found.group(1) if found else None
+        return CaseResult(folder, error="it was not run" if outcome is None else outcome.status)
+    values = dict(outcome.values)
+    rows = tuple(Row(**row) for row in values.pop("rows"))
+    figures = tuple(output / name for name in values.pop("figures"))
+    return CaseResult(folder, rows, figures, **values)

@@ -1,0 +1,109 @@
+"""Plug-in of pytest for validation cases: fixtures ``case``, ``run`` and ``runs``, and a verdict on the gates of each test.
+
+``pytest -p mpmfw.validation.plugin validation/hertz [--quick]`` runs one case; ``mpmfw validate`` runs all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from mpmfw.errors import SceneError, SimulationError
+from mpmfw.validation.case import CaseRun, Runs, RunSet
+from mpmfw.validation.rows import Case, Verdict
+
+#: Of this process: the cases whose tests have run.
+CASES: list[Case] = []
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add ``--quick``."""
+    parser.addoption("--quick", action="store_true", help="Run the reduced version of validation cases.")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Announce the marks of cases."""
+    for mark in ("full", "quick", "runs(runs)", "together(runs, ...)", "known_red(method, quantity, reason)"):
+        config.addinivalue_line("markers", mark)
+
+
+def _version(config: pytest.Config) -> str:
+    return "quick" if config.getoption("--quick") else "full"
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """Make a test of each run."""
+    mark = metafunc.definition.get_closest_marker("runs")
+    if mark is not None:
+        points = mark.args[0].points(_version(metafunc.config))
+        names = [" | ".join(filter(None, (p.at, v.at, str(m)))) for p, v, m in points]
+        metafunc.parametrize("run", points, indirect=True, ids=names)
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out tests of the other version."""
+    other = "full" if _version(config) == "quick" else "quick"
+    left_out = [item for item in items if item.get_closest_marker(other)]
+    config.hook.pytest_deselected(items=left_out)
+    items[:] = [item for item in items if item not in left_out]
+
+
+@pytest.fixture(scope="module")
+def case(request: pytest.FixtureRequest) -> Case:
+    """Return the case that the module's tests record."""
+    CASES.append(Case(request.path.parent, request.config.getoption("--quick")))
+    return CASES[-1]
+
+
+@pytest.fixture
+def run(request: pytest.FixtureRequest, case: Case) -> CaseRun:
+    """Run one point of the test's runs; one that fails keeps its row, red if a gate binds it."""
+    runs: Runs = request.node.get_closest_marker("runs").args[0]
+    place, version, method = request.param
+    try:
+        return runs.start(case, place, version, method)
+    except (SimulationError, SceneError) as error:
+        gates = method.recommended or method.matches(*runs.binds)
+        binds = gates and version.change is None and not place.is_open("run", method)
+        case.failed(method, str(error), binds, ", ".join(filter(None, (place.at, version.at))))
+        judge(request.node, case, len(case.rows) - 1)
+        pytest.skip(str(error))
+
+
+@pytest.fixture
+def runs(request: pytest.FixtureRequest, case: Case) -> RunSet:
+    """Return all runs that the test takes together; it is skipped if some were deselected."""
+    taken = request.node.get_closest_marker("together").args
+    now = "quick" if case.quick else "full"
+    if any(runs.started < len(runs.points(now)) for runs in taken):
+        pytest.skip("some of its runs were deselected")
+    return RunSet(run for runs in taken for run in runs.done)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> Generator[None, Any, Any]:
+    """Judge the rows that a test has recorded."""
+    case = pyfuncitem.funcargs.get("case")
+    assert case is None or isinstance(case, Case)
+    start = len(case.rows) if case else 0
+    result = yield
+    if case:
+        judge(pyfuncitem, case, start)
+    return result
+
+
+def judge(item: pytest.Item, case: Case, start: int) -> None:
+    """Fail a test with red gates, or known red ones that hold; mark it as expected to fail with known ones alone."""
+    known = {mark.args[:2]: mark.args[2] for mark in item.iter_markers("known_red")}
+    found = [replace(row, reason=known.get((row.method, row.quantity), "")) for row in case.rows[start:]]
+    case.rows[start:] = found
+    wrong = [f"red: {row}" for row in found if row.verdict is Verdict.RED]
+    if wrong:
+        item.user_properties.append(("gates", wrong))
+        pytest.fail("\n".join(wrong), pytrace=False)
+    expected = [row.reason for row in found if row.verdict is Verdict.KNOWN]
+    if expected:
+        pytest.xfail("; ".join(dict.fromkeys(expected)))

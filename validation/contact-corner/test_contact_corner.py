@@ -1,0 +1,103 @@
+"""Free expansion at a contact corner: slope of the sides' displacement over the strain, for every method."""
+# cost: 100
+
+import expansion
+
+from mpmfw.validation import SHAPES, Place, Runs, full, methods, together
+
+MASTER = {"contact.bardenhagen.normal": "master"}
+SLOPES = ("mid-height", "bottom corners", "top corners")
+#: Loading is slow enough if half the speed gives the same slopes.
+SLOWLY = {
+    "time.end": 0.02,
+    "time.output_interval": 0.0004,
+    "bodies.bottom.sides": [{"side": "bottom", "velocity": [0.0, 0.005]}],
+    "bodies.top.sides": [{"side": "top", "velocity": [0.0, -0.005]}],
+}
+
+
+def place(at, offset, size=0.0005):
+    """Return cells of a size, the block's left side at −5 mm + so many cells, the lower contact at −5 mm + 0.13 cells."""
+    side, below = -0.005 + offset * size, -0.005 + 0.13 * size
+    above = below + 0.01
+    corners = {
+        "block": ([side, below], [side + 0.01, above]),
+        "bottom": ([-0.008, below - 0.003], [0.008, below]),
+        "top": ([-0.008, above], [0.008, above + 0.003]),
+    }
+    values = {"grid.cell_size": size}
+    for body, (lower, upper) in corners.items():
+        values |= {f"bodies.{body}.geometry.lower": lower, f"bodies.{body}.geometry.upper": upper}
+    return Place(at, values)
+
+
+every = Runs(
+    "methods",
+    methods=[
+        *methods(["penalty", "bardenhagen"], SHAPES, when="full"),
+        *methods(
+            ["bardenhagen"],
+            ["cpdi", "gimp"],
+            settings={
+                "stiffer body's normal": MASTER,
+                "stiffer body's normal, position": {**MASTER, "contact.bardenhagen.criterion": "position"},
+            },
+            when="full",
+        ),
+        *methods(["none"], SHAPES, when="full"),
+        *methods(when="quick"),
+    ],
+    places=[place("", 0.23)],
+)
+half_speed = Runs("half speed", places=[Place("", {**place("", 0.23).set, **SLOWLY})], when="full")
+#: Other places within a cell, gated at the scene's cell size, and other cell sizes, shown.
+offsets = Runs(
+    "offsets",
+    places=[place(f", h = 0.5 mm, side at {offset:g} h", offset) for offset in (0, 0.5, 0.75)],
+    when="full",
+)
+sizes = Runs(
+    "sizes",
+    places=[
+        place(f", h = {1e3 * size:g} mm, side at {offset:g} h", offset, size)
+        for size in (0.001, 0.0007)
+        for offset in (0.23, 0, 0.5, 0.75)
+    ],
+    when="full",
+)
+
+
+def slopes(run):
+    """Record the slopes at three heights."""
+    for key in SLOPES:
+        run.gate(f"slope, {key}, error{run.place.at}", run.of(expansion.slopes, key), 0.0, 5.0, "%")
+
+
+@every
+def test_every(run):
+    slopes(run)
+    run.gate("kinetic over strain energy, at most", run.of(expansion.slopes, "energy"), unit="%")
+
+
+@half_speed
+def test_half_speed(run):
+    run.gate("kinetic over strain energy, at half the speed", run.of(expansion.slopes, "energy"), unit="%")
+
+
+@offsets
+def test_offsets(run):
+    slopes(run)
+
+
+@sizes
+def test_sizes(run):
+    worst = run.of(expansion.slopes, "worst")
+    run.gate(f"slope, worst error{run.place.at}", worst, 0.0, 5.0, "%", binds=False)
+
+
+@full
+@together(every, half_speed)
+def test_change(case, runs):
+    for key in SLOPES:
+        value = runs.of(expansion.change, key)
+        case.gate(f"slope, {key}, change at half the speed", value, 0.0, unit="%", method="penalty, cpdi")

@@ -1,0 +1,144 @@
+"""Contact stress under a block: σ_yy = −p at the interface, for every method and for wrong surface-to-grid maps."""
+# cost: 50
+
+from math import inf
+
+import drawn
+import measures
+
+from mpmfw.validation import RECOMMENDED, SHAPES, Place, Runs, full, methods, together
+
+GIVEN = {"contact.bardenhagen.normal": "specified", "contact.bardenhagen.direction": [0.0, 1.0]}
+WRONG = {"wrong map": {"contact.penalty.map": "mass_weighted"}}
+UNLIKE = {"bodies.upper.particles.size": "0.45 cells", "bodies.upper.segment": "0.22 cells"}
+#: Methods that run at every offset: the recommended ones, and classical contact in both forms.
+EVERYWHERE = [
+    *methods(shape=RECOMMENDED),
+    *methods(["bardenhagen"], settings={"": {}, "normal given": GIVEN}),
+]
+
+
+def place(at, size, lower, upper):
+    """Return cells of a size with the interface at a height, and the top of the upper block."""
+    values = {
+        "grid.cell_size": size,
+        "bodies.lower.geometry.upper": [1.0, lower],
+        "bodies.upper.geometry.lower": [0.0, lower],
+        "bodies.upper.geometry.upper": [1.0, upper],
+    }
+    return Place(at, values)
+
+
+every = Runs(
+    "methods",
+    methods=[
+        *methods(shape=SHAPES, when="full"),
+        *methods(shape=RECOMMENDED, settings={"unlike points and segments": UNLIKE}, when="full"),
+        *methods(
+            shape=["linear", "gimp"], settings={"plain map": {"contact.penalty.map": "plain"}}, when="full"
+        ),
+        *methods(shape=["bspline"], settings=WRONG, when="full"),
+        *methods(
+            ["bardenhagen"],
+            SHAPES,
+            settings={
+                "": {},
+                "normal given": GIVEN,
+                "normal given, position": {**GIVEN, "contact.bardenhagen.criterion": "position"},
+            },
+            when="full",
+        ),
+        *methods(["none"], SHAPES, when="full"),
+        *methods(when="quick"),
+    ],
+    places=[place("at 0.37 h", 0.1, 1.037, 2.037)],
+)
+#: The case has to tell a wrong map: it must miss the limit that the right one keeps.
+wrong = Runs(
+    "methods",
+    methods=[
+        *methods(shape=RECOMMENDED, settings=WRONG, when="full"),
+        *methods(settings=WRONG, when="quick"),
+    ],
+    places=every.places,
+    binds=["*"],
+)
+higher = Runs("higher", methods=EVERYWHERE, places=[place("at 0.81 h", 0.1, 1.081, 2.081)], when="full")
+higher_wrong = Runs(
+    "higher",
+    methods=methods(shape=RECOMMENDED, settings=WRONG),
+    places=higher.places,
+    binds=["*"],
+    when="full",
+)
+#: The interface is kept at the same place within a cell.
+convergence = Runs(
+    "convergence",
+    methods=EVERYWHERE,
+    places=[
+        place("h = 0.2 m", 0.2, 1.074, 2.074),
+        place("h = 0.1 m", 0.1, 1.037, 2.037),
+        place("h = 0.05 m", 0.05, 1.0185, 2.0185),
+    ],
+    when="full",
+)
+
+
+@every
+def test_every(run):
+    right_map(run)
+
+
+@higher
+def test_higher(run):
+    right_map(run)
+
+
+@wrong
+def test_wrong(run):
+    wrong_map(run)
+
+
+@higher_wrong
+def test_higher_wrong(run):
+    wrong_map(run)
+
+
+def right_map(run):
+    """Record the stress at the interface."""
+    mean, most, off = (run.of(measures.stress, key) for key in ("mean", "departure", "off the walls"))
+    at = run.place.at
+    run.gate(f"mean σ_yy, error, {at}", mean, 0.0, 3.0, "%")
+    run.gate(f"largest departure, {at}", most, 0.0, (0.0, 3.0), "%")
+    run.gate(f"largest departure off the walls, {at}", off, 0.0, (0.0, 3.0), "%", binds=False)
+
+
+def wrong_map(run):
+    """Record that a wrong map is seen."""
+    off = run.of(measures.stress, "off the walls")
+    run.gate(f"departure off the walls, must be seen, {run.place.at}", off, "", (3.0, inf), "%", binds=True)
+
+
+@convergence
+def test_convergence(run):
+    run.gate(f"L2 error of σ_yy, {run.place.at}", run.of(measures.stress, "l2"), 0.0, unit="%")
+
+
+@full
+@together(convergence)
+def test_orders(case, runs):
+    for method, same in runs.by_method():
+        for quantity, key in (("L2 error of σ_yy", "l2"), ("departure off the walls", "off the walls")):
+            case.gate(f"observed order, {quantity}", same.of(measures.orders, key), method=method)
+
+
+@full
+@together(every, wrong)
+def test_figure(case, runs):
+    case.figure("", drawn.interface(runs))
+
+
+@full
+@together(convergence)
+def test_figure_convergence(case, runs):
+    case.figure("convergence", drawn.convergence(runs))

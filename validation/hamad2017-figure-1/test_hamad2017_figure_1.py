@@ -1,0 +1,119 @@
+"""Rolling cylinder, figure 1 of [H17]: displacement, velocity and spin, with slip and without, with every method."""
+# cost: 195
+
+from math import inf
+
+import drawing
+import rolling
+
+from mpmfw.validation import CONTACTS, RECOMMENDED, SHAPES, Runs, methods, together
+
+LUMPED = "*, rotation = lumped"
+SETTLED = {"settled under the tilted normal load": {"settle.gravity": {"vector": [0.0, -5.0]}}}
+METHODS = [
+    *methods(CONTACTS, SHAPES, when="full"),
+    *methods(
+        shape=RECOMMENDED, settings={"rotation = lumped": {"bodies.cylinder.rotation": "lumped"}}, when="full"
+    ),
+    # [H17] with increments that add up below Coulomb's cap, and to the letter.
+    *methods(
+        ["hamad2017"],
+        settings={"": {}, "literal": {"contact.hamad2017.friction_law": "literal"}},
+        when="full",
+    ),
+    *methods(
+        ["bardenhagen"],
+        SHAPES,
+        settings={"criterion = position": {"contact.bardenhagen.criterion": "position"}},
+        when="full",
+    ),
+    # Specified: out of the cylinder, the pair's first body, the normal that the two surfaces really have.
+    *methods(
+        ["bardenhagen"],
+        settings={
+            "normal = master": {"contact.bardenhagen.normal": "master"},
+            "position and specified normal": {
+                "contact.bardenhagen.criterion": "position",
+                "contact.bardenhagen.normal": "specified",
+                "contact.bardenhagen.direction": [0.0, -1.0],
+            },
+        },
+        when="full",
+    ),
+    *methods(["penalty", "bardenhagen"], when="quick"),
+]
+BINDS = ["bardenhagen, cpdi", "penalty, cpdi, rotation = lumped", "penalty, cpdi2, rotation = lumped"]
+
+slip = Runs("slip", "rolling-cylinder-slip", METHODS, set=rolling.SERIES_ONLY, binds=BINDS)
+no_slip = Runs("no slip", "rolling-cylinder-no-slip", METHODS, set=rolling.SERIES_ONLY, binds=BINDS)
+#: Where the sudden tilt changes nothing normal to the plane: the cylinder settles under g cos 60° towards it.
+settled = Runs(
+    "settled",
+    "rolling-cylinder-slip",
+    [*methods(shape=RECOMMENDED, settings=SETTLED), *methods(["bardenhagen"], settings=SETTLED)],
+    set=rolling.SERIES_ONLY,
+    binds=["penalty, *"],
+    when="full",
+)
+
+
+def bound(run):
+    """Return whether gates bind a run: penalty contact, with the rotation corrected and without."""
+    return run.method.recommended or run.method.matches(*BINDS[1:])
+
+
+@slip
+def test_slip(run):
+    spin = 12.0 if run.method.matches(LUMPED) else 5.0
+    for quantity, key, reference, tolerance, unit in (
+        ("displacement at 10 m, error", "displacement", 0.0, 2.0, "%"),
+        ("fitted acceleration, error", "acceleration", 0.0, 0.2, "%"),
+        ("spin at 10 m, error", "spin", 0.0, spin, "%"),
+        ("fitted angular acceleration, error", "angular acceleration", 0.0, None, "%"),
+        ("mean penetration", "penetration", "", (0.0, 0.03), "h"),
+    ):
+        value = run.of(rolling.errors, key, roll="slip")
+        run.gate(f"slip: {quantity}", value, reference, tolerance, unit, binds=bound(run))
+    as_published(run, "slip")
+
+
+@settled
+def test_settled(run):
+    displacement, angular = (
+        run.of(rolling.errors, key, roll="slip") for key in ("displacement", "angular acceleration")
+    )
+    binds = run.method.matches("penalty, *")
+    run.gate("slip: displacement at 10 m, error", displacement, 0.0, 1.0, "%", binds=binds)
+    run.gate("slip: fitted angular acceleration, error", angular, 0.0, unit="%")
+
+
+@no_slip
+def test_no_slip(run):
+    for quantity, key, tolerance in (
+        ("displacement at 10 m, error", "displacement", 2.5 if run.method.matches(LUMPED) else 0.5),
+        ("fitted acceleration, error", "acceleration", None),
+        ("spin at 10 m, error", "spin", None),
+        ("fitted angular acceleration, error", "angular acceleration", None),
+    ):
+        value = run.of(rolling.errors, key, roll="no slip")
+        run.gate(f"no slip: {quantity}", value, 0.0, tolerance, "%", binds=bound(run))
+    as_published(run, "no slip")
+
+
+def as_published(run, roll):
+    """Record the gap, and what [H17] reports of the classical contact in its plain form."""
+    gap, behind = (run.of(rolling.errors, key, roll=roll) for key in ("gap", "displacement"))
+    if not run.method.matches("bardenhagen, cpdi"):
+        run.gate(f"{roll}: gap at the end", gap, unit="h")
+        return
+    said = "fig. 1, 2 of [H17]"
+    run.gate(f"{roll}: gap at the end", gap, said, (0.5, 1.1), "h", binds=True)
+    run.gate(f"{roll}: displacement behind, as published", behind, said, (-inf, -3.0), "%", binds=True)
+
+
+@together(slip, no_slip)
+def test_figure(case, runs):
+    case.figure("", drawing.published(runs))
+    case.figure("spin", drawing.spins(runs))
+    if not case.quick:
+        case.figure("shapes", drawing.shapes(runs))

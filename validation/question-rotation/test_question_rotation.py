@@ -1,0 +1,139 @@
+"""Question: what the rotational inertia of the grid costs.
+
+Rotational inertia by local spin, exact and lumped: rolling over offsets of the grid's origin and over cell sizes. Errors
+are of the rigid cylinder; where the converged elastic one is known, its departure is the reference, as in
+rolling-convergence.
+"""
+# cost: 230
+
+import rolling
+import treatments
+
+from mpmfw.validation import Place, Runs, full, methods, together
+
+TREATMENTS = {
+    "": {},
+    "exact": {"bodies.cylinder.rotation": "exact"},
+    "lumped": {"bodies.cylinder.rotation": "lumped"},
+}
+OFFSETS = {"(0, 0)": [-1.6, -1.6], "(0.37, 0.21)": [-1.748, -1.6840000000000002]}
+ELASTIC = {
+    ("no slip", "acceleration"): "rigid 0 %, elastic -0.2 %",
+    ("slip", "angular acceleration"): "rigid 0 %, elastic -1.25 %",
+}
+LUMPING = {0.8: "ε/3 = 6.94 %", 0.4: "ε/3 = 1.74 %", 0.2: "ε/3 = 0.434 %"}
+
+
+def cells(roll, size, offsets=("(0, 0)",), treatments=tuple(TREATMENTS), when="full"):
+    """Return the runs of one roll with one cell size."""
+    places = [
+        Place(f"{roll}, h = {size} m, offset {at} h", {"grid.cell_size": size, "grid.lower": OFFSETS[at]})
+        for at in offsets
+    ]
+    return Runs(
+        f"{roll}, {size} m",
+        f"rolling-cylinder-{roll.replace(' ', '-')}",
+        methods(settings={name: TREATMENTS[name] for name in treatments}),
+        places,
+        set=rolling.SERIES_ONLY,
+        when=when,
+    )
+
+
+no_slip_8 = cells("no slip", 0.8, when="")
+no_slip_4, slip_4 = cells("no slip", 0.4, OFFSETS), cells("slip", 0.4, OFFSETS)
+no_slip_2, slip_2 = cells("no slip", 0.2), cells("slip", 0.2, treatments=("", "exact"))
+
+
+def errors(run):
+    """Record the errors of a run."""
+    roll = run.runs.partition(",")[0]
+    for quantity, key in (
+        ("displacement at 10 m", "displacement"),
+        ("fitted acceleration", "acceleration"),
+        ("spin at 10 m", "spin"),
+        ("fitted angular acceleration", "angular acceleration"),
+    ):
+        value, reference = run.of(rolling.errors, key, roll=roll), ELASTIC.get((roll, key), 0.0)
+        run.gate(f"{run.place.at}: {quantity}, error", value, reference, unit="%")
+
+
+@no_slip_8
+def test_no_slip_8(run):
+    errors(run)
+
+
+@no_slip_4
+def test_no_slip_4(run):
+    errors(run)
+
+
+@slip_4
+def test_slip_4(run):
+    errors(run)
+
+
+@no_slip_2
+def test_no_slip_2(run):
+    errors(run)
+
+
+@slip_2
+def test_slip_2(run):
+    errors(run)
+
+
+def causal(case, runs, at):
+    """Record that the local spin correction, which is causal, rolls as the exact one, which is not."""
+    for key, most in (("acceleration", 0.3), ("angular acceleration", 0.5)):
+        value = runs.of(treatments.apart, name=key)
+        case.gate(f"{at}: fitted {key}, spin less exact", value, 0.0, most, "%")
+
+
+def gained(case, runs, size):
+    """Record what lumping costs without slip, beside ε/3."""
+    for rotation, method in (("spin", "penalty, cpdi"), ("exact", "penalty, cpdi, exact")):
+        value = runs.of(treatments.gained, rotation=rotation)
+        quantity = f"no slip, h = {size} m: acceleration gained over lumped"
+        case.gate(quantity, value, LUMPING[size], unit="%", method=method)
+
+
+@together(no_slip_8)
+def test_together_8(case, runs):
+    causal(case, runs, "no slip, h = 0.8 m")
+    if not case.quick:
+        gained(case, runs, 0.8)
+
+
+@full
+@together(no_slip_4)
+def test_together_4(case, runs):
+    causal(case, runs, "no slip, h = 0.4 m")
+    gained(case, runs, 0.4)
+    for rotation in ("spin", "exact"):
+        for quantity, key in (
+            ("displacement at 10 m", "displacement"),
+            ("fitted acceleration", "acceleration"),
+        ):
+            value = runs.of(treatments.mended, rotation=rotation, name=key)
+            quantity = f"no slip, h = 0.4 m: {quantity}, error of {rotation} over that of lumped"
+            case.gate(quantity, value, "below 1", (0.0, 0.5))
+
+
+@full
+@together(no_slip_2)
+def test_together_2(case, runs):
+    causal(case, runs, "no slip, h = 0.2 m")
+    gained(case, runs, 0.2)
+
+
+@full
+@together(slip_4)
+def test_together_slip_4(case, runs):
+    causal(case, runs, "slip, h = 0.4 m")
+
+
+@full
+@together(slip_2)
+def test_together_slip_2(case, runs):
+    causal(case, runs, "slip, h = 0.2 m")

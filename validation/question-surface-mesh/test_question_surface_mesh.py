@@ -1,0 +1,99 @@
+"""Question: refinement of the surface mesh.
+
+Both bodies of every scene with segments of h/8 to 2h, in rolling, static contact stress and an impact. Lengths between
+the powers of two put the blocks' nodes off the grid's: 34, 25, 15 and 8 segments over ten cells. Gates bind up to the
+longest that the guide recommends.
+"""
+# cost: 70
+
+import questions
+from rolling import SERIES_ONLY
+
+from mpmfw.validation import Runs, methods
+
+POWERS = (0.125, 0.25, 0.5, 1, 2)
+BOUND = [f"*, segments {length} h" for length in (0.125, 0.25, 0.3, 0.4, 0.5)]
+
+
+def segments(bodies, lengths=POWERS, when=""):
+    """Return segments of each length [h] on both bodies."""
+    settings = {
+        f"segments {length} h": {f"bodies.{body}.segment": f"{length} cells" for body in bodies}
+        for length in lengths
+    }
+    return methods(settings=settings, when=when)
+
+
+BLOCKS, ROLL, RINGS = ("lower", "upper"), ("cylinder", "plane"), ("left", "right")
+HALF_CELLS = {f"bodies.{ring}.particles.size": "0.5 cells" for ring in RINGS}
+OUTPUT = {"output.particles": False, "output.ledger": False}
+
+blocks = Runs(
+    "blocks",
+    "../contact-stress/scene.toml",
+    [
+        *segments(BLOCKS, (0.125, 0.25, 0.3, 0.4, 0.5, 0.7, 1, 1.4, 2), "full"),
+        *segments(BLOCKS, (0.25, 1), "quick"),
+    ],
+    binds=BOUND,
+)
+rolling = Runs(
+    "rolling",
+    "rolling-cylinder-slip",
+    [*segments(ROLL, when="full"), *segments(ROLL, (0.25, 1), "quick")],
+    set={**SERIES_ONLY, "time.output_interval": 0.002},
+    quick={"grid.cell_size": 0.8},
+)
+rings = Runs("rings", "colliding-rings", segments(RINGS), set={**OUTPUT, **HALF_CELLS}, when="full")
+#: κ = 1 instead of the shipped 0.25: whether long segments or stiff springs make the noise.
+stiff_rings = Runs(
+    "stiff rings",
+    "colliding-rings",
+    segments(RINGS),
+    set={**OUTPUT, **HALF_CELLS, "contact.penalty.kappa": 1.0},
+    when="full",
+)
+
+
+@blocks
+def test_blocks(run):
+    most, off = (run.of(questions.of_blocks, key) for key in ("departure", "off the walls"))
+    binds = run.method.matches(*BOUND)
+    run.gate("blocks: largest departure of σ_yy", most, 0.0, (0.0, 3.0), "%", binds=binds)
+    run.gate("blocks: largest departure off the walls", off, 0.0, unit="%")
+
+
+@rolling
+def test_rolling(run):
+    for quantity, key, reference, unit in (
+        ("displacement, error", "displacement", 0.0, "%"),
+        ("acceleration, error", "acceleration", 0.0, "%"),
+        ("spin, error", "spin", 0.0, "%"),
+        ("mean penetration", "penetration", "", "h"),
+        ("CPU time of a step", "step", "", "ms"),
+        ("share of contact", "share", "", "%"),
+    ):
+        value = run.of(questions.of_rolling, key, roll="slip")
+        run.gate(f"rolling: {quantity}", value, reference, unit=unit)
+    run.gate("rolling: noise of the normal force", run.of(questions.rolling_noise), unit="%")
+
+
+IMPACT = (
+    ("impulse curve, largest error", "impulse_curve_error", "%"),
+    ("force over 100 us, L2 error", "force_error_100us", ""),
+    ("noise of the force", "noise", "%"),
+    ("largest penetration", "largest_penetration", "h"),
+    ("CPU time of a step", "step", "ms"),
+)
+
+
+@rings
+def test_rings(run):
+    for quantity, key, unit in IMPACT:
+        run.gate(f"rings: {quantity}", run.of(questions.of_rings, key), unit=unit)
+
+
+@stiff_rings
+def test_stiff_rings(run):
+    for quantity, key, unit in IMPACT[:3]:
+        run.gate(f"rings, kappa 1: {quantity}", run.of(questions.of_rings, key), unit=unit)
