@@ -96,6 +96,7 @@ def _check_places(cases: Sequence[Path], output: Path, document: Path | None, fo
     """Check that the folder and the page can be written without loss of a file."""
     from mpmfw.campaigns.own_files import own_files
     from mpmfw.results.replacing import check_new
+    from mpmfw.validation.page import BEGIN
 
     if output.exists() and not output.is_dir():
         raise SceneError(f"--output {output}: is a file; give the name of a folder")
@@ -111,7 +112,8 @@ def _check_places(cases: Sequence[Path], output: Path, document: Path | None, fo
         return
     if document.suffix != ".md":
         raise SceneError(f"--document {document}: expected a name that ends in .md")
-    check_new(check_writable(document), force)
+    marked = document.is_file() and BEGIN in document.read_text(encoding="utf-8")
+    check_new(check_writable(document), force or marked)
 
 
 def _command(
