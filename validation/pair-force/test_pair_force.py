@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mpmfw.contact.springs import add_friction
 from mpmfw.contact.surfaces.assembly import SurfaceTable, assemble
 from mpmfw.contact.surfaces.candidates import Candidates
 from mpmfw.contact.surfaces.detection import SurfaceRows
@@ -17,15 +18,15 @@ from mpmfw.kernels.facets import segment_coordinate
 from mpmfw.kernels.pair_table import pair_table
 from mpmfw.state.fields import FloatArray
 from mpmfw.validation import Case
-from mpmfw_contact._springs import spring_forces
+from mpmfw_contact.penalty import PenaltyLaw, spring_forces
 
 # Only an error of the closed form is left: the step's truncation is h² / l² ~ 1e-12, its rounding 1e-16 / h ~ 1e-10.
 STEP = 1e-6  # of the central differences, in segment lengths
 VARIATION, BALANCE = 1e-8, 1e-14
 STIFFNESS, FRICTION = 1e4, 0.3  # N/m², 1: of the kernel's own call
 
-#: Arrays of the law's own.
-OWN = {"effective_area": 0, "rest": 0, "k": 0, "tangent_k": 0, "moved": 1, "tangential": 1}
+#: Arrays of the law.
+OWN = PenaltyLaw().row_arrays(friction=True)
 
 Rows = dict[str, FloatArray]
 
@@ -156,9 +157,11 @@ def kernel_force(points: FloatArray, moved: FloatArray) -> FloatArray:
     old = SurfaceRows(2, couples=True, own=OWN)
     rows.previous[:] = -1
     rows.own.k[:] = rows.own.effective_area[:] = STIFFNESS
+    rows.own.entered[:] = 1.0
     records = Records(**{name: np.zeros((1, 2) if name == "impulse" else 1) for name in Records.member_names})
     rows.set(friction=np.full(len(rows.gap), FRICTION))
-    spring_forces(rows, 1, rows.own, old, 0, old.own, 1.0, 0.0, np.inf, records, np.zeros(1))
+    spring_forces(rows, 1, rows.own, old, 1.0, 0.0, np.inf, records)
+    add_friction(rows, 1, rows.own, old, 0, old.own, records, np.zeros(1))
     force = np.zeros((3, 2))
     rows.add_to(force, (1.0, 1.0))
     return force
