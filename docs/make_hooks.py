@@ -9,7 +9,7 @@ import inspect
 import re
 from pathlib import Path
 
-from mpmfw.plugin.hooks import hook_names, make_manager
+from mpmfw.plugin.hooks import HOOKS, make_manager
 from mpmfw.plugin.hookspecs import HookSpecs
 
 PAGE = Path(__file__).with_name("hooks.md")
@@ -37,11 +37,11 @@ that says *first answer counts*, the first answer that is not `None` is taken an
 
 def page() -> str:
     """The whole page."""
-    return "\n".join([HEAD, _summary(), *(_section(name) for name in hook_names())]).rstrip() + "\n"
+    return "\n".join([HEAD, _summary(), *(_section(name) for name in HOOKS)]).rstrip() + "\n"
 
 
 def _summary() -> str:
-    rows = [f"| [`{name}`](#{name}) | {' | '.join(_when_and_what(name))} |" for name in hook_names()]
+    rows = [f"| [`{name}`](#{name}) | {' | '.join(_when_and_what(name))} |" for name in HOOKS]
     return "\n".join(["| hook | when | what |", "| --- | --- | --- |", *rows, ""])
 
 

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from mpmfw.plugin.discovery import KINDS, available, load
-from mpmfw.plugin.hooks import hook_names
+from mpmfw.plugin.hooks import HOOKS
 from mpmfw.plugin.hookspecs import HookSpecs
 from mpmfw.scene import json_schema
 from mpmfw.state.fields import CONTACT_SERIES, MIN_GAP, PARTICLE_FIELDS, SERIES_FIELDS, SURFACE_FIELDS
@@ -54,7 +54,7 @@ def signature(name: str) -> str:
 
 def stale_hooks(page: str) -> list[str]:
     """Hooks that the page leaves out, makes up, or gives another signature."""
-    documented, specified = documented_hooks(page), {name: signature(name) for name in hook_names()}
+    documented, specified = documented_hooks(page), {name: signature(name) for name in HOOKS}
     names = sorted({*documented, *specified})
     return [name for name in names if documented.get(name) != specified.get(name)]
 
@@ -78,7 +78,7 @@ def test_a_hook_that_is_left_out_or_has_another_signature_is_found(written, inst
     assert stale_hooks(page.replace(written, instead)) == found
 
 
-@pytest.mark.parametrize("name", hook_names())
+@pytest.mark.parametrize("name", HOOKS)
 def test_every_hook_says_when_it_is_called_what_it_may_change_and_what_it_is_given(name):
     documented = inspect.getdoc(getattr(HookSpecs, name)) or ""
     assert re.match(r"[^\n]+: [^\n]+\.$", documented.splitlines()[0])

@@ -12,14 +12,12 @@ import pytest
 import mpmfw
 from mpmfw.api import hookimpl
 from mpmfw.errors import MpmfwError, SceneError
-from mpmfw.plugin.hooks import BoundHooks, Observer, hook_names, make_manager
+from mpmfw.plugin.hooks import HOOKS, BoundHooks, Observer, make_manager
 from mpmfw.plugin.hookspecs import HookSpecs
 from mpmfw.state.clock import Clock
 
-NAMES = hook_names()
 
-
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", HOOKS)
 def test_every_hook_is_called_by_the_core(name: str) -> None:
     root = Path(inspect.getfile(mpmfw)).parent
     calls = re.compile(rf"\bhook\.{name}\b")
@@ -27,7 +25,7 @@ def test_every_hook_is_called_by_the_core(name: str) -> None:
     assert callers
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", HOOKS)
 def test_every_call_gives_the_arguments_of_the_specification(name: str) -> None:
     root = Path(inspect.getfile(mpmfw)).parent
     wanted = set(inspect.signature(getattr(HookSpecs, name)).parameters) - {"self"}

@@ -12,7 +12,8 @@
 from __future__ import annotations
 
 from mpmfw.errors import MpmfwError, PluginError, SceneError, SimulationError
-from mpmfw.plugin.base import INTERFACE, NoOptions, PlugIn
+from mpmfw.plugin.base import NoOptions, PlugIn
+from mpmfw.plugin.discovery import INTERFACE
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, Field, FloatArray, IndexArray, IntArray

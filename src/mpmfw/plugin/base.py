@@ -7,9 +7,6 @@ from typing import Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict
 
-#: Version of the plug-in interface; it moves when a plug-in written for it no longer works.
-INTERFACE = 1
-
 
 class NoOptions(BaseModel):
     """Options of a plug-in that has none."""

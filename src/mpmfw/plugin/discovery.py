@@ -13,13 +13,15 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Literal, TypeAlias, get_args
 
 from mpmfw.errors import SceneError
-from mpmfw.plugin.base import INTERFACE
 
 Kind: TypeAlias = Literal[
     "contact", "detection", "law", "friction", "shape", "material", "load", "boundary", "output", "geometry",
     "measure", "reference",
 ]  # fmt: skip
 KINDS: tuple[Kind, ...] = get_args(Kind)
+
+#: Version of the plug-in interface; it moves when a plug-in written for it no longer works.
+INTERFACE = 1
 
 
 def nearest(name: str, valid: Iterable[str]) -> str | None:

@@ -34,9 +34,8 @@ def make_manager() -> pluggy.PluginManager:
     return manager
 
 
-def hook_names() -> list[str]:
-    """All hooks, in the order of the specifications."""
-    return [name for name in vars(HookSpecs) if not name.startswith("_")]
+#: All hooks, in the order of the specifications.
+HOOKS = tuple(name for name in vars(HookSpecs) if not name.startswith("_"))
 
 
 def register(manager: pluggy.PluginManager, plugin: Any, name: str) -> None:
@@ -58,7 +57,7 @@ def register(manager: pluggy.PluginManager, plugin: Any, name: str) -> None:
         manager.check_pending()
     except pluggy.PluginValidationError as error:
         raise SceneError(f"{described(plugin)}: {error}") from error
-    for hook in hook_names():
+    for hook in HOOKS:
         method = getattr(plugin, hook, None)
         mark = manager.parse_hookimpl_opts(plugin, hook)
         if inspect.isroutine(method) and (mark is None or mark["hookwrapper"]):
@@ -96,7 +95,7 @@ class BoundHooks:
         Of the run, for the step in errors.
     """
 
-    __slots__ = tuple(hook_names())
+    __slots__ = HOOKS
 
     def __init__(self, manager: pluggy.PluginManager, clock: Clock, state: State | None = None) -> None:
         observers = [each for _, each in manager.list_name_plugin() if isinstance(each, Observer)]

@@ -102,8 +102,16 @@ class Setup:
         KeyError
             The length of a dimension is neither known nor given.
         """
+        array = declaration.allocate({**self._sizes, **sizes})
+        self.state.arrays[f"{owner}/{declaration.name}"] = array
+        self.state.dims[f"{owner}/{declaration.name}"] = declaration.dims
+        return array
+
+    @functools.cached_property
+    def _sizes(self) -> dict[str, int]:
+        """Lengths of the dimensions that are known."""
         state = self.state
-        known = {
+        return {
             "particle": state.particles.count,
             "axis": self.dim,
             "axis2": self.dim,
@@ -111,7 +119,3 @@ class Setup:
             "pair": len(state.pairs),
             "surface_node": 0 if state.surface is None else state.surface.count,
         }
-        array = declaration.allocate({**known, **sizes})
-        state.arrays[f"{owner}/{declaration.name}"] = array
-        state.dims[f"{owner}/{declaration.name}"] = declaration.dims
-        return array

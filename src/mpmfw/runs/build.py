@@ -16,7 +16,7 @@ from mpmfw.geometry import BodyGeometry, Layout
 from mpmfw.plugin.boundary import Boundary
 from mpmfw.plugin.checks import distribution_text, naming
 from mpmfw.plugin.discovery import Kind, full_name, load, object_of, refuse_nameless
-from mpmfw.plugin.hookspecs import HookSpecs
+from mpmfw.plugin.hooks import HOOKS
 from mpmfw.plugin.load import Load
 from mpmfw.plugin.material import Material
 from mpmfw.plugin.measure import Measure, Reference
@@ -249,8 +249,7 @@ def _list_pairs(scene: Scene, state: State, contact: ContactStrategy | None, law
     given = {(a, b): float(pair.friction) for (a, b), pair in zip(ends, named, strict=True)}
     by_law = None if law is None or law.is_coulomb else law.label
     near = NearPairs(tuple(index), float(friction), given, by_law)
-    hooks = [name for name in vars(HookSpecs) if not name.startswith("_")]
-    follows = hasattr(contact, "add_pairs") or not any(hasattr(contact, name) for name in hooks)
+    follows = hasattr(contact, "add_pairs") or not any(hasattr(contact, name) for name in HOOKS)
     if len(index) <= FEW or not follows:
         near.add(state, *np.triu_indices(len(index), 1))
     else:

@@ -15,12 +15,12 @@ from mpmfw.effects.settling import FLIP_SHARE, Settling, concern, is_settled_for
 from mpmfw.errors import Diverged, PluginError, SceneError, SimulationError
 from mpmfw.plugin.checks import bundled, declared_fields
 from mpmfw.plugin.effect import Effect
-from mpmfw.plugin.hooks import BoundHooks, hook_names, make_manager, register
+from mpmfw.plugin.hooks import HOOKS, BoundHooks, make_manager, register
 from mpmfw.results import Frame, RunHeader
+from mpmfw.runs.bodies import initial_velocity
 from mpmfw.runs.build import Build, build, make_setup, strategy
 from mpmfw.runs.compilation import CompileTimer, import_numba_without_scipy
 from mpmfw.runs.frames import Recorder, check_state_finite
-from mpmfw.runs.initial_motion import initial_velocity
 from mpmfw.runs.plan import plan_effects
 from mpmfw.runs.restart import read_snapshot, write_snapshot
 from mpmfw.runs.sizing import warnings_about
@@ -116,8 +116,9 @@ class Simulation:
             particles.threads = Threads(count, rows_ascend=self.shape.rows_ascend)
         self.rotations = plan.rotations  #: how every body's rotational inertia is treated
         self.manager = make_manager()
+        names = _registered_names(made)
         for plugin in reversed(plan.plugins):  # pluggy calls the last registered first
-            register(self.manager, plugin, _registered_name(made, plugin))
+            register(self.manager, plugin, names.get(id(plugin), str(plugin.name)))
         self._bind_hooks()
         self._set_up(made)
 
@@ -171,7 +172,7 @@ class Simulation:
         """Names of the plug-ins that implement each hook, in the order of the calls."""
         return {
             name: [impl.plugin_name for impl in reversed(getattr(self.manager.hook, name).get_hookimpls())]
-            for name in hook_names()
+            for name in HOOKS
         }
 
     def limits(self) -> list[tuple[float, str]]:
@@ -554,13 +555,10 @@ class _Watch:
             self.after_step()
 
 
-def _registered_name(made: Any, plugin: Any) -> str:
-    """Unique name of a plug-in: a material, load and the like is known by the scene's name of it."""
-    for group in (made.materials, *made.named.values()):
-        for name, one in group.items():
-            if one is plugin:
-                return f"{plugin.name} {name}"
-    return str(plugin.name)
+def _registered_names(made: Build) -> dict[int, str]:
+    """Return the unique names of materials, loads and the like, which the scene names, by the identity of the plug-in."""
+    groups: list[Mapping[str, Any]] = [made.materials, *made.named.values()]
+    return {id(plugin): f"{plugin.name} {name}" for group in groups for name, plugin in group.items()}
 
 
 def _outputs(end: float, interval: float) -> int:
