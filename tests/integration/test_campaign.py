@@ -95,7 +95,7 @@ def with_entry(where, entry):
 
 def test_a_strangers_scene_has_a_strangers_closed_form(monkeypatch, capsys):
     """Its error columns come by the command line's own way."""
-    from mpmfw.cli.summary import print_comparison
+    from mpmfw.cli.compare import print_comparison
 
     class Mine(Reference):
         name = "mine"
@@ -333,7 +333,7 @@ def test_a_file_that_is_no_result_is_never_replaced_and_a_result_only_if_forced(
     ("scene", "column"), [(SLIDING, "end_displacement_error"), ("contact-stress", "interface_stress_error")]
 )
 def test_a_comparison_knows_the_references_that_a_study_knows(scene, column, capsys):
-    from mpmfw.cli.summary import print_comparison
+    from mpmfw.cli.compare import print_comparison
     from mpmfw.report import table
     from mpmfw.results.references import described
 

@@ -118,3 +118,21 @@ def test_the_command(tmp_path, monkeypatch):
         result = CliRunner().invoke(app, ["animate", "d.nc", *arguments])
         assert (result.exit_code, result.stdout) == (2, "")
         assert result.stderr.startswith(message)
+
+
+def test_the_runs_of_a_comparison_stand_side_by_side(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    scene = {**drop_scene("gimp"), "time": {"end": 0.002, "output_interval": 0.001}}
+    scene["output"] = {**scene.get("output", {}), "particles": True}
+    mpmfw.compare(scene, contact=["penalty", "none"], shape=["gimp"], output="c.nc")
+    widths = []
+    for arguments in ((), ("--contact", "none", "-o", "one.gif")):
+        result = CliRunner().invoke(app, ["animate", "c.nc", *arguments])
+        assert (result.exit_code, result.stderr) == (0, ""), result.output
+        with Image.open(result.stdout.strip()) as image:
+            assert image.n_frames == 3
+            widths.append(image.width)
+    assert widths[0] > 1.5 * widths[1]
+    wrong = CliRunner().invoke(app, ["animate", "c.nc", "--contact", "nonne", "--force"])
+    assert (wrong.exit_code, wrong.stdout) == (2, "")
+    assert "no contact 'nonne'; did you mean 'none'?" in wrong.stderr

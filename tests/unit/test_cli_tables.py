@@ -3,7 +3,7 @@
 import pytest
 
 from mpmfw.cli.arguments import assignments, variations
-from mpmfw.cli.tables import formatted, print_rows
+from mpmfw.cli.tables import formatted, print_table
 from mpmfw.errors import SceneError
 
 
@@ -12,17 +12,22 @@ from mpmfw.errors import SceneError
 def test_every_number_survives_every_width(capsys, monkeypatch, columns, count):
     monkeypatch.setenv("COLUMNS", str(columns))
     row = {"contact": "bardenhagen", **{f"quantity_{k}": -1.2345678e-5 * (k + 1) for k in range(count)}}
-    print_rows([row, {**row, "status": "failed: " + "a long reason " * 8}])
+    rows = [
+        row,
+        {**row, "contact": "none", "status": "failed: " + "a long reason " * 8, "empty": float("nan")},
+    ]
+    print_table(rows, labels=("contact",), words=("status",))
     printed = capsys.readouterr().out
-    assert all(printed.count(formatted(value)) == 2 for value in row.values())
+    assert all(printed.count(formatted(row[f"quantity_{k}"])) == 2 for k in range(count))
     assert "…" not in printed
+    assert "empty" not in printed
     assert max(map(len, printed.splitlines())) <= columns
     assert printed.count("reason") == 8
 
 
 @pytest.mark.parametrize(
     ("value", "text"),
-    [(12345, "12345"), (0.123456, "0.1235"), (float("nan"), ""), (None, ""), (True, "True"), ("ok", "ok")],
+    [(12345, "12345"), (0.123456, "0.1235"), (float("nan"), "–"), (None, ""), (True, "True"), ("ok", "ok")],
 )
 def test_formatted(value, text):
     assert formatted(value) == text

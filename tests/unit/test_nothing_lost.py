@@ -6,6 +6,7 @@ import resource
 import shutil
 from pathlib import Path
 
+import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
@@ -190,12 +191,20 @@ def test_a_dataset_that_finds_no_room_leaves_the_old_one(tmp_path):
     _, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, hard))
     try:
-        with pytest.raises(MpmfwError, match=r"cannot write '.*c\.nc': File too large"):
+        with pytest.raises(MpmfwError, match=r"cannot write results to '.*c\.nc': File too large"):
             replace_dataset(xr.Dataset({"a": ("x", np.zeros(20_000))}), path)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (hard, hard))
     assert [one.name for one in tmp_path.iterdir()] == ["c.nc"]
     assert xr.open_dataset(path)["a"] == 1.0
+
+
+def test_a_dataset_can_be_added_to(tmp_path):
+    path = tmp_path / "c.nc"
+    replace_dataset(xr.Dataset({"a": 1.0}), path)
+    with netCDF4.Dataset(path, "a") as file:
+        file.note = "mine"
+    assert xr.open_dataset(path).attrs["note"] == "mine"
 
 
 def test_links_are_followed_and_loops_are_named(folder):

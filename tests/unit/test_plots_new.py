@@ -11,7 +11,6 @@ import mpmfw
 from drop_for_tests import drop, drop_scene
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
-from mpmfw.plots.generic import series_overview
 from mpmfw.plots.style import Look, installed
 from mpmfw.plots.units import readable, time_scale, with_prefix
 from mpmfw.results.outputs import frame_of
@@ -153,7 +152,7 @@ def test_the_history_of_one_run_tells_bodies_and_axes_apart(a):
     assert (velocity.get_ylabel(), velocity.get_xlabel()) == ("mean velocity [m/s]", "time [ms]")
     np.testing.assert_allclose(gap.get_lines()[0].get_ydata(), a["series/min_gap"].values[:, 0], atol=1e-11)
     labels = [text.get_text() for text in figure.legends[0].get_texts() if text.get_text()]
-    assert set(labels) == {"upper, x", "upper, y", "floor, x", "floor, y", "upper-floor"}
+    assert set(labels) == {"upper", "floor", "upper-floor", "x", "y"}
 
 
 def test_histories_of_several_runs_lie_over_each_other(a, b):
@@ -273,6 +272,9 @@ def test_the_functions_of_a_notebook(a, folder):
     np.testing.assert_array_equal(centre, a["series/centre_of_mass"].values[:, 0, 0])
     np.testing.assert_array_equal(mpmfw.gap(a), a["series/min_gap"].values[:, 0])
     xr.testing.assert_identical(mpmfw.gap(a), mpmfw.gap(folder / "a.nc", "upper-floor"))
+    xr.testing.assert_identical(a.mpmfw.gap(), mpmfw.gap(a))
+    xr.testing.assert_identical(a.mpmfw.history("centre_of_mass", body="upper", axis="x"), centre)
+    xr.testing.assert_identical(a.mpmfw.field(time=0.004), mpmfw.field(a, time=0.004))
     stress = mpmfw.field(a, "von_mises", time=0.004)
     stored = [a[f"particles/{body}/von_mises"].values[2] for body in BODIES]
     np.testing.assert_array_equal(stress, np.concatenate(stored))
@@ -289,6 +291,7 @@ def test_the_table_of_a_comparison(folder):
     data, table = xr.load_dataset(folder / "c.nc"), mpmfw.table(folder / "c.nc")
     assert table.index.names == ["contact", "shape"]
     assert len(table) == 4
+    assert data.mpmfw.table().equals(table)
     row = table.loc[("penalty", "cpdi")]
     assert row["status"] == "ok"
     assert row["steps"] == float(data["steps"].sel(contact="penalty", shape="cpdi"))
@@ -332,10 +335,3 @@ def test_a_contact_has_its_colour_whatever_else_is_drawn():
     alone = {name: Look(xr.Dataset(coords={"contact": [name]})).colours[name] for name in names}
     assert together == alone
     assert len(set(together.values())) == len(names)
-
-
-def test_the_overview_draws_vectors_along_the_axis_of_the_motion(a):
-    figure = series_overview(a["series"].to_dataset())
-    labels = [axes.get_ylabel() for axes in figure.axes]
-    assert [label[: label.index(" [")] for label in labels[:2]] == ["centre of mass, y", "velocity, y"]
-    assert any(label.startswith("contact force, y [") for label in labels)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import mpmfw_shape._rectangles as module
-from mpmfw.geometry.box import Box
+from mpmfw.geometry.solids import Box
 from mpmfw.runs.simulation import Simulation
 from mpmfw_shape._rectangles import Rectangles
 from scenes_for_tests import SOFT

@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmfw.geometry.ball import Ball
-from mpmfw.geometry.box import Box
 from mpmfw.geometry.cut_cells import cut_cells
 from mpmfw.geometry.disc import Disc
 from mpmfw.geometry.extrusion import Cylinder, Extrusion
@@ -16,6 +14,7 @@ from mpmfw.geometry.polygon import Polygon
 from mpmfw.geometry.revolution import Revolution, Torus
 from mpmfw.geometry.ring import Ring
 from mpmfw.geometry.solid import joined, turning
+from mpmfw.geometry.solids import Ball, Box
 from mpmfw.runs.sizing import size_of
 from mpmfw.scene.tables import Body
 

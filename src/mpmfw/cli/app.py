@@ -9,23 +9,18 @@ from typing import Annotated
 import typer
 
 from mpmfw._version import __version__
-from mpmfw.cli.animate import animate
 from mpmfw.cli.benchmark import benchmark
 from mpmfw.cli.check import check
 from mpmfw.cli.choose import choose
 from mpmfw.cli.compare import compare
 from mpmfw.cli.errors import exit_status
 from mpmfw.cli.explain import explain
-from mpmfw.cli.export import export
-from mpmfw.cli.new import new
-from mpmfw.cli.plot import plot
-from mpmfw.cli.plugins import plugins
+from mpmfw.cli.figures import animate, export, plot
+from mpmfw.cli.plugins import new, plugins, schema
 from mpmfw.cli.rank import rank
-from mpmfw.cli.resume import resume
-from mpmfw.cli.run import run
-from mpmfw.cli.schema import schema
+from mpmfw.cli.run import resume, run
 from mpmfw.cli.stability import stability
-from mpmfw.cli.store import store
+from mpmfw.cli.store import prune
 from mpmfw.cli.study import study
 from mpmfw.cli.validate import validate
 
@@ -38,29 +33,20 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-for command in (
-    run,
-    resume,
-    compare,
-    study,
-    rank,
-    choose,
-    stability,
-    plot,
-    animate,
-    export,
-    explain,
-    schema,
-    plugins,
-    benchmark,
-    validate,
-    check,
-    new,
-):
+_COMMANDS = (
+    run, resume, compare, study, rank, choose, stability, plot, animate, export, explain, schema, plugins, benchmark,
+    validate, check, new,
+)  # fmt: skip
+
+for command in _COMMANDS:
     first = (command.__doc__ or "").partition("\n\n")[0]  # in the list of commands as a whole, else it is cut
     app.command(short_help=first)(exit_status(command))
 
-app.add_typer(store)
+_store = typer.Typer(
+    name="store", help="The folders of finished runs that campaigns take from.", no_args_is_help=True
+)
+_store.command()(exit_status(prune))
+app.add_typer(_store)
 
 
 def _print_version(asked: bool) -> None:

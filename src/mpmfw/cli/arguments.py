@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
@@ -14,19 +17,23 @@ if TYPE_CHECKING:
     from mpmfw.scene import Scene
 
 SceneArgument: TypeAlias = Annotated[
-    str,
-    typer.Argument(metavar="SCENE", help="A TOML file, or the name of a shipped scene.", show_default=False),
+    str, typer.Argument(metavar="SCENE", help="A TOML file, or the name of a shipped scene.")
 ]
 ContactOption: TypeAlias = Annotated[
     str | None,
     typer.Option(
-        "--contact",
-        metavar="NAME",
-        help="Contact strategy, instead of the scene's; with options as in 'penalty(kappa=2)'.",
+        metavar="NAME", help="Contact, instead of the scene's; with options as in 'penalty(kappa=2)'."
     ),
 ]
 ShapeOption: TypeAlias = Annotated[
-    str | None, typer.Option("--shape", metavar="NAME", help="Shape function, instead of the scene's.")
+    str | None, typer.Option(metavar="NAME", help="Shape function, instead of the scene's.")
+]
+ContactsOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option("--contact", metavar="A,B,…", help="Contacts, with options as in 'none,penalty(kappa=2)'."),
+]
+ShapesOption: TypeAlias = Annotated[
+    str | None, typer.Option("--shape", metavar="A,B,…", help="Shape functions.")
 ]
 SetOption: TypeAlias = Annotated[
     list[str] | None,
@@ -41,9 +48,8 @@ TrustOption: TypeAlias = Annotated[
     ),
 ]
 OutputOption: TypeAlias = Annotated[
-    Path | None, typer.Option("-o", "--output", metavar="FILE", help="File to write.", show_default=False)
+    Path | None, typer.Option("-o", "--output", metavar="FILE", help="File to write.")
 ]
-
 ForceOption: TypeAlias = Annotated[
     bool,
     typer.Option(
@@ -51,60 +57,59 @@ ForceOption: TypeAlias = Annotated[
         help="Replace a result of the same kind, and begin a run past the limits of steps and frames.",
     ),
 ]
-
-
+ReplaceOption: TypeAlias = Annotated[bool, typer.Option("--force", help="Replace files that exist.")]
 CheckpointOption: TypeAlias = Annotated[
     str | None,
     typer.Option(
-        "--checkpoint",
         metavar="TIME",
-        help="Wall time between two checkpoints, from which 'mpmfw resume' goes on; '10 min' by default, inf for none.",
-        show_default=False,
+        help="Wall time between two checkpoints, from which 'mpmfw resume' goes on; '10 min' by default, inf for "
+        "none.",
     ),
 ]
 JobsOption: TypeAlias = Annotated[
-    int | None,
-    typer.Option(
-        "-j",
-        "--jobs",
-        min=1,
-        help="Processes at a time, one thread each; 1 is this process itself.",
-        show_default=False,
-    ),
+    int | None, typer.Option("-j", "--jobs", min=1, help="Processes at a time, one thread each.")
 ]
 BodyOption: TypeAlias = Annotated[
-    str | None,
-    typer.Option("--body", metavar="NAME", help="Body that is measured; if left out the motion decides."),
+    str | None, typer.Option(metavar="NAME", help="Body that is measured; if left out the motion decides.")
 ]
 PairOption: TypeAlias = Annotated[
     str | None,
-    typer.Option(
-        "--pair", metavar="A-B", help="Pair of bodies that is measured; if left out the motion decides."
-    ),
+    typer.Option(metavar="A-B", help="Pair of bodies that is measured; if left out the motion decides."),
 ]
 AxisOption: TypeAlias = Annotated[
     str | None,
-    typer.Option(
-        "--axis", metavar="NAME", help="Axis along which is measured; if left out the motion decides."
-    ),
+    typer.Option(metavar="NAME", help="Axis along which is measured; if left out the motion decides."),
 ]
 RepeatsOption: TypeAlias = Annotated[
     int | None,
     typer.Option(
-        "--repeats",
-        min=1,
-        help="Runs of each combination; if left out short ones are repeated, or as a study says.",
-        show_default=False,
+        min=1, help="Runs of each combination; if left out short ones are repeated, or as a study says."
     ),
 ]
 SchedulerOption: TypeAlias = Annotated[
+    str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler whose workers run it instead.")
+]
+BodiesOption: TypeAlias = Annotated[
+    list[str] | None, typer.Option("--body", metavar="NAME", help="Only this body; repeatable.")
+]
+EveryOption: TypeAlias = Annotated[int, typer.Option(metavar="N", min=1, help="Only each N-th output.")]
+FieldOption: TypeAlias = Annotated[
     str | None,
-    typer.Option("--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers run it instead."),
+    typer.Option(
+        metavar="NAME",
+        help="Field on the material points: von_mises, velocity, stress_xy … A wrong name lists all.",
+    ),
+]
+LimitsOption: TypeAlias = Annotated[
+    str | None, typer.Option(metavar="LOW,HIGH", help="Ends of the colour scale, in SI units.")
+]
+ArrowsOption: TypeAlias = Annotated[
+    bool, typer.Option("--arrows", help="Draw contact forces on surface nodes as arrows.")
 ]
 
 
 def jobs_of(jobs: int | None, scheduler: str | None, default: int | None = 1) -> int | None:
-    """Processes at a time; none beside a scheduler.
+    """Return the number of processes at a time; None beside a scheduler.
 
     Raises
     ------
@@ -117,7 +122,7 @@ def jobs_of(jobs: int | None, scheduler: str | None, default: int | None = 1) ->
 
 
 def assignments(texts: list[str] | None, option: str = "--set") -> dict[str, str]:
-    """``KEY=VALUE`` texts by key.
+    """Return ``KEY=VALUE`` texts as values by key.
 
     Raises
     ------
@@ -138,7 +143,7 @@ def assignments(texts: list[str] | None, option: str = "--set") -> dict[str, str
 def chosen_scene(
     scene: str, contact: str | None, shape: str | None, set_: list[str] | None, trust: bool
 ) -> Scene:
-    """The scene with what the options choose over it.
+    """Load the scene with the methods and keys that the options choose.
 
     Raises
     ------
@@ -174,7 +179,7 @@ def chosen_scene(
 
 
 def names(text: str | None, kind: Kind) -> list[str] | None:
-    """Plug-ins between commas, each a name or a name with options, or None if the option is absent.
+    """Return the plug-ins between commas, each a name or a name with options, or None if the option is absent.
 
     Raises
     ------
@@ -198,7 +203,7 @@ def names(text: str | None, kind: Kind) -> list[str] | None:
 
 
 def variations(texts: list[str] | None) -> dict[str, list[Any]]:
-    """``KEY=A,B,…`` as values by key; commas within brackets and quotes belong to a value."""
+    """Return ``KEY=A,B,…`` as values by key; commas within brackets and quotes belong to a value."""
     from mpmfw.campaigns.grid import given_twice
     from mpmfw.scene.override import parse_value
 
@@ -215,3 +220,41 @@ def variations(texts: list[str] | None) -> dict[str, list[Any]]:
             raise SceneError(f"--vary {key}: {values[k]} is given twice")
         found[key] = values
     return found
+
+
+def check_files(files: Sequence[Path]) -> None:
+    """Check that every argument is a file, and that none is given twice.
+
+    Raises
+    ------
+    SceneError
+        One is a folder, is not there or comes twice.
+    """
+    for k, one in enumerate(files):
+        if one.is_dir():
+            raise SceneError(f"{one}: is a folder; give the name of a file")
+        if os.path.realpath(one) in [os.path.realpath(other) for other in files[:k]]:
+            raise SceneError(f"{one}: given twice")
+        if not one.is_file():
+            raise SceneError(f"{one}: no such file")
+
+
+def limits_of(text: str | None) -> tuple[float, float] | None:
+    """Return ``LOW,HIGH`` as numbers.
+
+    Raises
+    ------
+    SceneError
+        The text is not two finite numbers, the lower one first.
+    """
+    if text is None:
+        return None
+    try:
+        low, high = (float(part) for part in text.split(","))
+    except ValueError as error:
+        raise SceneError(f"--limits {text}: expected two numbers with a comma between them") from error
+    if not (math.isfinite(low) and math.isfinite(high)):
+        raise SceneError(f"--limits {text}: expected two finite numbers")
+    if not low < high:
+        raise SceneError(f"--limits {text}: expected the lower number first")
+    return low, high

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from mpmfw.cli.arguments import TrustOption
 from mpmfw.errors import SceneError
 
 #: Steps after which the shipped scenes are in contact.
@@ -26,6 +27,7 @@ def benchmark(
     threads: Annotated[
         int, typer.Option("--threads", min=1, help="Compare wall times with one thread and with so many.")
     ] = 1,
+    trust: TrustOption = False,
 ) -> None:
     """Print ns per material point and step of whole scenes, by stage, and the contact's share; or what threads gain."""
     from rich.console import Console
@@ -37,15 +39,16 @@ def benchmark(
     names = [name for name in scenes.split(",") if name]
     if not names:
         raise SceneError("--scenes: expected at least one scene")
-    for name in names:
-        load_scene(name)  # an unknown one is refused before anything is measured
+    loaded = {
+        name: load_scene(name, trust=trust) for name in names
+    }  # a wrong one is refused before any is measured
     rows, load = [], Load()
-    for name in names:
+    for name, scene in loaded.items():
         start = IN_CONTACT.get(name, 0)
         if threads > 1:
-            rows.append(measure_threads(name, threads, repeats, start=start))
+            rows.append(measure_threads(scene, threads, repeats, start=start))
             continue
-        row = measure_scene(name, repeats, start=start)
+        row = measure_scene(scene, repeats, start=start)
         shown = {key: value for key, value in row.items() if key not in HIDDEN}
         rows.append({**shown, "contact %": 100.0 * row["ns_contact"] / row["ns_total"]})
     console = Console(width=max(Console().width, WIDTH))

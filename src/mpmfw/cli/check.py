@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from mpmfw.cli.arguments import assignments
-from mpmfw.cli.tables import print_rows
+from mpmfw.cli.tables import print_table
 from mpmfw.errors import MpmfwError, SceneError
 
 if TYPE_CHECKING:
@@ -34,7 +34,6 @@ PluginArgument: TypeAlias = Annotated[
         metavar="PLUGIN",
         help="Name of an installed plug-in (mpmfw plugins lists them), or module:Class; with options as in "
         "'penalty(kappa=2)'.",
-        show_default=False,
     ),
 ]
 KindOption: TypeAlias = Annotated[
@@ -272,7 +271,7 @@ def _print(title: str, outcomes: Sequence[Outcome]) -> None:
         }
         for outcome in outcomes
     ]
-    print_rows(rows, title)
+    print_table(rows, labels=("check",), words=("outcome", "what must hold"), title=title)
     for outcome in outcomes:
         if outcome.status != "passed" or outcome.message:
             typer.echo(outcome.report + ("" if outcome.same_as else "\n"))

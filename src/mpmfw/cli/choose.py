@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
 from mpmfw.cli.arguments import (
     AxisOption,
     BodyOption,
+    ContactsOption,
     ForceOption,
     JobsOption,
     OutputOption,
@@ -17,24 +17,22 @@ from mpmfw.cli.arguments import (
     SceneArgument,
     SchedulerOption,
     SetOption,
+    ShapesOption,
     TrustOption,
     assignments,
     jobs_of,
     names,
 )
 from mpmfw.cli.errors import result_path
-from mpmfw.cli.formats import Format, FormatOption, write_rows
 from mpmfw.cli.progress import campaign_progress
-
-if TYPE_CHECKING:
-    import xarray as xr
+from mpmfw.cli.tables import Format, FormatOption, print_table, write_rows
 
 #: Heads of the columns of the table.
 _HEADS = {
     "contact": "contact",
     "shape": "shape",
     "pilots": "errors\n[%]",
-    "cell": "cell\n[m]",
+    "cell_size_needed": "cell\n[m]",
     "error": "error\n[%]",
     "cost": "CPU\n[s]",
     "verdict": "verdict",
@@ -51,44 +49,20 @@ def choose(
         typer.Option(
             metavar="NAME",
             help="Quantity whose error it is; the first that the scene's closed form or reference knows if left out.",
-            show_default=False,
         ),
     ] = None,
     body: BodyOption = None,
     pair: PairOption = None,
     axis: AxisOption = None,
-    contact: Annotated[
-        str | None,
-        typer.Option(
-            metavar="A,B,…",
-            help="Contact strategies to choose among, with options as in 'penalty(kappa=2)', the cheap ones first; five if left "
-            "out.",
-            show_default=False,
-        ),
-    ] = None,
-    shape: Annotated[
-        str | None,
-        typer.Option(
-            metavar="A,B,…",
-            help="Shape functions to choose among; gimp and cpdi if left out.",
-            show_default=False,
-        ),
-    ] = None,
+    contact: ContactsOption = None,
+    shape: ShapesOption = None,
     coarsest: Annotated[
         str | None,
-        typer.Option(
-            metavar="LENGTH",
-            help="Largest cell size; twice the scene's own if left out.",
-            show_default=False,
-        ),
+        typer.Option(metavar="LENGTH", help="Largest cell size; twice the scene's own if left out."),
     ] = None,
     finest: Annotated[
         str | None,
-        typer.Option(
-            metavar="LENGTH",
-            help="Smallest cell size; a quarter of the scene's own if left out.",
-            show_default=False,
-        ),
+        typer.Option(metavar="LENGTH", help="Smallest cell size; a quarter of the scene's own if left out."),
     ] = None,
     set_: SetOption = None,
     trust: TrustOption = False,
@@ -101,8 +75,9 @@ def choose(
 ) -> None:
     """Say which method and cell size bring the error of SCENE below --error: coarse to fine, until two laws agree.
 
-    The result is written to a file, by default named as the scene. Finished runs are kept in the folder FILE.runs: a choice
-    that was broken off, or that is asked for another error, goes on from there.
+    Contacts and shape functions left out are five cheap contacts, gimp and cpdi. The result is written to a file, by
+    default named as the scene. Finished runs are kept in the folder FILE.runs: a choice that was broken off, or that is
+    asked for another error, goes on from there.
     """
     from mpmfw.scene import load_scene
     from mpmfw.scene.requested import check_compared, check_requested
@@ -138,38 +113,22 @@ def choose(
             report=within,
             force=force,
         )
+    rows = method_rows(dataset)
     if form is not Format.table:
-        write_rows(method_rows(dataset), form)
+        write_rows(rows, form)
     else:
-        _print(dataset)
+        cells = [
+            {
+                **row,
+                "pilots": row["pilots"].replace(" ", "\n"),
+                "error": 100.0 * row["error"],
+                "verdict": row["verdict"] if row["status"] in ("ok", "not run") else row["status"],
+            }
+            for row in rows
+        ]
+        print_table(
+            cells, _HEADS, labels=("contact", "shape"), words=("verdict",), title=dataset.attrs["title"]
+        )
         for sentence in advice(dataset):
             typer.echo(sentence)
     typer.echo(f"{path}: runs and answer", err=form is not Format.table)
-
-
-def _print(dataset: xr.Dataset) -> None:
-    """One line a method."""
-    from mpmfw.cli.tables import console, grouped_table
-    from mpmfw.studies.advice import method_rows
-
-    cells = [_cells(row) for row in method_rows(dataset)]
-    words = ["contact", "shape", "verdict"]
-    console().print(grouped_table(_HEADS, cells, words, dataset.attrs["title"], wrapped=True, parted=False))
-
-
-def _cells(row: Mapping[str, Any]) -> dict[str, str]:
-    """Return a row's texts; a dash for what is not known."""
-    from mpmfw.cli.tables import broken_label
-
-    numbers = {
-        "cell": f"{row['cell_size_needed']:.4g}",
-        "error": f"{100.0 * row['error']:.3g}",
-        "cost": f"{row['cost']:.3g}",
-    }
-    return {
-        "contact": broken_label(row["contact"]).replace("(", "(\n ", 1),
-        "shape": row["shape"],
-        "pilots": row["pilots"].replace(" ", "\n"),
-        **{name: "–" if text == "nan" else text for name, text in numbers.items()},
-        "verdict": row["verdict"] if row["status"] in ("ok", "not run") else row["status"],
-    }

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from mpmfw.cli.arguments import (
+    ContactsOption,
     ForceOption,
     JobsOption,
     OutputOption,
@@ -15,6 +16,7 @@ from mpmfw.cli.arguments import (
     SceneArgument,
     SchedulerOption,
     SetOption,
+    ShapesOption,
     TrustOption,
     assignments,
     jobs_of,
@@ -22,25 +24,20 @@ from mpmfw.cli.arguments import (
     variations,
 )
 from mpmfw.cli.errors import check_writable, result_path
-from mpmfw.cli.formats import Format, FormatOption, write_rows
 from mpmfw.cli.progress import campaign_progress
+from mpmfw.cli.tables import Format, FormatOption, print_table, print_text, write_rows
 
 if TYPE_CHECKING:
     import xarray as xr
 
+#: Columns of the page that a terminal does without.
+_LEFT_OUT = {"largest_penetration", "material_points", "steps"}
+
 
 def compare(
     scene: SceneArgument,
-    contact: Annotated[
-        str | None,
-        typer.Option(
-            metavar="A,B,…",
-            help="Contact strategies, with options as in 'none,penalty(kappa=2)'; the scene's own if left out.",
-        ),
-    ] = None,
-    shape: Annotated[
-        str | None, typer.Option(metavar="A,B,…", help="Shape functions; the scene's own if left out.")
-    ] = None,
+    contact: ContactsOption = None,
+    shape: ShapesOption = None,
     vary: Annotated[
         list[str] | None,
         typer.Option(
@@ -61,8 +58,8 @@ def compare(
 ) -> None:
     """Run SCENE with every combination of methods and join the results, by default in a file named as the scene.
 
-    A method that fails does not stop the others: its status says why. Finished runs are kept in the folder FILE.runs: a
-    comparison that was broken off goes on from there.
+    A method that fails does not stop the others: its status says why. Methods left out are the scene's own. Finished
+    runs are kept in the folder FILE.runs: a comparison that was broken off goes on from there.
     """
     from mpmfw.results.replacing import check_new
     from mpmfw.scene import load_scene
@@ -81,7 +78,7 @@ def compare(
     shapes = shapes or [loaded.shape.method]
     check_compared(loaded, {"contact": contacts, "shape": shapes}, shared, varied, ("--set", "--vary"))
     from mpmfw.campaigns.comparison import compare as run_all
-    from mpmfw.report import write_report
+    from mpmfw.report import table, write_report
 
     with campaign_progress() as (progress, within):
         dataset = run_all(
@@ -97,16 +94,6 @@ def compare(
             executor=scheduler,
             repeats="auto" if repeats is None else repeats,
         )
-    if report is not None:
-        write_report(dataset, report)
-    _print(dataset, path, report, form)
-
-
-def _print(dataset: xr.Dataset, path: Path, report: Path | None, form: Format) -> None:
-    """The table, and where everything is."""
-    from mpmfw.cli.summary import print_comparison
-    from mpmfw.report import table
-
     alone = form is not Format.table
     if alone:
         write_rows(table(dataset), form)
@@ -114,6 +101,39 @@ def _print(dataset: xr.Dataset, path: Path, report: Path | None, form: Format) -
         print_comparison(dataset)
     typer.echo(f"{path}: all series and costs", err=alone)
     if report is not None:
+        write_report(dataset, report)
         typer.echo(f"{report}: tables and figures", err=alone)
     else:
         typer.echo(f"For figures: mpmfw plot {path}, or --report FILE.html the next time", err=alone)
+
+
+def print_comparison(dataset: xr.Dataset) -> None:
+    """Print the table of a comparison, why runs failed, and the reference."""
+    from mpmfw.report import CHOICES, COLUMNS, method_dims, shown, table
+    from mpmfw.report.columns import column_of
+    from mpmfw.report.table import measured
+    from mpmfw.results.references import described
+
+    rows = table(dataset)
+    labels = [str(dim) for dim in method_dims(dataset)]
+    columns = measured(dataset)
+    columns += [name for name in COLUMNS if name not in _LEFT_OUT and any(name in row for row in rows)]
+    heads = {name: name.replace("_", " ") for name in (*labels, "status", *CHOICES)}
+    for name in columns:
+        column = column_of(name)
+        heads[name] = column.short + ("" if column.unit == "1" else f"\n[{column.unit}]")
+    cells = []
+    for row in rows:
+        bad = row["status"] != "ok"
+        cells.append(
+            {name: row.get(name, "") for name in (*labels, *CHOICES)}
+            | {name: shown(row.get(name, float("nan")), column_of(name)) for name in columns}
+            | ({"status": row["status"].partition(":")[0], "style": "red"} if bad else {})
+        )
+    print_table(cells, heads, labels=labels, words=("status", *CHOICES))
+    for row in rows:
+        if row["status"] != "ok":
+            print_text(f"{', '.join(str(row[label]) for label in labels)}: {row['status']}")
+    if reference := described(dataset):
+        own = reference.startswith("each row")
+        print_text(f"Errors: {reference}" if own else f"Errors against {reference}")

@@ -19,30 +19,23 @@ if TYPE_CHECKING:
 
 
 def exit_status(command: Callable[..., Any]) -> Callable[..., None]:
-    """The command, with errors on stderr as one message and 1 or 2 as the exit status."""
+    """Return the command with errors on stderr as one message, and 1 or 2 as the exit status."""
 
     @functools.wraps(command)
     def guarded(*args: Any, **kwargs: Any) -> None:
         try:
             with _plain_warnings():
                 command(*args, **kwargs)
-        except SceneError as error:
-            typer.echo(str(error), err=True)
-            raise typer.Exit(2) from error
-        except MpmfwError as error:
-            typer.echo(str(error), err=True)
-            raise typer.Exit(1) from error
-        except (
-            OSError
-        ) as error:  # a file that no command asked about before: nothing else is wrong with the request
-            if isinstance(error, BrokenPipeError):
-                raise
-            said = error.strerror or str(error)
-            typer.echo(f"'{error.filename}': {said}" if error.filename else said, err=True)
-            raise typer.Exit(1) from error
-        except Interrupted as error:
-            typer.echo(str(error), err=True)
-            raise typer.Exit(128 + error.number) from error
+        except BrokenPipeError:
+            raise
+        except (MpmfwError, Interrupted, OSError) as error:
+            text = str(error)
+            if isinstance(error, OSError):  # of a file that no command asked about before
+                reason = error.strerror or text
+                text = f"'{error.filename}': {reason}" if error.filename else reason
+            typer.echo(text, err=True)
+            status = 2 if isinstance(error, SceneError) else 1
+            raise typer.Exit(128 + error.number if isinstance(error, Interrupted) else status) from error
 
     return guarded
 
@@ -65,34 +58,8 @@ def _plain_warnings() -> Iterator[None]:
         warnings.showwarning = shown
 
 
-def check_apart(scene: Scene, **files: Path | None) -> None:
-    """Ask that no file to be written takes the place of the scene's or of another.
-
-    Parameters
-    ----------
-    scene
-        The scene as read.
-    files
-        What is written, by the name of the option.
-
-    Raises
-    ------
-    SceneError
-        Two of them are the same file.
-    """
-    taken = {}
-    if scene.source.name is not None and scene.source.directory is not None:
-        taken[os.path.realpath(scene.source.name)] = "the scene"
-    for option, path in files.items():
-        if path is None:
-            continue
-        if (place := os.path.realpath(path)) in taken:
-            raise SceneError(f"--{option} {path}: is the file of {taken[place]}; give another name")
-        taken[place] = f"--{option}"
-
-
 def check_result(path: Path, kind: str, what: str, force: bool = False) -> Path:
-    """The path, if results can be written there without a file being lost.
+    """Return the path, if results can be written there without loss of a file.
 
     Parameters
     ----------
@@ -156,7 +123,7 @@ def _check_beside(path: Path, kind: str, force: bool) -> None:
 def result_path(
     output: Path | None, scene: Scene, ending: str, kind: str, what: str, force: bool, **others: Path | None
 ) -> Path:
-    """Where the results of a scene go: the path that is given, or one named as the scene.
+    """Return the path of a scene's results: the one that is given, or one named as the scene.
 
     Parameters
     ----------
@@ -170,15 +137,23 @@ def result_path(
     Raises
     ------
     SceneError
-        As :func:`check_apart` and :func:`check_result`.
+        Two of the files are the same one, or as :func:`check_result`.
     """
     path = Path(f"{scene.name}{ending}.nc") if output is None else output
-    check_apart(scene, output=path, **others)
+    taken = {}
+    if scene.source.name is not None and scene.source.directory is not None:
+        taken[os.path.realpath(scene.source.name)] = "the scene"
+    for option, file in {"output": path, **others}.items():
+        if file is None:
+            continue
+        if (place := os.path.realpath(file)) in taken:
+            raise SceneError(f"--{option} {file}: is the file of {taken[place]}; give another name")
+        taken[place] = f"--{option}"
     return check_result(path, kind, what, force)
 
 
 def figure_path(path: Path) -> Path:
-    """Name of a figure's file, PNG where it says no format.
+    """Return the name of a figure's file, PNG where it says no format.
 
     Raises
     ------

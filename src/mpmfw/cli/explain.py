@@ -16,7 +16,7 @@ from mpmfw.cli.arguments import (
     TrustOption,
     chosen_scene,
 )
-from mpmfw.cli.tables import print_rows
+from mpmfw.cli.tables import print_table
 from mpmfw.cli.unused import unused_facts
 from mpmfw.errors import SceneError
 
@@ -50,18 +50,22 @@ def explain(
         raise located(error, loaded) from error
     _print_head(simulation)
     if everything:
-        _print_effects(simulation)
-        _print_hooks(simulation)
-        _print_arrays(simulation)
+        _print_parts(simulation)
     else:
-        _print_effect_names(simulation)
+        for on, word in ((True, "on"), (False, "off")):
+            names = [effect.name for effect in simulation.effects if effect.on == on]
+            text = f"{word}: {', '.join(names) or 'nothing'}"
+            typer.echo(textwrap.fill(text, 100, subsequent_indent="  ", break_on_hyphens=False))
+        typer.echo("(mpmfw explain --all says why, and lists hooks, arrays, limits and stages)\n")
     from mpmfw.runs.prediction import predict
 
     found = predict(simulation, [array.nbytes for _, array in named_arrays(simulation.state)])
     _print_step(simulation, found, everything)
     _print_share_of_springs(simulation)
     _print_cost(simulation, found, everything)
-    _print_unused(simulation)
+    typer.echo("Facts of the scene that are not used")
+    for line in unused_facts(simulation) or ["none"]:
+        typer.echo(textwrap.fill(line, 100, initial_indent="  ", subsequent_indent="    "))
 
 
 def _print_head(simulation: Simulation) -> None:
@@ -90,32 +94,22 @@ def _of_threads(simulation: Simulation) -> str:
     return f"{simulation.threads} threads share {what}" + (f"\n{remark}" if remark else "")
 
 
-def _print_effect_names(simulation: Simulation) -> None:
-    """What runs and what does not; ``--all`` has the reasons."""
-    for on, word in ((True, "on"), (False, "off")):
-        names = [effect.name for effect in simulation.effects if effect.on == on]
-        text = f"{word}: {', '.join(names) or 'nothing'}"
-        typer.echo(textwrap.fill(text, 100, subsequent_indent="  ", break_on_hyphens=False))
-    typer.echo("(mpmfw explain --all says why, and lists hooks, arrays, limits and stages)\n")
-
-
-def _print_effects(simulation: Simulation) -> None:
-    rows = [{"effect": e.name, "": "on" if e.on else "off", "because": e.reason} for e in simulation.effects]
-    print_rows(rows, "Effects")
-
-
-def _print_hooks(simulation: Simulation) -> None:
-    callers = simulation.hook_callers()
-    print_rows(
-        [{"hook": hook, "implemented by": ", ".join(who)} for hook, who in callers.items() if who], "Hooks"
-    )
-
-
-def _print_arrays(simulation: Simulation) -> None:
+def _print_parts(simulation: Simulation) -> None:
+    """Print the effects with their reasons, the hooks and the arrays."""
+    effects = [
+        {"effect": e.name, "state": "on" if e.on else "off", "because": e.reason} for e in simulation.effects
+    ]
+    print_table(effects, labels=("effect",), words=("state", "because"), title="Effects")
+    hooks = [
+        {"hook": hook, "implemented by": ", ".join(who)}
+        for hook, who in simulation.hook_callers().items()
+        if who
+    ]
+    print_table(hooks, labels=("hook",), words=("implemented by",), title="Hooks")
     arrays = list(named_arrays(simulation.state))
     rows = [{"array": name, "shape": str(a.shape), "bytes": f"{a.nbytes:,}"} for name, a in arrays]
-    total = sum(array.nbytes for _, array in arrays)
-    print_rows([*rows, {"array": "all", "shape": "", "bytes": f"{total:,}"}], "Arrays")
+    total = {"array": "all", "shape": "", "bytes": f"{sum(array.nbytes for _, array in arrays):,}"}
+    print_table([*rows, total], labels=("array",), words=("shape",), title="Arrays")
 
 
 def named_arrays(state: Any) -> Iterable[tuple[str, Any]]:
@@ -135,8 +129,8 @@ def _print_step(simulation: Simulation, found: Prediction, everything: bool) -> 
     """The first step that a run takes, and what limits it."""
     limits = sorted(found.limits)
     if everything:
-        rows = [{"limit [s]": f"{seconds:.6g}", "set by": owner} for seconds, owner in limits]
-        print_rows(rows, "Limits of the time step: the least rules")
+        rows = [{"set by": owner, "limit [s]": f"{seconds:.6g}"} for seconds, owner in limits]
+        print_table(rows, labels=("set by",), title="Limits of the time step: the least rules")
     time = simulation.scene.time
     why = "fixed by time.step" if time.step is not None else f"{time.safety:g} of the stability limit at most"
     what = "first step" if simulation.scene.settle is None else "first step, of settling"
@@ -166,10 +160,9 @@ def _print_cost(simulation: Simulation, found: Prediction, everything: bool) -> 
     from mpmfw.runs.sizing import most_memory, shown_bytes
 
     if everything:
-        rows = [{"stage": stage, "CPU [s]": f"{seconds:.3g}"} for stage, seconds in found.stages.items()]
-        print_rows(
-            [*rows, {"stage": "all", "CPU [s]": f"{found.cpu_time:.3g}"}], "Predicted cost of the steps"
-        )
+        stages = {**found.stages, "all": found.cpu_time}
+        rows = [{"stage": stage, "CPU [s]": f"{seconds:.3g}"} for stage, seconds in stages.items()]
+        print_table(rows, labels=("stage",), title="Predicted cost of the steps")
     typer.echo(f"{found.steps} steps if the limit stays as it is, {1e-6 * found.memory:.3g} MB of arrays")
     largest = max(found.stages, key=lambda stage: found.stages[stage])
     share = found.stages[largest] / found.cpu_time if found.cpu_time > 0.0 else 0.0
@@ -180,16 +173,4 @@ def _print_cost(simulation: Simulation, found: Prediction, everything: bool) -> 
     typer.echo(f"{found.output_time:.3g} s for output, {found.start_time:.3g} s to start")
     if found.settle_steps:
         typer.echo(f"settling: at most {found.settle_steps} steps, {found.settle_time:.3g} s")
-    typer.echo(f"from a trial of {TIMED} steps; compilation is not in it")
-    typer.echo("")
-
-
-def _print_unused(simulation: Simulation) -> None:
-    from rich.console import Console
-    from rich.text import Text
-
-    unused = unused_facts(simulation)
-    console = Console()
-    console.print(Text("Facts of the scene that are not used", style="bold"))
-    for line in unused or ["none"]:
-        console.print(Text(f"  {line}"))
+    typer.echo(f"from a trial of {TIMED} steps; compilation is not in it\n")

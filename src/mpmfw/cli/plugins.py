@@ -1,56 +1,75 @@
-"""``mpmfw plugins``: what is installed."""
+"""``mpmfw plugins``, ``schema`` and ``new``: what is installed, what scenes may hold, and the start of a plug-in."""
 
 from __future__ import annotations
 
 import inspect
+import json
 import re
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Annotated
 
 import typer
 
-from mpmfw.cli.tables import print_rows
+from mpmfw.cli.tables import print_table
 from mpmfw.errors import SceneError
-
-if TYPE_CHECKING:
-    from importlib.metadata import EntryPoint
-
-    from mpmfw.plugin.discovery import Kind
 
 
 def plugins() -> None:
-    """List the installed plug-ins: name, kind, the distribution that each comes from, and what it is.
+    """List the installed plug-ins: name, kind, the distribution that each comes from, and a description.
 
-    One that cannot be used says why: BROKEN. Measures that mpmfw registers itself are listed as well.
+    A plug-in that cannot be used is BROKEN, with the reason. Measures that mpmfw registers itself are listed as well.
     """
     from mpmfw.campaigns.measures import MEASURES
-    from mpmfw.plugin.discovery import KINDS, available, unknown_groups
+    from mpmfw.plugin.discovery import KINDS, available, distribution_of, load, unknown_groups
 
-    rows = [_row(kind, name, entry) for kind in KINDS for name, entry in available(kind).items()]
-    own = [
-        _said("measure", name, "mpmfw", first_sentence(measure.__doc__)) for name, measure in MEASURES.items()
-    ]
-    print_rows([*rows, *own])
+    rows = []
+    for kind in KINDS:
+        for name, entry in available(kind).items():
+            version = "" if entry.dist is None else entry.dist.version
+            try:
+                about = first_sentence(load(kind, name).__doc__)
+            except SceneError as error:  # one broken plug-in does not hide the others
+                about = f"BROKEN: {error}"
+            source = f"{distribution_of(entry)} {version}"
+            rows.append({"name": name, "kind": kind, "source": source, "about": about})
+    for name, measure in MEASURES.items():
+        about = first_sentence(measure.__doc__)
+        rows.append({"name": name, "kind": "measure", "source": "mpmfw", "about": about})
+    print_table(rows, labels=("name",), words=("kind", "source", "about"))
     for line in unknown_groups():
         typer.echo(line)
 
 
 def first_sentence(text: str | None) -> str:
-    """The first sentence of a docstring, whole, however many lines it takes."""
+    """Return the first sentence of a docstring, however many lines it takes."""
     paragraph = " ".join(inspect.cleandoc(text or "").partition("\n\n")[0].split())
     found = re.match(r"(.*?[.!?])(?= +[A-Z`]|$)", paragraph)
     return found.group(1) if found else paragraph
 
 
-def _row(kind: Kind, name: str, entry: EntryPoint) -> dict[str, Any]:
-    from mpmfw.plugin.discovery import distribution_of, load
+def schema() -> None:
+    """Print the JSON Schema of scenes, option tables of all installed plug-ins included."""
+    from mpmfw.scene import json_schema
 
-    version = "" if entry.dist is None else entry.dist.version
-    try:
-        about = first_sentence(load(kind, name).__doc__)
-    except SceneError as error:  # one broken plug-in does not hide the others
-        about = f"BROKEN: {error}"
-    return _said(kind, name, f"{distribution_of(entry)} {version}", about)
+    typer.echo(json.dumps(json_schema(), indent=2, ensure_ascii=False))
 
 
-def _said(kind: str, name: str, source: str, about: str) -> dict[str, Any]:
-    return {"name": name, "kind": kind, "source": source, "about": about}
+def new(
+    kind: Annotated[
+        str,
+        typer.Argument(
+            metavar="KIND",
+            help="contact, law, detection, shape, material, load, boundary, output, friction, geometry, measure or "
+            "reference.",
+        ),
+    ],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name in scenes, such as soft_wall.")],
+    into: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder that the distribution's folder is made in.")
+    ] = Path(),
+) -> None:
+    """Write a distribution with a plug-in of KIND called NAME that passes its tests, to be filled with your method."""
+    from mpmfw_testing.templates import write_package
+
+    place = write_package(kind, name, into)
+    typer.echo(f"{place}: written; next: pip install -e '{place}[test]' && pytest {place}")

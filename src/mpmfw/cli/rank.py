@@ -4,24 +4,21 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
-from mpmfw.cli.arguments import OutputOption
+from mpmfw.cli.arguments import OutputOption, ReplaceOption
 from mpmfw.cli.errors import check_writable, figure_path
-from mpmfw.cli.formats import Format, FormatOption, write_rows
-from mpmfw.cli.result_files import ReplaceOption
-
-if TYPE_CHECKING:
-    import xarray as xr
+from mpmfw.cli.tables import Format, FormatOption, print_table, write_rows
 
 
 def rank(
     results: Annotated[
         list[Path],
         typer.Argument(
-            metavar="RESULTS", help="Files of mpmfw study, of one study or several.", show_default=False
+            metavar="RESULTS",
+            help="Files of mpmfw study, of one study or several.",
         ),
     ],
     by: Annotated[
@@ -53,7 +50,11 @@ def rank(
         write_rows([{"quantity": name} | row for name in known for row in ranking.summary(found, name)], form)
     else:
         for quantity in known:
-            _print(found, quantity, ranking.QUANTITIES[quantity])
+            title = (
+                f"Problems, of {found.sizes['problem']} at most, whose {quantity} ({ranking.QUANTITIES[quantity]}) falls "
+                "to each level; median cost over the cheapest method's"
+            )
+            print_table(ranking.summary(found, quantity), labels=("method",), title=title)
     _print_failures(json.loads(found.attrs["failures"]), err=form is not Format.table)
     if output is not None:
         from mpmfw.plots import write_figure
@@ -67,19 +68,6 @@ def _levels(text: str) -> list[float]:
     from mpmfw.studies.study import relative_error
 
     return [relative_error(part.strip(), "--levels") for part in text.split(",")]
-
-
-def _print(found: xr.Dataset, quantity: str, meaning: str) -> None:
-    """The table of one quantity."""
-    from mpmfw.cli.tables import print_rows
-    from mpmfw.studies.ranking import summary
-
-    count = found.sizes["problem"]
-    title = (
-        f"Problems, of {count} at most, whose {quantity} ({meaning}) falls to each level; "
-        "median cost over the cheapest method's"
-    )
-    print_rows(summary(found, quantity), title)
 
 
 def _print_failures(failures: list[dict[str, Any]], *, err: bool) -> None:

@@ -10,6 +10,7 @@ from mpmfw.cli.arguments import (
     ContactOption,
     JobsOption,
     OutputOption,
+    ReplaceOption,
     SceneArgument,
     SchedulerOption,
     SetOption,
@@ -20,6 +21,7 @@ from mpmfw.cli.arguments import (
 )
 from mpmfw.cli.errors import result_path
 from mpmfw.cli.progress import campaign_progress
+from mpmfw.cli.tables import print_table
 from mpmfw.errors import SceneError
 
 if TYPE_CHECKING:
@@ -32,8 +34,7 @@ def stability(
     contact: ContactOption = None,
     shape: ShapeOption = None,
     kappa: Annotated[
-        str | None,
-        typer.Option(metavar="A,B,…", help="Stiffness factors of the contact.", show_default=False),
+        str | None, typer.Option(metavar="A,B,…", help="Stiffness factors of the contact.")
     ] = None,
     ratio: Annotated[
         str | None,
@@ -43,18 +44,14 @@ def stability(
     ] = None,
     cfl: Annotated[
         str | None,
-        typer.Option(
-            metavar="A,B,…",
-            help="Courant numbers of the fixed step; 0.1 to 1.2 if left out.",
-            show_default=False,
-        ),
+        typer.Option(metavar="A,B,…", help="Courant numbers of the fixed step; 0.1 to 1.2 if left out."),
     ] = None,
     steps: Annotated[int, typer.Option(min=2, help="Steps of every run.")] = 300,
     set_: SetOption = None,
     trust: TrustOption = False,
     jobs: JobsOption = None,
     scheduler: SchedulerOption = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace a map that is there.")] = False,
+    force: ReplaceOption = False,
 ) -> None:
     """Run SCENE at many stiffnesses and time steps, past the limit too, and map where it stays stable.
 
@@ -100,27 +97,26 @@ def _numbers(option: str, text: str | None) -> list[float] | None:
 
 
 def _print(dataset: xr.Dataset) -> None:
-    """Largest stable Courant number at every stiffness, beside those of the theory, and one letter for every point."""
-    from rich.console import Console
-
-    from mpmfw.cli.tables import grouped_table
+    """Print the largest stable Courant number at every stiffness, those of the theory, and a letter for every point."""
     from mpmfw.stability.chart import largest_stable
 
     axis, cfl = str(dataset["class"].dims[0]), dataset["cfl"].values
+    numbers = [f"{value:g}" for value in cfl]
     heads = {
         axis: axis,
         "stable": "largest\nstable",
         "closed_form": "closed\nform",
         "limit": "Gershgorin\nbound",
+        "marks": "at " + " ".join(numbers),
     }
-    heads["marks"] = "at " + " ".join(f"{value:g}" for value in cfl)
     letters = [name[0].upper() for name in dataset.attrs["classes"].split(", ")] + ["?"]  # -1 is not known
     rows = []
     for value, stable in zip(dataset[axis].values, largest_stable(dataset), strict=True):
         row = dataset.sel({axis: value})
-        marks = " ".join(letters[int(c)].ljust(len(f"{v:g}")) for c, v in zip(row["class"], cfl, strict=True))
-        lines = {name: f"{float(row[name]):.3g}" for name in ("closed_form", "limit")}
-        held = "–" if stable != stable else f"{stable:g}"
-        rows.append({axis: f"{value:g}", "stable": held, **lines, "marks": f"   {marks}"})
-    Console().print(grouped_table(heads, rows, ["marks"], dataset.attrs["title"], wrapped=True, parted=False))
+        marks = [
+            letters[int(code)].rjust(len(number)) for code, number in zip(row["class"], numbers, strict=True)
+        ]
+        limits = {name: float(row[name]) for name in ("closed_form", "limit")}
+        rows.append({axis: f"{value:g}", "stable": float(stable), **limits, "marks": " ".join(marks)})
+    print_table(rows, heads, labels=(axis,), title=dataset.attrs["title"])
     typer.echo("N no contact, S stable, B bounded, D diverged: " + dataset.attrs["bounds"])

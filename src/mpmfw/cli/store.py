@@ -7,21 +7,14 @@ from typing import Annotated
 
 import typer
 
-from mpmfw.cli.errors import exit_status
 from mpmfw.errors import SceneError
-
-store = typer.Typer(
-    name="store", help="The folders of finished runs that campaigns take from.", no_args_is_help=True
-)
 
 
 def prune(
-    folders: Annotated[
-        list[Path], typer.Argument(metavar="FOLDER", help="Folders such as FILE.nc.runs.", show_default=False)
-    ],
+    folders: Annotated[list[Path], typer.Argument(metavar="FOLDER", help="Folders such as FILE.nc.runs.")],
     days: Annotated[
         float | None,
-        typer.Option(metavar="N", min=0.0, help="Forget runs that are older as well.", show_default=False),
+        typer.Option(metavar="N", min=0.0, help="Forget runs that are older as well."),
     ] = None,
 ) -> None:
     """Forget runs that no campaign of today would take: those of other code, or of other versions of the libraries.
@@ -38,6 +31,3 @@ def prune(
     for folder in folders:
         forgotten, kept, freed = Store(folder).prune(is_current, days)
         typer.echo(f"{folder}: {forgotten} runs forgotten, {1e-6 * freed:.3g} MB free, {kept} runs kept")
-
-
-store.command()(exit_status(prune))

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -19,15 +18,12 @@ from mpmfw.cli.arguments import (
     jobs_of,
 )
 from mpmfw.cli.errors import check_result
-from mpmfw.cli.formats import Format, FormatOption, write_rows
 from mpmfw.cli.progress import campaign_progress
+from mpmfw.cli.tables import Format, FormatOption, print_table, print_text, write_rows
 from mpmfw.errors import SceneError
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from mpmfw.studies.loading import Study
-
 
 #: Heads of the columns of numbers.
 _HEADS = {
@@ -50,26 +46,18 @@ class Timing(StrEnum):
 
 def study(
     study: Annotated[
-        str,
-        typer.Argument(
-            metavar="STUDY", help="A TOML file, or the name of a shipped study.", show_default=False
-        ),
+        str, typer.Argument(metavar="STUDY", help="A TOML file, or the name of a shipped study.")
     ],
     output: OutputOption = None,
     timing: Annotated[
-        Timing,
-        typer.Option(help="Take costs as runs come, or of one run at a time."),
+        Timing, typer.Option(help="Take costs as runs come, or of one run at a time.")
     ] = Timing.shared,
     jobs: JobsOption = None,
     scheduler: SchedulerOption = None,
     repeats: RepeatsOption = None,
     under: Annotated[
         str | None,
-        typer.Option(
-            metavar="ERROR",
-            help="Relative error below which the cheapest is named: 1% or 0.01.",
-            show_default=False,
-        ),
+        typer.Option(metavar="ERROR", help="Relative error below which the cheapest is named: 1% or 0.01."),
     ] = None,
     force: ForceOption = False,
     trust: TrustOption = False,
@@ -85,7 +73,9 @@ def study(
 
     loaded = load_study(study, trust)
     path = Path(f"{loaded.name}.nc") if output is None else output
-    _check_apart(loaded, path)
+    sources = [loaded.source.name, *(scene for scene in loaded.scenes.values() if isinstance(scene, str))]
+    if any(source is not None and Path(source).resolve() == path.resolve() for source in sources):
+        raise SceneError(f"--output {path}: is a file that the study reads; give another name")
     check_result(path, "study", "study's results", force)
 
     from mpmfw.studies.study import study as run_study
@@ -111,16 +101,8 @@ def study(
     typer.echo(f"{path}: errors and costs. For figures: mpmfw plot {path}", err=form is not Format.table)
 
 
-def _check_apart(study: Study, path: Path) -> None:
-    """Refuse an output in place of the study or of a scene."""
-    sources = [study.source.name, *(scene for scene in study.scenes.values() if isinstance(scene, str))]
-    if any(source is not None and Path(source).resolve() == path.resolve() for source in sources):
-        raise SceneError(f"--output {path}: is a file that the study reads; give another name")
-
-
 def _print(dataset: xr.Dataset) -> None:
-    """One line a combination; those without a result say why below the table."""
-    from mpmfw.cli.tables import console, grouped_table
+    """Print a line for each combination; those without a result say why below the table."""
     from mpmfw.studies.conclusion import rows
 
     dims = [str(dim) for dim in dataset["status"].dims]
@@ -129,27 +111,19 @@ def _print(dataset: xr.Dataset) -> None:
     if not (dataset["settle_time"] > 0.0).any():
         del heads["settle_time"]
     found = list(rows(dataset))
-    cells = [_cells(row, labels) for row in found]
-    console().print(grouped_table(heads, cells, labels, dataset.attrs["title"], wrapped=True))
+    cells = [
+        {
+            **row,
+            "error": 100.0 * row["error"],
+            "noise": 100.0 * row["noise"],
+            "steps": int(row["steps"]) if row["steps"] > 0.0 else row["steps"],
+            "pareto": "●" if row["pareto"] else "",
+        }
+        for row in found
+    ]
+    print_table(cells, heads, labels=labels, title=dataset.attrs["title"])
     for row in found:
         if row["status"] != "ok":
-            typer.echo(f"{', '.join(str(row[dim]) for dim in dims)}: {row['status']}")
+            print_text(f"{', '.join(str(row[dim]) for dim in dims)}: {row['status']}")
     typer.echo(f"\nErrors of {dataset.attrs['quantity']} against {dataset.attrs['error_against']}")
     typer.echo(f"Timing: {dataset.attrs['timing']}")
-
-
-def _cells(row: Mapping[str, Any], labels: list[str]) -> dict[str, str]:
-    """Labels, error in per cent, costs, steps, and a mark on the front; a dash for what is not known."""
-    from mpmfw.cli.tables import broken_label
-
-    words = {name: broken_label(str(row[name])).replace("(", "(\n ", 1) for name in labels}
-    numbers = {
-        "error": f"{100.0 * row['error']:.3g}",
-        "noise": f"{100.0 * row['noise']:.2g}",
-        "cpu_time": f"{row['cpu_time']:.3g}",
-        "cpu_time_spread": f"{row['cpu_time_spread']:.2g}",
-        "settle_time": f"{row['settle_time']:.3g}",
-        "steps": f"{row['steps']:.0f}",
-    }
-    known = {name: "–" if text == "nan" else text for name, text in numbers.items()}
-    return {**words, **known, "pareto": "●" if row["pareto"] else ""}

@@ -1,146 +1,143 @@
-"""Tables that keep every digit: on a narrow terminal or in a pipe they grow downwards, never lose text."""
+"""Tables: on a terminal, where they keep every digit, and as CSV or JSON for other programs."""
 
 from __future__ import annotations
 
+import csv
+import json
+import math
 import sys
 from collections.abc import Collection, Mapping, Sequence
+from enum import StrEnum
 from numbers import Integral
-from typing import TYPE_CHECKING, Any
+from typing import Annotated, Any, TypeAlias
 
-if TYPE_CHECKING:
-    from rich.console import Console
-    from rich.table import Table
+import typer
 
-#: Narrowest column that words may be wrapped into.
-LEAST_WRAPPED = 24
+#: Width that a column of words is wrapped to where there is no more room.
+_WRAPPED = 24
+
+
+class Format(StrEnum):
+    """How a table is printed."""
+
+    table = "table"
+    csv = "csv"
+    json = "json"
+
+
+FormatOption: TypeAlias = Annotated[
+    Format,
+    typer.Option(
+        "--format", help="How the table is printed; csv and json have all digits and nothing beside it."
+    ),
+]
 
 
 def formatted(value: Any) -> str:
-    """Whole numbers and text as they are, other numbers to four digits, nothing for None and NaN."""
+    """Return text and whole numbers as they are, other numbers to four digits, a dash for NaN, nothing for None."""
     if isinstance(value, bool) or not hasattr(value, "__float__"):
         return "" if value is None else str(value)
     if isinstance(value, Integral):
         return str(int(value))
     number = float(value)
-    return "" if number != number else f"{number:.4g}"
+    return "–" if math.isnan(number) else f"{number:.4g}"
 
 
-def print_rows(rows: Sequence[Mapping[str, Any]], title: str | None = None) -> None:
-    """Print rows as a table, its last column wrapped if need be; one that is still too wide as blocks."""
-    from rich.console import Console
-    from rich.text import Text
-
-    console = Console()
-    if not rows:
-        return
-    keys = list(dict.fromkeys(key for row in rows for key in row))
-    cells = [[formatted(row.get(key)) for key in keys] for row in rows]
-    widths = [max(len(key), *(len(row[k]) for row in cells)) for k, key in enumerate(keys)]
-    # Two spaces after every column, one in front of the table
-    spare = console.width - sum(widths) - 2 * len(keys) - 1
-    wraps = any(" " in row[-1] for row in cells) and widths[-1] + spare >= LEAST_WRAPPED
-    if title:
-        console.print(Text(title, style="bold"))
-    if spare >= 0 or wraps:
-        numeric = [any(hasattr(row.get(key), "__float__") for row in rows) for key in keys]
-        console.print(_table(keys, cells, numeric, wrap_last=spare < 0))
-    else:
-        _print_blocks(console, keys, cells)
-
-
-def console() -> Console:
-    """As wide as the terminal; in a pipe or a file a hundred columns."""
-    from rich.console import Console
-
-    return Console(width=None if sys.stdout.isatty() else 100)
-
-
-def broken_label(label: str) -> str:
-    """A method with options, an option a line."""
-    return label.replace(", ", ",\n ") if label.endswith(")") else label
-
-
-def grouped_table(
-    heads: Mapping[str, str],
-    rows: Sequence[Mapping[str, str]],
-    left: Collection[str],
-    title: str | None = None,
+def print_table(
+    rows: Sequence[Mapping[str, Any]],
+    heads: Mapping[str, str] | None = None,
     *,
-    wrapped: bool = False,
-    parted: bool = True,
-) -> Table:
-    """A table of texts, a line under its heads and nothing around it.
+    labels: Collection[str],
+    words: Collection[str] = (),
+    title: str = "",
+) -> None:
+    """Print rows as a table; columns that find no room go to a further table with the same labels.
 
     Parameters
     ----------
-    heads
-        Of the columns, by the names of the rows' cells.
     rows
-        A text for each column; ``style`` is rich's for the row.
-    left
-        Columns of words; all others stand to the right.
-    title
-        Above the table.
-    wrapped
-        Whether the columns of words may be wrapped.
-    parted
-        Whether rows stand apart where the first column changes.
+        Cells by column; ``style`` is rich's style of the row.
+    heads
+        Heads by column, in order; the names of the cells by default. A column without any value is left out.
+    labels
+        Columns that say what a row is; every table has them, and groups rows by the first.
+    words
+        Further columns of text. They are wrapped, as labels are; all other columns are numbers.
     """
     from rich import box
+    from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
-    plain: dict[str, Any] = {
-        "box": box.SIMPLE_HEAD,
-        "padding": (0, 1, 0, 0),
-        "pad_edge": False,
-        "show_edge": False,
+    console = Console()
+    names = heads or {name: name for row in rows for name in row if name != "style"}
+    cells = {name: [formatted(row.get(name)) for row in rows] for name in names}
+    known = [name for name in names if name in labels or set(cells[name]) - {"", "–"}]
+    texts = {name: [names[name], *cells[name]] for name in known}
+    width = {name: 2 + max(len(line) for text in texts[name] for line in text.split("\n")) for name in known}
+    least = {
+        name: 2 + max((len(word) for text in texts[name] for word in text.split()), default=0)
+        for name in known
     }
-    table = Table(title=title, title_justify="left", **plain)
-    for name, head in heads.items():
-        words = name in left
-        table.add_column(
-            Text(head),
-            justify="left" if words else "right",
-            no_wrap=not (words and wrapped),
-            overflow="fold",
-        )
-    first = next(iter(heads))
-    for before, row in zip([None, *rows], rows, strict=False):
-        if parted and before is not None and before[first] != row[first]:
-            table.add_section()
-        table.add_row(*(Text(row[name]) for name in heads), style=row.get("style"))
-    return table
-
-
-def _table(keys: list[str], cells: list[list[str]], numeric: list[bool], wrap_last: bool) -> Table:
-    from rich import box
-    from rich.table import Table
-    from rich.text import Text
-
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1), pad_edge=False)
-    for k, key in enumerate(keys):
-        wrapped = wrap_last and k == len(keys) - 1
-        table.add_column(
-            Text(key), justify="right" if numeric[k] else "left", no_wrap=not wrapped, overflow="fold"
-        )
-    for row in cells:
-        table.add_row(*(Text(cell) for cell in row))
-    return table
-
-
-def _print_blocks(console: Console, keys: list[str], cells: list[list[str]]) -> None:
-    """One block for each row, its first cell as the heading; long text wraps under itself."""
-    from rich.table import Table
-    from rich.text import Text
-
-    width = max(len(key) for key in keys)
-    for row in cells:
-        grid = Table.grid(padding=(0, 2))
-        grid.add_column(min_width=width, no_wrap=True)
-        grid.add_column(overflow="fold")
-        for key, cell in zip(keys, row, strict=True):
-            if cell:
-                grid.add_row(Text(key, style="dim"), Text(cell))
-        console.print(grid)
+    room = console.width - min(
+        sum(width[name] for name in known if name in labels),
+        max(console.width // 2, sum(least[name] for name in known if name in labels)),
+    )
+    portions: list[list[str]] = [[]]
+    for name in (name for name in known if name not in labels):
+        if name in words:
+            width[name] = min(width[name], max(least[name], _WRAPPED))
+        if portions[-1] and sum(width[one] for one in (*portions[-1], name)) > room:
+            portions.append([])
+        portions[-1].append(name)
+    if title:
+        console.print(Text(title, style="bold"))
+    for portion in portions:
+        table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
+        columns = [name for name in known if name in labels or name in portion]
+        for name in columns:
+            text = name in labels or name in words
+            table.add_column(
+                Text(names[name]),
+                justify="left" if text else "right",
+                min_width=min(least[name] - 2, console.width // 2) if text else None,
+                no_wrap=not text,
+                overflow="fold",
+            )
+        first = cells[columns[0]]
+        for k, row in enumerate(rows):
+            if k and len(labels) > 1 and first[k] != first[k - 1]:
+                table.add_section()
+            table.add_row(*(Text(cells[name][k]) for name in columns), style=row.get("style"))
+        console.print(table)
         console.print()
+
+
+def print_text(text: str) -> None:
+    """Print a text, wrapped at the width of the terminal."""
+    from rich.console import Console
+    from rich.text import Text
+
+    Console().print(Text(text))
+
+
+def write_rows(rows: Sequence[Mapping[str, Any]], form: Format) -> None:
+    """Print rows as CSV, empty where a value is not known, or as JSON, null there."""
+    plain = [{key: _plain(value) for key, value in row.items()} for row in rows]
+    if form is Format.json:
+        print(json.dumps(plain, indent=1, ensure_ascii=False))
+        return
+    keys = list(dict.fromkeys(key for row in plain for key in row))
+    writer = csv.DictWriter(sys.stdout, keys, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(plain)
+
+
+def _plain(value: Any) -> Any:
+    """Return a value that JSON has; None for a number that is not finite."""
+    if isinstance(value, str | bool | int) or value is None:
+        return value
+    if hasattr(value, "item"):
+        return _plain(value.item())
+    number = float(value)
+    return number if math.isfinite(number) else None

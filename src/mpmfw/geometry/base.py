@@ -1,21 +1,26 @@
-"""What a geometry of any dimension answers; a distribution of one's own brings more of them."""
+"""Base of geometries of any dimension, and of those that are round or have a lower and an upper corner."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from mpmfw.geometry.layout import FloatArray, IntArray, Layout
+from mpmfw.units import Length
+
+PositiveLength = Annotated[Length, Field(gt=0)]
+Point2D = tuple[Length, Length]
+Point3D = tuple[Length, Length, Length]
 
 
 class BodyGeometry(BaseModel):
     """Base of geometries: a model of the keys of a body's table ``geometry``.
 
-    A class of one's own derives from :class:`PlaneGeometry` or :class:`SolidGeometry`, gives the field ``type`` its name as the
-    only value and the default, and is announced as an entry point of the group ``mpmfw.geometry``.
+    A class of yours derives from :class:`PlaneGeometry` or :class:`SolidGeometry`, gives the field ``type`` its name as
+    the only value and the default, and is announced as an entry point of the group ``mpmfw.geometry``.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -50,8 +55,10 @@ class BodyGeometry(BaseModel):
 
     @property
     def width(self) -> float:
-        """Smallest extent of the true shape [m], or thickness of its thinnest wall: that of its bounding box, unless a shape says
-        better. Below a cell it shortens the stable step."""
+        """Smallest extent of the true shape [m], or thickness of its thinnest wall.
+
+        It is that of its bounding box, unless a shape overrides it. Below a cell it shortens the stable step.
+        """
         return float(np.ptp(self.bounds, axis=0).min())
 
     @property
@@ -70,3 +77,53 @@ class BodyGeometry(BaseModel):
     def fitted(self, size: float) -> Layout:
         """Domains of edges up to ``size`` [m] that follow the surface; a ValueError where there are none, as here."""
         raise ValueError(f"a {self.type} has no fitted layout (size {size} m): choose layout = 'lattice'")
+
+
+class Round(BodyGeometry):
+    """Base of discs and balls."""
+
+    centre: tuple[Length, ...]
+    radius: PositiveLength
+
+    @property
+    def width(self) -> float:
+        """2 R [m]."""
+        return float(2.0 * self.radius)
+
+    @property
+    def centroid(self) -> FloatArray:
+        """The centre (dim,) [m]."""
+        return np.array(self.centre)
+
+    @property
+    def bounds(self) -> FloatArray:
+        """Lower and upper corner of the bounding box (2, dim) [m]."""
+        return np.add(self.centre, [[-self.radius], [self.radius]])
+
+
+class Cornered(BodyGeometry):
+    """Base of rectangles and boxes."""
+
+    lower: tuple[Length, ...]
+    upper: tuple[Length, ...]
+
+    @model_validator(mode="after")
+    def _lower_below_upper(self) -> Self:
+        if not all(a < b for a, b in zip(self.lower, self.upper, strict=True)):
+            raise ValueError(f"lower {self.lower} must be below upper {self.upper} in every direction")
+        return self
+
+    @property
+    def exact_volume(self) -> float:
+        """Product of the edges [m^dim]."""
+        return float(np.prod(np.subtract(self.upper, self.lower)))
+
+    @property
+    def centroid(self) -> FloatArray:
+        """The centre (dim,) [m]."""
+        return 0.5 * np.add(self.lower, self.upper)
+
+    @property
+    def width(self) -> float:
+        """The shortest edge [m]."""
+        return float(np.subtract(self.upper, self.lower).min())

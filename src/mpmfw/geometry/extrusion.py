@@ -2,32 +2,31 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
+from mpmfw.geometry.base import Point3D, PositiveLength
 from mpmfw.geometry.disc import Disc
 from mpmfw.geometry.layout import FloatArray
-from mpmfw.geometry.plane import Point3D, PositiveLength
 from mpmfw.geometry.polygon import Polygon
 from mpmfw.geometry.rectangle import Rectangle
 from mpmfw.geometry.ring import Ring
-from mpmfw.geometry.solid import Axis, SolidGeometry, Surfaces, Turns, turning, upright
+from mpmfw.geometry.solid import AxialSolid, Surfaces, TurnedSolid
 from mpmfw.geometry.swept import extruded_surface
 from mpmfw.units import Length
 
 PlaneOutline = Annotated[Disc | Ring | Rectangle | Polygon, Field(discriminator="type")]
 
 
-class Extrusion(SolidGeometry):
+class Extrusion(TurnedSolid):
     """A plane shape moved along z from ``low`` to ``high`` [m], turned about its centroid by ``angles`` [rad] about x, y, z."""
 
     type: Literal["extrusion"] = "extrusion"
     outline: PlaneOutline
     low: Length
     high: Length
-    angles: Turns = (0.0, 0.0, 0.0)
 
     @model_validator(mode="after")
     def _low_below_high(self) -> Self:
@@ -52,11 +51,6 @@ class Extrusion(SolidGeometry):
         return float(2.0 * self.outline.exact_volume + sides)
 
     @property
-    def axes(self) -> FloatArray:
-        """Axes of the outline's plane and the one that it is extruded along, one a row (3, 3): sides turn with the body."""
-        return turning(self.angles).T
-
-    @property
     def bounds(self) -> FloatArray:
         """Lower and upper corner of the bounding box (2, 3) [m]."""
         nodes = self.fine_nodes
@@ -67,31 +61,21 @@ class Extrusion(SolidGeometry):
         """Nodes (n, 3) [m] on the rims, so fine that they bound the body."""
         loops = np.concatenate(self.outline.outlines(self.outline.outline_length / 400.0))
         ends = [np.column_stack([loops, np.full(len(loops), z)]) for z in (self.low, self.high)]
-        return self._turned(np.concatenate(ends))
+        return self.turned(np.concatenate(ends))
 
     def surfaces(self, edge: float) -> Surfaces:
         """Nodes (n, 3) [m] and triangles (k, 3) of sides up to ``edge`` [m], across the sides up to 1.4 of it."""
         nodes, facets = extruded_surface(self.outline.outlines(edge), self.low, self.high, edge)
-        return ((self._turned(nodes), facets),)
-
-    def _turned(self, points: FloatArray) -> FloatArray:
-        if not any(self.angles):
-            return points
-        turned: FloatArray = self.centroid + (points - self.centroid) @ turning(self.angles).T
-        return turned
+        return ((self.turned(nodes), facets),)
 
 
-class Cylinder(SolidGeometry):
+class Cylinder(AxialSolid):
     """A full cylinder [m], its ``length`` along ``axis``, turned about its centre by ``angles`` [rad] about x, then y, then z."""
 
     type: Literal["cylinder"] = "cylinder"
     centre: Point3D
     radius: PositiveLength
     length: PositiveLength
-    axis: Axis = "z"
-    angles: Turns = (0.0, 0.0, 0.0)
-
-    has_plane_faces: ClassVar[bool] = False
 
     @property
     def exact_volume(self) -> float:
@@ -109,14 +93,9 @@ class Cylinder(SolidGeometry):
         return float(2.0 * np.pi * self.radius * (self.radius + self.length))
 
     @property
-    def axes(self) -> FloatArray:
-        """Unit vectors along which the sides are named, one a row (3, 3): they turn with the cylinder."""
-        return turning(self.angles).T
-
-    @property
     def bounds(self) -> FloatArray:
         """Lower and upper corner of the bounding box (2, 3) [m]."""
-        along = self._turn[:, 2]
+        along = self.turn[:, 2]
         half = 0.5 * self.length * np.abs(along) + self.radius * np.sqrt(np.maximum(1.0 - along**2, 0.0))
         return np.array([self.centroid - half, self.centroid + half])
 
@@ -124,10 +103,4 @@ class Cylinder(SolidGeometry):
         """Nodes (n, 3) [m] and triangles (k, 3) of sides up to ``edge`` [m], across the sides up to 1.4 of it."""
         disc = Disc(centre=(0.0, 0.0), radius=self.radius)
         nodes, facets = extruded_surface(disc.outlines(edge), -0.5 * self.length, 0.5 * self.length, edge)
-        return ((self.centroid + nodes @ self._turn.T, facets),)
-
-    @property
-    def _turn(self) -> FloatArray:
-        """Matrix (3, 3) from the cylinder's own frame, in which it lies along z."""
-        matrix: FloatArray = turning(self.angles) @ upright(self.axis)
-        return matrix
+        return ((self.centroid + nodes @ self.turn.T, facets),)

@@ -1,23 +1,17 @@
-"""What every plane body answers, and the quantities the geometries share."""
+"""Base of plane bodies."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Annotated, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import shapely
-from pydantic import Field
 
 from mpmfw.geometry.base import BodyGeometry
 from mpmfw.geometry.clipped_lattice import clipped_lattice
 from mpmfw.geometry.facets import closed_loop
 from mpmfw.geometry.layout import FloatArray, IntArray, Layout
-from mpmfw.units import Length
-
-PositiveLength = Annotated[Length, Field(gt=0)]
-Point2D = tuple[Length, Length]
-Point3D = tuple[Length, Length, Length]
 
 
 class PlaneGeometry(BodyGeometry):

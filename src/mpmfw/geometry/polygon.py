@@ -9,10 +9,14 @@ import numpy as np
 import shapely
 from pydantic import Field, model_validator
 
+from mpmfw.geometry.base import Point2D
+from mpmfw.geometry.gmsh_file import started_gmsh
 from mpmfw.geometry.layout import FloatArray, Layout, layout_of_quadrilaterals
-from mpmfw.geometry.plane import PlaneGeometry, Point2D
-from mpmfw.geometry.polygon_mesh import polygon_mesh
+from mpmfw.geometry.plane import PlaneGeometry
 from mpmfw.geometry.polylines import loops_of, subdivided
+
+#: Sizes that gmsh is asked for until no edge is too long.
+ATTEMPTS = 10
 
 Loop = Annotated[tuple[Point2D, ...], Field(min_length=3)]
 
@@ -59,3 +63,60 @@ class Polygon(PlaneGeometry):
     def fitted(self, size: float) -> Layout:
         """Quadrilaterals made by gmsh."""
         return layout_of_quadrilaterals(polygon_mesh(loops_of(self.region), size))
+
+
+def polygon_mesh(loops: tuple[FloatArray, ...], size: float) -> FloatArray:
+    """Quadrilaterals (n, 4, 2) [m], counter-clockwise, with edges of at most ``size`` [m].
+
+    Parameters
+    ----------
+    loops : tuple of (k, 2)
+        The outer ring and the holes [m].
+
+    Raises
+    ------
+    ValueError
+        gmsh is not installed, or makes no mesh of that size.
+    """
+    with started_gmsh("a fitted layout of a polygon") as gmsh:
+        # In units of the size, far from gmsh's absolute tolerances; the last subdivision halves edges
+        scaled = tuple(loop / size for loop in loops)
+        target = 2.0
+        for _ in range(ATTEMPTS):
+            corners = _mesh(gmsh, scaled, target)
+            largest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
+            if largest <= 1.0:
+                return size * corners
+            # gmsh takes a size as an average: ask for less until the largest edge fits
+            target *= max(0.5, 0.98 / largest)
+    raise ValueError(f"gmsh made no quadrilaterals with edges below {size} m: choose layout = 'lattice'")
+
+
+def _mesh(gmsh: Any, loops: tuple[FloatArray, ...], target: float) -> FloatArray:
+    """One attempt: quadrilaterals (n, 4, 2) of the region within ``loops``, counter-clockwise."""
+    gmsh.model.add("polygon")
+    try:
+        geo = gmsh.model.geo
+        curves = []
+        for loop in loops:
+            nodes = [geo.addPoint(x, y, 0.0, target) for x, y in loop]
+            lines = [geo.addLine(a, b) for a, b in zip(nodes, nodes[1:] + nodes[:1], strict=True)]
+            curves.append(geo.addCurveLoop(lines))
+        geo.addPlaneSurface(curves)
+        geo.synchronize()
+        for option, value in (("RecombineAll", 1), ("SubdivisionAlgorithm", 1), ("MeshSizeMax", target)):
+            gmsh.option.setNumber(f"Mesh.{option}", value)
+        gmsh.model.mesh.generate(2)
+        return _quadrilaterals(gmsh)
+    finally:
+        gmsh.model.remove()
+
+
+def _quadrilaterals(gmsh: Any) -> FloatArray:
+    """Corners (n, 4, 2) of the quadrilaterals of the present model, counter-clockwise."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    row = np.zeros(int(tags.max()) + 1, dtype=int)
+    row[tags.astype(int)] = np.arange(len(tags))
+    _, connectivity = gmsh.model.mesh.getElementsByType(gmsh.model.mesh.getElementType("quadrangle", 1))
+    corners: FloatArray = coordinates.reshape(-1, 3)[row[connectivity.astype(int)], :2].reshape(-1, 4, 2)
+    return corners

@@ -2,47 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, Self
+from typing import Any, Literal
 
 import numpy as np
 import shapely
-from pydantic import model_validator
 
+from mpmfw.geometry.base import Cornered, Point2D
+from mpmfw.geometry.clipped_lattice import tiling
 from mpmfw.geometry.layout import FloatArray, Layout, layout_of_quadrilaterals
-from mpmfw.geometry.plane import PlaneGeometry, Point2D
+from mpmfw.geometry.plane import PlaneGeometry
 from mpmfw.geometry.polylines import subdivided
-from mpmfw.geometry.tiling import tiling
 from mpmfw.units import Angle
 
 
-class Rectangle(PlaneGeometry):
+class Rectangle(Cornered, PlaneGeometry):
     """A rectangle between two corners [m], turned by ``angle`` [rad] counter-clockwise about its centre."""
 
     type: Literal["rectangle"] = "rectangle"
     lower: Point2D
     upper: Point2D
     angle: Angle = 0.0
-
-    @model_validator(mode="after")
-    def _lower_below_upper(self) -> Self:
-        if not all(a < b for a, b in zip(self.lower, self.upper, strict=True)):
-            raise ValueError(f"lower {self.lower} must be below upper {self.upper} in every direction")
-        return self
-
-    @property
-    def exact_volume(self) -> float:
-        """Width times height [m^2]."""
-        return float(np.prod(np.subtract(self.upper, self.lower)))
-
-    @property
-    def centroid(self) -> FloatArray:
-        """The centre (2,) [m]."""
-        return 0.5 * np.add(self.lower, self.upper)
-
-    @property
-    def width(self) -> float:
-        """The shorter edge [m]."""
-        return float(np.subtract(self.upper, self.lower).min())
 
     @property
     def axes(self) -> FloatArray:

@@ -7,18 +7,18 @@ from typing import Literal, Self
 import numpy as np
 from pydantic import model_validator
 
+from mpmfw.geometry.base import Point3D, PositiveLength
 from mpmfw.geometry.disc import Disc
 from mpmfw.geometry.extrusion import PlaneOutline
 from mpmfw.geometry.layout import FloatArray
-from mpmfw.geometry.plane import Point3D, PositiveLength
-from mpmfw.geometry.solid import Axis, SolidGeometry, Surfaces, Turns, turning, upright
+from mpmfw.geometry.solid import AxialSolid, Surfaces
 from mpmfw.geometry.swept import revolved_surface
 
 #: Nodes so near to the axis lie on it, over the outline's extent.
 ON_AXIS = 1e-9
 
 
-class Revolution(SolidGeometry):
+class Revolution(AxialSolid):
     """A plane shape that goes round ``axis``; its coordinates [m] are the distance from the axis and the height above ``origin``.
 
     The body is turned about the origin by ``angles`` [rad] about x, then y, then z.
@@ -27,8 +27,6 @@ class Revolution(SolidGeometry):
     type: Literal["revolution"] = "revolution"
     outline: PlaneOutline
     origin: Point3D = (0.0, 0.0, 0.0)
-    axis: Axis = "z"
-    angles: Turns = (0.0, 0.0, 0.0)
 
     @model_validator(mode="after")
     def _beside_the_axis(self) -> Self:
@@ -46,16 +44,11 @@ class Revolution(SolidGeometry):
         return float(2.0 * np.pi * self.outline.centroid[0] * self.outline.exact_volume)
 
     @property
-    def axes(self) -> FloatArray:
-        """Unit vectors along which the sides are named, one a row (3, 3): they turn with the body."""
-        return turning(self.angles).T
-
-    @property
     def bounds(self) -> FloatArray:
         """Lower and upper corner of the bounding box (2, 3) [m]."""
         nodes = np.concatenate(self.outline.outlines(self.outline.outline_length / 400.0))
         radius, height = nodes[:, :1], nodes[:, 1:]
-        along = self._turn[:, 2]
+        along = self.turn[:, 2]
         across = np.sqrt(np.maximum(1.0 - along**2, 0.0))
         origin = np.array(self.origin)
         return np.array(
@@ -71,16 +64,11 @@ class Revolution(SolidGeometry):
         for loop in self.outline.outlines(edge):
             near = np.abs(loop[:, :1]) < ON_AXIS * np.ptp(loop)
             nodes, facets = revolved_surface(np.where(near & (np.arange(2) == 0), 0.0, loop), edge)
-            found.append((np.array(self.origin) + nodes @ self._turn.T, facets))
+            found.append((np.array(self.origin) + nodes @ self.turn.T, facets))
         return tuple(found)
 
-    @property
-    def _turn(self) -> FloatArray:
-        matrix: FloatArray = turning(self.angles) @ upright(self.axis)
-        return matrix
 
-
-class Torus(SolidGeometry):
+class Torus(AxialSolid):
     """A torus [m]: a disc of ``tube_radius`` whose centre runs round ``axis`` on a circle of ``radius``.
 
     The body is turned about its centre by ``angles`` [rad] about x, then y, then z.
@@ -90,8 +78,6 @@ class Torus(SolidGeometry):
     centre: Point3D
     radius: PositiveLength
     tube_radius: PositiveLength
-    axis: Axis = "z"
-    angles: Turns = (0.0, 0.0, 0.0)
 
     @model_validator(mode="after")
     def _has_a_hole(self) -> Self:
@@ -118,11 +104,6 @@ class Torus(SolidGeometry):
     def area(self) -> float:
         """4 π² R r [m^2]."""
         return float(4.0 * np.pi**2 * self.radius * self.tube_radius)
-
-    @property
-    def axes(self) -> FloatArray:
-        """Unit vectors of the body's own frame, one a row (3, 3)."""
-        return turning(self.angles).T
 
     @property
     def bounds(self) -> FloatArray:

@@ -8,8 +8,9 @@ import numpy as np
 import shapely
 from pydantic import model_validator
 
+from mpmfw.geometry.base import Point2D, PositiveLength
 from mpmfw.geometry.layout import FloatArray, Layout, layout_of_quadrilaterals
-from mpmfw.geometry.plane import PlaneGeometry, Point2D, PositiveLength
+from mpmfw.geometry.plane import PlaneGeometry
 from mpmfw.geometry.polylines import (
     circle_nodes,
     circle_outline,

@@ -1,4 +1,4 @@
-"""What every solid body answers, and its lattice: cubic cells cut by its surface."""
+"""Base of solid bodies, and their lattice: cubic cells cut by their surface."""
 
 from __future__ import annotations
 
@@ -95,6 +95,36 @@ class SolidGeometry(BodyGeometry):
             stretch = np.cbrt(self.exact_volume / volume_of(nodes, facets))
             nodes = self.centroid + stretch * (nodes - self.centroid)
         return solid_lattice(nodes, facets, size, offset)
+
+
+class TurnedSolid(SolidGeometry):
+    """Base of solids turned by ``angles`` [rad] about x, then y, then z; their sides turn with them."""
+
+    angles: Turns = (0.0, 0.0, 0.0)
+
+    @property
+    def axes(self) -> FloatArray:
+        """Unit vectors along which the sides are named, one a row (3, 3)."""
+        return turning(self.angles).T
+
+    def turned(self, points: FloatArray) -> FloatArray:
+        """Points (n, 3) [m] turned about the centroid."""
+        if not any(self.angles):
+            return points
+        turned: FloatArray = self.centroid + (points - self.centroid) @ turning(self.angles).T
+        return turned
+
+
+class AxialSolid(TurnedSolid):
+    """Base of solids that stand along an axis before they are turned."""
+
+    axis: Axis = "z"
+
+    @property
+    def turn(self) -> FloatArray:
+        """Matrix (3, 3) from the body's own frame, in which its axis is z."""
+        matrix: FloatArray = turning(self.angles) @ upright(self.axis)
+        return matrix
 
 
 def joined(surfaces: Surfaces) -> tuple[FloatArray, IntArray]:

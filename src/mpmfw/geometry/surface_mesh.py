@@ -9,17 +9,16 @@ from typing import Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import model_validator
 
+from mpmfw.geometry.base import Point3D
 from mpmfw.geometry.cut_cells import volume_of
 from mpmfw.geometry.layout import FloatArray, IntArray, Layout
-from mpmfw.geometry.plane import Point3D
-from mpmfw.geometry.solid import SolidGeometry, Surfaces, Turns, solid_lattice, turning
-from mpmfw.geometry.subdivision import subdivided_triangles
+from mpmfw.geometry.solid import Surfaces, TurnedSolid, solid_lattice, turning
 from mpmfw.geometry.surface_checks import check_surface, shells_of
 from mpmfw.geometry.surface_file import SINGLE, read_surface
 from mpmfw.units import to_si
 
 
-class SurfaceMesh(SolidGeometry):
+class SurfaceMesh(TurnedSolid):
     """A closed surface of triangles in a file (.stl, .obj, .ply, .off, .msh), whose coordinates are in ``unit``.
 
     The body is turned about the file's origin by ``angles`` [rad] about x, then y, then z, and moved by ``shift`` [m].
@@ -31,7 +30,6 @@ class SurfaceMesh(SolidGeometry):
     type: Literal["surface_mesh"] = "surface_mesh"
     path: Path
     unit: str = "m"
-    angles: Turns = (0.0, 0.0, 0.0)
     shift: Point3D = (0.0, 0.0, 0.0)
 
     @model_validator(mode="after")
@@ -77,11 +75,6 @@ class SurfaceMesh(SolidGeometry):
         nodes, _ = self.fine_surface
         return np.array([nodes.min(axis=0), nodes.max(axis=0)])
 
-    @property
-    def axes(self) -> FloatArray:
-        """The file's axes, one a row (3, 3): sides turn with the body."""
-        return turning(self.angles).T
-
     @cached_property
     def edges(self) -> FloatArray:
         """Lengths (k, 3) of the triangles' sides [m]."""
@@ -111,3 +104,46 @@ class SurfaceMesh(SolidGeometry):
     def lattice(self, size: float, offset: tuple[float, ...]) -> Layout:
         """Cubic cells cut by the file's triangles as they are."""
         return solid_lattice(*self.fine_surface, size, offset)
+
+
+def subdivided_triangles(nodes: FloatArray, facets: IntArray, edge: float) -> tuple[FloatArray, IntArray]:
+    """Nodes (n, 3) [m] and triangles (k, 3) of a closed surface with all sides up to ``edge`` [m].
+
+    Sides that are longer are halved, again and again; a triangle with one, two or three of them becomes two, three or four.
+    """
+    while True:
+        sides = np.stack([facets[:, [1, 2]], facets[:, [2, 0]], facets[:, [0, 1]]], axis=1).reshape(-1, 2)
+        pairs, which = np.unique(np.sort(sides, axis=1), axis=0, return_inverse=True)
+        length = np.linalg.norm(nodes[pairs[:, 1]] - nodes[pairs[:, 0]], axis=1)
+        long = length > edge * (1.0 + 1e-12)
+        if not long.any():
+            return nodes, facets
+        middle = np.full(len(pairs), -1)
+        middle[long] = len(nodes) + np.arange(np.count_nonzero(long))
+        nodes = np.concatenate([nodes, nodes[pairs[long]].mean(axis=1)])
+        facets = _divided(nodes, facets, middle[which.ravel()].reshape(-1, 3))
+
+
+def _divided(nodes: FloatArray, facets: IntArray, middle: IntArray) -> IntArray:
+    """Triangles (k, 3) divided at the nodes in the middle of the sides opposite their corners (k, 3), −1 where there is none."""
+    count = (middle >= 0).sum(axis=1)
+    parts = [facets[count == 0]]
+    rows = np.arange(len(facets))
+    # turned so that the one side that differs from the others is opposite the first corner
+    odd = np.argmax((middle >= 0) == (count == 1)[:, np.newaxis], axis=1)
+    order = (odd[:, np.newaxis] + np.arange(3)) % 3
+    (a, b, c), (ma, mb, mc) = (one[rows[:, np.newaxis], order].T for one in (facets, middle))
+    one, two, all_three = count == 1, count == 2, count == 3
+    parts += [_stacked(one, (a, b, ma)), _stacked(one, (a, ma, c))]
+    # of the two diagonals the shorter
+    across = np.linalg.norm(nodes[b] - nodes[mb], axis=1) <= np.linalg.norm(nodes[c] - nodes[mc], axis=1)
+    parts += [_stacked(two, (a, mc, mb))]
+    parts += [_stacked(two & across, (mc, b, mb)), _stacked(two & across, (b, c, mb))]
+    parts += [_stacked(two & ~across, (mc, b, c)), _stacked(two & ~across, (mc, c, mb))]
+    parts += [_stacked(all_three, each) for each in ((a, mc, mb), (mc, b, ma), (mb, ma, c), (ma, mb, mc))]
+    return np.concatenate(parts)
+
+
+def _stacked(where: IntArray, corners: tuple[IntArray, ...]) -> IntArray:
+    stacked: IntArray = np.stack(corners, axis=1)[where]
+    return stacked

@@ -4,12 +4,12 @@ from mpmfw.plots.animation import animate
 from mpmfw.plots.costs import cost_bars
 from mpmfw.plots.field_figure import field, side_by_side
 from mpmfw.plots.files import figures_of, plot_file, plot_files, write_figure
-from mpmfw.plots.generic import gap_history, series_overview
 from mpmfw.plots.histories import history
 from mpmfw.plots.plane_cut import plane_cut
 from mpmfw.plots.rendering import rendered
 from mpmfw.plots.rings import contact_force
 from mpmfw.plots.rolling import deviation, motion, positions
+from mpmfw.plots.scene import gap_history
 from mpmfw.plots.study import front, stages
 
 __all__ = [
@@ -28,7 +28,6 @@ __all__ = [
     "plot_files",
     "positions",
     "rendered",
-    "series_overview",
     "side_by_side",
     "stages",
     "write_figure",

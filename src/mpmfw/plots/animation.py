@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +15,9 @@ from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
 
 from mpmfw.errors import SceneError
 from mpmfw.plots.field_figure import Drawing, labelled, panels_of
-from mpmfw.results.outputs import Results, chosen_frames, frame_at, times_of
+from mpmfw.results.outputs import Results, chosen_frames, frame_at, opened, times_of
 from mpmfw.results.replacing import replacement
+from mpmfw.results.selection import runs_of
 
 #: Pixels an inch: a column of 85 mm is 502 wide.
 _DPI = 150
@@ -70,6 +72,7 @@ def animate(
     path: str | os.PathLike[str],
     field: str = "von_mises",
     *,
+    contact: str | None = None,
     fps: int = 20,
     every: int = 1,
     bodies: Sequence[str] | None = None,
@@ -82,12 +85,14 @@ def animate(
     Parameters
     ----------
     results
-        A run's tree or the name of its file; several, as a sequence or by label, stand side by side at the same
-        times, which are those of the first.
+        A run or a comparison, or the name of its file. Several runs, as a sequence or by label, and those of a
+        comparison stand side by side at the same times, which are those of the first.
     path
         File to write: ``.gif``, or ``.mp4``, which needs ffmpeg (``pip install mpmfw[animate]`` brings one).
     field
         Name of the field, see :func:`mpmfw.plots.field`.
+    contact
+        Of a comparison: only the runs with this contact.
     fps
         Frames a second.
     every
@@ -105,7 +110,7 @@ def animate(
     Raises
     ------
     SceneError
-        There is no such field or body, the ending is another, or ffmpeg is needed and not there.
+        There is no such field, body or contact, the ending is another, or ffmpeg is needed and not there.
     MpmfwError
         The results cannot be read, or the file cannot be written.
     """
@@ -113,15 +118,31 @@ def animate(
     if fps < 1:
         raise SceneError(f"fps {fps}: expected 1 or more")
     ffmpeg = check_movie(target)
-    single = isinstance(results, xr.DataTree | xr.Dataset | str | os.PathLike)
-    runs: Any = {"": results} if single else results
-    with labelled(runs) as trees, mpl.rc_context():
+    with _runs(results, contact) as runs, labelled(runs) as trees, mpl.rc_context():
         movie = Movie(trees, field, every=every, bodies=bodies, limits=limits, arrows=arrows)
         if ffmpeg is not None:
             mpl.rcParams["animation.ffmpeg_path"] = ffmpeg
         with replacement(target) as growing:
             _write(movie, growing, fps, progress)
     return target
+
+
+@contextmanager
+def _runs(results: Any, contact: str | None) -> Iterator[Any]:
+    """Runs by label, or a sequence of them; a file is closed at the end."""
+    if not isinstance(results, xr.DataTree | xr.Dataset | str | os.PathLike):
+        if contact is not None:
+            raise SceneError(f"contact {contact}: has no effect on several results; give one comparison")
+        yield results
+        return
+    with opened(results) as found:
+        compared = isinstance(found, xr.Dataset) and "status" in found
+        if contact is not None and not compared:
+            raise SceneError(f"contact {contact}: has no effect on a single run; give a comparison")
+        if isinstance(found, xr.Dataset) and compared:
+            yield runs_of(found, contact=contact)
+        else:
+            yield {"": found}
 
 
 def check_movie(path: Path) -> str | None:

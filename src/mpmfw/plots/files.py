@@ -13,16 +13,16 @@ from matplotlib.figure import Figure
 
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.plots.costs import cost_bars
-from mpmfw.plots.generic import gap_history, series_overview
+from mpmfw.plots.histories import history
 from mpmfw.plots.rings import contact_force
 from mpmfw.plots.rolling import deviation, motion, positions
 from mpmfw.plots.scene import (
     body_motion,
     energies,
+    gap_history,
     moving_bodies,
     near_pairs,
     pair_forces,
-    pair_gaps,
     start_and_end,
     touching_pairs,
 )
@@ -34,6 +34,16 @@ from mpmfw.results.outputs import series_of
 from mpmfw.results.references import RingsReference, RollingReference
 from mpmfw.results.replacing import check_new, replace_bytes
 from mpmfw.results.round_off import without_round_off
+
+#: Series of a run that are drawn unasked.
+_OVERVIEW = (
+    "centre_of_mass",
+    "mean_velocity",
+    "kinetic_energy",
+    "strain_energy",
+    "contact_force",
+    "min_gap",
+)
 
 #: Metadata by format without which two drawings of the same figure would differ.
 _UNDATED = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
@@ -67,7 +77,7 @@ def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     elif "status" in dataset:
         figures |= _any_scene(dataset)
     else:
-        figures["series"] = (series_overview(dataset), "Series of the bodies and pairs.")
+        figures["series"] = (_overview(dataset), "Series of the bodies and pairs.")
     if "min_gap" in dataset and reference is not None:
         figures["gap"] = (
             gap_history(dataset),
@@ -77,6 +87,12 @@ def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
         figures["cost"] = (cost_bars(dataset), "CPU time per material point and step, by stage of the step.")
     text = f" {drawn_values(dataset)}." if drawn_values(dataset) else ""
     return {name: (figure, caption + text) for name, (figure, caption) in figures.items()}
+
+
+def _overview(series: xr.Dataset) -> Figure:
+    """The main series of a run, a panel for each."""
+    present = [name for name in _OVERVIEW if name in series] or [str(name) for name in series.data_vars][:6]
+    return history(xr.DataTree.from_dict({"series": series}), present)
 
 
 def _any_scene(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
@@ -99,7 +115,7 @@ def _any_scene(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
         )
     if "min_gap" in dataset and near_pairs(dataset):
         figures["gaps"] = (
-            pair_gaps(dataset),
+            gap_history(dataset),
             "Least distance between the outlines of every pair that comes near; negative where they overlap.",
         )
     if {"kinetic_energy", "strain_energy"} <= set(dataset.data_vars):
@@ -158,7 +174,7 @@ def plot_file(
     results = open_results(path)
     dataset = series_of(results)
     if isinstance(results, xr.DataTree):
-        drawn = {"series": series_overview(dataset)} if dataset.sizes.get("time", 0) > 1 else {}
+        drawn = {"series": _overview(dataset)} if dataset.sizes.get("time", 0) > 1 else {}
     else:
         drawn = (
             {name: figure for name, (figure, _) in figures_of(dataset).items()}

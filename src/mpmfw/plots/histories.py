@@ -104,7 +104,7 @@ def history(
 def _of_one(source: RunSeries, curves: Sequence[Curve]) -> Figure:
     """One panel a series, a colour for each body or pair, a style for each axis."""
     names = list(dict.fromkeys(curve.name for curve in curves))
-    looks = _looks(curves)
+    looks, key = _looks(curves)
     panels = {name: [curve for curve in curves if curve.name == name] for name in names}
     figure, grid = _figure(len(panels))
     for axes, (name, own) in zip(grid, panels.items(), strict=True):
@@ -113,25 +113,29 @@ def _of_one(source: RunSeries, curves: Sequence[Curve]) -> Figure:
                 axes, source.series, curve, {"linewidth": 1.1, **looks.get(curve.label, {"color": "black"})}
             )
         _dress(axes, [source], name, "")
-    if looks:
-        _legend(figure, [Line2D([], [], label=label, **look) for label, look in looks.items()])
+    if key:
+        _legend(figure, key)
     return figure
 
 
-def _looks(curves: Sequence[Curve]) -> dict[str, dict[str, Any]]:
-    """Colour and style by label."""
+def _looks(curves: Sequence[Curve]) -> tuple[dict[str, dict[str, Any]], list[Artist]]:
+    """Colour and style by label, and the legend: a colour for each body or pair, a style for each axis."""
     colours: dict[Any, str] = {}
-    styles: dict[tuple[Any, ...], Any] = {}
+    styles: dict[Any, Any] = {}
     looks = {}
     for curve in curves:
         if curve.choice:
             (_, first), *rest = curve.choice
-            along = tuple(value for _, value in rest)
+            along = ", ".join(str(value) for _, value in rest)
             looks[curve.label] = {
                 "color": colours.setdefault(first, _CYCLE[len(colours) % len(_CYCLE)]),
                 "linestyle": styles.setdefault(along, _STYLES[len(styles) % len(_STYLES)]) if along else "-",
             }
-    return looks
+    key: list[Artist] = [
+        Line2D([], [], color=colour, linewidth=2.5, label=name) for name, colour in colours.items()
+    ]
+    key += [Line2D([], [], color="0.3", linestyle=style, label=name) for name, style in styles.items()]
+    return looks, key
 
 
 def _legend(figure: Figure, entries: Sequence[Artist]) -> None:

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any
-
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from mpmfw.plots.generic import LARGEST_GAP
+from mpmfw.plots.histories import history
 from mpmfw.plots.style import (
     PANEL,
-    Look,
     at_last,
     combinations,
     dress,
@@ -23,7 +19,7 @@ from mpmfw.plots.style import (
     legend_below,
     new_figure,
 )
-from mpmfw.plots.units import length_scale, scaled_label, time_scale
+from mpmfw.plots.units import length_scale, time_scale
 from mpmfw.results.references import cell_size
 
 #: Bodies by colour, in the scene's order; those that move no further than this part of what moves most are grey.
@@ -31,8 +27,8 @@ _BODIES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 _STILL = 1e-2
 #: Pairs and bodies of which a figure has a row; of more those with the largest forces, and that move furthest.
 MOST = 6
-#: Panels beside each other that a page holds at column width.
-MOST_ACROSS = 3
+#: Top of the gap's history, in cells.
+LARGEST_GAP = 3.0
 
 
 def travel(dataset: xr.Dataset) -> xr.DataArray:
@@ -112,108 +108,62 @@ def start_and_end(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-@journal_style()
+def body_motion(dataset: xr.Dataset) -> Figure:
+    """Displacement of the centre of mass along every axis and, where there is one, the spin of each body that moves."""
+    centre = dataset["centre_of_mass"]
+    displacement = (centre - centre.isel(time=0)).assign_attrs(units="m")
+    shown = dataset.assign(displacement=displacement).sel(body=moving_bodies(dataset)[:MOST])
+    return history(shown, ["displacement", *(["angular_velocity"] if "angular_velocity" in dataset else [])])
+
+
 def pair_forces(dataset: xr.Dataset) -> Figure:
-    """Size of the normal and the tangential force of every pair that touches, one row each."""
-    names = ("normal force", "tangential force") if "friction_force" in dataset else ("contact force",)
-    unit = dataset["contact_force"].attrs.get("units", "N")
-
-    def parts(run: xr.Dataset, pair: str) -> list[Any]:
-        force = run["contact_force"].sel(pair=pair)
-        if "friction_force" not in run:
-            return [_size(force)]
-        along = run["friction_force"].sel(pair=pair)
-        return [_size(force - along), _size(along)]
-
-    figure, _ = _histories(dataset, touching_pairs(dataset)[:MOST], [(name, unit) for name in names], parts)
-    return figure
+    """Size of the normal and the tangential force of every pair that touches."""
+    shown = dataset.sel(pair=touching_pairs(dataset)[:MOST])
+    force = shown["contact_force"]
+    if "friction_force" not in dataset:
+        return history(shown.assign(contact_force_size=_size(force, force)), "contact_force_size")
+    along = shown["friction_force"]
+    parts = {"normal_force": _size(force - along, force), "tangential_force": _size(along, force)}
+    return history(shown.assign(parts), list(parts))
 
 
-@journal_style()
-def pair_gaps(dataset: xr.Dataset) -> Figure:
-    """Least distance of the bodies of every pair that comes near, in cells; below zero they overlap."""
+def gap_history(dataset: xr.Dataset) -> Figure:
+    """Least distance between the surfaces of every pair that comes near; negative where they penetrate.
+
+    Parameters
+    ----------
+    dataset
+        A comparison with ``min_gap`` [m]. The gap is in cells where the cell size is known.
+    """
     h = cell_size(at_last(dataset))
-
-    def parts(run: xr.Dataset, pair: str) -> list[Any]:
-        return [run["min_gap"].sel(pair=pair).values / (h if h > 0.0 else 1.0)]
-
-    columns = [("gap", "cells" if h > 0.0 else "m")]
-    figure, panels = _histories(dataset, near_pairs(dataset)[:MOST], columns, parts)
-    for axes in panels.ravel():
+    known = h > 0.0
+    shown = dataset.sel(pair=near_pairs(dataset)[:MOST] or dataset["pair"].values[:1])
+    gap = (shown["min_gap"] / (h if known else 1.0)).assign_attrs(units="cells" if known else "m")
+    figure = history(shown.assign(gap=gap), "gap")
+    for axes in figure.axes:
         axes.axhline(0.0, color="black", linewidth=0.6)
-        if h > 0.0:  # bodies that have flown apart would hide what happens in contact
+        if known:  # bodies that have flown apart would hide what happens in contact
             axes.set_ylim(top=min(axes.get_ylim()[1], LARGEST_GAP))
     return figure
 
 
-@journal_style()
-def body_motion(dataset: xr.Dataset) -> Figure:
-    """Displacement of the centre of mass along every axis and, where there is one, the spin of each body that moves."""
-    directions = [str(name) for name in dataset["axis"].values]
-    rotations = [str(name) for name in dataset["rotation"].values] if "angular_velocity" in dataset else []
-    columns = [(f"displacement, {name}", "m") for name in directions]
-    columns += [("spin" if len(rotations) == 1 else f"spin, {name}", "rad/s") for name in rotations]
-
-    def parts(run: xr.Dataset, body: str) -> list[Any]:
-        centre = run["centre_of_mass"].sel(body=body)
-        moved = [(centre - centre.isel(time=0)).sel(axis=name).values for name in directions]
-        return moved + [run["angular_velocity"].sel(body=body, rotation=name).values for name in rotations]
-
-    figure, _ = _histories(dataset, moving_bodies(dataset)[:MOST], columns, parts)
-    return figure
-
-
-@journal_style()
 def energies(dataset: xr.Dataset) -> Figure:
     """Kinetic and strain energy of all bodies, and what friction, dashpots and contact springs took, over time."""
     unit = dataset["kinetic_energy"].attrs.get("units", "J")
+    names = ["kinetic_energy", "strain_energy"]
+    sums = {name: dataset[name].sum("body", skipna=False) for name in names}
     lost = [name for name in ("frictional_work", "damping_work", "spring_work") if name in dataset]
-    names = ("kinetic energy", "strain energy", "dissipated")[: 2 + bool(lost)]
-
-    def parts(run: xr.Dataset, _row: str) -> list[Any]:
-        sums = [run[name].sum("body", skipna=False).values for name in ("kinetic_energy", "strain_energy")]
-        works = [run[name].fillna(0.0).sum("pair").values for name in lost]
-        return [*sums, *([np.where(np.isfinite(sums[0]), np.sum(works, axis=0), np.nan)] if works else [])]
-
-    figure, _ = _histories(dataset, [""], [(name, unit) for name in names], parts)
-    return figure
+    if lost:
+        works = sum(dataset[name].fillna(0.0).sum("pair") for name in lost)
+        sums["dissipated_energy"] = works.where(sums["kinetic_energy"].notnull())  # type: ignore[union-attr]
+    shown = dataset.assign({name: total.assign_attrs(units=unit) for name, total in sums.items()})
+    return history(shown, list(sums))
 
 
-def _histories(
-    dataset: xr.Dataset,
-    rows: Sequence[str],
-    columns: Sequence[tuple[str, str]],
-    parts: Callable[[xr.Dataset, str], Sequence[Any]],
-) -> tuple[Figure, Any]:
-    """Curves of every run over time: one row of panels for each of ``rows``, with one panel for each series of ``parts``.
-
-    ``columns`` are the panels' titles and units.
-    """
-    across = min(len(columns), MOST_ACROSS)
-    lines = len(rows) * -(-len(columns) // across)
-    figure = new_figure(across, lines, 42.0)
-    head(figure, dataset)
-    panels = figure.subplots(lines, across, squeeze=False, sharex=True)
-    last_line = panels[-1]
-    for axes in panels.reshape(len(rows), -1)[:, len(columns) :].ravel():
-        axes.remove()
-    panels = panels.reshape(len(rows), -1)[:, : len(columns)]
-    look, time = Look(dataset), dataset["time"].values
-    factor, second = time_scale(float(time[-1]))
-    for line, row in zip(panels, rows, strict=True):
-        for turn, (contact, shape, run) in enumerate(combinations(dataset)):
-            for axes, values in zip(line, parts(run, row), strict=True):
-                axes.plot(factor * time, values, **look.line(contact, shape, len(time), turn))
-        for axes, (title, unit) in zip(line, columns, strict=True):
-            label = scaled_label(axes.yaxis, title, unit)
-            dress(axes, f"time [{second}]" if axes in last_line else "", label, row)
-            axes.set_xlim(factor * time[0], factor * time[-1])
-    legend_below(figure, look.key())
-    return figure, panels
-
-
-def _size(force: xr.DataArray) -> Any:
-    return np.sqrt((force.transpose("time", "axis").values ** 2).sum(axis=1))
+def _size(force: xr.DataArray, of: xr.DataArray) -> xr.DataArray:
+    """Length of vectors, in the unit of ``of``."""
+    size = (force**2).sum("axis", skipna=False) ** 0.5
+    return size.assign_attrs(units=of.attrs.get("units", "N"))
 
 
 def _body_colours(dataset: xr.Dataset) -> dict[str, str]:

@@ -1,6 +1,6 @@
-"""What a notebook asks of results: a history, a gap, a field, a table, the Pareto front.
+"""Histories, gaps, fields, tables and Pareto fronts for notebooks, of trees and datasets however these were made.
 
-Plain functions of trees and datasets, however these were made or opened.
+Each is a plain function, and a method of the accessor ``.mpmfw`` of xarray's trees and datasets.
 """
 
 from __future__ import annotations

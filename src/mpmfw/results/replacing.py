@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import netCDF4
 
 from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.results.room import check_room
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -133,7 +134,8 @@ def replace_bytes(content: bytes | memoryview, path: str | os.PathLike[str]) -> 
 def replace_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     """Write a dataset as NetCDF, as :func:`replacement` does.
 
-    The file is made in memory: HDF5 cannot close a file that finds no room on its disk.
+    The file is built in memory and written when it is closed: HDF5 keeps a file open that finds no room on its
+    disk. A file made by ``netCDF4.Dataset(memory=…)`` could not be opened again for writing.
 
     Raises
     ------
@@ -142,6 +144,11 @@ def replace_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     """
     from xarray.backends import NetCDF4DataStore
 
-    file: Any = netCDF4.Dataset("memory", "w", memory=1)
-    dataset.dump_to_store(NetCDF4DataStore(file))  # type: ignore[no-untyped-call]
-    replace_bytes(file.close(), path)
+    check_room(os.path.realpath(path), dataset.nbytes, "results", anew=True)
+    with replacement(path) as growing:
+        try:
+            file: Any = netCDF4.Dataset(os.fspath(growing), "w", diskless=True, persist=True)
+            dataset.dump_to_store(NetCDF4DataStore(file))  # type: ignore[no-untyped-call]
+            file.close()
+        except RuntimeError as error:
+            raise MpmfwError(f"cannot write '{os.fspath(path)}': {error}") from error

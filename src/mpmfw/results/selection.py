@@ -73,7 +73,9 @@ def _tree(run: xr.Dataset) -> xr.DataTree:
     return xr.DataTree.from_dict(groups)
 
 
-def runs_of(comparison: xr.Dataset, against: str | None = None, name: str = "") -> dict[str, xr.DataTree]:
+def runs_of(
+    comparison: xr.Dataset, against: str | None = None, name: str = "", *, contact: str | None = None
+) -> dict[str, xr.DataTree]:
     """Return the runs of a comparison that keep material points, by their labels.
 
     Parameters
@@ -83,6 +85,8 @@ def runs_of(comparison: xr.Dataset, against: str | None = None, name: str = "") 
     against, name
         A contact and a field: every other run then has the field ``NAME_difference`` against the run with that contact and its
         own other choices.
+    contact
+        Only the runs with this contact.
 
     Raises
     ------
@@ -93,8 +97,12 @@ def runs_of(comparison: xr.Dataset, against: str | None = None, name: str = "") 
         why = "the comparison keeps no fields; run it with --set output.particles=true"
         raise SceneError(str(comparison.attrs.get("fields", why)))
     dims = [str(dim) for dim in comparison["status"].dims]
-    if against is not None:
-        checked_name("contact", against, [str(one) for one in comparison["contact"].values])
+    contacts = [str(one) for one in comparison["contact"].values]
+    for chosen in (against, contact):
+        if chosen is not None:
+            checked_name("contact", chosen, contacts)
+    if contact is not None:
+        comparison = comparison.isel(contact=[contacts.index(contact)])
     runs = {}
     for labels in itertools.product(*(comparison[dim].values.tolist() for dim in dims)):
         choice = dict(zip(dims, labels, strict=True))

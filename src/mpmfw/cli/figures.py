@@ -1,45 +1,45 @@
-"""``mpmfw plot``: figures of a results' file."""
+"""``mpmfw plot``, ``animate`` and ``export``: figures, moving pictures and ParaView's files of results."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
-from mpmfw.cli.arguments import OutputOption
-from mpmfw.cli.errors import check_writable, figure_path
-from mpmfw.cli.result_files import (
+from mpmfw.cli.arguments import (
     ArrowsOption,
     BodiesOption,
+    EveryOption,
     FieldOption,
     LimitsOption,
+    OutputOption,
     ReplaceOption,
     check_files,
     limits_of,
 )
+from mpmfw.cli.errors import check_writable, figure_path
+from mpmfw.cli.progress import outputs_progress
 from mpmfw.errors import SceneError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+FilesArgument: TypeAlias = Annotated[
+    list[Path], typer.Argument(metavar="FILE", help="Files of runs or comparisons.")
+]
+
 
 def plot(
-    file: Annotated[
-        list[Path],
-        typer.Argument(metavar="FILE", help="File of a run or a comparison.", show_default=False),
-    ],
+    file: FilesArgument,
     output: OutputOption = None,
     field: FieldOption = None,
     time: Annotated[
-        float | None,
-        typer.Option("--time", metavar="T", help="Of the field [s]; the last output by default."),
+        float | None, typer.Option(metavar="T", help="Of the field [s]; the last output by default.")
     ] = None,
     series: Annotated[
         list[str] | None,
-        typer.Option(
-            "--series", metavar="NAME", help="Series over time; repeatable. A wrong name lists all."
-        ),
+        typer.Option(metavar="NAME", help="Series over time; repeatable. A wrong name lists all."),
     ] = None,
     body: BodiesOption = None,
     pair: Annotated[str | None, typer.Option(metavar="NAME", help="Only this pair of bodies.")] = None,
@@ -49,10 +49,9 @@ def plot(
     plane: Annotated[
         str | None,
         typer.Option(
-            "--plane",
             metavar="AXIS[=AT]",
-            help="Of a field in 3D: axis across the plane that is drawn, and its place [m]; the middle along z by default.",
-            show_default=False,
+            help="Of a field in 3D: axis across the plane that is drawn, and its place [m]; the middle along z by "
+            "default.",
         ),
     ] = None,
     against: Annotated[
@@ -60,16 +59,15 @@ def plot(
         typer.Option(
             metavar="CONTACT",
             help="Of a comparison: draw the difference of the field against this contact as well.",
-            show_default=False,
         ),
     ] = None,
     force: ReplaceOption = False,
 ) -> None:
     """Draw the figures of FILE, by default to PNG files named as it; -o NAME.pdf or NAME.svg draws vectors.
 
-    With --field, a field on the material points of a run, in 3D on a plane, or of the runs of a comparison side by side; with
-    --series, series over time of a run or a comparison. Several FILEs then stand side by side, fields under one colour scale.
-    Without either, several FILEs that are comparisons of a rolling cylinder with slip and without make one figure, a row each.
+    With --field, a field on the material points of a run, in 3D on a plane, or of the runs of a comparison side by side.
+    With --series, series over time of a run or a comparison. Several FILEs then stand side by side, fields under one
+    colour scale. Without either, several FILEs that are comparisons of a rolling cylinder make one figure, a row each.
     """
     from mpmfw.results import check_results
     from mpmfw.results.replacing import check_new
@@ -191,3 +189,83 @@ def _draw_series(
         file if len(file) > 1 else file[0], names, body=bodies[0] if bodies else None, pair=pair, axis=axis
     )
     return write_figure(figure, path)
+
+
+def animate(
+    file: FilesArgument,
+    output: OutputOption = None,
+    field: FieldOption = None,
+    contact: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Of a comparison: only the runs with this contact.")
+    ] = None,
+    fps: Annotated[int, typer.Option(metavar="N", min=1, help="Frames a second.")] = 20,
+    every: EveryOption = 1,
+    body: BodiesOption = None,
+    limits: LimitsOption = None,
+    arrows: ArrowsOption = False,
+    force: ReplaceOption = False,
+) -> None:
+    """Write a moving picture of a field (default von_mises) of the run in FILE, a frame for each output.
+
+    Several FILEs, or the runs of a comparison, stand side by side, at the times of the first. The ending of the output,
+    .gif or .mp4, chooses the format; .mp4 needs ffmpeg. By default a .gif named as the first FILE.
+    """
+    from mpmfw.results.replacing import check_new
+
+    check_files(file)
+    path = check_writable(file[0].with_suffix(".gif") if output is None else output)
+    check_new(path, force)
+    scale = limits_of(limits)
+
+    from mpmfw.plots.animation import animate as animate_runs
+    from mpmfw.plots.animation import check_movie
+    from mpmfw.results import check_results
+
+    check_movie(path)
+    for one in file:
+        check_results(one)
+    with outputs_progress("frames") as progress:
+        animate_runs(
+            file if len(file) > 1 else file[0],
+            path,
+            field or "von_mises",
+            contact=contact,
+            fps=fps,
+            every=every,
+            bodies=body or None,
+            limits=scale,
+            arrows=arrows,
+            progress=progress,
+        )
+    typer.echo(str(path))
+
+
+def export(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="File of a run.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="FOLDER", help="Folder, or a name ending in .pvd."),
+    ] = None,
+    every: EveryOption = 1,
+    body: BodiesOption = None,
+    force: ReplaceOption = False,
+) -> None:
+    """Write the run in FILE for ParaView, by default to a folder named as it.
+
+    Open …-points.pvd: material points with all their fields, as cells where the shape function has domains;
+    …-surfaces.pvd: surfaces with contact force and gap; …-series.csv: the series.
+    """
+    check_files([file])
+    target = file.with_name(f"{file.stem}-paraview") if output is None else output
+    if target.exists() and not target.is_dir() and target.suffix != ".pvd":
+        raise SceneError(f"{target}: is a file; give a folder, or a name that ends in .pvd")
+    check_writable(target / "series.csv" if target.is_dir() else target)
+
+    from mpmfw.paraview import export as export_run
+    from mpmfw.results import check_results
+
+    check_results(file)
+    with outputs_progress("outputs") as progress:
+        written = export_run(file, target, every=every, bodies=body or None, progress=progress, force=force)
+    for path in written:
+        typer.echo(str(path))
