@@ -14,7 +14,7 @@ class Divides(ForceLaw):
 
     name = "divides"
 
-    def expected(self, bulk_frequency):  # noqa: ARG002
+    def estimate_frequency(self, bulk_frequency):  # noqa: ARG002
         return 0.0
 
     def stiffness(self, rows, old):  # noqa: ARG002
