@@ -196,7 +196,7 @@ def held_block(shift: float) -> dict[str, Any]:
 
 @pytest.mark.parametrize("shift", [0.07, 0.125])
 def test_a_body_at_rest_stays_for_ten_thousand_steps(shift: float) -> None:
-    """It moves in the first 10³ steps, as far as settling has left it, and rests since; not on grid lines (decision 50)."""
+    """It moves in the first 10³ steps, as far as settling has left it, and rests since; not on grid lines."""
     series = mpmfw.run(held_block(shift))["series"].to_dataset()
     place = series["centre_of_mass"].sel(body="block").values / 0.25
     way = np.linalg.norm(place - place[0], axis=1)

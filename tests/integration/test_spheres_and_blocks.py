@@ -116,7 +116,7 @@ def test_friction_is_the_same_in_every_direction_of_the_plane(direction):
 
 
 def test_friction_holds_a_block_below_its_limit():
-    """Of 640 steps: what is left is 3e-6 cells, ever more slowly, since faces lie on grid lines (decision 50)."""
+    """Of 640 steps: what is left is 3e-6 cells, ever more slowly, since faces lie on grid lines."""
     tilt = math.radians(20.0)
     series, (along, across, up) = inclined(math.radians(30.0), tilt, 0.5, 0.4, held=True)
     place = series["centre_of_mass"].sel(body="block").values / 0.25

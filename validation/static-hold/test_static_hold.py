@@ -61,7 +61,7 @@ in_space = Runs(
                 "bodies.plane.geometry.lower": [0.0, 0.0, 0.0],
                 "bodies.plane.geometry.upper": [2.0, 0.537, 2.0],
             },
-            open={"way": "nodes beyond the faces have next to no mass (decision 50)"},
+            open={"way": "nodes beyond the faces have next to no mass"},
         ),
     ],
     when="full",
