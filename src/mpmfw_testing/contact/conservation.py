@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw_testing.check import within
+from mpmfw_testing.check import Picture, within
 from mpmfw_testing.contact.drawing import impulses_at
 from mpmfw_testing.contact.meeting import CELL, TURNS, UNEQUAL, Meeting
 from mpmfw_testing.contact.motion import Motion, meetings
@@ -28,15 +28,7 @@ def equal_and_opposite(meeting: Meeting, motion: Motion) -> None:
     is counted in the momentum m v that the bodies bring: the transfer keeps it to rounding, so that whatever
     is missing there was taken by contact in a place that the grid's hooks do not show.
     """
-    largest = max((nodal.magnitude() for nodal in motion.nodal), default=0.0)
-    for step, nodal in enumerate(motion.nodal):
-        within(
-            float(np.abs(nodal.total()).max()),
-            ROUNDING * largest,
-            "the impulses on the two bodies do not add up to zero",
-            {"step": step + 1, "impulses on the bodies [N s/m]": motion.impulse[step].round(9).tolist()},
-            impulses_at(motion, step),
-        )
+    require_balance(motion)
     total = motion.momentum.sum(axis=1)
     brought = sum(meeting.mass) * (abs(meeting.speed) + abs(meeting.slide))
     change = np.abs(np.diff(total, axis=0, append=total[-1:])).max(axis=1)
@@ -47,6 +39,19 @@ def equal_and_opposite(meeting: Meeting, motion: Motion) -> None:
         {"step": int(change.argmax()) + 1},
         impulses_at(motion, int(change.argmax())),
     )
+
+
+def require_balance(motion: Motion, picture: Picture | None = None) -> None:
+    """Raise a violation unless the impulses of every step add up to zero, to rounding of the largest step's."""
+    largest = max((nodal.magnitude() for nodal in motion.nodal), default=0.0)
+    for step, nodal in enumerate(motion.nodal):
+        within(
+            float(np.abs(nodal.total()).max()),
+            ROUNDING * largest,
+            "the impulses on the two bodies do not add up to zero",
+            {"step": step + 1, "impulses on the bodies [N s/m]": motion.impulse[step].round(9).tolist()},
+            picture or impulses_at(motion, step),
+        )
 
 
 @meetings(
@@ -62,6 +67,11 @@ def moment_balance(_meeting: Meeting, motion: Motion) -> None:
     renormalised. A couple left out, such as gap times friction, is ten times the bound. Moments of the lumped
     transfer do not enter: contact alone is measured.
     """
+    require_one_line(motion)
+
+
+def require_one_line(motion: Motion, picture: Picture | None = None) -> None:
+    """Raise a violation unless the steps' moments are those of forces on one line of action."""
     magnitudes = np.array([nodal.magnitude() for nodal in motion.nodal])
     acting = np.flatnonzero(magnitudes > FAINT * magnitudes.max(initial=0.0))
     if len(acting) == 0:
@@ -76,5 +86,5 @@ def moment_balance(_meeting: Meeting, motion: Motion) -> None:
         LEVER,
         "the impulses on the two bodies leave a moment: its lever arm, in cells, is beyond the bound",
         {"step of the largest moment": worst + 1, "moment in it [N s]": float(moments[worst])},
-        impulses_at(motion, worst),
+        picture or impulses_at(motion, worst),
     )

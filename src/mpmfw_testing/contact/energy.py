@@ -47,12 +47,17 @@ def energy(_meeting: Meeting, motion: Motion) -> None:
     be less. Half a per cent is left for the time integration. Bodies of unequal mass and stiffness meet at an
     angle, with friction.
     """
+    require_no_gain(motion, "the bodies gain energy from contact")
+
+
+def require_no_gain(motion: Motion, message: str) -> None:
+    """Raise a violation where the bodies have more energy than at the start, by more than ``GROWTH`` of it."""
     energy = motion.energy / motion.energy[0]
     time = np.concatenate([[0.0], np.cumsum(motion.dt)])
     within(
         float(energy.max()) - 1.0,
         GROWTH,
-        "the bodies gain energy from contact (growth over the energy at the start)",
+        f"{message} (growth over the energy at the start)",
         {"step of the maximum": int(energy.argmax())},
         histories({"kinetic and strain energy": (time, energy)}, "energy over that at the start"),
     )

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import gc
-import tracemalloc
 from collections.abc import Generator
 from dataclasses import fields
 from typing import Any
@@ -12,6 +10,7 @@ import numpy as np
 
 from mpmfw.api.types import AnyArray, Grid, Particles, Stencil, hookimpl
 from mpmfw.runs.simulation import Simulation
+from mpmfw_testing.bench import memory_kept
 from mpmfw_testing.check import Violation, within
 from mpmfw_testing.contact.meeting import Meeting
 from mpmfw_testing.saving import remember
@@ -105,15 +104,7 @@ def no_growth(subject: Subject) -> None:
     mapping = Meeting(gap=0.05, slide=0.2, friction=0.5).mapping()
     remember(mapping, (STRETCHES + 1) * STRETCH)
     simulation = Simulation(mapping, contact=subject.make())
-    sizes = np.zeros(STRETCHES + 1)
-    tracemalloc.start()
-    try:
-        for k in range(len(sizes)):
-            simulation.advance(STRETCH)
-            gc.collect()
-            sizes[k] = tracemalloc.get_traced_memory()[0]
-    finally:
-        tracemalloc.stop()
+    sizes = memory_kept(lambda: simulation.advance(STRETCH), STRETCHES, warm=1)
     grown = float(np.diff(sizes).min()) / STRETCH
     within(
         grown,

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.plugin.hooks import BoundHooks, make_manager
-from mpmfw.plugin.setup import Setup
-from mpmfw.state.clock import Clock
 from mpmfw.state.fields import FloatArray
-from mpmfw.state.structs import Body, Particles, State
+from mpmfw.state.structs import Body, State
 from mpmfw.state.windows import make_grid
+from mpmfw_testing.bench import points_at_rest, set_up
 from mpmfw_testing.check import Inapplicable
 from mpmfw_testing.subject import Subject
 
@@ -39,7 +37,8 @@ class Bench:
         self.dim, self.own = dim, slice(OTHERS, OTHERS + count)
         self.material = subject.make()
         self.material.slices = (self.own,)
-        self.particles = _particles(total, dim)
+        position = np.random.default_rng(1).uniform(1.0, 2.0, (total, dim))
+        self.particles = points_at_rest(position, np.ones(total), [0, total], MARK)
         origin = np.zeros(dim)
         grid = make_grid(1.0, origin, origin + 4.0, 1)
         k, g = float(self.material.bulk_modulus), float(self.material.shear_modulus)
@@ -49,16 +48,7 @@ class Bench:
             for i, own in enumerate(ranges)
         )
         self.state = State(self.particles, grid, bodies, ())
-        self.setup = Setup(
-            state=self.state, layouts=(), cell_size=1.0, shape="none", massless_boundary=False, scheme="usl",
-            transfer="flip", bulk_frequency=2.0 * bodies[0].wave_speed, safety=0.5,
-        )  # fmt: skip
-        manager = make_manager()
-        manager.register(self.material)
-        manager.check_pending()
-        self.hook = BoundHooks(manager, Clock())
-        self.hook.declare_fields()
-        self.hook.setup(setup=self.setup)
+        self.setup, self.hook = set_up(self.material, self.state)
 
     @property
     def modulus(self) -> float:
@@ -84,23 +74,6 @@ class Bench:
     def full_stress(self) -> FloatArray:
         """Full stress of the points, (n, 3, 3) [Pa]."""
         return np.asarray(self.material.stress_of_points(self.particles, self.own), dtype=float)
-
-
-def _particles(n: int, dim: int) -> Particles:
-    tensor = (n, dim, dim)
-    return Particles(
-        position=np.random.default_rng(1).uniform(1.0, 2.0, (n, dim)),
-        velocity=np.zeros((n, dim)),
-        mass=np.ones(n),
-        initial_volume=np.ones(n),
-        volume=np.ones(n),
-        deformation_gradient=np.tile(np.eye(dim), (n, 1, 1)),
-        velocity_gradient=np.zeros(tensor),
-        stress=np.full(tensor, MARK),
-        affine=None,
-        moment=None,
-        first=np.array([0, n], dtype=np.int64),
-    )
 
 
 def path(dim: int, count: int, size: float, steps: int, seed: int = 0) -> FloatArray:

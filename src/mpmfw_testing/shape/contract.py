@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import gc
-import tracemalloc
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -15,7 +12,9 @@ from mpmfw.state.fields import AnyArray, FloatArray
 from mpmfw.state.history import NotSaved, put, take
 from mpmfw.state.structs import Stencil
 from mpmfw.state.windows import set_windows
+from mpmfw_testing.bench import memory_kept
 from mpmfw_testing.check import Picture, Violation
+from mpmfw_testing.check import within as within_bound
 from mpmfw_testing.searching import hypothesis
 from mpmfw_testing.shape.cases import CELLS, MIDDLE, dimensions_of, points, search_dimensions, within
 from mpmfw_testing.shape.picture import picture_of
@@ -164,36 +163,12 @@ def no_growth(subject: Subject) -> None:
             if dim == 2:
                 placed.surface_table(position)
 
-        held = _memory(fill)
+        held = memory_kept(fill, FILLINGS, WARM)
         grown = float(held[-1] - held[0]) / FILLINGS
-        if grown > GROWTH:
-            raise Violation(
-                f"fillings of the table keep memory: bytes a filling, on the mean of {FILLINGS}",
-                {},
-                _memory_picture(held),
-                measured=grown,
-                bound=float(GROWTH),
-            )
+        message = f"fillings of the table keep memory: bytes a filling, on the mean of {FILLINGS}"
+        within_bound(grown, GROWTH, message, None, _memory_picture(held))
 
     search_dimensions(subject, lambda _dim: {"points": hypothesis().strategies.just(200)}, trial, examples=1)
-
-
-def _memory(fill: Callable[[], None]) -> FloatArray:
-    """What Python holds [bytes] before the fillings that are watched and after each of them, (FILLINGS + 1,)."""
-    held = np.zeros(FILLINGS + 1)  # made before anything is counted
-    tracemalloc.start()
-    try:
-        for _ in range(WARM):
-            fill()
-        for k in range(FILLINGS + 1):
-            if k > 0:
-                fill()
-            if k in (0, FILLINGS):  # what is waiting to be collected is not kept
-                gc.collect()
-            held[k] = tracemalloc.get_traced_memory()[0]
-    finally:
-        tracemalloc.stop()
-    return held
 
 
 def _memory_picture(held: FloatArray) -> Picture:

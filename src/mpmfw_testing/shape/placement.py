@@ -10,12 +10,11 @@ import numpy as np
 
 from mpmfw.api.shape import ShapeFunction
 from mpmfw.geometry.layout import Layout, layout_of_boxes
-from mpmfw.plugin.hooks import BoundHooks, make_manager
 from mpmfw.plugin.setup import Setup
-from mpmfw.state.clock import Clock
 from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import Body, Grid, Particles, State, Stencil
 from mpmfw.state.windows import lay_windows, make_grid
+from mpmfw_testing.bench import points_at_rest, set_up
 from mpmfw_testing.subject import Subject
 
 #: h [m]; not 1, so that a factor of h cannot hide. A power of two, so that cells begin exactly where they should.
@@ -116,45 +115,17 @@ def place(subject: Subject, layouts: Sequence[Layout], cells: int) -> Placement:
         _body(index, layout, slice(int(starts[index]), int(starts[index + 1])))
         for index, layout in enumerate(layouts)
     )
-    state = State(_particles(position, volume, starts), grid, bodies, ())
+    state = State(points_at_rest(position, volume, starts), grid, bodies, ())
     shape = subject.make()
-    setup = Setup(
-        state=state,
+    setup, hook = set_up(
+        shape,
+        state,
         layouts=tuple(layouts),
-        cell_size=CELL,
         shape=shape.name,
         massless_boundary=shape.massless_boundary,
-        scheme="usl",
         transfer="aflip",
-        bulk_frequency=2.0 * bodies[0].wave_speed / CELL,
-        safety=0.5,
     )
-    manager = make_manager()
-    manager.register(shape)
-    manager.check_pending()
-    hook = BoundHooks(manager, Clock())
-    hook.declare_fields()
-    hook.setup(setup=setup)
     return Placement(state, tuple(layouts), setup, shape, hook)
-
-
-def _particles(position: FloatArray, volume: FloatArray, starts: Any) -> Particles:
-    """Points of unit density at rest."""
-    n, dim = position.shape
-    tensor = (n, dim, dim)
-    return Particles(
-        position=position.copy(),
-        velocity=np.zeros((n, dim)),
-        mass=volume.copy(),
-        initial_volume=volume.copy(),
-        volume=volume.copy(),
-        deformation_gradient=np.tile(np.eye(dim), (n, 1, 1)),
-        velocity_gradient=np.zeros(tensor),
-        stress=np.zeros(tensor),
-        affine=np.zeros(tensor),
-        moment=None,
-        first=np.asarray(starts, dtype=np.int64),
-    )
 
 
 def _body(index: int, layout: Layout, own: slice) -> Body:
