@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, model_validator
 
 from mpmfw.api.material import Material
-from mpmfw.api.types import FloatArray
+from mpmfw.api.types import FloatArray, Particles, Setup, hookimpl
 from mpmfw.api.units import Pressure
 
 _PAIRS = ("bulk_modulus", "shear_modulus"), ("youngs_modulus", "poissons_ratio")
@@ -69,6 +70,35 @@ class Isotropic(Material):
     def shear_modulus(self) -> float:
         """G [Pa]."""
         return float(self.options.shear_modulus)
+
+
+class Elastic(Isotropic):
+    """Base of materials whose stress is a function of F alone, which a kernel evaluates."""
+
+    @property
+    def kernel(self) -> Callable[..., None]:
+        """Write σ(F) [Pa] of points, called as ``kernel(first, last, F, stress, bulk, shear, spacing)``."""
+        raise NotImplementedError
+
+    @hookimpl
+    def setup(self, setup: Setup) -> None:
+        """Remember what is evaluated in every step."""
+        self.evaluate = self.kernel
+        self.constants = self.bulk_modulus, self.shear_modulus, setup.state.grid.spacing
+
+    @hookimpl
+    def update_stress(self, particles: Particles) -> None:
+        """σ(F) of this material's bodies."""
+        self.over_points(
+            self.evaluate, particles, particles.deformation_gradient, particles.stress, *self.constants
+        )
+
+    def cauchy_stress(self, deformation_gradient: FloatArray) -> FloatArray:
+        """σ, (n, 3, 3) [Pa]."""
+        f = pad_plane_strain(deformation_gradient)
+        stress = np.empty_like(f)
+        self.kernel(0, len(f), f, stress, self.bulk_modulus, self.shear_modulus, (1.0, 1.0, 1.0))
+        return stress
 
 
 def pad_plane_strain(deformation_gradient: FloatArray) -> FloatArray:

@@ -3,13 +3,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
-from mpmfw.api.types import FloatArray, Particles, Setup, hookimpl
+from mpmfw.api.types import FloatArray
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.small_matrix import invert
 from mpmfw.kernels.types import Floats
-from mpmfw_material._isotropic import Isotropic, pad_plane_strain
+from mpmfw_material._isotropic import Elastic, pad_plane_strain
 
 MAX_ITERATIONS = 30
 
@@ -72,29 +74,16 @@ def linear_elastic_stress(
                 stress[p, d, e] = value
 
 
-class LinearElastic(Isotropic):
+class LinearElastic(Elastic):
     """σ = R C:(U − 1) Rᵀ: Cauchy stress linear in the Biot strain, objective, for small strain and any
     rotation."""
 
     name = "linear_elastic"
 
-    @hookimpl
-    def setup(self, setup: Setup) -> None:
-        """Remember the dimension."""
-        self.spacing = setup.state.grid.spacing
-
-    @hookimpl
-    def update_stress(self, particles: Particles) -> None:
-        """σ(F) of this material's bodies."""
-        moduli = self.bulk_modulus, self.shear_modulus
-        self.over_points(
-            linear_elastic_stress,
-            particles,
-            particles.deformation_gradient,
-            particles.stress,
-            *moduli,
-            self.spacing,
-        )
+    @property
+    def kernel(self) -> Callable[..., None]:
+        """Kernel of the stress."""
+        return linear_elastic_stress
 
     def energy_density(self, deformation_gradient: FloatArray) -> FloatArray:
         """W = λ/2 tr²(U − 1) + G |U − 1|², (n,) [J/m^3]; exact to second order in the strain."""
@@ -107,10 +96,3 @@ class LinearElastic(Isotropic):
             "nij,nij->n", strain, strain
         )
         return energy
-
-    def cauchy_stress(self, deformation_gradient: FloatArray) -> FloatArray:
-        """σ, (n, 3, 3) [Pa]."""
-        f = pad_plane_strain(deformation_gradient)
-        stress = np.empty_like(f)
-        linear_elastic_stress(0, len(f), f, stress, self.bulk_modulus, self.shear_modulus, (1.0, 1.0, 1.0))
-        return stress

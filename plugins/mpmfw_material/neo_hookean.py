@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
 from pydantic import Field
 
-from mpmfw.api.types import FloatArray, Particles, Setup, hookimpl
+from mpmfw.api.types import FloatArray
 from mpmfw.kernels import kernel, scratch
 from mpmfw.kernels.small_matrix import determinant
 from mpmfw.kernels.types import Floats
-from mpmfw_material._isotropic import Isotropic, Moduli, pad_plane_strain
+from mpmfw_material._isotropic import Elastic, Moduli
 
 
 @kernel
@@ -93,31 +94,17 @@ class NeoHookeanOptions(Moduli):
     )
 
 
-class NeoHookean(Isotropic):
+class NeoHookean(Elastic):
     """Neo-Hookean solid; ``energy = "split"`` is the one of the rings' finite-element reference."""
 
     name = "neo_hookean"
     Options = NeoHookeanOptions
     options: NeoHookeanOptions
 
-    @hookimpl
-    def setup(self, setup: Setup) -> None:
-        """Remember the dimension, and what is evaluated in every step."""
-        self.spacing = setup.state.grid.spacing
-        self.evaluate = neo_hookean_split if self.options.energy == "split" else neo_hookean_log
-        self.moduli = self.bulk_modulus, self.shear_modulus
-
-    @hookimpl
-    def update_stress(self, particles: Particles) -> None:
-        """σ(F) of this material's bodies."""
-        self.over_points(
-            self.evaluate,
-            particles,
-            particles.deformation_gradient,
-            particles.stress,
-            *self.moduli,
-            self.spacing,
-        )
+    @property
+    def kernel(self) -> Callable[..., None]:
+        """Kernel of the stress."""
+        return neo_hookean_split if self.options.energy == "split" else neo_hookean_log
 
     def energy_density(self, deformation_gradient: FloatArray) -> FloatArray:
         """W(F), (n,) [J/m^3]."""
@@ -137,11 +124,3 @@ class NeoHookean(Isotropic):
             lame = bulk - 2.0 * shear / 3.0
             energy = 0.5 * shear * (trace - 3.0) - shear * log + 0.5 * lame * log**2
         return energy
-
-    def cauchy_stress(self, deformation_gradient: FloatArray) -> FloatArray:
-        """σ, (n, 3, 3) [Pa]."""
-        f = pad_plane_strain(deformation_gradient)
-        stress = np.empty_like(f)
-        evaluate = neo_hookean_split if self.options.energy == "split" else neo_hookean_log
-        evaluate(0, len(f), f, stress, self.bulk_modulus, self.shear_modulus, (1.0, 1.0, 1.0))
-        return stress

@@ -28,8 +28,7 @@ def fill_at(
     OutsideGrid
         A point is outside its window.
     """
-    window = (grid.lower, grid.window_lower, grid.window_shape, grid.offset)
-    rest = (*window, table.nodes, table.weight, table.gradient, grid.spacing)
+    rest = (*grid.windows, table.nodes, table.weight, table.gradient, grid.spacing)
     if threads is None:
         check_inside(fill(position, first, *rest))
     else:

@@ -15,9 +15,8 @@ from mpmfw.kernels.packed import CORNERS, FULL, OUTSIDE, fill_domain
 from mpmfw.kernels.small_matrix import invert
 from mpmfw.kernels.stencil import read_window
 from mpmfw.kernels.types import Floats, Indices, Ints
-from mpmfw_shape._at_points import LinearSurface
 from mpmfw_shape._degenerate_domains import is_degenerate, make_rectangle
-from mpmfw_shape._packed_rows import empty_rows, fill_rows
+from mpmfw_shape._packed_rows import PackedRows
 
 if TYPE_CHECKING:
     from mpmfw_shape._rectangles import Rectangles
@@ -114,16 +113,17 @@ def fill_cpdi(
     return -1
 
 
-class Cpdi(LinearSurface):
+class Cpdi(PackedRows):
     """φ_ip from the corners of the deformed parallelogram F R_0: up to 16 entries in 2D, 64 in 3D."""
 
     name = "cpdi"
+    fill = fill_cpdi
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
         """Take the domains at the start; the deformed ones follow from F and are not stored."""
+        super().setup(setup)
         self.half_edges = setup.half_edges
-        self.room = empty_rows(setup.state.particles.count, setup.dim)
         self.rectangles: Rectangles | None = None
         if setup.dim == 3 and setup.state.surface is not None:
             from mpmfw_shape._rectangles import Rectangles
@@ -139,25 +139,9 @@ class Cpdi(LinearSurface):
         reach_of_domains(particles.deformation_gradient, self.half_edges, reach, spacing)
         return reach
 
-    @hookimpl
-    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
-        """φ_ip and ∇φ_ip of the deformed domains."""
-        self.room = fill_rows(
-            fill_cpdi,
-            self.room,
-            particles,
-            (
-                particles.position,
-                particles.deformation_gradient,
-                self.half_edges,
-                grid.lower,
-                grid.window_lower,
-                grid.window_shape,
-                grid.offset,
-            ),
-            grid.spacing,
-        )
-        return self.room
+    def domains(self, particles: Particles) -> tuple[FloatArray, ...]:
+        """Centres, F, and the half-edges at the start."""
+        return particles.position, particles.deformation_gradient, self.half_edges
 
     @hookimpl
     def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:

@@ -7,15 +7,14 @@ import math
 
 import numpy as np
 
-from mpmfw.api.types import Field, FloatArray, Grid, Particles, SceneError, Setup, Stencil, hookimpl
+from mpmfw.api.types import Field, FloatArray, Grid, Particles, SceneError, Setup, hookimpl
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.packed import CORNERS as EACH_CORNER
 from mpmfw.kernels.packed import FULL, OUTSIDE, fill_domain
 from mpmfw.kernels.stencil import read_window
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
-from mpmfw_shape._at_points import LinearSurface
 from mpmfw_shape._degenerate_domains import is_degenerate, make_rectangle
-from mpmfw_shape._packed_rows import empty_rows, fill_rows
+from mpmfw_shape._packed_rows import PackedRows
 
 CORNERS = Field(
     "corners",
@@ -172,10 +171,11 @@ def move_corners(
             replace_degenerate(corners[p], position[p], half_edges[p], spacing)
 
 
-class Cpdi2(LinearSurface):
+class Cpdi2(PackedRows):
     """φ_ip from the four corners, which move with the grid velocity: up to 16 entries; 2D."""
 
     name = "cpdi2"
+    fill = fill_cpdi2
     dimensions = (2,)
 
     @hookimpl
@@ -188,11 +188,10 @@ class Cpdi2(LinearSurface):
         """Take the corners from the layout; x_p becomes Σ w_c x_c."""
         if setup.corners is None:
             raise SceneError("shape 'cpdi2' needs four-cornered domains; a body's layout has none")
-        particles = setup.state.particles
+        super().setup(setup)
         self.corners = setup.allocate(self.name, CORNERS, corner=4)
         self.corners[:] = setup.corners
         self.half_edges = setup.half_edges  # at the start; degenerate domains are compared with them
-        self.room = empty_rows(particles.count, setup.dim)
 
     @hookimpl
     def particle_reach(self, particles: Particles) -> FloatArray:
@@ -200,33 +199,16 @@ class Cpdi2(LinearSurface):
         reach: FloatArray = np.abs(self.corners - particles.position[:, None, :]).max(axis=1)
         return reach
 
-    @hookimpl
-    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
-        """S_ip and ∇S_ip of the quadrilaterals."""
-        self.room = fill_rows(
-            fill_cpdi2,
-            self.room,
-            particles,
-            (
-                self.corners,
-                grid.lower,
-                grid.window_lower,
-                grid.window_shape,
-                grid.offset,
-            ),
-            grid.spacing,
-        )
-        return self.room
+    def domains(self, particles: Particles) -> tuple[FloatArray, ...]:  # noqa: ARG002
+        """The corners."""
+        return (self.corners,)
 
     @hookimpl
     def update_particle_domains(self, particles: Particles, grid: Grid, dt: float) -> None:
         """Corners ride on the grid velocity; the points follow them."""
         move_corners(
             particles.first,
-            grid.lower,
-            grid.window_lower,
-            grid.window_shape,
-            grid.offset,
+            *grid.windows,
             grid.velocity,
             self.corners,
             particles.position,

@@ -6,12 +6,11 @@ import math
 
 import numpy as np
 
-from mpmfw.api.types import Field, FloatArray, Grid, Particles, SceneError, Setup, Stencil, hookimpl
+from mpmfw.api.types import Field, FloatArray, Particles, SceneError, Setup, hookimpl
 from mpmfw.kernels import FULL, device, kernel, scratch
 from mpmfw.kernels.stencil import fits, read_window
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
-from mpmfw_shape._at_points import LinearSurface
-from mpmfw_shape._packed_rows import empty_rows, fill_rows
+from mpmfw_shape._packed_rows import PackedRows
 
 WIDTH = 3
 
@@ -142,10 +141,11 @@ def fill_gimp(
     return -1
 
 
-class Gimp(LinearSurface):
+class Gimp(PackedRows):
     """φ_ip averages N_i over the particle's undeformed square: up to 9 nodes in 2D, 27 in 3D."""
 
     name = "gimp"
+    fill = fill_gimp
     massless_boundary = True
     courant = COURANT
 
@@ -157,31 +157,20 @@ class Gimp(LinearSurface):
     @hookimpl
     def setup(self, setup: Setup) -> None:
         """Take l_p from the volumes; particles larger than a cell are refused."""
-        particles = setup.state.particles
+        super().setup(setup)
         self.half_length = setup.allocate(self.name, HALF_LENGTH)
-        self.half_length[:] = 0.5 * particles.initial_volume ** (1.0 / setup.dim)
+        self.half_length[:] = 0.5 * setup.state.particles.initial_volume ** (1.0 / setup.dim)
         if self.half_length.max() > 0.5 * setup.cell_size * (1.0 + 1e-9):
             raise SceneError(
                 f"shape 'gimp': a particle of edge {2 * self.half_length.max():.4g} m is larger than the "
                 f"cell ({setup.cell_size:.4g} m); expected bodies.*.particles.size <= grid.cell_size"
             )
-        self.room = empty_rows(particles.count, setup.dim)
 
     @hookimpl
     def particle_reach(self, particles: Particles) -> FloatArray:
         """l_p along every axis."""
         return np.repeat(self.half_length[:, None], particles.dim, axis=1)
 
-    @hookimpl
-    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
-        """S_ip and ∇S_ip."""
-        where = (
-            particles.position,
-            self.half_length,
-            grid.lower,
-            grid.window_lower,
-            grid.window_shape,
-            grid.offset,
-        )
-        self.room = fill_rows(fill_gimp, self.room, particles, where, grid.spacing)
-        return self.room
+    def domains(self, particles: Particles) -> tuple[FloatArray, ...]:
+        """Centres, and half the edges."""
+        return particles.position, self.half_length

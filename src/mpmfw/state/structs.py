@@ -227,6 +227,11 @@ class Grid(Struct):
         """Number of velocity fields."""
         return len(self.window_lower)
 
+    @property
+    def windows(self) -> tuple[FloatArray, IntArray, IntArray, IntArray]:
+        """Facts of all windows, as kernels that fill tables take them: lower, window_lower, window_shape, offset."""
+        return self.lower, self.window_lower, self.window_shape, self.offset
+
     def field_nodes(self, index: int) -> slice:
         """Flat nodes of velocity field ``index``."""
         return slice(int(self.offset[index]), int(self.offset[index + 1]))

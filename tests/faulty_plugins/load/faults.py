@@ -243,7 +243,7 @@ class GrowsWithPoints(Sound):
 FAULTS: dict[type[Any], str] = {
     Infinite: "runs",
     WrongShape: "runs",
-    Braking: "runs",
+    Braking: "writes-nothing",
     Hardening: "writes-nothing",
     Everybody: "own-body",
     FirstPoints: "own-body",
