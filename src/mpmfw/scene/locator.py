@@ -6,6 +6,7 @@ brackets alone.
 
 from __future__ import annotations
 
+import functools
 import re
 
 Path = tuple[str | int, ...]
@@ -32,10 +33,14 @@ class Locator:
     def __init__(self, text: str) -> None:
         self._text = text.replace("\r\n", "\n")
         self._at = 0
-        #: Line (from 1) of every key, table header and array element by its path.
-        self.lines: dict[Path, int] = {}
+        self._lines: dict[Path, int] = {}
         self._array_lengths: dict[Path, int] = {}
+
+    @functools.cached_property
+    def lines(self) -> dict[Path, int]:
+        """Line (from 1) of every key, table header and array element by its path; found when first asked for."""
         self._document()
+        return self._lines
 
     def line(self, path: Path) -> int:
         """Line of the key, or of the nearest table or array around it; 1 for the root."""
@@ -75,14 +80,14 @@ class Locator:
         names = self._dotted_key()
         for depth, name in enumerate(names):
             path += (name,)
-            self.lines.setdefault(path, line)
+            self._lines.setdefault(path, line)
             if is_array and depth == len(names) - 1:
                 self._array_lengths[path] = self._array_lengths.get(path, 0) + 1
             if path in self._array_lengths:
                 path += (self._array_lengths[path] - 1,)
-                self.lines.setdefault(path, line)
+                self._lines.setdefault(path, line)
         if not is_array:
-            self.lines[path] = line  # a sub-table may stand before its parent's own header
+            self._lines[path] = line  # a sub-table may stand before its parent's own header
         self._at += 2 if is_array else 1
         return path
 
@@ -101,7 +106,7 @@ class Locator:
         path = table
         for name in self._dotted_key():
             path += (name,)
-            self.lines.setdefault(path, line)
+            self._lines.setdefault(path, line)
         self._at += 1  # the equals sign
         self._skip(_SPACE)
         self._value(path)
@@ -120,7 +125,7 @@ class Locator:
         index = 0
         self._skip(_BLANK)
         while not self._take("]"):
-            self.lines[(*path, index)] = self._line_here()
+            self._lines[(*path, index)] = self._line_here()
             self._value((*path, index))
             self._skip(_BLANK)
             self._take(",")
