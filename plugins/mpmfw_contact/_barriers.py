@@ -1,4 +1,4 @@
-"""Kernels of logarithmic barriers: distances, stiffness, forces, and the time in which a place would touch."""
+"""Kernels of logarithmic barriers: distances, stiffness, forces, and the time until a place would touch."""
 
 from __future__ import annotations
 
@@ -62,15 +62,16 @@ def least_gaps(rows: Rows, count: int, out: Floats) -> None:
 
 @kernel
 def set_barriers(
-    rows: Rows, count: int, own: BarrierArrays, modulus: Floats, offset: Floats, reach: float, cell_size: float,
+    rows: Rows, count: int, own: BarrierArrays, modulus: Floats, offset: Floats, reach: float,
+    cell_size: float,
     stiffest: float,
 ) -> int:  # fmt: skip
-    """Distance of every row and the greatest stiffness that it may come to in the step; the first row whose distance is used
-    up, or −1.
+    """Distance of every row and the greatest stiffness that it may come to in the step; the first row whose
+    distance is used up, or −1.
 
-    ``modulus`` is κ M / h of each pair, ``offset`` what is added to its gaps, ``reach`` the distance from which barriers act,
-    ``stiffest`` that of the tangential springs over κ M A / reach. The end of the step is foreseen from the
-    motion over the last one.
+    ``modulus`` is κ M / h of each pair, ``offset`` what is added to its gaps, ``reach`` the distance from
+    which barriers act, ``stiffest`` that of the tangential springs over κ M A / reach. The end of the step is
+    foreseen from the motion over the last one.
     """
     for c in range(count):
         p = rows.pair[c]
@@ -89,7 +90,8 @@ def set_barriers(
 
 @kernel
 def barrier_forces(
-    rows: Rows, count: int, own: BarrierArrays, old_own: BarrierArrays, modulus: Floats, reach: float, cell_size: float,
+    rows: Rows, count: int, own: BarrierArrays, old_own: BarrierArrays, modulus: Floats, reach: float,
+    cell_size: float,
     tangential_ratio: float, records: Records,
 ) -> None:  # fmt: skip
     """N = −κ M A b'(d / reach) of every row nearer than ``reach``.
@@ -109,7 +111,8 @@ def barrier_forces(
 
 @device
 def add_velocity(
-    p: int, sign: Float, table: SurfaceTable, mass: Floats, momentum: Floats, out: Floats, spacing: tuple[float, ...]
+    p: int, sign: Float, table: SurfaceTable, mass: Floats, momentum: Floats, out: Floats,
+    spacing: tuple[float, ...]
 ) -> None:  # fmt: skip
     """Add ``sign`` times the velocity of surface node p to ``out``: Σ N_i(x_p) (m v)_i / m_i."""
     for k in range(table.row[p], table.row[p + 1]):
@@ -121,14 +124,15 @@ def add_velocity(
 
 @device
 def time_to_reach(
-    s: int, m: int, share: Floats, normal: Floats, offset: Float, reach: Float, outline: Outline, table: SurfaceTable,
+    s: int, m: int, share: Floats, normal: Floats, offset: Float, reach: Float, outline: Outline,
+    table: SurfaceTable,
     mass: Floats, momentum: Floats, spacing: tuple[float, ...],
 ) -> Float:  # fmt: skip
-    """Time in which node s and facet m, if both go on as they move, use up :data:`USED` of their distance, or of the reach once
-    they are within it [s], along ``normal``, from the facet to the node.
+    """Time in which node s and facet m, if both go on as they move, use up :data:`USED` of their distance, or
+    of the reach once they are within it [s], along ``normal``, from the facet to the node.
 
-    No corner of the facet comes past the node sooner: that is a lower bound. With an ``offset`` surfaces may overlap, and what
-    counts is the point of the facet whose coordinates are ``share``, as it is closest now.
+    No corner of the facet comes past the node sooner: that is a lower bound. With an ``offset`` surfaces may
+    overlap, and what counts is the point of the facet whose coordinates are ``share``, as it is closest now.
     """
     dim, least = len(spacing), math.inf
     own, motion = scratch.vector(spacing), scratch.vector(spacing)
@@ -155,13 +159,15 @@ def time_to_reach(
 
 @kernel
 def time_to_touch(
-    rows: Rows, count: int, places: Places, outline: Outline, table: SurfaceTable, offset: Floats, reach: float, mass: Floats,
+    rows: Rows, count: int, places: Places, outline: Outline, table: SurfaceTable, offset: Floats,
+    reach: float, mass: Floats,
     momentum: Floats, spacing: tuple[float, ...],
 ) -> float:  # fmt: skip
-    """Time in which no node of a row uses up more than a part of the distance from its facet, nor from one beside it [s].
+    """Time in which no node of a row uses up more than a part of the distance from its facet, nor from one
+    beside it [s].
 
-    Conservative advancement, a lower bound of the time of impact: :func:`time_to_reach`. Facets beside it count where surfaces
-    may not overlap.
+    Conservative advancement, a lower bound of the time of impact: :func:`time_to_reach`. Facets beside it
+    count where surfaces may not overlap.
     """
     least, dim = math.inf, len(spacing)
     x, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)

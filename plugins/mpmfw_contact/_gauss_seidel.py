@@ -1,7 +1,7 @@
 """Kernels of the complementarity problem of all rows: projected Gauss-Seidel, without a matrix.
 
-J are impulses on rows, v = v* + M⁻¹ Bᵀ J the nodal velocities, kept up to date, u_c = B_c v those of the rows. Signs and B are
-those of :mod:`mpmfw.kernels.contact`.
+J are impulses on rows, v = v* + M⁻¹ Bᵀ J the nodal velocities, kept up to date, u_c = B_c v those of the
+rows. Signs and B are those of :mod:`mpmfw.kernels.contact`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ ROUNDING = 1e-13
 class LcpArrays(Struct):
     """The law's own arrays of n rows."""
 
-    compliance: Floats  #: (n,) w, the largest eigenvalue of B_c M⁻¹ B_cᵀ, or a little more [1/kg]; 0 of a row that takes no part
+    #: (n,) w, the largest eigenvalue of B_c M⁻¹ B_cᵀ, or a little more [1/kg]; 0 of a row that takes no part
+    compliance: Floats
     allowed: Floats  #: (n,) b: with u·n = −b the row ends the step where it may [m/s]
     velocity: Floats  #: (n, dim) u before any impulse [m/s]
     before: Floats  #: (n, dim) J before a sweep [N s/m]
@@ -48,14 +49,15 @@ def add_change(
 
 @kernel
 def state_problem(
-    rows: Rows, count: int, own: LcpArrays, mass: Floats, momentum: Floats, velocity: Floats, per_step: float, recovery: float,
+    rows: Rows, count: int, own: LcpArrays, mass: Floats, momentum: Floats, velocity: Floats, per_step: float,
+    recovery: float,
     facing: float, spacing: tuple[float, ...],
 ) -> float:  # fmt: skip
-    """Velocities of the rows' nodes and of the rows, their compliance, and b; then the impulses act that ``rows.force`` begins
-    with. The largest component of the nodes' velocities before [m/s].
+    """Velocities of the rows' nodes and of the rows, their compliance, and b; then the impulses act that
+    ``rows.force`` begins with. The largest component of the nodes' velocities before [m/s].
 
-    ``per_step`` is 1 / Δt [1/s]: a row that is open by g > 0 has b = g / Δt, one that overlaps ``recovery`` g / Δt. Open
-    rows take part of whose area at least the part ``facing`` lies across the normal.
+    ``per_step`` is 1 / Δt [1/s]: a row that is open by g > 0 has b = g / Δt, one that overlaps ``recovery`` g
+    / Δt. Open rows take part of whose area at least the part ``facing`` lies across the normal.
     """
     dim, fastest = len(spacing), 0.0
     u = scratch.vector(spacing)
@@ -92,14 +94,17 @@ def state_problem(
 
 @device
 def meet_row(
-    c: int, rows: Rows, own: LcpArrays, mass: Floats, velocity: Floats, touching: Float, u: Floats, change: Floats,
+    c: int, rows: Rows, own: LcpArrays, mass: Floats, velocity: Floats, touching: Float, u: Floats,
+    change: Floats,
     spacing: tuple[float, ...],
 ) -> Float:  # fmt: skip
-    """Replace J_c by what meets its own conditions as the others stand; w |ΔJ_c|, the velocity that this took [m/s].
+    """Replace J_c by what meets its own conditions as the others stand; w |ΔJ_c|, the velocity that this took
+    [m/s].
 
-    J_n ← max(0, J_n − (u_n + b) / w), and J_t ← J_t − u_t / w shortened to μ J_n + a (Alart & Curnier 1991); a, of cohesion,
-    acts where the row ends the step closed, u_n + b ≤ ``touching`` [m/s]: of rows that say the same few have a J_n > 0. What
-    this leaves as it is has 0 ≤ u_n + b ⊥ J_n ≥ 0 and |J_t| ≤ μ J_n + a with slip against J_t, whatever w > 0.
+    J_n ← max(0, J_n − (u_n + b) / w), and J_t ← J_t − u_t / w shortened to μ J_n + a (Alart & Curnier 1991);
+    a, of cohesion, acts where the row ends the step closed, u_n + b ≤ ``touching`` [m/s]: of rows that say
+    the same few have a J_n > 0. What this leaves as it is has 0 ≤ u_n + b ⊥ J_n ≥ 0 and |J_t| ≤ μ J_n + a
+    with slip against J_t, whatever w > 0.
     """
     dim, w = len(spacing), own.compliance[c]
     if w <= 0.0:
@@ -140,7 +145,8 @@ def go_on(
     change: Floats,
     spacing: tuple[float, ...],
 ) -> None:
-    """Add ``share`` of the last direction to the impulses, and make the new one, p ← share p + (J − J before the sweep).
+    """Add ``share`` of the last direction to the impulses, and make the new one, p ← share p + (J − J before
+    the sweep).
 
     Rows that ended the sweep without an impulse stay as they are, and so do all where the share is 0.
     """
@@ -162,17 +168,19 @@ def solve(
     rows: Rows, count: int, own: LcpArrays, mass: Floats, velocity: Floats, fastest: float, tolerance: float,
     sweeps: int, spacing: tuple[float, ...],
 ) -> tuple[int, float]:  # fmt: skip
-    """Sweep to and fro until no row changes by more than ``tolerance`` of the largest velocity w |J| or w |ΔJ| of all, or than
-    rounding of the ``fastest`` velocity [m/s] explains.
+    """Sweep to and fro until no row changes by more than ``tolerance`` of the largest velocity w |J| or w
+    |ΔJ| of all, or than rounding of the ``fastest`` velocity [m/s] explains.
 
-    After each sweep the impulses go on as by conjugate gradients, with |ΔJ|² over the last sweep's as share, unless that is more
-    than 1 (Silcowitz-Hansen, Niebe & Erleben 2010): where rows say nearly the same, sweeps alone need thousands. Of those that do
-    not get there this way the second half are sweeps alone, which end within the cone. Rows without an impulse are left out until
-    those that have one agree, and then asked again.
+    After each sweep the impulses go on as by conjugate gradients, with |ΔJ|² over the last sweep's as share,
+    unless that is more than 1 (Silcowitz-Hansen, Niebe & Erleben 2010): where rows say nearly the same,
+    sweeps alone need thousands. Of those that do not get there this way the second half are sweeps alone,
+    which end within the cone. Rows without an impulse are left out until those that have one agree, and then
+    asked again.
 
     Returns
     -------
-    Number of sweeps, one more than ``sweeps`` where these were not enough, and the last one's change over the largest velocity.
+    Number of sweeps, one more than ``sweeps`` where these were not enough, and the last one's change over the
+    largest velocity.
     """
     u, change = scratch.vector(spacing), scratch.vector(spacing)
     largest, last, last_square, every = 0.0, 0.0, 0.0, True
@@ -213,10 +221,12 @@ def solve(
 
 @kernel
 def add_friction_work(
-    rows: Rows, count: int, own: LcpArrays, velocity: Floats, projected: bool, work: Floats, spacing: tuple[float, ...],
+    rows: Rows, count: int, own: LcpArrays, velocity: Floats, projected: bool, work: Floats,
+    spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """Add −J_t·u_t to the ``work`` of every pair [J/m]: of the mean of before and after where the momentum is as ``projected``,
-    else of what is left at the end of the step. Less than nothing, which the tolerance leaves of rows that stick, is none."""
+    """Add −J_t·u_t to the ``work`` of every pair [J/m]: of the mean of before and after where the momentum is
+    as ``projected``, else of what is left at the end of the step. Less than nothing, which the tolerance
+    leaves of rows that stick, is none."""
     dim = len(spacing)
     u = scratch.vector(spacing)
     for c in range(count):

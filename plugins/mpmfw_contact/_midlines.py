@@ -1,4 +1,5 @@
-"""Kernels of segments that face each other: which are near, and the rows of each two on the line between them."""
+"""Kernels of segments that face each other: which are near, and the rows of each two on the line between
+them."""
 
 from __future__ import annotations
 
@@ -19,7 +20,8 @@ from mpmfw.kernels.facets import length_of, read_corners, write_gradients
 from mpmfw.kernels.pair_table import pair_index
 from mpmfw.kernels.types import Float, Floats, Ints
 
-#: Least cosine between one segment's normal and the other's reversed one: sides at right angles do not face each other.
+#: Least cosine between one segment's normal and the other's reversed one: sides at right angles do not face
+#: each other.
 LEAST_COSINE = 0.1
 
 #: Part of a segment's length by which two must lie over each other: what rounding leaves is no overlap.
@@ -28,7 +30,8 @@ LEAST_OVERLAP = 1e-9
 #: Depth over the search radius beyond which two segments are taken for the far sides of their bodies.
 DEEPEST = 0.5
 
-#: Gauss points on a segment, from its middle, in half lengths: exact for the work of a linear pressure on a linear gap.
+#: Gauss points on a segment, from its middle, in half lengths: exact for the work of a linear pressure on a
+#: linear gap.
 GAUSS = 3.0**-0.5
 
 
@@ -63,7 +66,8 @@ def list_segments(
     found: SegmentPairs,
     spacing: tuple[float, ...],
 ) -> int:
-    """List segments of different bodies whose boxes are no farther apart than ``reach`` [m]; how many, stored or not."""
+    """List segments of different bodies whose boxes are no farther apart than ``reach`` [m]; how many, stored
+    or not."""
     count = 0
     lower, upper = scratch.vector(spacing), scratch.vector(spacing)
     first, last, index = scratch.integers(spacing), scratch.integers(spacing), scratch.integers(spacing)
@@ -107,8 +111,8 @@ def list_segments(
 
 @device
 def set_midline(m: int, other: int, outline: Outline, normal: Floats, spacing: tuple[float, ...]) -> bool:
-    """Unit normal of the line between two segments, out of the second, into ``normal``: along the difference of theirs. Whether
-    they face each other."""
+    """Unit normal of the line between two segments, out of the second, into ``normal``: along the difference
+    of theirs. Whether they face each other."""
     a, b, cosine = scratch.vector(spacing), scratch.vector(spacing), 0.0
     area_of(m, outline, a, spacing)
     area_of(other, outline, b, spacing)
@@ -126,7 +130,7 @@ def set_midline(m: int, other: int, outline: Outline, normal: Floats, spacing: t
 
 @device
 def shadow(m: int, normal: Floats, outline: Outline, out: Floats) -> None:
-    """Places of a segment's ends along the midline and above it: s_1, s_2, z_1, z_2, into ``out`` (4,) [m]."""
+    """Write places of a segment's ends along the midline and above it, s_1, s_2, z_1, z_2, to ``out`` [m]."""
     for a in range(2):
         p = outline.facets[m, a]
         out[a] = -normal[1] * outline.position[p, 0] + normal[0] * outline.position[p, 1]
@@ -148,7 +152,8 @@ def gap_at(s: Float, ends: Floats, other_ends: Floats) -> Float:
 
 @device
 def common_part(ends: Floats, other_ends: Floats) -> tuple[Float, Float]:
-    """Where two segments lie over each other and overlap, else where they lie over each other; nothing if the first is larger.
+    """Where two segments lie over each other and overlap, else where they lie over each other; nothing if the
+    first is larger.
 
     The gap is linear there: what is behind its zero bears nothing.
     """
@@ -166,7 +171,8 @@ def common_part(ends: Floats, other_ends: Floats) -> tuple[Float, Float]:
 
 @device
 def add_side(
-    c: int, m: int, sign: Float, xi: Float, half_gap: Float, outline: Outline, table: SurfaceTable, rows: Rows, top: int,
+    c: int, m: int, sign: Float, xi: Float, half_gap: Float, outline: Outline, table: SurfaceTable,
+    rows: Rows, top: int,
     spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """Entries and motion of the place ξ of segment m in row c, times ``sign``; the new top.
@@ -210,11 +216,12 @@ def width_of(m: int, outline: Outline, table: SurfaceTable) -> int:
 
 @kernel
 def write_midlines(
-    listed: int, found: SegmentPairs, reach: float, outline: Outline, pair_of: Ints, pair_first: Ints, table: SurfaceTable,
+    listed: int, found: SegmentPairs, reach: float, outline: Outline, pair_of: Ints, pair_first: Ints,
+    table: SurfaceTable,
     rows: Rows, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """Two rows for each two segments that face each other, at the Gauss points of what they have in common; their number, or −1
-    where there is no room for all."""
+    """Two rows for each two segments that face each other, at the Gauss points of what they have in common;
+    their number, or −1 where there is no room for all."""
     c, top, n_facets = 0, 0, len(outline.facets)
     normal = scratch.vector(spacing)
     ends, other_ends = scratch.vector((0.0, 0.0, 0.0, 0.0)), scratch.vector((0.0, 0.0, 0.0, 0.0))

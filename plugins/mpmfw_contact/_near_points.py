@@ -1,4 +1,5 @@
-"""Kernels of detection between material points: which points of two bodies are near each other, and their rows."""
+"""Kernels of detection between material points: which points of two bodies are near each other, and their
+rows."""
 
 from __future__ import annotations
 
@@ -8,7 +9,8 @@ from mpmfw.kernels import Struct, device, kernel
 from mpmfw.kernels.contact import Rows
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 
-#: Reach over the sum of the radii up to which two points have a row: a step before they touch knows of the springs to come.
+#: Reach over the sum of the radii up to which two points have a row: a step before they touch knows of the
+#: springs to come.
 NEAR = 1.25
 
 
@@ -63,7 +65,8 @@ def enclose(points: Points, spacing: tuple[float, ...]) -> None:
 
 @device
 def bucket_of(p: int, position: Floats, size: Float, moved_by: int, buckets: int) -> int:
-    """Bucket of the cell of edge ``size`` where point p lies, or of a neighbour of it: digits of ``moved_by`` to the base 3."""
+    """Bucket of the cell of edge ``size`` where point p lies, or of a neighbour of it: digits of ``moved_by``
+    to the base 3."""
     key, rest = 0, moved_by
     for d in range(position.shape[1]):
         cell = math.floor(position[p, d] / size) + (rest % 3 - 1 if moved_by >= 0 else 0)
@@ -85,7 +88,8 @@ def may_meet(p: int, position: Floats, lower: Floats, upper: Floats, body: int, 
 def find_near(
     first: Ints, second: Ints, points: Points, buckets: Buckets, found: Neighbours, spacing: tuple[float, ...]
 ) -> int:
-    """List points of the pairs of bodies ``first`` and ``second`` that are near each other; how many, stored or not."""
+    """List points of the pairs of bodies ``first`` and ``second`` that are near each other; how many, stored
+    or not."""
     dim, size, count = len(spacing), len(buckets.head), 0
     for pair in range(len(first)):
         a, b = first[pair], second[pair]
@@ -112,9 +116,10 @@ def find_near(
 
 @device
 def list_neighbours(
-    p: int, pair: int, reach: Float, points: Points, buckets: Buckets, found: Neighbours, count: int, spacing: tuple[float, ...]
+    p: int, pair: int, reach: Float, points: Points, buckets: Buckets, found: Neighbours, count: int,
+    spacing: tuple[float, ...]
 ) -> int:  # fmt: skip
-    """Add the points in the buckets round point p that are near it, in their order; how many are listed now."""
+    """Add the points near point p from the buckets round it, in their order; return how many are listed."""
     dim, begin = len(spacing), count
     for near in range(3**dim):
         k = bucket_of(p, points.position, reach, near, len(buckets.head))
@@ -141,14 +146,15 @@ def list_neighbours(
 
 @kernel
 def write_point_rows(
-    listed: int, found: Neighbours, points: Points, row: Ints, nodes: Indices, weight: Floats, gradient: Floats,
+    listed: int, found: Neighbours, points: Points, row: Ints, nodes: Indices, weight: Floats,
+    gradient: Floats,
     start_velocity: Floats, dt: float, at_centres: bool, rows: Rows, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """A row for each two points that are near each other; their number of entries, stored or not.
 
-    The normal is the line of their centres, the gap their distance less their radii, the area that of the smaller one. Both
-    sides are taken at the place x_c between them, with φ_ip + ∇φ_ip·(x_c − x_p): friction leaves no moment. If forces act
-    ``at_centres`` the weights are φ_ip.
+    The normal is the line of their centres, the gap their distance less their radii, the area that of the
+    smaller one. Both sides are taken at the place x_c between them, with φ_ip + ∇φ_ip·(x_c − x_p): friction
+    leaves no moment. If forces act ``at_centres`` the weights are φ_ip.
     """
     dim, n_points, m = len(spacing), len(points.volume), 0
     for c in range(listed):

@@ -1,4 +1,5 @@
-"""Kernels of logistic regression at shared nodes: the plane between two bodies' points, and how far apart they are across it."""
+"""Kernels of logistic regression at shared nodes: the plane between two bodies' points, and how far apart
+they are across it."""
 
 from __future__ import annotations
 
@@ -70,7 +71,8 @@ def list_points(
 
 @device
 def solve_symmetric(a: Floats, b: Floats) -> bool:
-    """Replace b by a⁻¹ b, a symmetric and positive, by Cholesky's factors in its lower half; False where it is singular."""
+    """Replace b by a⁻¹ b, a symmetric and positive, by Cholesky's factors in its lower half; False where it
+    is singular."""
     n = len(b)
     for i in range(n):
         diagonal = a[i, i]
@@ -99,7 +101,8 @@ def set_equations(
     i: int, j: int, clouds: Clouds, position: Floats, origin: Floats, h: Float, beta: Floats, penalty: float,
     x: Floats, a: Floats, b: Floats,
 ) -> None:  # fmt: skip
-    """Normal equations of the step that Σ (c_p − f(β·x_p))² + λ |slope|² asks of β, x_p = ((X_p − X_i) / h, 1).
+    """Normal equations of the step that Σ (c_p − f(β·x_p))² + λ |slope|² asks of β, x_p = ((X_p − X_i) / h,
+    1).
 
     c is −1 at the points of node i, the first body's, and 1 at those of node j, the second's;
     f(s) = 2 / (1 + e^(−s)) − 1 = tanh(s / 2).
@@ -141,13 +144,15 @@ def set_direction(beta: Floats, out: Floats) -> bool:
 
 @device
 def fit_plane(
-    i: int, j: int, clouds: Clouds, position: Floats, origin: Floats, penalty: float, tolerance: float, normal: Floats,
+    i: int, j: int, clouds: Clouds, position: Floats, origin: Floats, penalty: float, tolerance: float,
+    normal: Floats,
     spacing: tuple[float, ...], wide: tuple[float, ...],
 ) -> bool:  # fmt: skip
-    """Unit normal of the plane between the points of nodes i and j, out of the first body, into ``normal``; whether there is one.
+    """Unit normal of the plane between the points of nodes i and j, out of the first body, into ``normal``;
+    whether there is one.
 
-    Gauss & Newton from β = 0, whose first step is twice the linear fit, until the normal turns by less than an angle of which
-    1 − cos is the ``tolerance``. ``wide`` has a number more than ``spacing``.
+    Gauss & Newton from β = 0, whose first step is twice the linear fit, until the normal turns by less than
+    an angle of which 1 − cos is the ``tolerance``. ``wide`` has a number more than ``spacing``.
     """
     x, beta, b = scratch.vector(wide), scratch.vector(wide), scratch.vector(wide)
     a, new = scratch.matrix(wide, wide), scratch.vector(spacing)
@@ -197,14 +202,15 @@ def outermost(
 
 @kernel
 def write_regressed_rows(
-    listed: int, shared: SharedNodes, pairs: NodePairs, grid: GridNodes, clouds: Clouds, domains: Domains, node: Floats,
+    listed: int, shared: SharedNodes, pairs: NodePairs, grid: GridNodes, clouds: Clouds, domains: Domains,
+    node: Floats,
     penalty: float, tolerance: float, cut_off: float, dt: float, rows: Rows,
     spacing: tuple[float, ...], wide: tuple[float, ...],
 ) -> int:  # fmt: skip
     """A row for each shared node between whose points there is a plane; their number.
 
-    ``node`` is the nodes' position (n_nodes, dim) [m]. The gap is the distance of the points' domains across the plane, less
-    the cut-off.
+    ``node`` is the nodes' position (n_nodes, dim) [m]. The gap is the distance of the points' domains across
+    the plane, less the cut-off.
     """
     dim = len(spacing)
     n, origin = scratch.vector(spacing), scratch.vector(spacing)

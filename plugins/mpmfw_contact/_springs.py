@@ -1,4 +1,5 @@
-"""Springs that grow stiffer with their depth, and that lose energy as they change: their area, their rest, their facet."""
+"""Springs that grow stiffer with their depth, and that lose energy as they change: their area, their rest,
+their facet."""
 
 from __future__ import annotations
 
@@ -7,7 +8,8 @@ from mpmfw.kernels import device, kernel
 from mpmfw.kernels.contact import Rows
 from mpmfw.kernels.types import Float, Floats
 
-#: Depth in cells from which a spring grows stiffer: were it linear, bodies at the speed of their waves would cross.
+#: Depth in cells from which a spring grows stiffer: were it linear, bodies at the speed of their waves would
+#: cross.
 LINEAR_TO = 0.25
 
 #: By how much: f = k (d + GROWTH (d − l)² / l) beyond that depth l.
@@ -32,7 +34,8 @@ class ChangingSprings(SpringArrays):
 
 @device
 def normal_force(k: Float, depth: Float, limit: Float) -> Float:
-    """Force of a spring of stiffness k at a depth [N/m]; ``limit`` is the depth from which it grows stiffer [m]."""
+    """Force of a spring of stiffness k at a depth [N/m]; ``limit`` is the depth from which it grows stiffer
+    [m]."""
     if depth <= limit:
         return k * depth
     over = depth - limit
@@ -60,8 +63,8 @@ def tangent_stiffness(k: Float, depth: Float, limit: Float) -> Float:
 def new_rest(gap: Float, approached: Float) -> Float:
     """Rest gap of a new spring, whose node ``approached`` so much in the last step [m].
 
-    A node that is deeper than it came in by the face has come in by a side, where no facet faced it; a spring loaded to
-    that depth at once would make energy of nothing. It has the force of its approach.
+    A node that is deeper than it came in by the face has come in by a side, where no facet faced it; a spring
+    loaded to that depth at once would make energy of nothing. It has the force of its approach.
     """
     return min(gap + max(approached, 0.0), 0.0)
 
@@ -72,12 +75,12 @@ def changed_spring(
 ) -> tuple[Float, Float]:
     """Share and rest gap of a loaded spring whose share was ``old_part`` and would be ``part``.
 
-    Where corners meet the normal jumps, and a spring that became stiffer while it is loaded would make energy of
-    nothing. One that grows keeps its force, and so loses energy; one that shrinks keeps its rest, and loses some too.
-    Small changes are let be, so that noise does not let bodies at rest creep into one another. A rest fades over a cell of
-    sliding: nodes that come in by a corner would hold less than others for good. A node that came in by the side, with
-    next to no share, and is shallow when a face takes it, has half of its length under that face: half of its force acts
-    at once.
+    Where corners meet the normal jumps, and a spring that became stiffer while it is loaded would make energy
+    of nothing. One that grows keeps its force, and so loses energy; one that shrinks keeps its rest, and
+    loses some too. Small changes are let be, so that noise does not let bodies at rest creep into one
+    another. A rest fades over a cell of sliding: nodes that come in by a corner would hold less than others
+    for good. A node that came in by the side, with next to no share, and is shallow when a face takes it, has
+    half of its length under that face: half of its force acts at once.
     """
     share, left = old_part, max(max(1.0 - abs(slid) / cell_size, 0.0) * rest, gap)
     if old_part < WEAK < part and gap > -SHALLOW * cell_size:
@@ -91,13 +94,14 @@ def changed_spring(
 
 @kernel
 def set_springs(
-    rows: Rows, count: int, own: ChangingSprings, old: Rows, old_count: int, old_own: ChangingSprings, modulus: Floats,
+    rows: Rows, count: int, own: ChangingSprings, old: Rows, old_count: int, old_own: ChangingSprings,
+    modulus: Floats,
     stiffest: float, cell_size: float, linear_to: float, begins: bool,
 ) -> None:  # fmt: skip
     """Area that bears, rest gap and stiffness of every row; ``modulus`` is κ M / h of each pair.
 
-    A place keeps what it bore, as :func:`changed_spring` says, shared by its rows as their areas are. In the step that ``begins``
-    the run bodies overlap as the scene has them.
+    A place keeps what it bore, as :func:`changed_spring` says, shared by its rows as their areas are. In the
+    step that ``begins`` the run bodies overlap as the scene has them.
     """
     c = 0
     while c < count:
@@ -135,12 +139,13 @@ def add_losses(
     rows: Rows, count: int, own: ChangingSprings, old: Rows, old_count: int, old_own: ChangingSprings,
     linear_to: float, work: Floats,
 ) -> None:  # fmt: skip
-    """Add to every pair's ``work`` [J/m] the energy of the last step's springs, where they are now, less that of today's.
+    """Add to every pair's ``work`` [J/m] the energy of the last step's springs, where they are now, less that
+    of today's.
 
-    A spring whose row moved by Δu has the gap g + n·Δu; what it is now beyond that is a change of the spring: of its area,
-    its rest, its facet, or its end. A tangential spring did the work f_t·Δu meanwhile. A new normal spring changes nothing,
-    since its gap was zero. Friction and the energy of today's tangential springs are not losses:
-    :func:`mpmfw.contact.springs.add_friction` subtracts them.
+    A spring whose row moved by Δu has the gap g + n·Δu; what it is now beyond that is a change of the spring:
+    of its area, its rest, its facet, or its end. A tangential spring did the work f_t·Δu meanwhile. A new
+    normal spring changes nothing, since its gap was zero. Friction and the energy of today's tangential
+    springs are not losses: :func:`mpmfw.contact.springs.add_friction` subtracts them.
     """
     c = 0
     for o in range(old_count):

@@ -1,13 +1,15 @@
 """Springs that pull as well, up to a traction, and let go at a distance.
 
-Source: D. Maugis (1992), Adhesion of spheres: the JKR-DMT transition using a Dugdale model, J. Colloid Interface Sci. 150,
-243-269: the traction between surfaces is constant, σ_0, up to a distance δ, and none beyond; the work of adhesion is σ_0 δ. What
-surfaces attract each other by adds to the load of friction, T = μ (N + σ_0 A): B. Derjaguin (1934), Molekulartheorie der äußeren
-Reibung, Z. Physik 88, 661-675. Neither paper was at hand; both laws are textbooks'.
+Source: D. Maugis (1992), Adhesion of spheres: the JKR-DMT transition using a Dugdale model, J. Colloid
+Interface Sci. 150, 243-269: the traction between surfaces is constant, σ_0, up to a distance δ, and none
+beyond; the work of adhesion is σ_0 δ. What surfaces attract each other by adds to the load of friction, T = μ
+(N + σ_0 A): B. Derjaguin (1934), Molekulartheorie der äußeren Reibung, Z. Physik 88, 661-675. Neither paper
+was at hand; both laws are textbooks'.
 
-Assumed here: a spring of k = κ M A / h leads from pressure to σ_0, since a force that jumps at contact has no stable step. The
-force is a function of the gap alone, so that bodies attract each other when they approach as when they part, and nothing is
-lost. Gaps that jump would make energy of nothing, as at grid nodes, which come in deep: such detections are refused.
+Assumed here: a spring of k = κ M A / h leads from pressure to σ_0, since a force that jumps at contact has no
+stable step. The force is a function of the gap alone, so that bodies attract each other when they approach as
+when they part, and nothing is lost. Gaps that jump would make energy of nothing, as at grid nodes, which come
+in deep: such detections are refused.
 """
 
 from __future__ import annotations
@@ -24,7 +26,8 @@ from mpmfw.kernels.types import Float
 
 @device
 def reach_of(k: Float, pull: Float, separation: Float) -> Float:
-    """Gap from which on nothing acts: ``separation``, or where the spring of stiffness k comes to its ``pull`` σ_0 A [m]."""
+    """Gap from which on nothing acts: ``separation``, or where the spring of stiffness k comes to its
+    ``pull`` σ_0 A [m]."""
     return max(separation, pull / k)
 
 
@@ -50,7 +53,8 @@ def energy_of(k: Float, gap: Float, pull: Float, separation: Float) -> Float:
 
 @kernel
 def adhesive_forces(
-    rows: Rows, count: int, own: SpringArrays, traction: float, separation: float, tangential_ratio: float, records: Records
+    rows: Rows, count: int, own: SpringArrays, traction: float, separation: float, tangential_ratio: float,
+    records: Records
 ) -> None:  # fmt: skip
     """N of every row within reach, and its pull σ_0 A, which adds to the load of friction."""
     for c in range(count):
@@ -88,18 +92,25 @@ class AdhesionLaw(SpringLaw):
     options: AdhesionLawOptions
 
     def range(self) -> float:
-        """Return the separation, or where the springs of the softest body come to the traction; nothing without tension."""
+        """Return the separation, or where the springs of the softest body come to the traction; nothing
+        without tension."""
         if self.options.traction == 0.0:
             return 0.0
         softest = min(body.p_wave_modulus for body in self.state.bodies)
         spring = float(self.options.traction) * self.cell_size / (self.options.kappa * softest)
         return max(float(self.options.separation), spring)
 
-    def normal_forces(self, rows: ContactRows, old: ContactRows, records: PairRecords) -> None:  # noqa: ARG002
+    def normal_forces(
+        self,
+        rows: ContactRows,
+        old: ContactRows,  # noqa: ARG002
+        records: PairRecords,
+    ) -> None:
         """Write N and the pull."""
         options = self.options
         adhesive_forces(
-            rows, rows.count, rows.own, float(options.traction), float(options.separation), options.tangential_ratio, records
+            rows, rows.count, rows.own, float(options.traction), float(options.separation),
+            options.tangential_ratio, records
         )  # fmt: skip
 
 

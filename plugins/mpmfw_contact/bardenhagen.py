@@ -1,14 +1,15 @@
 """Contact of multiple velocity fields (Bardenhagen, Brackbill & Sulsky 2000; Bardenhagen et al. 2001).
 
-S. G. Bardenhagen, J. E. Guilkey, K. M. Roessig, J. U. Brackbill, W. M. Witzel, J. C. Foster (2001), An improved contact algorithm
-for the material point method and application to stress propagation in granular material, CMES 2, 509-522, adds two things to the
-contact of 2000. The normal traction decides on free separation: a node is in contact where the surface is compressed, or where it
-is free of stress and the bodies approach. And impulses are scaled down where they would strain a body too much in a step. The
-paper was not at hand; both are known here by its abstract and Uintah's public code (FrictionContactBard.cc).
+S. G. Bardenhagen, J. E. Guilkey, K. M. Roessig, J. U. Brackbill, W. M. Witzel, J. C. Foster (2001), An
+improved contact algorithm for the material point method and application to stress propagation in granular
+material, CMES 2, 509-522, adds two things to the contact of 2000. The normal traction decides on free
+separation: a node is in contact where the surface is compressed, or where it is free of stress and the bodies
+approach. And impulses are scaled down where they would strain a body too much in a step. The paper was not at
+hand; both are known here by its abstract and Uintah's public code (FrictionContactBard.cc).
 
-Assumed here. The traction is that of the pair, n·σ·n of both bodies' stress weighted by volume along the pair's normal; in
-Uintah each body has a traction and a normal. The strain is J_n Δt / (m h) of the lighter body; in Uintah it is the largest
-component of the whole velocity change, which depends on the axes.
+Assumed here. The traction is that of the pair, n·σ·n of both bodies' stress weighted by volume along the
+pair's normal; in Uintah each body has a traction and a normal. The strain is J_n Δt / (m h) of the lighter
+body; in Uintah it is the largest component of the whole velocity change, which depends on the axes.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ def project_stress(
 def mark_compressed(
     rows: Rows, count: int, stress: Floats, compressed: Floats, spacing: tuple[float, ...]
 ) -> None:
-    """Write 1 into ``compressed`` (n,) for rows where n·(σ_a + σ_b)·n < 0 with the nodal ``stress``, else 0."""
+    """Write 1 into ``compressed`` (n,) where n·(σ_a + σ_b)·n < 0 with the nodal ``stress``, else 0."""
     dim = len(spacing)
     for c in range(count):
         i, j, traction = rows.dof[2 * c], rows.dof[2 * c + 1], 0.0
@@ -71,7 +72,8 @@ class TractionOptions(BaseModel):
 
     traction: bool = Field(
         False,
-        description="bodies under a compressive normal traction stay in contact also where they separate (2001)",
+        description="bodies under a compressive normal traction stay in contact also where they separate "
+        "(2001)",
     )
     largest_strain: float | None = Field(
         None,

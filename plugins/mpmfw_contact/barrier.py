@@ -1,20 +1,23 @@
-"""Logarithmic barriers between surfaces, without IPC's guarantee against penetration, which takes implicit steps.
+"""Logarithmic barriers between surfaces, without IPC's guarantee against penetration, which takes implicit
+steps.
 
-Source: M. Li, Z. Ferguson, T. Schneider, T. Langlois, D. Zorin, D. Panozzo, C. Jiang, D. M. Kaufman (2020), Incremental potential
-contact: intersection- and inversion-free, large-deformation dynamics, ACM Trans. Graph. 39 (4), 49, and with material points
-X. Li, Y. Fang, M. Li, C. Jiang (2022), BFEMP: Interpenetration-free MPM-FEM coupling with barrier contact, CMAME 390, 114350;
-known here by their abstracts and the public code of the IPC Toolkit. Published are the barrier −(d − d̂)² ln(d / d̂) of the
-distance d < d̂, friction with the normal force and the tangent of the step's beginning (lagged), and a line search that ends
-before continuous collision detection finds a contact. Both take implicit steps.
+Source: M. Li, Z. Ferguson, T. Schneider, T. Langlois, D. Zorin, D. Panozzo, C. Jiang, D. M. Kaufman (2020),
+Incremental potential contact: intersection- and inversion-free, large-deformation dynamics, ACM Trans. Graph.
+39 (4), 49, and with material points X. Li, Y. Fang, M. Li, C. Jiang (2022), BFEMP: Interpenetration-free
+MPM-FEM coupling with barrier contact, CMAME 390, 114350; known here by their abstracts and the public code of
+the IPC Toolkit. Published are the barrier −(d − d̂)² ln(d / d̂) of the distance d < d̂, friction with the
+normal force and the tangent of the step's beginning (lagged), and a line search that ends before continuous
+collision detection finds a contact. Both take implicit steps.
 
-Assumed here is all that explicit steps ask for. The barrier's stiffness limits the step. So does the collision detection: a
-node uses up no more than half of the distance from its facet, and from those beside it, as both move at the step's beginning;
-forces of the step itself are not foreseen, and a run in which they carry a node past a barrier ends and says where. Forces of
-the step's beginning are lagged by themselves. Friction is a spring with a history, returned to Coulomb's cone, and not
-the published dashpot of slow slip, on which a body would creep at Δt times the load's acceleration of one row's mass.
-Each place weighs by its area, so that a pressure has one distance whatever the facets' size, and the energy per area is
-κ M d̂ b(d / d̂). Bodies that the scene puts closer than d̂, as those that touch, begin without a force: their distances count
-from there, by one offset for all that are so joined. Facets are those that face a node
+Assumed here is all that explicit steps ask for. The barrier's stiffness limits the step. So does the
+collision detection: a node uses up no more than half of the distance from its facet, and from those beside
+it, as both move at the step's beginning; forces of the step itself are not foreseen, and a run in which they
+carry a node past a barrier ends and says where. Forces of the step's beginning are lagged by themselves.
+Friction is a spring with a history, returned to Coulomb's cone, and not the published dashpot of slow slip,
+on which a body would creep at Δt times the load's acceleration of one row's mass. Each place weighs by its
+area, so that a pressure has one distance whatever the facets' size, and the energy per area is κ M d̂ b(d /
+d̂). Bodies that the scene puts closer than d̂, as those that touch, begin without a force: their distances
+count from there, by one offset for all that are so joined. Facets are those that face a node
 (:class:`~mpmfw.contact.surfaces.Surfaces`), one for each body; published are all.
 """
 
@@ -84,7 +87,8 @@ class BarrierLaw(SpringLaw):
         self.surface, self.outline = setup.state.surface, outline_of(setup.state.surface)
         self.reach = self.options.reach * setup.cell_size
         self.offset, self.placed = np.zeros(0), False
-        #: Bodies that the scene puts together have one number, and one offset, so that flush bodies bear at one distance.
+        #: Bodies that the scene puts together have one number, and one offset, so that flush bodies bear at
+        #: one distance.
         self.group, self.group_offset = np.arange(len(setup.bodies)), np.zeros(len(setup.bodies))
         self.table: SurfaceTable | None = None
         super().prepare(setup, owner)
@@ -122,7 +126,8 @@ class BarrierLaw(SpringLaw):
         return rows.own.limit_k  # type: ignore[no-any-return]
 
     def _join_bodies(self, rows: ContactRows) -> None:
-        """Number the groups of bodies that are closer than barriers reach, and count their distances from there."""
+        """Number the groups of bodies that are closer than barriers reach, and count their distances from
+        there."""
         gaps, n_bodies = np.full(len(self.offset), self.reach), len(self.group)
         least_gaps(rows, rows.count, gaps)
         first, second = np.array([(p.first, p.second) for p in self.state.pairs], dtype=int).reshape(-1, 2).T
@@ -161,15 +166,18 @@ class BarrierLaw(SpringLaw):
         """Write N."""
         self.placed = True
         barrier_forces(
-            rows, rows.count, rows.own, old.own, self.modulus, self.reach, self.cell_size, self.options.tangential_ratio,
+            rows, rows.count, rows.own, old.own, self.modulus, self.reach, self.cell_size,
+            self.options.tangential_ratio,
             records,
         )  # fmt: skip
 
 
 class Barrier(ForceContact):
-    """Barriers between surfaces, without a guarantee against penetration: an explicit step can carry a node past one.
+    """Barriers between surfaces, without a guarantee against penetration: an explicit step can carry a node
+    past one.
 
-    Such a run ends and says where. Both bodies are slaves to the closest facing facet, and friction has a history.
+    Such a run ends and says where. Both bodies are slaves to the closest facing facet, and friction has a
+    history.
     """
 
     name = "barrier"

@@ -1,9 +1,10 @@
 """[H17] by its equations: springs between surface nodes and every facet that they penetrate.
 
-Source: F. Hamad, S. Giridharan, C. Moormann (2017), A penalty function method for modelling frictional contact in MPM,
-Procedia Engineering 175, 116-123. What it leaves open is friction: μ is in none of its equations, and the tangential gap of
-eq. 3 counts from the previous step. Here those gaps are read as increments, as explicit finite-element codes have them, to
-whose practice [H17] refers: they add up while the contact lasts, and |f_t| ≤ μ f_n. That is an assumption of this module.
+Source: F. Hamad, S. Giridharan, C. Moormann (2017), A penalty function method for modelling frictional
+contact in MPM, Procedia Engineering 175, 116-123. What it leaves open is friction: μ is in none of its
+equations, and the tangential gap of eq. 3 counts from the previous step. Here those gaps are read as
+increments, as explicit finite-element codes have them, to whose practice [H17] refers: they add up while the
+contact lasts, and |f_t| ≤ μ f_n. That is an assumption of this module.
 """
 
 from __future__ import annotations
@@ -51,7 +52,8 @@ class Hamad2017LawOptions(SpringOptions):
 
     friction_law: Literal["coulomb", "literal"] = Field(
         "coulomb",
-        description="coulomb: g_t of the steps add up, |f_t| <= mu f_n; literal: g_t of one step, which ignores mu's value",
+        description="coulomb: g_t of the steps add up, |f_t| <= mu f_n; literal: g_t of one step, which "
+        "ignores mu's value",
     )
 
 
@@ -73,7 +75,8 @@ class Hamad2017Law(SpringLaw):
         if self.options.friction_law == "coulomb" or not frictional:
             return []
         return [
-            f"value of friction of {', '.join(frictional)}: contact 'hamad2017' with friction_law = 'literal' ignores it"
+            f"value of friction of {', '.join(frictional)}: contact 'hamad2017' with friction_law = "
+            "'literal' ignores it"
         ]
 
     def prepare(self, setup: Setup, owner: str) -> None:
@@ -87,11 +90,17 @@ class Hamad2017Law(SpringLaw):
         super().prepare(setup, owner)
         if self.options.friction_law == "literal" and setup.friction_law is not None:
             raise SceneError(
-                f"contact.friction_law: has no effect with contact.{owner}.friction_law = 'literal', which has no bound; "
+                f"contact.friction_law: has no effect with contact.{owner}.friction_law = 'literal', which "
+                "has no bound; "
                 "expected 'coulomb' there"
             )
 
-    def normal_forces(self, rows: ContactRows, old: ContactRows, records: PairRecords) -> None:  # noqa: ARG002
+    def normal_forces(
+        self,
+        rows: ContactRows,
+        old: ContactRows,  # noqa: ARG002
+        records: PairRecords,
+    ) -> None:
         """Write N."""
         linear_springs(rows, rows.count, rows.own, self.options.tangential_ratio, records)
 
@@ -107,18 +116,22 @@ class Hamad2017Law(SpringLaw):
 
 
 class EveryFacet(Surfaces):
-    """One body of a pair is master; its facets meet every node that they find behind them (eq. 10), normals varied (eq. 7)."""
+    """One body of a pair is master; its facets meet every node that they find behind them (eq. 10), normals
+    varied (eq. 7)."""
 
     Options: ClassVar[type[FacetOptions]] = FacetOptions
     every_facet = True
-    #: [H17] is of the plane; in space its rows leave a moment where cubes meet face on face (``mpmfw check``: 0.006 cells).
+    #: [H17] is of the plane; in space its rows leave a moment where cubes meet face on face (``mpmfw check``:
+    #: 0.006 cells).
     dimensions = (2,)
 
 
 class Hamad2017(ForceContact):
-    """One body of a pair is master; its facets repel every node that they find behind them (eq. 10), by eq. 7-11.
+    """One body of a pair is master; its facets repel every node that they find behind them (eq. 10), by eq.
+    7-11.
 
-    The layer of the surface has the mass of [H17] 3.1, where the stiffness "can be the same as the elastic stiffness": κ = 1.
+    The layer of the surface has the mass of [H17] 3.1, where the stiffness "can be the same as the elastic
+    stiffness": κ = 1.
     """
 
     name = "hamad2017"

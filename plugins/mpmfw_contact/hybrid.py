@@ -1,16 +1,18 @@
 """Impulses that a spring bounds: overlapping bodies exchange no more than a penalty force gives in the step.
 
-Source: J. E. Guilkey, R. Lander, L. Bonnell (2021), A hybrid penalty and grid based contact method for the material point method,
-CMAME 379, 113739, as far as the public code of Uintah tells (branch yoyodyne, Materials/Contact/PenaltyContact.cc and
-LineSegment/LSTasks.cc); the paper itself was not at hand. There the penalty force of surface points is mapped to the nodes, its
-direction is the normal, and the velocity of a body at a node changes by the lesser of what the force would give and of what takes
-it to the velocity of the centre of mass; friction is the lesser of μ times that and of what stops the slip. The stiffness is
-10 K_1 K_2 / (K_1 + K_2) of the bulk moduli, times a segment's length in a cell as deep as it is wide.
+Source: J. E. Guilkey, R. Lander, L. Bonnell (2021), A hybrid penalty and grid based contact method for the
+material point method, CMAME 379, 113739, as far as the public code of Uintah tells (branch yoyodyne,
+Materials/Contact/PenaltyContact.cc and LineSegment/LSTasks.cc); the paper itself was not at hand. There the
+penalty force of surface points is mapped to the nodes, its direction is the normal, and the velocity of a
+body at a node changes by the lesser of what the force would give and of what takes it to the velocity of the
+centre of mass; friction is the lesser of μ times that and of what stops the slip. The stiffness is 10 K_1 K_2
+/ (K_1 + K_2) of the bulk moduli, times a segment's length in a cell as deep as it is wide.
 
 Bodies that overlap and separate are pushed as well, since the lesser is that of sizes.
 
-Assumed here. The cap is that of a row, so that impulses are equal and opposite; there it is that of a body at a node, each by
-itself. All that overlaps bears; there only overlaps below 0.1 cells do. The limit of 0.1 on the strain of a step is left out.
+Assumed here. The cap is that of a row, so that impulses are equal and opposite; there it is that of a body at
+a node, each by itself. All that overlaps bears; there only overlaps below 0.1 cells do. The limit of 0.1 on
+the strain of a step is left out.
 """
 
 from __future__ import annotations
@@ -36,10 +38,11 @@ class HybridOptions(BaseModel):
 
 
 class Hybrid(Impulse):
-    """J_n = min(k |g| Δt, m |Δv_n|) on every row that overlaps, and J_t = min(μ J_n, m |Δv_t|); no step limit of its own.
+    """J_n = min(k |g| Δt, m |Δv_n|) on every row that overlaps, and J_t = min(μ J_n, m |Δv_t|); no step limit
+    of its own.
 
-    The mass m is that of :class:`~mpmfw_contact.impulse.Impulse`. The impulse is that of the updated momentum, as published,
-    and of MUSL's second.
+    The mass m is that of :class:`~mpmfw_contact.impulse.Impulse`. The impulse is that of the updated
+    momentum, as published, and of MUSL's second.
     """
 
     name = "hybrid"
@@ -73,7 +76,7 @@ class Hybrid(Impulse):
     def impulses(
         self, rows: ContactRows, grid: Grid, scratch: FloatArray, work: FloatArray | None, *, projected: bool
     ) -> None:
-        """Push apart rows that overlap, as far as the spring bears; MUSL's second momentum is only stopped."""
+        """Push apart rows that overlap, up to the spring's force; MUSL's second momentum is only stopped."""
         own, n, spacing = rows.own, slice(rows.count), grid.spacing
         if projected and not self.strain_first:
             rows.force[n] = 0.0

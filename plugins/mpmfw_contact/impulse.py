@@ -1,4 +1,5 @@
-"""Impulses at single rows: what approaches is stopped, and slip as far as Coulomb's cone lets it (Bardenhagen et al. 2001)."""
+"""Impulses at single rows: what approaches is stopped, and slip as far as Coulomb's cone lets it (Bardenhagen
+et al. 2001)."""
 
 from __future__ import annotations
 
@@ -41,11 +42,11 @@ def stop(
 ) -> None:
     """J_n = m approach, J_t = min(μ |J_n| + a, m |Δv_t|), with m the inverse of the row's compliance.
 
-    |J_n| is no more than the row's ``limit`` [N s/m], which has no rows where there is none. Where sides separate J_n holds
-    them back, or pushes them as much if contact ``repels``.
-    The work of J_t is its product with the slip: with the mean of before and after where the momentum is as
-    ``projected``, and with what is left at the end of the step where it is updated, since J_t then acts beside the forces
-    of the step. Bodies that stick have no slip left, and friction does no work. A ``work`` without pairs is not written.
+    The size of J_n is at most the row's ``limit`` [N s/m], which has no rows where there is none. Where sides
+    separate J_n holds them back, or pushes them as much if contact ``repels``. The work of J_t is its product
+    with the slip. That is the mean of before and after where the momentum is as ``projected``. Where it is
+    updated, the slip is that left at the end of the step, since J_t then acts beside the forces of the step.
+    Bodies that stick have no slip left, and friction does no work. A ``work`` without pairs is not written.
     """
     dim = len(spacing)
     slip = scratch.vector(spacing)
@@ -78,9 +79,10 @@ def stop(
 class Impulse(ImpulseLaw):
     """Every row by itself; nodes that several rows share are shared out between those that approach.
 
-    The mass of row c is 1 / Σ_i |b_ci| (Σ_d |b_di|) / m_i over the rows d that approach: of two bodies at a shared node it is
-    m_a m_b / (m_a + m_b), and where one body touches several others its mass is divided between them. All impulses are
-    taken from the same velocities, so that the order of the bodies does not matter.
+    The mass of row c is 1 / Σ_i |b_ci| (Σ_d |b_di|) / m_i over the rows d that approach: of two bodies at a
+    shared node it is m_a m_b / (m_a + m_b), and where one body touches several others its mass is divided
+    between them. All impulses are taken from the same velocities, so that the order of the bodies does not
+    matter.
     """
 
     name = "impulse"

@@ -1,14 +1,16 @@
 """Impulses of all rows at once: no approach beyond the gap, and Coulomb's cone as it is, without a stiffness.
 
-Source: the time stepping is that of J. J. Moreau (1988), Unilateral contact and dry friction in finite freedom dynamics, and
-M. Jean (1999), The non-smooth contact dynamics method; the projections are those of P. Alart & A. Curnier (1991), A mixed
-formulation for frictional contact problems prone to Newton like solution methods. With friction it is no linear complementarity
-problem, from which such laws have their name: the cone is round and not a pyramid.
+Source: the time stepping is that of J. J. Moreau (1988), Unilateral contact and dry friction in finite
+freedom dynamics, and M. Jean (1999), The non-smooth contact dynamics method; the projections are those of P.
+Alart & A. Curnier (1991), A mixed formulation for frictional contact problems prone to Newton like solution
+methods. With friction it is no linear complementarity problem, from which such laws have their name: the cone
+is round and not a pyramid.
 
-Assumed here is its place in a step of MPM. The whole impulse is that of the updated momentum, where all forces have acted; with
-USF, whose strain comes from the projected momentum, that one is met as well, and with MUSL the second. What is open by g may
-close by g and no more, so that a first touch leaves no overlap. An overlap that there is, from the scene or by a turn of the
-surface, is not taken back, unless ``recovery`` names the share of it that a step takes: that makes energy of nothing.
+Assumed here is its place in a step of MPM. The whole impulse is that of the updated momentum, where all
+forces have acted; with USF, whose strain comes from the projected momentum, that one is met as well, and with
+MUSL the second. What is open by g may close by g and no more, so that a first touch leaves no overlap. An
+overlap that there is, from the scene or by a turn of the surface, is not taken back, unless ``recovery``
+names the share of it that a step takes: that makes energy of nothing.
 """
 
 from __future__ import annotations
@@ -24,8 +26,8 @@ from mpmfw_contact._gauss_seidel import add_friction_work, solve, state_problem
 MISSED = 10.0
 
 
-#: Part of the area of an open place on a surface that lies across the normal, from which it takes part. The normal of a place
-#: ahead of a corner that slides is along the face, and would stop the corner.
+#: Part of the area of an open place on a surface that lies across the normal, from which it takes part. The
+#: normal of a place ahead of a corner that slides is along the face, and would stop the corner.
 FACING = 0.9
 
 
@@ -44,8 +46,8 @@ class LcpOptions(BaseModel):
 class Lcp(ImpulseLaw):
     """0 ≤ g / Δt + u_n ⊥ J_n ≥ 0 and Coulomb's cone in all rows at once, by projected Gauss-Seidel.
 
-    Sweeps run to and fro in the rows' order, from the forces of the last step: bitwise repeatable. Rows that say nearly the same
-    share a force in a way that is not the only one, and the tolerance leaves which.
+    Sweeps run to and fro in the rows' order, from the forces of the last step: bitwise repeatable. Rows that
+    say nearly the same share a force in a way that is not the only one, and the tolerance leaves which.
     """
 
     name = "lcp"
@@ -118,8 +120,10 @@ class Lcp(ImpulseLaw):
         if self.unfinished == 0:
             return []
         return [
-            f"contact law 'lcp': {self.unfinished} of {self.solutions} solutions ended after sweeps = {self.options.sweeps} with "
-            f"rows that still changed by up to {self.worst:.1g} of the largest; expected {self.options.tolerance:g}"
+            f"contact law 'lcp': {self.unfinished} of {self.solutions} solutions ended after sweeps = "
+            f"{self.options.sweeps} with "
+            f"rows that still changed by up to {self.worst:.1g} of the largest; expected "
+            f"{self.options.tolerance:g}"
         ]
 
 

@@ -1,15 +1,17 @@
-"""Detection at shared grid nodes with the plane that separates the bodies' points best, by penalised logistic regression.
+"""Detection at shared grid nodes with the plane that separates the bodies' points best, by penalised logistic
+regression.
 
-Source: J. A. Nairn, C. C. Hammerquist, G. D. Smith (2020), New material point method contact algorithms for improved accuracy,
-large-deformation problems, and proper null-space filtering, CMAME 362, 112859. The paper was not at hand; what follows is that of
-the public codes of NairnMPM (Nodes/MachineLearning.cpp) and Uintah (SerialMPM.cc). Points with a weight at the node, all alike,
-have the class −1 or 1. The squares of the classes less a logistic function of position are made small by Gauss and Newton, with a
-penalty of 1e-7 h² on the slope, until 1 − cos of the normal's turn is below 1e-5 (NairnMPM, 15 iterations) or 1e-7 (Uintah, 50).
-The separation is that of the points' outermost reaches along the normal, and bodies touch where it is negative. (Before, NairnMPM
-penalised the offset alone, by 5e-4.)
+Source: J. A. Nairn, C. C. Hammerquist, G. D. Smith (2020), New material point method contact algorithms for
+improved accuracy, large-deformation problems, and proper null-space filtering, CMAME 362, 112859. The paper
+was not at hand; what follows is that of the public codes of NairnMPM (Nodes/MachineLearning.cpp) and Uintah
+(SerialMPM.cc). Points with a weight at the node, all alike, have the class −1 or 1. The squares of the
+classes less a logistic function of position are made small by Gauss and Newton, with a penalty of 1e-7 h² on
+the slope, until 1 − cos of the normal's turn is below 1e-5 (NairnMPM, 15 iterations) or 1e-7 (Uintah, 50).
+The separation is that of the points' outermost reaches along the normal, and bodies touch where it is
+negative. (Before, NairnMPM penalised the offset alone, by 5e-4.)
 
-Assumed here. A point reaches as far as the tangent of its ellipse across the normal; in NairnMPM as the ellipse along it, in
-Uintah as its corners. Each pair of bodies has planes of its own.
+Assumed here. A point reaches as far as the tangent of its ellipse across the normal; in NairnMPM as the
+ellipse along it, in Uintah as its corners. Each pair of bodies has planes of its own.
 """
 
 from __future__ import annotations
@@ -53,7 +55,8 @@ class Logistic(AtNodes):
         """
         if forces:
             raise SceneError(
-                "detection 'logistic' is for laws of impulses: its gap jumps as points come and go, and springs would make "
+                "detection 'logistic' is for laws of impulses: its gap jumps as points come and go, and "
+                "springs would make "
                 "energy of that"
             )
 

@@ -1,16 +1,19 @@
-"""Segments against segments on the line between them: one pass, and neither body is master; the plane form of a 3D method.
+"""Segments against segments on the line between them: one pass, and neither body is master; the plane form of
+a 3D method.
 
-Source: I. Sahu, N. Petrinic (2025), Midplane based 3D single pass unbiased segment-to-segment contact interaction using penalty
-method, CMAME 447, 118335, arXiv 2506.04841, of which the abstract alone was at hand: tractions between two segments are evaluated
-with respect to a midplane, in a single pass, so that they are in equilibrium by themselves; they penalise the true
-interpenetration, and are integrated over the common part of two segments. The published method is for facets of finite elements
-in space. Its integral over the polygon that two facets share on the midplane is not built here.
+Source: I. Sahu, N. Petrinic (2025), Midplane based 3D single pass unbiased segment-to-segment contact
+interaction using penalty method, CMAME 447, 118335, arXiv 2506.04841, of which the abstract alone was at
+hand: tractions between two segments are evaluated with respect to a midplane, in a single pass, so that they
+are in equilibrium by themselves; they penalise the true interpenetration, and are integrated over the common
+part of two segments. The published method is for facets of finite elements in space. Its integral over the
+polygon that two facets share on the midplane is not built here.
 
-Assumed here, for segments of the plane: the midline's normal is the difference of the segments' outward normals; both are
-projected onto it along that; the gap is their distance along it, linear over their common part, of which what overlaps bears; two
-Gauss points on that are exact. Tangential forces act on the midline, half of the gap from either segment. Segments face each
-other where their normals are less than 84° from opposite. A place is two segments' Gauss point: friction begins anew where
-segments slide past each other. Springs are linear, and their areas are those of the overlap, so that they have an energy.
+Assumed here, for segments of the plane: the midline's normal is the difference of the segments' outward
+normals; both are projected onto it along that; the gap is their distance along it, linear over their common
+part, of which what overlaps bears; two Gauss points on that are exact. Tangential forces act on the midline,
+half of the gap from either segment. Segments face each other where their normals are less than 84° from
+opposite. A place is two segments' Gauss point: friction begins anew where segments slide past each other.
+Springs are linear, and their areas are those of the overlap, so that they have an energy.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""Contact at shared nodes with normal and separation by logistic regression (Nairn, Hammerquist & Smith 2020)."""
+"""Contact at shared nodes with normal and separation by logistic regression (Nairn, Hammerquist & Smith
+2020)."""
 
 from __future__ import annotations
 
@@ -8,7 +9,8 @@ from mpmfw_contact.logistic import Logistic
 
 
 class Nairn(ImpulseContact):
-    """Momentum exchange at grid nodes whose two bodies approach and overlap across the plane between their points.
+    """Momentum exchange at grid nodes whose two bodies approach and overlap across the plane between their
+    points.
 
     Both the projected and the updated momentum are corrected, as published.
     """

@@ -4,13 +4,14 @@ At the depth d = rest − g > 0 a row has the normal force
 
     N = k d,  k = κ M A / h,  beyond d = l stiffer: N = k (d + 4 (d − l)² / l),
 
-and a dashpot that never pulls. A is the part of its area that lies across the normal. The rest is 0 for a node that came in
-by the face; :mod:`mpmfw_contact._springs` says how springs change without gain of energy.
+and a dashpot that never pulls. A is the part of its area that lies across the normal. The rest is 0 for a
+node that came in by the face; :mod:`mpmfw_contact._springs` says how springs change without gain of energy.
 
-Source: [H17], F. Hamad, S. Giridharan, C. Moormann (2017), in the form that measurements led to; what departs from it and why is
-said in ``docs/guide/methods.md``. Its own form is :mod:`mpmfw_contact.hamad2017`. The nearest relative is E. G. Kakouris, M. N.
-Chatzis, S. P. Triantafyllou (2024), A high-fidelity material point method for frictional contact problems, arXiv 2403.13534:
-penalty forces on discretised boundaries of the bodies as well, with extended B-splines as shape functions.
+Source: [H17], F. Hamad, S. Giridharan, C. Moormann (2017), in the form that measurements led to; what departs
+from it and why is said in ``docs/guide/methods.md``. Its own form is :mod:`mpmfw_contact.hamad2017`. The
+nearest relative is E. G. Kakouris, M. N. Chatzis, S. P. Triantafyllou (2024), A high-fidelity material point
+method for frictional contact problems, arXiv 2403.13534: penalty forces on discretised boundaries of the
+bodies as well, with extended B-splines as shape functions.
 """
 
 from __future__ import annotations
@@ -46,7 +47,8 @@ SPRING_WORK = ArrayField(
 
 @kernel
 def spring_forces(
-    rows: Rows, count: int, own: ChangingSprings, old: Rows, tangential_ratio: float, dashpot: float, linear_to: float,
+    rows: Rows, count: int, own: ChangingSprings, old: Rows, tangential_ratio: float, dashpot: float,
+    linear_to: float,
     records: Records,
 ) -> None:  # fmt: skip
     """N of every row that overlaps: a spring from the depth below its rest, and a dashpot.
@@ -80,7 +82,8 @@ class PenaltyLawOptions(SpringOptions):
 
 
 class PenaltyLaw(SpringLaw):
-    """A spring bears by the part of its area that lies across the normal, and changes with it without gain of energy."""
+    """A spring bears by the part of its area that lies across the normal, and changes with it without gain of
+    energy."""
 
     name = "penalty"
     checks_others = True

@@ -1,13 +1,16 @@
-"""Detection between material points: those of two bodies that are nearer than spheres of their size touch; in 2D and 3D.
+"""Detection between material points: those of two bodies that are nearer than spheres of their size touch; in
+2D and 3D.
 
-Source: M. Xiao, C. Liu, W. C. Sun (2021), DP-MPM: Domain partitioning material point method for evolving multi-body
-thermal-mechanical contacts during dynamic fracture and fragmentation, CMAME 385, 114063, and A. de Vaucorbeil, V. P. Nguyen
-(2021), Modelling contacts with a total Lagrangian material point method, CMAME 373, 113503, where points of different bodies
-repel each other along the line of their centres, as in the discrete element method. A sphere has half the edge of a cube of the
-point's present volume as its radius, as in Karamelo, the public code of the second; the first paper was not at hand.
+Source: M. Xiao, C. Liu, W. C. Sun (2021), DP-MPM: Domain partitioning material point method for evolving
+multi-body thermal-mechanical contacts during dynamic fracture and fragmentation, CMAME 385, 114063, and A. de
+Vaucorbeil, V. P. Nguyen (2021), Modelling contacts with a total Lagrangian material point method, CMAME 373,
+113503, where points of different bodies repel each other along the line of their centres, as in the discrete
+element method. A sphere has half the edge of a cube of the point's present volume as its radius, as in
+Karamelo, the public code of the second; the first paper was not at hand.
 
-Assumed here: a row bears with the area of the smaller point's cube, and acts at the place between the two, to which the
-weights of both points are taken by their gradients. The published law, :mod:`mpmfw_contact.particles`, acts on the centres.
+Assumed here: a row bears with the area of the smaller point's cube, and acts at the place between the two, to
+which the weights of both points are taken by their gradients. The published law,
+:mod:`mpmfw_contact.particles`, acts on the centres.
 """
 
 from __future__ import annotations
@@ -28,7 +31,8 @@ from mpmfw_contact._near_points import (
 
 
 class PointSpheres(Detection):
-    """Rows between the points of two bodies that are near each other; no surface is tracked, and none is smooth."""
+    """Rows between the points of two bodies that are near each other; no surface is tracked, and none is
+    smooth."""
 
     name = "points"
     provides = frozenset({"steady gap"})
@@ -71,7 +75,8 @@ class PointSpheres(Detection):
     def new_rows(self, own: dict[str, int | None]) -> ContactRows:
         """Rows with the entries of two points, without a couple: both sides are at one place.
 
-        They tell no spin: where bodies turn about the normal, what friction has stored stays as it is in space.
+        They tell no spin: where bodies turn about the normal, what friction has stored stays as it is in
+        space.
         """
         return ContactRows(self.state.grid.dim, couples=False, own=own)
 

@@ -18,10 +18,11 @@ class MohrCoulombOptions(BaseModel):
 
 
 class MohrCoulomb(FrictionLaw):
-    """T = μ N + c A: shear strength τ = c + σ_n tan φ of an interface, μ = tan φ; with μ = 0 that of undrained clay.
+    """T = μ N + c A: shear strength τ = c + σ_n tan φ of an interface, μ = tan φ; with μ = 0 that of
+    undrained clay.
 
-    A is the row's area across the normal. A row holds while it overlaps, or is pressed where no gap is measured; tension it never
-    bears.
+    A is the row's area across the normal. A row holds while it overlaps, or is pressed where no gap is
+    measured; tension it never bears.
     """
 
     name = "mohr_coulomb"

@@ -35,15 +35,17 @@ class StribeckOptions(BaseModel):
     )
     velocity: Velocity = Field(
         gt=0,
-        description="slip velocity at which 1/e of their difference is left; no default, since it is the surfaces' own",
+        description="slip velocity at which 1/e of their difference is left; no default, since it is the "
+        "surfaces' own",
     )
 
 
 class Stribeck(FrictionLaw):
-    """μ(v) = μ [1 + (r − 1) e^(−v / v_c)]: a pair's ``friction`` is the kinetic one, r times as much holds at rest.
+    """μ(v) = μ [1 + (r − 1) e^(−v / v_c)]: a pair's ``friction`` is the kinetic one, r times as much holds at
+    rest.
 
-    The exponential form of Bo & Pavelescu (1982) with the exponent 1. v is the slip velocity of the step before, so that springs,
-    which stick with small motions, have these too: v_c is to be well above them.
+    The exponential form of Bo & Pavelescu (1982) with the exponent 1. v is the slip velocity of the step
+    before, so that springs, which stick with small motions, have these too: v_c is to be well above them.
     """
 
     name = "stribeck"

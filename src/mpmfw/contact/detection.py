@@ -17,19 +17,20 @@ if TYPE_CHECKING:
     from mpmfw.state.numbers import Numbers
 
 
-#: Relative difference of wave moduli K + 4 G / 3 up to which two bodies are equally stiff, and of sizes that are equal.
+#: Relative difference of wave moduli K + 4 G / 3 up to which two bodies are equally stiff, and of sizes that
+#: are equal.
 EQUAL = 1e-6
 
 
 class Detection(PlugIn):
     """Base of detections, announced as entry points of the group ``mpmfw.detection``.
 
-    It fills the rows of a step from where the bodies are, after the projection and before the step's length is chosen, and
-    keeps it until :meth:`end_step`.
+    It fills the rows of a step from where the bodies are, after the projection and before the step's length
+    is chosen, and keeps it until :meth:`end_step`.
     """
 
-    #: What laws may need of its rows: ``facets`` where they lie on facets of tracked surfaces, ``nodes`` where a node meets
-    #: each, ``steady gap`` where gaps do not jump as rows come and go.
+    #: What laws may need of its rows: ``facets`` where they lie on facets of tracked surfaces, ``nodes``
+    #: where a node meets each, ``steady gap`` where gaps do not jump as rows come and go.
     provides: ClassVar[frozenset[str]] = frozenset()
     #: Whether it works on tracked surfaces, ``state.surface``.
     needs_surface: ClassVar[bool] = False
@@ -45,7 +46,8 @@ class Detection(PlugIn):
     adds_mass: bool = False
     #: Whether rows have an area, which forces and cohesion are made of.
     measures_area: bool = True
-    #: Whether bodies at rest may be left out for a while: :meth:`take_over` hands over what it remembers, and rows renumber it.
+    #: Whether bodies at rest may be left out for a while: :meth:`take_over` hands over what it remembers, and
+    #: rows renumber it.
     leaves_bodies_out: bool = False
     #: Gap up to which the law acts [m], known once both are prepared.
     law_range: float = 0.0
@@ -64,14 +66,16 @@ class Detection(PlugIn):
         return None
 
     def range(self, cell_size: float) -> float | None:
-        """Return the gap [m] up to which rows are sure to be listed, after :meth:`prepare`; None if that is not known.
+        """Return the gap [m] up to which rows are sure to be listed, after :meth:`prepare`; None if that is
+        not known.
 
         ``cell_size`` is h [m]. By default it is :meth:`reach`.
         """
         return self.reach(cell_size)
 
     def configure(self, needs: frozenset[str], *, forces: bool) -> None:
-        """Choose what follows from the law: its ``needs`` (:attr:`ContactLaw.needs`), and whether it gives ``forces``.
+        """Choose what follows from the law: its ``needs`` (:attr:`ContactLaw.needs`), and whether it gives
+        ``forces``.
 
         Raises
         ------
@@ -106,7 +110,8 @@ class Detection(PlugIn):
         """Note what the next step needs of this one; nothing by default."""
 
     def take_over(self, other: Any, numbers: Numbers) -> None:
-        """Know of bodies, by other ``numbers``, what ``other`` of the same class remembers of them; nothing by default."""
+        """Know of bodies, by other ``numbers``, what ``other`` of the same class remembers of them; nothing
+        by default."""
 
     def outputs(self, rows: ContactRows) -> dict[str, AnyArray]:  # noqa: ARG002
         """Return values of the declared output fields from the ``rows`` of the last step."""

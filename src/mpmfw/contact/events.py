@@ -18,7 +18,8 @@ from mpmfw.state.structs import State
 if TYPE_CHECKING:
     from mpmfw.contact.row_contact import RowContact
 
-#: Fewest steps of a contact that are let be: a free impact then gains 24 % of its energy in the worst phase, of two steps 55 %.
+#: Fewest steps of a contact that are let be: a free impact then gains 24 % of its energy in the worst phase,
+#: of two steps 55 %.
 FEWEST_STEPS = 3
 
 STEPS_PER_CONTACT = Field(
@@ -44,10 +45,12 @@ PENETRATION = Field(
 def follow_contacts(
     rows: Rows, count: int, age: Floats, old_pair: Ints, old_age: Floats, fewest: Floats, deepest: Floats
 ) -> None:
-    """Count the steps of every place's contact; at its end note the least, and the largest −g_n, of each pair.
+    """Count the steps of every place's contact; at its end note the least, and the largest −g_n, of each
+    pair.
 
-    ``age`` and ``old_age`` are the steps that contacts of the rows of this step and the last have lasted; the first row of an
-    identity has it. The last step's is used up, its rows' pairs are ``old_pair``. ``fewest`` and ``deepest`` are (pair,).
+    ``age`` and ``old_age`` are the steps that contacts of the rows of this step and the last have lasted; the
+    first row of an identity has it. The last step's is used up, its rows' pairs are ``old_pair``. ``fewest``
+    and ``deepest`` are (pair,).
     """
     last = -1
     for c in range(count):
@@ -137,7 +140,8 @@ class ContactEvents:
     def concerns(self) -> list[str]:
         """Contacts that the steps do not resolve."""
         return [
-            f"{pair.label}: a contact lasted {steps:.0f} steps, fewer than {FEWEST_STEPS}, and gains energy; try a smaller "
+            f"{pair.label}: a contact lasted {steps:.0f} steps, fewer than {FEWEST_STEPS}, and gains energy; "
+            "try a smaller "
             f"{' or '.join(filter(None, ('time.safety', self.contact.softer_by)))}"
             for pair, steps in zip(self.state.pairs, self.fewest_ever, strict=True)
             if steps < FEWEST_STEPS

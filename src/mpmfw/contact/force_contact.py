@@ -31,11 +31,13 @@ class ForceLaw(ContactLaw):
         return ForceContact
 
     def estimate_frequency(self, bulk_frequency: float) -> float:
-        """Return ω² of its springs [1/s²] before anything was detected, for equal bodies; ``bulk_frequency`` is 2 c / h [1/s]."""
+        """Return ω² of its springs [1/s²] before anything was detected, for equal bodies; ``bulk_frequency``
+        is 2 c / h [1/s]."""
         raise NotImplementedError
 
     def stiffness(self, rows: ContactRows, old: ContactRows) -> FloatArray:
-        """Return the tangent stiffness of every row (n,) [N m^(dim−4)], in contact or not: it limits the step.
+        """Return the tangent stiffness of every row (n,) [N m^(dim−4)], in contact or not: it limits the
+        step.
 
         Parameters
         ----------
@@ -45,7 +47,8 @@ class ForceLaw(ContactLaw):
         raise NotImplementedError
 
     def longest_step(self, rows: ContactRows, grid: Grid) -> float:  # noqa: ARG002
-        """Return the step [s] that ``rows`` allow beside their stiffness, before the safety factor; infinite by default.
+        """Return the step [s] that ``rows`` allow beside their stiffness, before the safety factor; infinite
+        by default.
 
         ``grid`` has the mass and the momentum of the projection, before forces have acted.
         """
@@ -59,7 +62,8 @@ class ForceLaw(ContactLaw):
         rows, old
             As in :meth:`stiffness`, which was called before.
         dashpot
-            c / (k Δt) [1] of the last step, with Δt [s], of a dashpot of the fraction :attr:`damping` of critical.
+            c / (k Δt) [1] of the last step, with Δt [s], of a dashpot of the fraction :attr:`damping` of
+            critical.
         records
             Of the pairs; impulse and count are not the law's to add.
         """
@@ -112,7 +116,8 @@ class ForceContact(RowContact):
 
     @hookimpl
     def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
-        """Find the rows where the bodies are now, their stiffness, and the highest frequency that they give the grid."""
+        """Find the rows where the bodies are now, their stiffness, and the highest frequency that they give
+        the grid."""
         rows, old = self.rows, self.old
         self.find_rows(grid, phi, particles)
         self.omega_squared, self.longest_step = 0.0, math.inf
@@ -123,30 +128,33 @@ class ForceContact(RowContact):
             self.omega_squared = rows.couplings(stiffness, grid, self.scratch(grid), stiffness)
             self.longest_step = self.law.longest_step(rows, grid)
             if not rows.touch():
-                # The step in which they touch must not be longer than the next: springs begin with the depth that it leaves,
-                # and with its square the energy that nothing paid for
+                # The step in which they touch must not be longer than the next: springs begin with the depth
+                # that it leaves, and with its square the energy that nothing paid for
                 self.omega_squared = max(self.omega_squared, self.law.estimate_frequency(self.bulk_frequency))
 
     @hookimpl
     def add_nodal_force(self, grid: Grid, dt: float) -> None:
-        """Add the law's forces on the rows, mapped by Bᵀ (eq. 9, 11); ``dt`` [s] is the length of the step."""
+        """Add the law's forces on the rows, mapped by Bᵀ (eq. 9, 11); ``dt`` is the step's length [s]."""
         rows, old = self.rows, self.old
         if rows.count == 0 and old.count == 0:
             return
         period = math.sqrt(self.omega_squared or 0.0) * self.state.dt
-        # c = ζ 2 sqrt(k m) with the mass k / ω² that goes with the highest frequency; per length of the last step
+        # c = ζ 2 sqrt(k m) with the mass k / ω² that goes with the highest frequency; per length of the last
+        # step
         dashpot = 2.0 * self.law.damping / period if period > 0.0 else 0.0
         self.law.forces(rows, old, dashpot, self.records)
         rows.add_to(grid.force, grid.spacing)
         self.record(dt, grid.spacing)
 
     def work_over_last_step(self) -> float:
-        """Return the work [J/m] of this step's forces on the motion of their rows over the last one, before :meth:`advect`."""
+        """Return the work [J/m] of this step's forces on the motion of their rows over the last one, before
+        :meth:`advect`."""
         return self.rows.work_over_last_step()
 
     @hookimpl
     def advect(self, grid: Grid, dt: float) -> None:
-        """Note the motion of every row's sides in the step of ``dt`` [s]; its rows are the history of the next."""
+        """Note the motion of every row's sides in the step of ``dt`` [s]; its rows are the history of the
+        next."""
         rows = self.rows
         if "moved" in rows.own.member_names and rows.count:
             rows.velocity(grid.velocity, dt, rows.own.moved, grid.spacing)
@@ -165,7 +173,8 @@ class ForceContact(RowContact):
 
     @hookimpl
     def stable_timestep(self) -> tuple[float, str] | None:
-        """Return 2 / sqrt(ω_bulk² + ω²) [s], or less where the law allows less: bulk and springs act together.
+        """Return 2 / sqrt(ω_bulk² + ω²) [s], or less where the law allows less: bulk and springs act
+        together.
 
         Before the first detection, ω² is that of equal bodies.
         """

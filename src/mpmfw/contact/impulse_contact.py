@@ -36,7 +36,8 @@ class ImpulseLaw(ContactLaw):
         scratch
             A number for every node, zero on entry and on return (n_nodes,).
         work
-            Work of friction of every pair, to be added to [J m^(dim−3)]; None where the correction moves no point.
+            Work of friction of every pair, to be added to [J m^(dim−3)]; None where the correction moves no
+            point.
         projected
             Whether the momentum is that of the projection, before forces have acted.
         """
@@ -59,7 +60,8 @@ class ImpulseContact(RowContact):
 
     @hookimpl
     def after_momentum_projection(self, grid: Grid, dt: float) -> None:
-        """Correct the projected momentum; cohesion holds against the forces of the step, which have not acted yet.
+        """Correct the projected momentum; cohesion holds against the forces of the step, which have not acted
+        yet.
 
         ``dt`` [s] is the length of the step.
         """
@@ -77,8 +79,8 @@ class ImpulseContact(RowContact):
     def after_second_projection(self, grid: Grid) -> None:
         """Correct MUSL's second momentum, from which the strain is taken, at the same rows.
 
-        Else bodies that no longer approach are strained as if they did, and what the strain takes up has no work
-        against it. No point moves with this momentum: its impulse and work are in no record.
+        Else bodies that no longer approach are strained as if they did, and what the strain takes up has no
+        work against it. No point moves with this momentum: its impulse and work are in no record.
         """
         if self.rows.count:
             self.law.impulses(self.rows, grid, self.node_sum, None, projected=False)

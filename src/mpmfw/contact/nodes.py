@@ -1,4 +1,5 @@
-"""Detection at grid nodes: those that two bodies share, with the normal of their volume gradients; in 2D and 3D.
+"""Detection at grid nodes: those that two bodies share, with the normal of their volume gradients; in 2D and
+3D.
 
 Multiple velocity fields: Bardenhagen, Brackbill & Sulsky (2000), Bardenhagen et al. (2001).
 """
@@ -27,8 +28,8 @@ from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import Grid, Particles, State, Stencil
 
-#: Share of a full cell's mass that both bodies must have at a node for a force to act there: with less it would be all
-#: acceleration.
+#: Share of a full cell's mass that both bodies must have at a node for a force to act there: with less it
+#: would be all acceleration.
 LEAST_MASS = 0.05
 
 
@@ -39,7 +40,8 @@ class NodesOptions(BaseModel):
 
     criterion: Literal["auto", "velocity", "position"] = Field(
         "auto",
-        description="velocity: bodies approach at a shared node (2000, 2001); position: and their extrapolated "
+        description="velocity: bodies approach at a shared node (2000, 2001); position: and their "
+        "extrapolated "
         "positions are closer than the cut-off; auto: position where the law needs a gap, else velocity",
     )
     cut_off: float = Field(
@@ -47,7 +49,8 @@ class NodesOptions(BaseModel):
     )
     normal: Literal["averaged", "master", "specified"] = Field(
         "averaged",
-        description="averaged of the pair, the stiffer body's (of equals the larger volume gradient at a node), or given by "
+        description="averaged of the pair, the stiffer body's (of equals the larger volume gradient at a "
+        "node), or given by "
         "`direction`",
     )
     direction: tuple[float, ...] | None = Field(
@@ -114,7 +117,8 @@ class AtNodes(Detection):
     def new_rows(self, own: dict[str, int | None]) -> ContactRows:
         """Rows of two entries, without a couple: both sides are at one place.
 
-        They tell no spin: where bodies turn about the normal, what friction has stored stays as it is in space.
+        They tell no spin: where bodies turn about the normal, what friction has stored stays as it is in
+        space.
         """
         return ContactRows(self.state.grid.dim, couples=False, own=own)
 
@@ -124,7 +128,8 @@ class AtNodes(Detection):
             return self.grid
         empty = np.zeros((0, grid.dim))
         self.grid = GridNodes(
-            window_lower=grid.window_lower, window_shape=grid.window_shape, offset=grid.offset, nodes=grid.nodes,
+            window_lower=grid.window_lower, window_shape=grid.window_shape, offset=grid.offset,
+            nodes=grid.nodes,
             mass=grid.mass, start_velocity=grid.start_velocity, shared=np.zeros(len(grid.mass), dtype=bool),
             gradient=np.zeros_like(grid.momentum) if self.projects_gradient else empty,
             mean=np.zeros_like(grid.momentum) if self.projects_mean else empty,
@@ -158,8 +163,16 @@ class AtNodes(Detection):
             rows.make_room(2 * listed, 4 * listed)
         rows.count = self.write(listed, grid, phi, particles, rows)
 
-    def write(self, listed: int, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> int:  # noqa: ARG002
-        """Write rows of the ``listed`` shared nodes that have a normal and where the bodies are near; their number."""
+    def write(
+        self,
+        listed: int,
+        grid: Grid,
+        phi: Stencil,  # noqa: ARG002
+        particles: Particles,  # noqa: ARG002
+        rows: ContactRows,
+    ) -> int:
+        """Write rows of the ``listed`` shared nodes that have a normal and where the bodies are near; their
+        number."""
         return write_rows(
             listed, self.shared, self.pairs, self.nodes_of(grid), self.given, self.cut_off, self.least_mass,
             self.state.dt, rows, grid.spacing,
@@ -187,7 +200,8 @@ class Nodes(AtNodes):
         self.measures_area = self.options.normal != "specified"
 
     def configure(self, needs: frozenset[str], *, forces: bool) -> None:
-        """Measure the gap by positions where the law needs one; forces need an area, and nodes that have some mass.
+        """Measure the gap by positions where the law needs one; forces need an area, and nodes that have some
+        mass.
 
         Raises
         ------
@@ -197,17 +211,20 @@ class Nodes(AtNodes):
         self.forces = forces
         if "gap" in needs and self.options.criterion == "velocity":
             raise SceneError(
-                'detection \'nodes\' with criterion = "velocity" measures no gap, which the law needs; expected "position"'
+                "detection 'nodes' with criterion = \"velocity\" measures no gap, which the law needs; "
+                'expected "position"'
             )
         if forces and not self.measures_area:
             raise SceneError(
-                "detection 'nodes' with normal = \"specified\" measures no area, which the law needs; expected "
+                "detection 'nodes' with normal = \"specified\" measures no area, which the law needs; "
+                "expected "
                 '"averaged" or "master"'
             )
         self.by_position = self.by_position or "gap" in needs
         if "cut_off" in self.options.model_fields_set and not self.by_position:
             raise SceneError(
-                "detection 'nodes': 'cut_off' has no effect with the criterion of velocity, which auto is with this law; "
+                "detection 'nodes': 'cut_off' has no effect with the criterion of velocity, which auto is "
+                "with this law; "
                 'expected criterion = "position"'
             )
 
@@ -245,7 +262,8 @@ class Nodes(AtNodes):
         self.projects_mean = self.by_position
 
     def weights(self, state: State) -> tuple[FloatArray, FloatArray]:
-        """Both gradients where normals are averaged, or the stiffer body's alone; 0 and 0 of equals: the larger one."""
+        """Both gradients where normals are averaged, or the stiffer body's alone; 0 and 0 of equals: the
+        larger one."""
         if self.options.normal != "master":
             return super().weights(state)
         ranks = stiffness_ranks(state.bodies)

@@ -15,8 +15,8 @@ from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import Field, FloatArray
 from mpmfw.state.structs import Grid, State
 
-#: Bias, as a coefficient of friction, from which a reader is warned: symmetric impacts and a cylinder that rolls with
-#: ``criterion = "position"`` have at most 0.02, blocks and discs that slide in 0.05 to 0.3.
+#: Bias, as a coefficient of friction, from which a reader is warned: symmetric impacts and a cylinder that
+#: rolls with ``criterion = "position"`` have at most 0.02, blocks and discs that slide in 0.05 to 0.3.
 LARGEST = 0.05
 
 
@@ -32,10 +32,11 @@ class BiasSums(Struct):
 def add_bias(
     rows: Rows, count: int, scale: float, gradient: Floats, sums: BiasSums, spacing: tuple[float, ...]
 ) -> None:
-    """Add J_n, J_n n and J_n (n_a + n_b) / 2 of every shared node, n_a and n_b the two bodies' own outward normals.
+    """Add J_n, J_n n and J_n (n_a + n_b) / 2 of every shared node, n_a and n_b the two bodies' own outward
+    normals.
 
-    Where faces meet n_b = −n_a, and the last is nothing. Its length is J_n times the sine of the angle by which the mean
-    of the two differs from either. The impulse on body a is ``scale`` times the row's force.
+    Where faces meet n_b = −n_a, and the last is nothing. Its length is J_n times the sine of the angle by
+    which the mean of the two differs from either. The impulse on body a is ``scale`` times the row's force.
     """
     dim = len(spacing)
     for c in range(count):
@@ -56,9 +57,10 @@ def add_bias(
 class NormalBias:
     """Follows averaged normals through a run, and warns at its end if they lean to one side.
 
-    At the edge of a contact the two bodies' own normals disagree: the front corner of a block that slides on a plane points
-    ahead, a disc sees the plane ahead of it through the wedge between them. A mean normal there leans ahead, sliding in
-    counts as approach, and impulses along it brake the body and throw it up. Normals that lean ahead and behind alike cancel.
+    At the edge of a contact the two bodies' own normals disagree: the front corner of a block that slides on
+    a plane points ahead, a disc sees the plane ahead of it through the wedge between them. A mean normal
+    there leans ahead, sliding in counts as approach, and impulses along it brake the body and throw it up.
+    Normals that lean ahead and behind alike cancel.
 
     Parameters
     ----------
@@ -127,7 +129,8 @@ class NormalBias:
             add_bias(rows, rows.count, scale, self.nodes.gradient, self.sums, grid.spacing)
 
     def sideways(self) -> FloatArray:
-        """Return the bias across the mean normal over all normal impulses, of every pair (pair,): a coefficient of friction."""
+        """Return the bias across the mean normal over all normal impulses, of every pair (pair,): a
+        coefficient of friction."""
         sums = self.sums
         length = np.linalg.norm(sums.normal, axis=1, keepdims=True)
         n = sums.normal / np.where(length > 0.0, length, 1.0)
@@ -141,8 +144,10 @@ class NormalBias:
         if not self.nodes.by_position:
             tries.append('criterion = "position" for round bodies')
         return [
-            f"{pair.label}: averaged normals lean to one side by {lean:.2g} of the normal impulse, at corners and ahead of round "
-            f"bodies: this holds sliding back as friction of {lean:.2g} does, and throws up a body that slides in; "
+            f"{pair.label}: averaged normals lean to one side by {lean:.2g} of the normal impulse, at "
+            "corners and ahead of round "
+            f"bodies: this holds sliding back as friction of {lean:.2g} does, and throws up a body that "
+            "slides in; "
             f"try {', '.join(tries)}"
             for pair, lean in zip(self.state.pairs, self.sideways(), strict=True)
             if lean > LARGEST

@@ -41,7 +41,8 @@ def planned(made: Build, plan: Plan) -> None:
 
 
 def _frictional(made: Build) -> str:
-    """The pairs with friction; where pairs are listed as they come near those that the scene names, and all others at once."""
+    """The pairs with friction; where pairs are listed as they come near those that the scene names, and all
+    others at once."""
     named = [pair.label for pair in made.state.pairs if pair.mu > 0.0]
     near = made.state.near
     others = (
@@ -51,7 +52,7 @@ def _frictional(made: Build) -> str:
 
 
 def _search(made: Build, plan: Plan, reach: float | None) -> None:
-    """Whether bodies are near enough to be searched at the start; a strategy without a reach has no search."""
+    """Note whether bodies are near enough to be searched at the start; without a reach there is no search."""
     bodies = made.state.bodies
     if reach is None or len(bodies) < 2:
         return
@@ -73,6 +74,7 @@ def _search(made: Build, plan: Plan, reach: float | None) -> None:
 
 
 def _box_distance(first: Body, second: Body) -> float:
-    """Distance of two bounding boxes along the axis on which they are farthest apart [m], as a search takes it."""
+    """Distance of two bounding boxes along the axis on which they are farthest apart [m], as a search takes
+    it."""
     gaps = zip(first.lower, first.upper, second.lower, second.upper, strict=True)
     return max(0.0, *(max(low - top, bottom - high) for bottom, top, low, high in gaps))

@@ -25,8 +25,9 @@ _IMPULSES = ("impulse", "friction_impulse")
 class PairRecords(Records):
     """Accumulators of all pairs, written by kernels, which take them as one argument, and read at outputs.
 
-    They are impulse, friction_impulse, frictional_work, damping_work, energy and count (:class:`mpmfw.kernels.contact.Records`).
-    Work and impulse are those since time zero; ``restart`` forgets what happened while the scene settled.
+    They are impulse, friction_impulse, frictional_work, damping_work, energy and count
+    (:class:`mpmfw.kernels.contact.Records`). Work and impulse are those since time zero; ``restart`` forgets
+    what happened while the scene settled.
     """
 
     history = ("_last",)

@@ -38,8 +38,8 @@ class ContactLaw(PlugIn):
     """Base of laws, announced as entry points of the group ``mpmfw.law``; a law is a :class:`ForceLaw` or an
     :class:`ImpulseLaw`."""
 
-    #: What it needs of the rows: ``gap`` for a signed gap, ``steady gap`` for one that does not jump as rows come and go,
-    #: ``facets``, ``nodes`` for nodes against facets.
+    #: What it needs of the rows: ``gap`` for a signed gap, ``steady gap`` for one that does not jump as rows
+    #: come and go, ``facets``, ``nodes`` for nodes against facets.
     needs: ClassVar[frozenset[str]] = frozenset()
     #: Whether it gives forces, and not impulses.
     gives_forces: ClassVar[bool] = False
@@ -73,10 +73,11 @@ class ContactLaw(PlugIn):
         return joined(detection, cls)
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002
-        """Return the law's own arrays of the rows, by name: the number of further dimensions, or None for an array without rows.
+        """Return the law's own arrays of the rows, by name: the number of further dimensions, or None for an
+        array without rows.
 
-        They are its history, ``rows.own`` as one argument of kernels. ``friction`` is true if any pair has friction. An array
-        called ``moved`` is filled with B v Δt at the end of the step.
+        They are its history, ``rows.own`` as one argument of kernels. ``friction`` is true if any pair has
+        friction. An array called ``moved`` is filled with B v Δt at the end of the step.
         """
         return {}
 
@@ -92,13 +93,15 @@ class ContactLaw(PlugIn):
         """Take facts of the scene from ``setup``, and list arrays under ``owner``."""
 
     def measure(self, rows: ContactRows, grid: Grid, phi: Stencil, particles: Particles) -> None:
-        """Take what the law needs of the material points, once the rows of the step are there; nothing by default.
+        """Take what the law needs of the material points, once the rows of the step are there; nothing by
+        default.
 
         ``phi`` is the table of interpolation of the points.
         """
 
     def range(self) -> float:
-        """Return the gap up to which the law acts [m], after :meth:`prepare`; 0 where it acts on bodies that touch alone.
+        """Return the gap up to which the law acts [m], after :meth:`prepare`; 0 where it acts on bodies that
+        touch alone.
 
         A detection that lists no rows so far apart (:meth:`Detection.range`) is refused.
         """
@@ -122,8 +125,8 @@ class ContactLaw(PlugIn):
 class RowContact(ContactStrategy):
     """Base of contacts that name the classes ``Detection`` and ``Law``; their options are those of both.
 
-    Subclasses are :class:`ForceContact` and :class:`ImpulseContact`, after what the law gives. The hook ``concerns`` is there
-    where the law has warnings.
+    Subclasses are :class:`ForceContact` and :class:`ImpulseContact`, after what the law gives. The hook
+    ``concerns`` is there where the law has warnings.
     """
 
     Detection: ClassVar[type[Detection]]  #: what lists the rows
@@ -199,7 +202,8 @@ class RowContact(ContactStrategy):
         self.rows, self.old = self.detection.new_rows(own), self.detection.new_rows(own)
         if self.friction.cohesive and not self.detection.measures_area:
             raise SceneError(
-                f"contact.friction_law = '{self.friction.name}' has cohesion, which acts on an area; detection "
+                f"contact.friction_law = '{self.friction.name}' has cohesion, which acts on an area; "
+                "detection "
                 f"'{self.detection.name}' measures none with its options"
             )
         if setup.has_friction and self.uses_friction:
@@ -209,7 +213,8 @@ class RowContact(ContactStrategy):
         self.node_sum = np.zeros(0)
 
     def check_range(self, cell_size: float) -> None:
-        """Refuse a law that acts across wider gaps than the detection finds: its force would end short of its range.
+        """Refuse a law that acts across wider gaps than the detection finds: its force would end short of its
+        range.
 
         Both are prepared; ``cell_size`` is h [m].
 
@@ -226,13 +231,15 @@ class RowContact(ContactStrategy):
         option = detection.range_option
         if option is None:
             raise SceneError(
-                f"contact '{self.name}': detection '{detection.name}' finds gaps of up to {found:.4g} m, {across}; expected "
+                f"contact '{self.name}': detection '{detection.name}' finds gaps of up to {found:.4g} m, "
+                f"{across}; expected "
                 "another detection, or a law that acts across none so wide"
             )
         given = getattr(detection.options, option)
         table = self.name.partition("+")[0]  # in a scene a joined detection has a table of its own
         raise SceneError(
-            f"contact.{table}.{option} = {given:g} finds gaps of up to {found:.4g} m, {across}; expected at least "
+            f"contact.{table}.{option} = {given:g} finds gaps of up to {found:.4g} m, {across}; expected at "
+            "least "
             f"{given * needed / found:.4g}, or a law that acts across none so wide"
         )
 
@@ -280,14 +287,16 @@ class RowContact(ContactStrategy):
         return self.node_sum
 
     def record(self, scale: float, spacing: tuple[float, ...]) -> None:
-        """Add the rows' forces times ``scale`` [s] to the pairs' impulses, and count the places where they act.
+        """Add the rows' forces times ``scale`` [s] to the pairs' impulses, and count the places where they
+        act.
 
         ``spacing`` is the cell size h, once for each dimension.
         """
         self.rows.record(scale, self.records, spacing)
 
     def take_over(self, other: RowContact, numbers: Numbers) -> None:
-        """Know of bodies, by other ``numbers``, what ``other`` knows of them from step to step; records are declared arrays."""
+        """Know of bodies, by other ``numbers``, what ``other`` knows of them from step to step; records are
+        declared arrays."""
         self.detection.take_over(other.detection, numbers)
 
     def restart(self) -> None:
@@ -310,7 +319,8 @@ def _concerns(self: RowContact) -> list[str]:
 
 
 def _part(kind: type[Any], options: BaseModel) -> Any:
-    """Make a detection or law from the options of both: those that were set, and those with a default of the contact's own."""
+    """Make a detection or law from the options of both: those that were set, and those with a default of the
+    contact's own."""
     own, both = kind.Options.model_fields, type(options).model_fields
     given = [
         name for name in own if name in options.model_fields_set or both[name].default != own[name].default
@@ -319,7 +329,7 @@ def _part(kind: type[Any], options: BaseModel) -> Any:
 
 
 def _options_of_both(contact: type[RowContact]) -> type[BaseModel]:
-    """Make the model of a contact's options from those of law and detection, with the contact's own defaults."""
+    """Make the model of a contact's options from both parts' models, with the contact's own defaults."""
     models = tuple(dict.fromkeys((contact.Law.Options, contact.Detection.Options)))
     fields: dict[str, Any] = {}
     for model in models:
@@ -365,8 +375,8 @@ def joined(detection: type[Detection], law: type[ContactLaw]) -> type[RowContact
     def strategy_parts(self: RowContact) -> tuple[Any, ...]:
         return _strategy_of, (detection, law, self.options.model_dump(exclude_unset=True))
 
-    # The classes are in no module, where pickle would look for them. Theirs is that of the part which is not mpmfw's own: what
-    # it does wrong is its distribution's.
+    # The classes are in no module, where pickle would look for them. Theirs is that of the part which is not
+    # mpmfw's own: what it does wrong is its distribution's.
     name = f"{detection.name}+{law.name}"
     body = {
         "name": name,

@@ -35,22 +35,24 @@ _OF_ENTRIES = ("dof", "weight", "couple", "tilt")
 class ContactRows(Rows):
     """The rows of one step. Arrays have room for more than ``count`` rows, the first ``count`` are meant.
 
-    Kernels take them as one argument, ``rows.gap[c]``. :class:`mpmfw.kernels.contact.Rows` defines each: pair, identity,
-    previous, sign, gap, area, tributary_area, normal, motion, spin, friction, cohesion, force; and of the operator start,
-    dof, weight, couple, tilt.
+    Kernels take them as one argument, ``rows.gap[c]``. :class:`mpmfw.kernels.contact.Rows` defines each:
+    pair, identity, previous, sign, gap, area, tributary_area, normal, motion, spin, friction, cohesion,
+    force; and of the operator start, dof, weight, couple, tilt.
 
     Parameters
     ----------
     dim
         Number of space dimensions.
     couples, tilts
-        Whether a tangential force acts with a couple across the gap, and whether the normal is varied with the facet.
+        Whether a tangential force acts with a couple across the gap, and whether the normal is varied with
+        the facet.
     spins
-        Whether the detection knows how far the sides turn about the normal, in space: what friction has stored turns with them.
+        Whether the detection knows how far the sides turn about the normal, in space: what friction has
+        stored turns with them.
     own
-        Arrays of the law, by name: the number of their further dimensions, each ``dim`` long, or None for an array without
-        rows. They are the history of the next step, which finds them by ``previous``. ``own`` has them as one argument of
-        kernels.
+        Arrays of the law, by name: the number of their further dimensions, each ``dim`` long, or None for an
+        array without rows. They are the history of the next step, which finds them by ``previous``. ``own``
+        has them as one argument of kernels.
     """
 
     history = ("kept",)
@@ -73,7 +75,8 @@ class ContactRows(Rows):
         self.make_room(64, 1024)
 
     def allocate_friction(self, *, cohesion: bool) -> None:
-        """Have ``friction``, and ``cohesion`` if it is asked for: rows of bodies without friction have neither."""
+        """Have ``friction``, and ``cohesion`` if it is asked for: rows of bodies without friction have
+        neither."""
         self._without = [
             name for name in self._without if name not in ("friction", "cohesion")[: 1 + cohesion]
         ]
@@ -99,7 +102,8 @@ class ContactRows(Rows):
         return {name: array for name, array in whole.items() if len(array)}
 
     def take_over(self, other: ContactRows, numbers: Numbers) -> None:
-        """Rows of the last step that ``other`` has of bodies by other ``numbers``, in place of those of the same pairs.
+        """Rows of the last step that ``other`` has of bodies by other ``numbers``, in place of those of the
+        same pairs.
 
         B is not taken: it belongs to nodes that lie elsewhere.
         """
@@ -119,7 +123,8 @@ class ContactRows(Rows):
 
     @property
     def kept(self) -> dict[str, AnyArray]:
-        """What the next step may ask of these rows: all arrays that there are but B, as long as there are rows."""
+        """What the next step may ask of these rows: all arrays that there are but B, as long as there are
+        rows."""
         return {name: array[: self.count] for name, array in self.of_rows().items() if len(array)}
 
     @kept.setter
@@ -141,7 +146,12 @@ class ContactRows(Rows):
         arrays = {name: array for name, array in self.members().items() if name not in entries}
         return arrays | {f"own/{name}": array for name, array in self.own.members().items()}
 
-    def renumber(self, history: dict[str, AnyArray], own: ContactRows, numbers: Numbers) -> None:  # noqa: ARG002
+    def renumber(
+        self,
+        history: dict[str, AnyArray],
+        own: ContactRows,  # noqa: ARG002
+        numbers: Numbers,
+    ) -> None:
         """Let ``history`` speak of pairs by the ``numbers`` that they have in ``own``."""
         history["pair"] = numbers.pair[history["pair"]]
 
@@ -167,11 +177,13 @@ class ContactRows(Rows):
         relative_velocity(0, self.count, self, grid.mass, grid.momentum, out, grid.spacing)
 
     def work_over_last_step(self) -> float:
-        """Σ f·Δu of ``force`` on ``motion``, the work [J/m] of these forces on how far the rows came in the last step."""
+        """Σ f·Δu of ``force`` on ``motion``, the work [J/m] of these forces on how far the rows came in the
+        last step."""
         return float(np.vdot(self.force[: self.count], self.motion[: self.count]))
 
     def add_to(self, nodal: FloatArray, spacing: tuple[float, ...]) -> None:
-        """Bᵀ f of ``force``, added to ``nodal``: the grid's forces, or its momenta where it is an impulse (n_nodes, dim).
+        """Bᵀ f of ``force``, added to ``nodal``: the grid's forces, or its momenta where it is an impulse
+        (n_nodes, dim).
 
         ``spacing`` is the cell size h [m], once for each dimension.
         """
@@ -185,7 +197,8 @@ class ContactRows(Rows):
         return couplings(0, self.count, self, stiffness, grid.mass, scratch, out)
 
     def record(self, scale: float, records: Records, spacing: tuple[float, ...]) -> None:
-        """Add ``scale`` times the forces to every pair's impulse in ``records``, and count the places where they act.
+        """Add ``scale`` times the forces to every pair's impulse in ``records``, and count the places where
+        they act.
 
         ``scale`` is the time that they act [s]; ``spacing`` is the cell size h [m], once for each dimension.
         """

@@ -12,7 +12,8 @@ from mpmfw.kernels.types import Flags, Float, Floats, Indices, Ints
 
 
 class NodePairs(Struct):
-    """Bodies of every pair, and what their volume gradients weigh in its normal: 0 and 0 where the larger one counts."""
+    """Bodies of every pair, and what their volume gradients weigh in its normal: 0 and 0 where the larger one
+    counts."""
 
     first: Ints  #: (pair,)
     second: Ints  #: (pair,)
@@ -31,7 +32,8 @@ class GridNodes(Struct):
     start_velocity: Floats  #: (n_nodes, dim) [m/s]
     shared: Flags  #: (n_nodes,) whether two bodies have mass there
     gradient: Floats  #: (n_nodes, dim) Σ V ∇φ at shared nodes; (0, dim) where it is not asked for
-    mean: Floats  #: (n_nodes, dim) mean position of the points [m] at shared nodes; (0, dim) where it is not asked for
+    #: (n_nodes, dim) mean position of the points [m] at shared nodes; (0, dim) where it is not asked for
+    mean: Floats
 
 
 class SharedNodes(Struct):
@@ -81,7 +83,8 @@ def find_shared_nodes(pairs: NodePairs, grid: GridNodes, shared: SharedNodes) ->
 
 @kernel
 def mark_nodes(count: int, shared: SharedNodes, grid: GridNodes) -> None:
-    """Mark the nodes of the first ``count`` that are listed: what is projected there alone spares most of the points."""
+    """Mark the nodes of the first ``count`` that are listed: what is projected there alone spares most of the
+    points."""
     grid.shared[:] = False
     for f in range(count):
         grid.shared[shared.first[f]] = True
@@ -108,7 +111,8 @@ def project_volume_gradient(
 ) -> None:
     """Σ_p V_p ∇φ_ip at shared nodes, which points out of the body; 0 at others.
 
-    Entries are gone through point after point without a loop for each, whose length the processor would guess wrong.
+    Entries are gone through point after point without a loop for each, whose length the processor would guess
+    wrong.
     """
     grid.gradient[:] = 0.0
     p = 0
@@ -120,7 +124,8 @@ def project_volume_gradient(
 
 @kernel
 def project_position(
-    row: Ints, nodes: Indices, weight: Floats, mass: Floats, position: Floats, grid: GridNodes, spacing: tuple[float, ...]
+    row: Ints, nodes: Indices, weight: Floats, mass: Floats, position: Floats, grid: GridNodes,
+    spacing: tuple[float, ...]
 ) -> None:  # fmt: skip
     """Σ_p φ_ip m_p x_p / m_i at shared nodes; 0 at others."""
     dim = len(spacing)
@@ -153,7 +158,8 @@ def background_index(i: int, body: int, grid: GridNodes) -> int:
 def direction_out(
     i: int, j: int, p: int, pairs: NodePairs, grid: GridNodes, given: Floats, out: Floats
 ) -> bool:
-    """n ∝ w_b g_b − w_a g_a of the outward volume gradients, or the given one, out of the second body; whether there is one."""
+    """n ∝ w_b g_b − w_a g_a of the outward volume gradients, or the given one, out of the second body;
+    whether there is one."""
     square, of_first, of_second = 0.0, pairs.weight_first[p], pairs.weight_second[p]
     if of_first + of_second == 0.0 and len(grid.gradient) > 0:
         for d in range(len(given)):
@@ -173,7 +179,8 @@ def direction_out(
 
 @device
 def area_across(i: int, j: int, normal: Floats, grid: GridNodes) -> Float:
-    """What both bodies have across the ``normal`` (dim,), S_i = Σ V ∇φ = ∮ φ n dS [m^(dim−1)]; 0 without volume gradients."""
+    """What both bodies have across the ``normal`` (dim,), S_i = Σ V ∇φ = ∮ φ n dS [m^(dim−1)]; 0 without
+    volume gradients."""
     of_first, of_second = 0.0, 0.0
     if len(grid.gradient) > 0:
         for d in range(len(normal)):
@@ -184,7 +191,8 @@ def area_across(i: int, j: int, normal: Floats, grid: GridNodes) -> Float:
 
 @device
 def write_row(
-    c: int, i: int, j: int, p: int, gap: Float, normal: Floats, pairs: NodePairs, grid: GridNodes, dt: float, rows: Rows,
+    c: int, i: int, j: int, p: int, gap: Float, normal: Floats, pairs: NodePairs, grid: GridNodes, dt: float,
+    rows: Rows,
     spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Row c: node i of the first body's window against node j of the second's, pair p."""
@@ -205,7 +213,8 @@ def write_row(
 
 @kernel
 def write_rows(
-    listed: int, shared: SharedNodes, pairs: NodePairs, grid: GridNodes, given: Floats, cut_off: float, least_mass: float,
+    listed: int, shared: SharedNodes, pairs: NodePairs, grid: GridNodes, given: Floats, cut_off: float,
+    least_mass: float,
     dt: float, rows: Rows, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """A row for each shared node that has a normal and where the bodies are near; their number.

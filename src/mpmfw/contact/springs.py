@@ -1,7 +1,7 @@
 """Laws of springs: a law gives the normal force of its rows, and one stage adds friction.
 
-f = N n + f_t. The tangential force f_t is that of the last step in the row's plane, less k_t times the slip since, returned to
-Coulomb's cone: a spring and a slider in a row.
+f = N n + f_t. The tangential force f_t is that of the last step in the row's plane, less k_t times the slip
+since, returned to Coulomb's cone: a spring and a slider in a row.
 """
 
 from __future__ import annotations
@@ -62,13 +62,15 @@ def approach_of(c: int, rows: Rows) -> Float:
 
 @kernel
 def add_friction(
-    rows: Rows, count: int, own: SpringArrays, old: Rows, old_count: int, old_own: SpringArrays, records: Records,
+    rows: Rows, count: int, own: SpringArrays, old: Rows, old_count: int, old_own: SpringArrays,
+    records: Records,
     change: Floats,
 ) -> None:  # fmt: skip
     """Write f = N n + f_t of every row, with the law's N, k_t, pull and area; and add the works of friction.
 
-    Rows of one place share what it held by their areas. Friction dissipates |f_t| Δs / k_t of the trial force that is beyond
-    the limit; ½ f_t² / k_t is stored. A ``change`` (pair,) gets both with the opposite sign; without pairs it is not written.
+    Rows of one place share what it held by their areas. Friction dissipates |f_t| Δs / k_t of the trial force
+    that is beyond the limit; ½ f_t² / k_t is stored. A ``change`` (pair,) gets both with the opposite sign;
+    without pairs it is not written.
     """
     dim, has_friction = rows.normal.shape[1], len(own.tangential) > 0
     for c in range(count):
@@ -119,7 +121,8 @@ class SpringOptions(BaseModel):
 class SpringLaw(ForceLaw):
     """Base of laws of springs: k = κ M A / h of every row, M the softer body's K + 4 G / 3.
 
-    A law writes N, k_t and pull of its rows in :meth:`normal_forces`; friction is added by :func:`add_friction`.
+    A law writes N, k_t and pull of its rows in :meth:`normal_forces`; friction is added by
+    :func:`add_friction`.
     """
 
     Options = SpringOptions
@@ -178,8 +181,8 @@ class SpringLaw(ForceLaw):
     def normal_forces(self, rows: ContactRows, old: ContactRows, records: PairRecords) -> None:
         """Write N and k_t of every row on which the law acts, and add to the pairs' energies.
 
-        N, k_t and pull are 0 before, and entered is 1. Arguments are those of :meth:`ForceLaw.forces`, whose ``dashpot`` is an
-        attribute.
+        N, k_t and pull are 0 before, and entered is 1. Arguments are those of :meth:`ForceLaw.forces`, whose
+        ``dashpot`` is an attribute.
         """
         raise NotImplementedError
 

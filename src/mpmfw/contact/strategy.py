@@ -22,7 +22,8 @@ class ContactStrategy(PlugIn):
     needs_surface: ClassVar[bool] = False
     #: How surface nodes are mapped to the grid: ``auto`` follows the shape function.
     surface_map: Literal["auto", "plain", "mass_weighted"] = "auto"
-    #: Whether the strategy adds inertia of its own to the nodes, which a body's rotational inertia would have to know.
+    #: Whether the strategy adds inertia of its own to the nodes, which a body's rotational inertia would have
+    #: to know.
     adds_mass: bool = False
     #: Whether the strategy is to keep bodies apart, so that results warn of deep penetration.
     keeps_apart: ClassVar[bool] = True
@@ -30,8 +31,8 @@ class ContactStrategy(PlugIn):
     uses_friction: ClassVar[bool] = False
     #: Whether that friction is what the scene's ``contact.friction_law`` says, and not Coulomb's alone.
     takes_friction_law: ClassVar[bool] = False
-    #: Whether bodies at rest may be left out for a while (``[sleep]``): what the strategy knows from step to step is in
-    #: declared arrays, or handed over by ``take_over``.
+    #: Whether bodies at rest may be left out for a while (``[sleep]``): what the strategy knows from step to
+    #: step is in declared arrays, or handed over by ``take_over``.
     leaves_bodies_out: bool = False
     #: Dotted key of the scene that makes the strategy softer, for advice; None where nothing does.
     softer_by: str | None = None
@@ -52,14 +53,16 @@ class ContactStrategy(PlugIn):
         return None
 
     def unused(self, pairs: Sequence[Pair]) -> list[str]:  # noqa: ARG002
-        """Facts of these pairs that the law does not look at with its options, one line each, for ``explain``.
+        """Facts of these pairs that the law does not look at with its options, one line each, for
+        ``explain``.
 
         That it has no friction at all is said by :attr:`uses_friction`.
         """
         return []
 
     def monitors(self) -> list[Any]:
-        """Plug-ins that watch the strategy's own stability, registered where a scene says ``output.stability``."""
+        """Plug-ins that watch the strategy's own stability, registered where a scene says
+        ``output.stability``."""
         return []
 
     def restart(self) -> None:
@@ -67,7 +70,8 @@ class ContactStrategy(PlugIn):
 
 
 class NoInteraction(ContactStrategy):
-    """Bodies with velocity fields of their own that do not act on each other: what checks and measurements compare with."""
+    """Bodies with velocity fields of their own that do not act on each other: what checks and measurements
+    compare with."""
 
     name = "no-interaction"
     velocity_fields = "per_body"

@@ -16,9 +16,9 @@ from mpmfw.kernels.types import Float, Floats, Ints
 class Rows(Struct):
     """The rows of a step: n places where two bodies may touch, and the m entries of their operator B.
 
-    B v is the velocity of a row's first side as seen from its second, ``normal`` points from the second to the first: along it
-    the gap grows, and the force on the first side pushes apart. Rows ascend by ``identity``; those of one identity are one
-    place that meets two facets alike.
+    B v is the velocity of a row's first side as seen from its second, ``normal`` points from the second to
+    the first: along it the gap grows, and the force on the first side pushes apart. Rows ascend by
+    ``identity``; those of one identity are one place that meets two facets alike.
     """
 
     pair: Ints  #: (n,) index of the pair
@@ -30,14 +30,19 @@ class Rows(Struct):
     tributary_area: Floats  #: (n,) of the place, whatever its direction [m^(dim−1)]
     normal: Floats  #: (n, dim) unit vector
     motion: Floats  #: (n, dim) B v Δt over the last step [m]
-    spin: Floats  #: (n,) angle by which both sides turned about the normal over the last step [rad]; (0,) if unknown, and in 2D
+    #: (n,) angle by which both sides turned about the normal over the last step [rad]; (0,) if unknown, and
+    #: in 2D
+    spin: Floats
     friction: Floats  #: (n,) μ: along its plane a row holds μ N + a; (0,) where no pair has friction
-    cohesion: Floats  #: (n,) a [N m^(dim−3)], an impulse in an impulse law; (0,) where nothing holds without a normal force
+    #: (n,) a [N m^(dim−3)], an impulse in an impulse law; (0,) where nothing holds without a normal force
+    cohesion: Floats
     force: Floats  #: (n, dim) on the first side, the law's [N m^(dim−3)]; an impulse law's impulse
     start: Ints  #: (n + 1,) entries of row c are ``start[c]:start[c + 1]``
     dof: Ints  #: (m,) flat grid node
     weight: Floats  #: (m,) weight in B; the sum over a row is 0
-    couple: Floats  #: (m, dim) c in the tangent plane: a force f acts along the normal by c·f, for its moment; (0, dim) without
+    #: (m, dim) c in the tangent plane: a force f acts along the normal by c·f, for its moment; (0, dim)
+    #: without
+    couple: Floats
     tilt: Floats  #: (m, dim) by which a normal force of 1 acts along the facet; (0, dim) without
 
 
@@ -80,7 +85,8 @@ def any_touches(rows: Rows, count: int) -> bool:
 
 @device
 def row_velocity(c: int, rows: Rows, velocity: Floats, out: Floats, spacing: tuple[float, ...]) -> None:
-    """(B v)_c = Σ w v + Σ c (n·v) of row c with the nodes' ``velocity`` (n_nodes, dim) [m/s], into ``out`` (dim,)."""
+    """(B v)_c = Σ w v + Σ c (n·v) of row c with the nodes' ``velocity`` (n_nodes, dim) [m/s], into ``out``
+    (dim,)."""
     dim = len(spacing)
     for d in range(dim):
         out[d] = 0.0
@@ -134,7 +140,8 @@ def relative_velocity(
 
 @kernel
 def add_row_forces(begin: int, end: int, rows: Rows, node_force: Floats, spacing: tuple[float, ...]) -> None:
-    """f_i += Σ_c w f_c + (c·f_c) n + (f_c·n) t: Bᵀ f, with the tilt t of the normal where a method varies it (eq. 7 of [H17])."""
+    """f_i += Σ_c w f_c + (c·f_c) n + (f_c·n) t: Bᵀ f, with the tilt t of the normal where a method varies it
+    (eq. 7 of [H17])."""
     dim = len(spacing)
     for c in range(begin, end):
         along = 0.0
@@ -159,10 +166,11 @@ def add_row_forces(begin: int, end: int, rows: Rows, node_force: Floats, spacing
 def couplings(
     begin: int, end: int, rows: Rows, stiffness: Floats, node_mass: Floats, node_sum: Floats, out: Floats
 ) -> float:
-    """Row sums Σ_i |b_ci| (Σ_d k_d |b_di|) / m_i of B M⁻¹ Bᵀ K into ``out`` (n,), and the largest: it bounds λ_max (Gershgorin).
+    """Row sums Σ_i |b_ci| (Σ_d k_d |b_di|) / m_i of B M⁻¹ Bᵀ K into ``out`` (n,), and the largest: it bounds
+    λ_max (Gershgorin).
 
-    With k = 1 and 0 it is the inverse of the mass that a row has if others share its nodes. ``node_sum`` is scratch, zero on
-    entry and on return; nodes without mass do not count.
+    With k = 1 and 0 it is the inverse of the mass that a row has if others share its nodes. ``node_sum`` is
+    scratch, zero on entry and on return; nodes without mass do not count.
     """
     for c in range(begin, end):
         if stiffness[c] != 0.0:
@@ -187,7 +195,8 @@ def couplings(
 def add_records(
     begin: int, end: int, rows: Rows, scale: float, records: Records, spacing: tuple[float, ...]
 ) -> None:
-    """Impulse ``scale`` Σ f on every pair's first body, added, its tangential part, and the number of places with a force.
+    """Impulse ``scale`` Σ f on every pair's first body, added, its tangential part, and the number of places
+    with a force.
 
     Rows of one identity are one place.
     """
@@ -210,11 +219,13 @@ def add_records(
 
 @device
 def add_turned(vector: Floats, o: int, old: Rows, c: int, rows: Rows, out: Floats) -> None:
-    """Turn ``vector[o]`` (n, dim) of row o of the last step into the tangent plane of row c, and add it to ``out[c]``.
+    """Turn ``vector[o]`` (n, dim) of row o of the last step into the tangent plane of row c, and add it to
+    ``out[c]``.
 
-    The turn is the least that takes the old normal into the new: f − (f·n) / (1 + n·n_old) (n + n_old), and in space, if the
-    rows tell their ``spin``, about the new normal as far as the surfaces turned: f cos θ + n × f sin θ. So the force is as it
-    was to whoever turns with the bodies. In 2D it keeps its sign on the tangent.
+    The turn is the least that takes the old normal into the new: f − (f·n) / (1 + n·n_old) (n + n_old), and
+    in space, if the rows tell their ``spin``, about the new normal as far as the surfaces turned: f cos θ + n
+    × f sin θ. So the force is as it was to whoever turns with the bodies. In 2D it keeps its sign on the
+    tangent.
     """
     cosine, along = 0.0, 0.0
     for d in range(out.shape[1]):

@@ -19,7 +19,8 @@ from mpmfw.kernels.pair_table import pair_index
 from mpmfw.kernels.table import entries
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 
-#: Difference of distances, in lengths of a facet, below which two facets are equally close: what rounding leaves.
+#: Difference of distances, in lengths of a facet, below which two facets are equally close: what rounding
+#: leaves.
 TIE = 1e-9
 
 
@@ -43,8 +44,8 @@ class SurfaceTable(Struct):
 
 @device
 def measure_across(m: int, normal: Floats, outline: Outline, spacing: tuple[float, ...]) -> Float:
-    """Measure of facet m as seen along ``normal``, 0 from behind: (x_2 − x_1)·e_t [m] in the plane, twice its area [m^2] in
-    space."""
+    """Measure of facet m as seen along ``normal``, 0 from behind: (x_2 − x_1)·e_t [m] in the plane, twice its
+    area [m^2] in space."""
     area, across = scratch.vector(spacing), 0.0
     area_of(m, outline, area, spacing)
     for d in range(len(spacing)):
@@ -59,14 +60,15 @@ def equally_close(
 ) -> tuple[int, Float]:  # fmt: skip
     """The neighbour of facet m to which node s is as close, and the part of the contact that it takes.
 
-    Where a node meets a vertex head-on, or is as deep under both sides of a corner, each of the two facets is as good as
-    the other: the contact is then with both, in parts w_i = L_i² / (L_1² + L_2²) of their lengths along the tangent, or areas
-    across the normal. Of the distance, which has a ridge there, that is a subgradient, and no index decides.
+    Where a node meets a vertex head-on, or is as deep under both sides of a corner, each of the two facets is
+    as good as the other: the contact is then with both, in parts w_i = L_i² / (L_1² + L_2²) of their lengths
+    along the tangent, or areas across the normal. Of the distance, which has a ridge there, that is a
+    subgradient, and no index decides.
 
     Returns
     -------
-    The neighbour, and its part (0 without a tie, 1 if facet m has no measure across the normal). Barycentric coordinates and
-    e_n on the neighbour are written to ``other_share`` and ``other_normal``.
+    The neighbour, and its part (0 without a tie, 1 if facet m has no measure across the normal). Barycentric
+    coordinates and e_n on the neighbour are written to ``other_share`` and ``other_normal``.
     """
     dim = len(spacing)
     own, looked = measure_across(m, normal, outline, spacing), False
@@ -110,13 +112,15 @@ def share_across(s: int, normal: Floats, outline: Outline, spacing: tuple[float,
 
 @device
 def write_geometry(
-    c: int, share: Floats, normal: Floats, outline: Outline, rows: Rows, places: Places, spacing: tuple[float, ...]
+    c: int, share: Floats, normal: Floats, outline: Outline, rows: Rows, places: Places, spacing: tuple[float,
+    ...]
 ) -> None:  # fmt: skip
     """Normal, barycentric coordinates, couple and tilt of row c.
 
-    The couple of corner a is g ∇ξ_a, ξ_a varied across the normal: by it f_t acts along e_n, and the pair leaves no moment
-    g f_t. On the rim, where e_n is not the facet's normal, the facet is taken as it is seen along e_n. The tilt −g ∇ξ_a, in the
-    plane −(g / l) Q of eq. 7, the normal varied with the facet, takes the facet's own plane: any other would leave a moment.
+    The couple of corner a is g ∇ξ_a, ξ_a varied across the normal: by it f_t acts along e_n, and the pair
+    leaves no moment g f_t. On the rim, where e_n is not the facet's normal, the facet is taken as it is seen
+    along e_n. The tilt −g ∇ξ_a, in the plane −(g / l) Q of eq. 7, the normal varied with the facet, takes the
+    facet's own plane: any other would leave a moment.
     """
     dim, g, turn, lean = len(spacing), rows.gap[c], places.turn, places.lean
     corners, gradient = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
@@ -153,13 +157,16 @@ def write_motion(c: int, outline: Outline, rows: Rows, places: Places, spacing: 
 
 @device
 def add_point(
-    p: int, share: Float, c: int, corner: int, top: int, table: SurfaceTable, place: Ints, rows: Rows, places: Places,
+    p: int, share: Float, c: int, corner: int, top: int, table: SurfaceTable, place: Ints, rows: Rows,
+    places: Places,
     spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """Add ``share`` times N_i of surface node p to the entries of row c, which end before ``top``; the new top.
+    """Add ``share`` times N_i of surface node p to the entries of row c, which end before ``top``; the new
+    top.
 
-    ``corner`` is the facet's corner that p is, −1 of the slave node: its couple and tilt go with it. ``place`` (n_nodes,) is
-    scratch, of any content that is not negative: the entry that a grid node was given last.
+    ``corner`` is the facet's corner that p is, −1 of the slave node: its couple and tilt go with it.
+    ``place`` (n_nodes,) is scratch, of any content that is not negative: the entry that a grid node was given
+    last.
     """
     dim, begin = len(spacing), rows.start[c]
     dof, out, couple, tilt = rows.dof, rows.weight, rows.couple, rows.tilt
@@ -198,7 +205,7 @@ def width_of(s: int, m: int, facets: Ints, row: Ints) -> int:
 
 @device
 def next_candidate(s: int, last: int, candidates: Candidates) -> int:
-    """Slot of the candidate of node s that follows ``last`` (−1: the first), by body and facet; −1 after all."""
+    """Return the slot of node s that follows ``last`` (−1: the first), by body and facet; −1 after all."""
     master, facet = candidates.master, candidates.facet
     following = -1
     for j in range(facet.shape[1]):
@@ -220,14 +227,16 @@ def next_candidate(s: int, last: int, candidates: Candidates) -> int:
 
 @kernel
 def assemble(
-    rank: Ints, across: bool, ties: bool, candidates: Candidates, outline: Outline, pair_of: Ints, pair_first: Ints,
+    rank: Ints, across: bool, ties: bool, candidates: Candidates, outline: Outline, pair_of: Ints,
+    pair_first: Ints,
     table: SurfaceTable, place: Ints, rows: Rows, places: Places, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """A row for each candidate, two where it meets two facets alike; their number, or −1 where there is no room for all.
+    """A row for each candidate, two where it meets two facets alike; their number, or −1 where there is no
+    room for all.
 
-    A node counts with its tributary area, or with half of it where its body and the master are of the same ``rank`` (body,):
-    each is then slave once. ``across`` says whether only what
-    lies across the normal is a row's area, ``ties`` whether of two equally close facets both count. ``place`` is scratch
+    A node counts with its tributary area, or with half of it where its body and the master are of the same
+    ``rank`` (body,): each is then slave once. ``across`` says whether only what lies across the normal is a
+    row's area, ``ties`` whether of two equally close facets both count. ``place`` is scratch
     (:func:`add_point`).
     """
     c, top, body, dim = 0, 0, outline.body, len(spacing)

@@ -1,4 +1,5 @@
-"""Arrays of the search as arguments of kernels: candidates of the surface nodes, and linked lists on the background grid."""
+"""Arrays of the search as arguments of kernels: candidates of the surface nodes, and linked lists on the
+background grid."""
 
 from __future__ import annotations
 
@@ -11,7 +12,8 @@ from mpmfw.state.fields import Field
 
 
 class Candidates(Struct):
-    """Up to ``slots`` candidate facets for every surface node, each of another body, and where it was inside a step ago."""
+    """Up to ``slots`` candidate facets for every surface node, each of another body, and where it was inside
+    a step ago."""
 
     master: Ints  #: (n_s, slots) index of the candidate's body
     facet: Ints  #: (n_s, slots) facet; −1 if none is near

@@ -25,11 +25,11 @@ def boxes_apart(a: int, b: int, lower: Floats, upper: Floats, reach: Float) -> b
 def near_boxes(
     first: Ints, second: Ints, reach: float, wide: float, outline: Outline, grid: SearchGrid
 ) -> bool:
-    """Bounding boxes of all bodies, and of what of each may be within ``reach`` + ``wide`` [m] of another, empty for most;
-    whether any two boxes are within ``reach``.
+    """Bounding boxes of all bodies, and of what of each may be within ``reach`` + ``wide`` [m] of another,
+    empty for most; whether any two boxes are within ``reach``.
 
-    Of pairs with boxes closer than both it is the part within the other's box, widened by both; of more than one the box
-    round them.
+    Of pairs with boxes closer than both it is the part within the other's box, widened by both; of more than
+    one the box round them.
     """
     near, lower, upper = False, grid.box_lower, grid.box_upper
     bounding_boxes(outline.body_first, outline.position, lower, upper)
@@ -88,7 +88,8 @@ def flat_index(index: Ints, grid: SearchGrid, spacing: tuple[float, ...]) -> int
 
 @device
 def cell_beside(own: Ints, code: int, index: Ints, grid: SearchGrid, spacing: tuple[float, ...]) -> int:
-    """Flat index of a cell beside the cell ``own``, −1 if it is outside of the grid; its indices into ``index``.
+    """Flat index of a cell beside the cell ``own``, −1 if it is outside of the grid; its indices into
+    ``index``.
 
     ``code`` has a digit 0 … 2 for each axis, the last axis lowest.
     """
@@ -106,9 +107,11 @@ def cell_beside(own: Ints, code: int, index: Ints, grid: SearchGrid, spacing: tu
 
 @device
 def cells_of(
-    lower: Floats, upper: Floats, wide: Float, first: Ints, last: Ints, grid: SearchGrid, spacing: tuple[float, ...]
+    lower: Floats, upper: Floats, wide: Float, first: Ints, last: Ints, grid: SearchGrid,
+    spacing: tuple[float, ...]
 ) -> None:  # fmt: skip
-    """First and last cell along every axis that the box from ``lower`` to ``upper`` touches, widened by ``wide`` [m]."""
+    """First and last cell along every axis that the box from ``lower`` to ``upper`` touches, widened by
+    ``wide`` [m]."""
     for d in range(len(spacing)):
         first[d] = cell_of(lower[d] - wide, d, grid, spacing)
         last[d] = cell_of(upper[d] + wide, d, grid, spacing)
@@ -141,9 +144,9 @@ def mark_shared_nodes(
 ) -> bool:
     """Step 1: mark the grid nodes that the surfaces of two bodies reach; return whether there are any.
 
-    Only what lies in its body's near box counts (:func:`near_boxes`); such facets, and their bounding boxes, are listed. A
-    facet reaches the nodes of all cells that its bounding box, widened by ``wide``, touches. ``owner`` holds stamp * n_bodies +
-    body of the first to arrive.
+    Only what lies in its body's near box counts (:func:`near_boxes`); such facets, and their bounding boxes,
+    are listed. A facet reaches the nodes of all cells that its bounding box, widened by ``wide``, touches.
+    ``owner`` holds stamp * n_bodies + body of the first to arrive.
     """
     any_shared, count = False, 0
     lower, upper = scratch.vector(spacing), scratch.vector(spacing)
@@ -195,7 +198,8 @@ def tagged(cell: int, stamp: int, grid: SearchGrid, spacing: tuple[float, ...]) 
 def list_facets(
     stamp: int, wide: float, outline: Outline, grid: SearchGrid, spacing: tuple[float, ...]
 ) -> int:
-    """Steps 1 and 2: linked lists of the near facets in every tagged cell; return the number of entries, stored or not.
+    """Steps 1 and 2: linked lists of the near facets in every tagged cell; return the number of entries,
+    stored or not.
 
     There are none where no two bodies share a node. Facets count as larger by ``wide`` [m] all round.
     """

@@ -21,7 +21,8 @@ OPPOSITE = 0.9
 #: Cosine between the normals of facets that meet in an edge, at most.
 EDGE = 0.7
 
-#: Part of a corner's distance that may lie along the facet that covers it: elastic faces are not quite parallel.
+#: Part of a corner's distance that may lie along the facet that covers it: elastic faces are not quite
+#: parallel.
 ASIDE = 0.3
 
 #: What rounding leaves of lengths in cells and of cosines.
@@ -47,10 +48,12 @@ def remove(vector: Floats, unit: Floats, spacing: tuple[float, ...]) -> None:
 
 @device
 def seam_box(
-    a: int, b: int, near_first: Ints, near: Ints, reach: Float, grid: SearchGrid, lower: Floats, upper: Floats,
+    a: int, b: int, near_first: Ints, near: Ints, reach: Float, grid: SearchGrid, lower: Floats,
+    upper: Floats,
     spacing: tuple[float, ...],
 ) -> bool:  # fmt: skip
-    """Box of what two bodies' boxes have in common within ``reach`` [m] of a third body; whether there is any.
+    """Box of what two bodies' boxes have in common within ``reach`` [m] of a third body; whether there is
+    any.
 
     ``near[near_first[a]:near_first[a + 1]]`` are the bodies near body a.
     """
@@ -80,9 +83,11 @@ def seam_box(
 
 @device
 def list_within(
-    body: int, lower: Floats, upper: Floats, begin: int, outline: Outline, out: Indices, spacing: tuple[float, ...]
+    body: int, lower: Floats, upper: Floats, begin: int, outline: Outline, out: Indices, spacing: tuple[float,
+    ...]
 ) -> int:  # fmt: skip
-    """List the facets of a body whose boxes touch that from ``lower`` to ``upper``, into ``out[begin:]``; where they end."""
+    """List the facets of a body whose boxes touch that from ``lower`` to ``upper``, into ``out[begin:]``;
+    where they end."""
     low, high, count = scratch.vector(spacing), scratch.vector(spacing), begin
     for m in range(outline.facet_first[body], outline.facet_first[body + 1]):
         reach_of_facet(m, outline.position, outline.facets, low, high, spacing)
@@ -97,10 +102,11 @@ def list_within(
 
 @device
 def is_flush(p: int, m: int, normal: Floats, outline: Outline, spacing: tuple[float, ...]) -> bool:
-    """Whether surface node p, at the corner of a facet with the unit ``normal``, lies on facet m of another body.
+    """Whether surface node p, at the corner of a facet with the unit ``normal``, lies on facet m of another
+    body.
 
-    The node may be away from it along the normal, and beyond its rim along the normals of other facets at the node, which
-    turn away from this one: seams are never level.
+    The node may be away from it along the normal, and beyond its rim along the normals of other facets at the
+    node, which turn away from this one: seams are never level.
     """
     dim, flush = len(spacing), FLUSH * spacing[0]
     away, share, side = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
@@ -133,7 +139,8 @@ def is_flush(p: int, m: int, normal: Floats, outline: Outline, spacing: tuple[fl
 def is_covered(
     m: int, listed: Indices, begin: int, end: int, outline: Outline, spacing: tuple[float, ...]
 ) -> bool:
-    """Whether every corner of facet m is flush with one of the facets ``listed[begin:end]`` that is opposite to it."""
+    """Whether every corner of facet m is flush with one of the facets ``listed[begin:end]`` that is opposite
+    to it."""
     normal, other = scratch.vector(spacing), scratch.vector(spacing)
     area_of(m, outline, normal, spacing)
     size = length_of(normal, spacing)
@@ -157,10 +164,11 @@ def find_covered(
     first: Ints, second: Ints, reach: float, outline: Outline, grid: SearchGrid, near_first: Ints, near: Ints,
     listed: Indices, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """Write on every facet within ``reach`` [m] of a third body which body covers it, into ``outline.covered``; else −1.
+    """Write on every facet within ``reach`` [m] of a third body which body covers it, into
+    ``outline.covered``; else −1.
 
-    The bodies' boxes are those of the step. ``near_first`` (n_bodies + 1,), ``near`` (2 n_pairs,) and ``listed`` (n_f,) are
-    scratch.
+    The bodies' boxes are those of the step. ``near_first`` (n_bodies + 1,), ``near`` (2 n_pairs,) and
+    ``listed`` (n_f,) are scratch.
     """
     lower, upper = scratch.vector(spacing), scratch.vector(spacing)
     outline.covered[:] = -1
@@ -195,7 +203,8 @@ def find_covered(
 def past_a_seam(
     s: int, m: int, share: Floats, normal: Floats, outline: Outline, spacing: tuple[float, ...]
 ) -> bool:  # fmt: skip
-    """Whether node s is past a rim of facet m beyond which the surface is another body's: that body has the node's foot.
+    """Whether node s is past a rim of facet m beyond which the surface is another body's: that body has the
+    node's foot.
 
     ``share`` and ``normal`` are those of :func:`.outline.distance_to`.
     """

@@ -37,9 +37,9 @@ FORCE = ArrayField(
 class Surfaces(Detection):
     """Every node of a surface against the closest facet of each other body that faces it.
 
-    The search is [H17]'s, section 3.2. Gap, barycentric coordinates ξ_a and normal are those of the closest point; a node
-    inside another body is followed until it is seen to come out. A row's weights are N_i(x_s) in the slave's field and
-    −ξ_a N_i(x_a) in the master's.
+    The search is [H17]'s, section 3.2. Gap, barycentric coordinates ξ_a and normal are those of the closest
+    point; a node inside another body is followed until it is seen to come out. A row's weights are N_i(x_s)
+    in the slave's field and −ξ_a N_i(x_a) in the master's.
     """
 
     name = "surfaces"
@@ -144,7 +144,7 @@ class Surfaces(Detection):
                 write_spins(rows.count, self.law_range, self.outline, rows, rows.places, grid.spacing)
 
     def _search(self, grid: Grid) -> int:
-        """Number of candidates after the search's three steps, and after nodes inside bodies were followed."""
+        """Return the number of candidates after the search, and after nodes inside bodies were followed."""
         count = 0
         near = cells.near_boxes(
             self.first, self.second, self.radius, self.near.skin, self.outline, self.lists
@@ -169,7 +169,8 @@ class Surfaces(Detection):
             self.candidates.facet.fill(-1)
             return 0
         count = search.find_pairs(
-            self.stamp, self.radius, self.every_facet, self.outline, self.rank, self.lists, self.candidates, grid.spacing
+            self.stamp, self.radius, self.every_facet, self.outline, self.rank, self.lists, self.candidates,
+            grid.spacing
         )  # fmt: skip
         if count >= 0 and wide > 0.0:
             self.near.make(self.stamp, self.lists, self.candidates)
@@ -293,9 +294,9 @@ def _ranks(
 ) -> IntArray:
     """All alike where each body is slave once; else the stiffer is master, unless one is named.
 
-    Of equally stiff bodies the one with the larger surface is master, whose edges the other seldom reaches; ``size``
-    (body,) is its area [m^(dim−1)]. Equals are slaves of each other. Nodes of a body are slaves to facets of those of the same
-    or a higher rank.
+    Of equally stiff bodies the one with the larger surface is master, whose edges the other seldom reaches;
+    ``size`` (body,) is its area [m^(dim−1)]. Equals are slaves of each other. Nodes of a body are slaves to
+    facets of those of the same or a higher rank.
     """
     if master is not None and master not in [body.name for body in bodies]:
         names = ", ".join(body.name for body in bodies)

@@ -13,14 +13,16 @@ from mpmfw.kernels.facets import add_normal, extent_of, length_of, read_corners,
 from mpmfw.kernels.types import Float, Floats
 from mpmfw.state.structs import State
 
-#: Least cosine between a slave node's reversed normal and that of a facet that faces it: blocks have sides at right angles,
-#: and neither rounding nor how little an elastic side leans must decide. A wedge of 2.3 degrees has sides that face nothing.
+#: Least cosine between a slave node's reversed normal and that of a facet that faces it: blocks have sides at
+#: right angles, and neither rounding nor how little an elastic side leans must decide. A wedge of 2.3 degrees
+#: has sides that face nothing.
 LEAST_COSINE = 0.02
 
 
 @device
 def against(looks: Floats, m: int, outline: Outline, spacing: tuple[float, ...]) -> tuple[Float, Float]:
-    """−n·a of a slave node's normal n, ``looks``, and the area vector a of facet m; and their lengths' product."""
+    """−n·a of a slave node's normal n, ``looks``, and the area vector a of facet m; and their lengths'
+    product."""
     area = scratch.vector(spacing)
     area_of(m, outline, area, spacing)
     along = 0.0
@@ -31,7 +33,8 @@ def against(looks: Floats, m: int, outline: Outline, spacing: tuple[float, ...])
 
 @device
 def outlook(s: int, other: int, outline: Outline, looks: Floats, spacing: tuple[float, ...]) -> None:
-    """Normal of surface node s as body ``other`` sees it, without the facets that a third body covers, into ``looks``."""
+    """Normal of surface node s as body ``other`` sees it, without the facets that a third body covers, into
+    ``looks``."""
     for d in range(len(spacing)):
         looks[d] = 0.0
     for k in range(outline.star_first[s], outline.star_first[s + 1]):
@@ -53,8 +56,8 @@ SURELY = 1.5 * LEAST_COSINE
 
 @device
 def surely_faces(s: int, m: int, outline: Outline, spacing: tuple[float, ...]) -> bool:
-    """Whether every facet of node s faces facet m: then so does the node's normal, a sum of theirs with weights that need the
-    angles, which cost more."""
+    """Whether every facet of node s faces facet m: then so does the node's normal, a sum of theirs with
+    weights that need the angles, which cost more."""
     area, own, sure, size = scratch.vector(spacing), scratch.vector(spacing), True, 0.0
     area_of(m, outline, area, spacing)
     for d in range(len(spacing)):
@@ -100,8 +103,8 @@ def facing_facet(
     outline: Outline,
     spacing: tuple[float, ...],
 ) -> int:
-    """The facet nearest to a point of facet m along the surface that faces a node; −1 if none within ``reach`` [m],
-    :data:`TOO_MANY` if there are more than it can look at.
+    """The facet nearest to a point of facet m along the surface that faces a node; −1 if none within
+    ``reach`` [m], :data:`TOO_MANY` if there are more than it can look at.
 
     ``share`` are the point's barycentric coordinates, ``mine`` and ``looks``
     the node's body and normal. From facet to facet the nearest is looked
@@ -153,12 +156,12 @@ def facing_facet(
 def turn_to_facing(
     s: int, radius: Float, outline: Outline, candidates: Candidates, spacing: tuple[float, ...]
 ) -> bool:
-    """Candidates of node s that do not face it give way to a facet round the corner that does, or are dropped; whether no
-    corner had too many facets to look at.
+    """Candidates of node s that do not face it give way to a facet round the corner that does, or are
+    dropped; whether no corner had too many facets to look at.
 
-    Where two bodies are flush, the node at the corner of one lies on the side of the other, with no gap: it would be held
-    there, and its part of the face would carry nothing. A node that is outside is not turned: it may be inside of nothing
-    but the plane of a far face.
+    Where two bodies are flush, the node at the corner of one lies on the side of the other, with no gap: it
+    would be held there, and its part of the face would carry nothing. A node that is outside is not turned:
+    it may be inside of nothing but the plane of a far face.
     """
     looks, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
     looked, done = False, True
@@ -200,7 +203,8 @@ def too_fine(state: State, node: int) -> SimulationError:
         raise RuntimeError("no surface is tracked")
     body = state.bodies[int(surface.body[node])]
     return SimulationError(
-        f"more than {len(ROUND)} facets of another body are within {ROUND_THE_CORNER:g} search radii of a surface node that "
+        f"more than {len(ROUND)} facets of another body are within {ROUND_THE_CORNER:g} search radii of a "
+        "surface node that "
         "they do not face",
         body=body.name,
         index=node - int(surface.body_first[body.index]),

@@ -1,4 +1,5 @@
-"""Facets near every node, listed once and looked through as long as no body has moved far since (L. Verlet, 1967)."""
+"""Facets near every node, listed once and looked through as long as no body has moved far since (L. Verlet,
+1967)."""
 
 from __future__ import annotations
 
@@ -48,7 +49,8 @@ def list_cell(
     s: int, cell: int, count: int, outline: Outline, rank: Ints, grid: SearchGrid, near: Listed,
     spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """Add the facets of a cell that are within the cutoff of node s, each once; the number of entries, stored or not."""
+    """Add the facets of a cell that are within the cutoff of node s, each once; the number of entries, stored
+    or not."""
     x, mine, cutoff = scratch.vector(spacing), outline.body[s], near.cutoff[s]
     read_point(s, outline.position, x, spacing)
     entry = grid.head[cell]
@@ -74,10 +76,12 @@ def list_cell(
 
 @kernel
 def list_near(
-    stamp: int, radius: float, skin: float, outline: Outline, rank: Ints, grid: SearchGrid, candidates: Candidates,
+    stamp: int, radius: float, skin: float, outline: Outline, rank: Ints, grid: SearchGrid,
+    candidates: Candidates,
     near: Listed, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """List for every node the facets of other bodies within the distance of its candidate, or the ``radius``, and a ``skin``.
+    """List for every node the facets of other bodies within the distance of its candidate, or the ``radius``,
+    and a ``skin``.
 
     The cells' lists are those of boxes widened by the skin (:func:`.search.list_facets`).
 
@@ -113,7 +117,8 @@ def list_near(
 
 @kernel
 def measure_motion(outline: Outline, near: Listed) -> float:
-    """How far any node of each body has moved since the lists were made, into ``near.moved``; the sum of the two largest [m]."""
+    """How far any node of each body has moved since the lists were made, into ``near.moved``; the sum of the
+    two largest [m]."""
     most, second = 0.0, 0.0
     for b in range(len(near.moved)):
         square = 0.0
@@ -153,7 +158,8 @@ def find_listed(
 
     Returns
     -------
-    What :func:`.search.find_pairs` does; :data:`STALE` where a facet that is not listed may be closer than what was found.
+    What :func:`.search.find_pairs` does; :data:`STALE` where a facet that is not listed may be closer than
+    what was found.
     """
     count = 0
     for s in range(len(outline.body)):
@@ -219,10 +225,12 @@ class NearFacets:
         return self.skin if 2.0 * WORTH * np.abs(self.outline.displacement).max() <= self.skin else 0.0
 
     def make(self, stamp: int, lists: SearchGrid, candidates: Candidates) -> None:
-        """List the facets near the nodes, after the search has found the candidates with boxes widened by the skin."""
+        """List the facets near the nodes, after the search has found the candidates with boxes widened by the
+        skin."""
         while True:
             entries = list_near(
-                stamp, self.radius, self.skin, self.outline, self.rank, lists, candidates, self.near, self.spacing
+                stamp, self.radius, self.skin, self.outline, self.rank, lists, candidates, self.near,
+                self.spacing
             )  # fmt: skip
             if entries <= len(self.near.facet):
                 break

@@ -16,7 +16,8 @@ class FacetOptions(BaseModel):
 
     master: str | None = Field(
         None,
-        description="name of the master body (one pass); default: the stiffer; of equally stiff ones that with the "
+        description="name of the master body (one pass); default: the stiffer; of equally stiff ones that "
+        "with the "
         "larger surface; of equals each is slave once",
     )
     search_radius: float = Field(1.0, gt=0, le=1.0, description="reach of the search in cells")

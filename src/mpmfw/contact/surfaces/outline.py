@@ -29,7 +29,8 @@ class Outline(Struct):
 
 
 def outline_of(surface: Surface) -> Outline:
-    """The arrays of the tracked ``surface``, which are written in place; more than two bodies may cover each other's facets."""
+    """The arrays of the tracked ``surface``, which are written in place; more than two bodies may cover each
+    other's facets."""
     if len(surface.body_first) > 3 and len(surface.covered) == 0:
         surface.covered = np.full(len(surface.facets), -1)
     return Outline(**{name: getattr(surface, name) for name in Outline.member_names})
@@ -39,8 +40,8 @@ def outline_of(surface: Surface) -> Outline:
 def distance_to(
     s: int, m: int, outline: Outline, share: Floats, normal: Floats, spacing: tuple[float, ...]
 ) -> Float:
-    """Signed distance of node s from facet m [m]; barycentric coordinates into ``share``, the unit direction e_n into
-    ``normal`` (:func:`mpmfw.kernels.signed_distance`)."""
+    """Signed distance of node s from facet m [m]; barycentric coordinates into ``share``, the unit direction
+    e_n into ``normal`` (:func:`mpmfw.kernels.signed_distance`)."""
     x = scratch.vector(spacing)
     read_point(s, outline.position, x, spacing)
     return signed_distance(x, m, outline, share, normal, spacing)
@@ -48,7 +49,7 @@ def distance_to(
 
 @device
 def area_of(m: int, outline: Outline, out: Floats, spacing: tuple[float, ...]) -> None:
-    """Outward normal of facet m times its measure (:func:`mpmfw.kernels.facets.area_vector`), into ``out``."""
+    """Outward normal of facet m times its measure, into ``out``, by :func:`.facets.area_vector`."""
     corners = scratch.matrix(spacing, spacing)
     read_corners(m, outline.position, outline.facets, corners, spacing)
     area_vector(corners, out, spacing)

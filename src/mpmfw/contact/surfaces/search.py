@@ -1,4 +1,5 @@
-"""The closest facets of every slave node, among those in the cells round it: step 3 of the search ([H17] section 3.2)."""
+"""The closest facets of every slave node, among those in the cells round it: step 3 of the search ([H17]
+section 3.2)."""
 
 from __future__ import annotations
 
@@ -24,8 +25,9 @@ def keep_nearest(
 ) -> None:
     """Keep the closest facet of each other body; of equally close ones that with the lower index.
 
-    The force is shared by neighbours that are equally close (:func:`.assembly.equally_close`), whichever is kept.
-    Where more bodies are near than there are slots, the farthest gives way, so that the order of search does not matter.
+    The force is shared by neighbours that are equally close (:func:`.assembly.equally_close`), whichever is
+    kept. Where more bodies are near than there are slots, the farthest gives way, so that the order of search
+    does not matter.
     """
     master, facet, gaps = candidates.master, candidates.facet, candidates.gap
     farthest = 0
@@ -45,13 +47,15 @@ def keep_nearest(
         put(s, j, other, m, gap, share, normal, candidates, spacing)
 
 
-#: Allowance for rounding where boxes are compared with a distance, so that of equally close facets none is lost.
+#: Allowance for rounding where boxes are compared with a distance, so that of equally close facets none is
+#: lost.
 ROUNDING = 1.0 + 1e-12
 
 
 @device
 def reach_of(s: int, radius: Float, candidates: Candidates) -> Float:
-    """How far a better candidate of node s may be: the radius, or the distance found if there is one slot only."""
+    """How far a better candidate of node s may be: the radius, or the distance found if there is one slot
+    only."""
     if candidates.facet.shape[1] == 1 and candidates.facet[s, 0] >= 0:
         return abs(candidates.gap[s, 0]) * ROUNDING
     return radius
@@ -59,7 +63,8 @@ def reach_of(s: int, radius: Float, candidates: Candidates) -> Float:
 
 @device
 def reach_towards(s: int, other: int, radius: Float, candidates: Candidates) -> Float:
-    """How far a better facet of body ``other`` may be from node s: the radius, or the distance found if there is one."""
+    """How far a better facet of body ``other`` may be from node s: the radius, or the distance found if there
+    is one."""
     for j in range(candidates.facet.shape[1]):
         if candidates.facet[s, j] >= 0 and candidates.master[s, j] == other:
             return abs(candidates.gap[s, j]) * ROUNDING + (ROUNDING - 1.0) * radius
@@ -89,7 +94,8 @@ def outside_box(x: Floats, lower: Floats, upper: Floats, reach: Float, spacing: 
 
 @device
 def search_facet(
-    s: int, m: int, other: int, radius: Float, outline: Outline, candidates: Candidates, spacing: tuple[float, ...]
+    s: int, m: int, other: int, radius: Float, outline: Outline, candidates: Candidates, spacing: tuple[float,
+    ...]
 ) -> None:  # fmt: skip
     """Keep facet m of body ``other`` if it is the closest to node s so far, and within ``radius``."""
     if hidden(m, outline.body[s], outline):
@@ -110,7 +116,8 @@ def search_cell(
     s: int, entry: int, radius: float, every: bool, outline: Outline, rank: Ints, grid: SearchGrid,
     candidates: Candidates, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """Compare node s with the facets of a cell's list, from ``entry`` on; most are spared by their bounding boxes."""
+    """Compare node s with the facets of a cell's list, from ``entry`` on; most are spared by their bounding
+    boxes."""
     x = scratch.vector(spacing)
     read_point(s, outline.position, x, spacing)
     mine = outline.body[s]
@@ -137,8 +144,8 @@ SLOTS = (0.0,) * 3
 def begin_with_last(
     s: int, radius: float, outline: Outline, rank: Ints, candidates: Candidates, spacing: tuple[float, ...]
 ) -> None:  # fmt: skip
-    """Clear the slots of node s, and compare it with the facets of the last step: which is the closest does not depend on
-    them, but most others are spared by what they are away."""
+    """Clear the slots of node s, and compare it with the facets of the last step: which is the closest does
+    not depend on them, but most others are spared by what they are away."""
     last = scratch.integers(SLOTS)
     slots, mine = candidates.facet.shape[1], outline.body[s]
     for j in range(slots):
@@ -156,8 +163,8 @@ AROUND = (0.0,) * 27
 
 @device
 def nearest_first(order: Ints, spacing: tuple[float, ...]) -> None:
-    """The cells round a node's own, as numbers of digits 0 … 2, one an axis: the own cell first, then by the number of axes along
-    which they lie beside it."""
+    """The cells round a node's own, as numbers of digits 0 … 2, one an axis: the own cell first, then by the
+    number of axes along which they lie beside it."""
     count = 0
     for far in range(len(spacing) + 1):
         for visit in range(3 ** len(spacing)):
@@ -172,16 +179,17 @@ def nearest_first(order: Ints, spacing: tuple[float, ...]) -> None:
 
 @kernel
 def find_pairs(
-    stamp: int, radius: float, every: bool, outline: Outline, rank: Ints, grid: SearchGrid, candidates: Candidates,
+    stamp: int, radius: float, every: bool, outline: Outline, rank: Ints, grid: SearchGrid,
+    candidates: Candidates,
     spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """Step 3: for every slave node in a tagged cell the closest point of each other body within ``radius``, on a facet
-    that faces it.
+    """Step 3: for every slave node in a tagged cell the closest point of each other body within ``radius``,
+    on a facet that faces it.
 
-    ``every`` takes instead, as [H17] writes it, every facet with g_n < 0 and the foot on it one of whose corners
-    lies within the radius, up to the number of slots. Nodes of body a are slaves to facets of b if ``rank[a]`` is no
-    higher than ``rank[b]``. The facets of the last step and the nearest cells come first: what they hold spares most of
-    the others.
+    ``every`` takes instead, as [H17] writes it, every facet with g_n < 0 and the foot on it one of whose
+    corners lies within the radius, up to the number of slots. Nodes of body a are slaves to facets of b if
+    ``rank[a]`` is no higher than ``rank[b]``. The facets of the last step and the nearest cells come first:
+    what they hold spares most of the others.
 
     Returns
     -------
@@ -226,7 +234,8 @@ def find_pairs(
 
 @device
 def keep_penetrated(
-    s: int, m: int, other: int, radius: Float, outline: Outline, candidates: Candidates, spacing: tuple[float, ...]
+    s: int, m: int, other: int, radius: Float, outline: Outline, candidates: Candidates, spacing: tuple[float,
+    ...]
 ) -> None:  # fmt: skip
     """Eq. 10: g_n < 0 and the foot on the facet, with a corner of it within the radius; each facet once."""
     dim = len(spacing)

@@ -1,4 +1,5 @@
-"""A node inside another body is followed until it is seen to come out, however deep it is and however fast it moved."""
+"""A node inside another body is followed until it is seen to come out, however deep it is and however fast it
+moved."""
 
 from __future__ import annotations
 
@@ -21,8 +22,9 @@ from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import State
 
-#: Least cosine between a slave node's normal and the direction out of a body by which the node has gone through it: one
-#: that leaves the way it entered, or round a corner, has an angle of 90° or more, or little less.
+#: Least cosine between a slave node's normal and the direction out of a body by which the node has gone
+#: through it: one that leaves the way it entered, or round a corner, has an angle of 90° or more, or little
+#: less.
 THROUGH = 0.7
 
 #: How far beyond the far side of a body, in cells, a node may be before the bodies count as crossed.
@@ -51,7 +53,8 @@ def opposition(looks: Floats, m: int, outline: Outline, spacing: tuple[float, ..
 
 @device
 def walk(s: int, m: int, looks: Floats, outline: Outline, spacing: tuple[float, ...]) -> int:
-    """Facet that is locally nearest to node s, reached from facet m along facets that face the node's normal, ``looks``.
+    """Facet that is locally nearest to node s, reached from facet m along facets that face the node's normal,
+    ``looks``.
 
     From a facet that does not, the way is free to those that face it more.
     """
@@ -76,10 +79,11 @@ def walk(s: int, m: int, looks: Floats, outline: Outline, spacing: tuple[float, 
 def behind(
     s: int, m: int, outline: Outline, share: Floats, normal: Floats, spacing: tuple[float, ...]
 ) -> Float:
-    """Gap of a node that is behind facet m, positive if it is in front after all; writes barycentric coordinates and e_n.
+    """Gap of a node that is behind facet m, positive if it is in front after all; writes barycentric
+    coordinates and e_n.
 
-    Where the closest point is on the rim, the node is behind it whatever the pseudo-normal there says: a nearer facet may
-    be round the corner.
+    Where the closest point is on the rim, the node is behind it whatever the pseudo-normal there says: a
+    nearer facet may be round the corner.
     """
     g = distance_to(s, m, outline, share, normal, spacing)
     if g > 0.0 and at_rim(share, spacing):
@@ -91,8 +95,8 @@ def behind(
 
 @device
 def place_of(s: int, other: int, candidates: Candidates) -> Any:
-    """Slot of node s that has a candidate of body ``other``, else −1; and one for a new candidate: a free one, else that
-    of the largest gap."""
+    """Slot of node s that has a candidate of body ``other``, else −1; and one for a new candidate: a free
+    one, else that of the largest gap."""
     facet, gap = candidates.facet, candidates.gap
     slot, place = -1, 0
     for j in range(facet.shape[1]):
@@ -105,11 +109,13 @@ def place_of(s: int, other: int, candidates: Candidates) -> Any:
 
 @kernel
 def keep_inside(outline: Outline, candidates: Candidates, through: Floats, spacing: tuple[float, ...]) -> int:
-    """Give nodes that were inside a body, and that the search has lost, the closest point of its surface that faces them.
+    """Give nodes that were inside a body, and that the search has lost, the closest point of its surface that
+    faces them.
 
-    The search covers what is within its radius, and facing facets near the closest one. A node that it has lost has come
-    out, round a corner, or it is deeper than that, or it has gone through to the far side; only the first is let go. Of
-    those that went through, ``through`` (3,) says how far the farthest is beyond the far side [m], its index, and the body's.
+    The search covers what is within its radius, and facing facets near the closest one. A node that it has
+    lost has come out, round a corner, or it is deeper than that, or it has gone through to the far side; only
+    the first is let go. Of those that went through, ``through`` (3,) says how far the farthest is beyond the
+    far side [m], its index, and the body's.
 
     Returns
     -------
@@ -153,8 +159,8 @@ def keep_inside(outline: Outline, candidates: Candidates, through: Floats, spaci
 def foot_then(
     s: int, m: int, back: Float, outline: Outline, share: Floats, spacing: tuple[float, ...]
 ) -> Float:
-    """Gap [m] of node s from facet m where they were the part ``back`` of their last displacements ago, and its foot's
-    barycentric coordinates then."""
+    """Gap [m] of node s from facet m where they were the part ``back`` of their last displacements ago, and
+    its foot's barycentric coordinates then."""
     dim, moved = len(spacing), outline.displacement
     x, corners, normal = scratch.vector(spacing), scratch.matrix(spacing, spacing), scratch.vector(spacing)
     for d in range(dim):
@@ -167,7 +173,7 @@ def foot_then(
 
 @device
 def crosses(s: int, m: int, outline: Outline, spacing: tuple[float, ...]) -> bool:
-    """Whether node s came through facet m from its front in the last step, both taken to have moved evenly."""
+    """Return true if node s came through facet m from its front in the last step; both moved evenly."""
     share = scratch.vector(spacing)
     now = foot_then(s, m, 0.0, outline, share, spacing)
     if now >= 0.0:
@@ -197,11 +203,12 @@ def outside_body(
 
 @kernel
 def find_crossings(
-    least_travel: float, outline: Outline, first: Ints, second: Ints, rank: Ints, grid: SearchGrid, candidates: Candidates,
+    least_travel: float, outline: Outline, first: Ints, second: Ints, rank: Ints, grid: SearchGrid,
+    candidates: Candidates,
     spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """Add nodes that came in through a facet in the last step, and that the search has not seen: they are nearer to the far
-    side of a thin body already, or came by a flank that does not face them.
+    """Add nodes that came in through a facet in the last step, and that the search has not seen: they are
+    nearer to the far side of a thin body already, or came by a flank that does not face them.
 
     Nothing is looked for where no node has moved by ``least_travel`` [m].
 

@@ -1,4 +1,5 @@
-"""How far bodies may travel towards each other in a step: a node must not pass the band in which it is searched."""
+"""How far bodies may travel towards each other in a step: a node must not pass the band in which it is
+searched."""
 
 from __future__ import annotations
 
@@ -28,12 +29,14 @@ class Boxes(Struct):
 
 @kernel
 def fewest_steps(
-    first: Ints, second: Ints, body_first: Ints, position: Floats, displacement: Floats, begins: bool, boxes: Boxes, band: float
+    first: Ints, second: Ints, body_first: Ints, position: Floats, displacement: Floats, begins: bool,
+    boxes: Boxes, band: float
 ) -> float:  # fmt: skip
-    """Least (distance of the boxes + ``band``) / relative motion over all pairs: steps like the last that are left to them.
+    """Least (distance of the boxes + ``band``) / relative motion over all pairs: steps like the last that are
+    left to them.
 
-    ``position`` and ``displacement`` are those of the surface nodes, (n_s, dim) [m]. In the step that ``begins`` the run there
-    are no displacements yet, and the boxes have the motion already.
+    ``position`` and ``displacement`` are those of the surface nodes, (n_s, dim) [m]. In the step that
+    ``begins`` the run there are no displacements yet, and the boxes have the motion already.
     """
     lower, upper, slowest, fastest = boxes.lower, boxes.upper, boxes.slowest, boxes.fastest
     bounding_boxes(body_first, position, lower, upper)
@@ -91,7 +94,8 @@ class TravelLimit:
 
     @hookimpl
     def stable_timestep(self, state: State) -> tuple[float, str]:
-        """Time in which some pair of bodies comes nearer by its distance and half of the search radius, as it moved last.
+        """Time in which some pair of bodies comes nearer by its distance and half of the search radius, as it
+        moved last.
 
         Before the first step the material points tell how bodies move; infinite if none does.
         """
@@ -102,6 +106,7 @@ class TravelLimit:
                 own = state.particles.velocity[body.particles]
                 boxes.slowest[body.index], boxes.fastest[body.index] = own.min(axis=0), own.max(axis=0)
         steps = fewest_steps(
-            self.first, self.second, surface.body_first, surface.position, surface.displacement, begins, boxes, self.band
+            self.first, self.second, surface.body_first, surface.position, surface.displacement, begins,
+            boxes, self.band
         )  # fmt: skip
         return steps * unit, self.owner
