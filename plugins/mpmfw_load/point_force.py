@@ -31,9 +31,11 @@ class PointForceOptions(BaseModel):
 
 
 class PointForce(BodyLoad):
-    """A force at a point of one body, spread over the material points within 1.5 cells so that force and moment are exact.
+    """A force at a point of one body, spread over the material points within 1.5 cells so that force and
+    moment are exact.
 
-    Their shares w_p are linear in the distance within a kernel (moving least squares): Σ w_p = 1 and Σ w_p x_p = x at the start.
+    Their shares w_p are linear in the distance within a kernel (moving least squares): Σ w_p = 1 and Σ w_p
+    x_p = x at the start.
     """
 
     name = "point_force"

@@ -1,4 +1,5 @@
-"""Metal plasticity: von Mises' yield criterion at finite strain, with linear isotropic hardening; plane strain in 2D."""
+"""Metal plasticity: von Mises' yield criterion at finite strain, with linear isotropic hardening; plane
+strain in 2D."""
 
 from __future__ import annotations
 
@@ -82,10 +83,11 @@ def j2_stress(
     first: int, last: int, deformation_gradient: Floats, flow: Flow, stress: Floats, bulk: float, shear: float,
     yield_stress: float, hardening: float, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """σ = K/2 (J − 1/J) 1 + s/J, |s| ≤ √(2/3) (σ_y + H α): elastic predictor s = G dev b_e, and its radial return.
+    """σ = K/2 (J − 1/J) 1 + s/J, |s| ≤ √(2/3) (σ_y + H α): elastic predictor s = G dev b_e, and its radial
+    return.
 
-    Simo & Hughes (1998), box 9.1, with tr b_e after the return from det b_e = 1. Plastic work is that of the mean of the yield
-    stresses before and after.
+    Simo & Hughes (1998), box 9.1, with tr b_e after the return from det b_e = 1. Plastic work is that of the
+    mean of the yield stresses before and after.
     """
     dim = len(spacing)
     f = scratch.matrix(SPACE, SPACE)
@@ -141,9 +143,11 @@ class J2Options(Moduli):
 
 
 class J2(Isotropic):
-    """Elastic as ``neo_hookean``, and von Mises plasticity: σ_y + H α is the stress under which it flows at constant volume.
+    """Elastic as ``neo_hookean``, and von Mises plasticity: σ_y + H α is the stress under which it flows at
+    constant volume.
 
-    The history of a point is C_p⁻¹, the inverse of the plastic right Cauchy-Green tensor, and α, both arrays of the run.
+    The history of a point is C_p⁻¹, the inverse of the plastic right Cauchy-Green tensor, and α, both arrays
+    of the run.
     """
 
     name = "j2"
@@ -158,7 +162,8 @@ class J2(Isotropic):
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Constants, and the history: one set of arrays for all materials of this model, each with points of its own."""
+        """Constants, and the history: one set of arrays for all materials of this model, each with points of
+        its own."""
         self.spacing = setup.state.grid.spacing
         o = self.options
         self.constants = o.bulk_modulus, o.shear_modulus, o.yield_stress, o.hardening_modulus

@@ -1,5 +1,5 @@
-"""Tables of functions at points, and the surface basis shared by linear, GIMP and CPDI: the grid's plain (bi-, tri-)linear
-functions at the surface nodes."""
+"""Tables of functions at points, and the surface basis shared by linear, GIMP and CPDI: the grid's plain
+(bi-, tri-)linear functions at the surface nodes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ Functions = tuple[Callable[..., int], int]
 def fill_at(
     fill: Callable[..., int], position: FloatArray, first: IntArray, grid: Grid, table: Stencil, threads: Any = None
 ) -> Stencil:  # fmt: skip
-    """Fill a ``table`` by the functions at points of ``position`` (n, dim) [m]; those of field f are ``first[f]:first[f + 1]``.
+    """Fill a ``table`` by the functions at points of ``position`` (n, dim) [m]; those of field f are
+    ``first[f]:first[f + 1]``.
 
     ``threads`` are those that share the points, None if one thread fills the table.
 

@@ -1,13 +1,15 @@
-"""Degenerate domains of CPDI and CPDI2, as plastic flow makes them, are replaced by rectangles of bounded edges.
+"""Degenerate domains of CPDI and CPDI2, as plastic flow makes them, are replaced by rectangles of bounded
+edges.
 
-The mean gradient over a parallelogram R ξ is R^−T times differences of N_i along its edges. Where these are long and nearly
-parallel, the kinks of N_i along them are divided by the width: the gradient exceeds 1/h without a bound. A domain that is
-very thin has, where it is alone, a node with nearly no mass but a force, as a point of linear shape functions has. In both
-cases steps that are stable for the bulk diverge, and points invert.
+The mean gradient over a parallelogram R ξ is R^−T times differences of N_i along its edges. Where these are
+long and nearly parallel, the kinks of N_i along them are divided by the width: the gradient exceeds 1/h
+without a bound. A domain that is very thin has, where it is alone, a node with nearly no mass but a force, as
+a point of linear shape functions has. In both cases steps that are stable for the bulk diverge, and points
+invert.
 
-The rectangle has the directions of the principal axes of the ellipse R Rᵀ, and the centre and the volume that the point has:
-sums of φ, ∇φ and x φ are exact for any domain. Homel, Brannon & Guilkey (2016, doi:10.1002/nme.5151) bound the diagonals'
-lengths alone.
+The rectangle has the directions of the principal axes of the ellipse R Rᵀ, and the centre and the volume that
+the point has: sums of φ, ∇φ and x φ are exact for any domain. Homel, Brannon & Guilkey (2016,
+doi:10.1002/nme.5151) bound the diagonals' lengths alone.
 """
 
 from __future__ import annotations
@@ -21,7 +23,8 @@ from mpmfw.kernels.types import Float, Floats
 #: An edge that is longer or shorter than at the start by more than this factor makes a domain degenerate.
 STRETCH = 4.0
 
-#: Least |det R| over the product of the edges' lengths of a domain that is not degenerate: edges at 30° in 2D.
+#: Least |det R| over the product of the edges' lengths of a domain that is not degenerate: edges at 30° in
+#: 2D.
 SQUARENESS = 0.5
 
 #: Largest factor between half an edge of the rectangle and |det R_0|^(1/dim).
@@ -42,7 +45,8 @@ def edge_square(r: Floats, e: int, spacing: tuple[float, ...]) -> Float:
 
 @device
 def is_degenerate(r: Floats, start: Floats, spacing: tuple[float, ...]) -> bool:
-    """Return whether the half-edges ``r`` (dim, dim), R, are sheared or stretched too far from ``start``, R_0 [m]."""
+    """Return whether the half-edges ``r`` (dim, dim), R, are sheared or stretched too far from ``start``, R_0
+    [m]."""
     box = 1.0
     stretched = False
     for e in range(len(spacing)):

@@ -10,15 +10,16 @@ from mpmfw.api.types import Grid, Particles, Setup, Stencil, hookimpl
 from mpmfw.kernels import FULL
 from mpmfw_shape._at_points import LinearSurface
 
-#: Entries a point to begin with: a domain of half a cell has 6.25 (2D) or 15.6 (3D) nodes in its box on average.
+#: Entries a point to begin with: a domain of half a cell has 6.25 (2D) or 15.6 (3D) nodes in its box on
+#: average.
 ENTRIES = {2: 7, 3: 18}
 
 
 class PackedRows(LinearSurface):
     """Base of shape functions of points with a domain; the boundary's basis is linear."""
 
-    #: A kernel, called as ``fill(first, *domains, *windows, k, row, nodes, weight, gradient, spacing)``: it fills
-    #: rows from entry k on, and returns the first point outside its window, −1, or ``FULL``.
+    #: A kernel, called as ``fill(first, *domains, *windows, k, row, nodes, weight, gradient, spacing)``: it
+    #: fills rows from entry k on, and returns the first point outside its window, −1, or ``FULL``.
     fill: ClassVar[Callable[..., int]]
 
     def domains(self, particles: Particles) -> tuple[Any, ...]:

@@ -1,9 +1,10 @@
 """Rectangles of a surface that are cut in four triangles from the centre: the functions of CPDI on them.
 
-CPDI interpolates the grid's functions between the corners of its domains, so that Σ V ∇φ over points that tile a box is
-∮ φ n dA of functions that are bilinear on the faces of the outermost domains. At a rectangle's centre such a function is the mean
-of what it is at the corners, which is the grid's own where no kink lies in between. Where a rectangle is no face of a point's
-domain the two sides differ anyhow, and the grid's own functions are the better quadrature.
+CPDI interpolates the grid's functions between the corners of its domains, so that Σ V ∇φ over points that
+tile a box is ∮ φ n dA of functions that are bilinear on the faces of the outermost domains. At a rectangle's
+centre such a function is the mean of what it is at the corners, which is the grid's own where no kink lies in
+between. Where a rectangle is no face of a point's domain the two sides differ anyhow, and the grid's own
+functions are the better quadrature.
 """
 
 from __future__ import annotations
@@ -16,15 +17,16 @@ from mpmfw.kernels import kernel
 from mpmfw.kernels.table import entries
 from mpmfw.kernels.types import Floats, Indices, Ints
 
-#: Distance over a rectangle's size within which a node is its centre, or its corners are those of a point's face.
+#: Distance over a rectangle's size within which a node is its centre, or its corners are those of a point's
+#: face.
 CENTRED = 1e-9
 #: Corners of a hexahedron's face, and of a rectangle, as signs of two half-edges.
 SIGNS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
 
 
 def corners_of_centres(surface: Surface) -> tuple[IntArray, IntArray]:
-    """Surface nodes (k,) with four facets, of all of which they are the last corner, in the middle of the other four; and these,
-    (k, 4)."""
+    """Surface nodes (k,) with four facets, of all of which they are the last corner, in the middle of the
+    other four; and these, (k, 4)."""
     facets, position = surface.facets, surface.position
     last = np.bincount(facets[:, -1], minlength=len(position))
     centre = np.flatnonzero((last == 4) & (np.bincount(facets.ravel(), minlength=len(position)) == 4))
@@ -65,10 +67,11 @@ def mean_rows(
     index: Ints, corners: Ints, row: Ints, nodes: Indices, weight: Floats, place: Indices, out_row: Ints, out_nodes: Indices,
     out_weight: Floats,
 ) -> None:  # fmt: skip
-    """Copy a table of surface nodes; where ``index`` (n_s,) is that of a rectangle, and not −1, the row is the mean of its
-    corners' (k, 4).
+    """Copy a table of surface nodes; where ``index`` (n_s,) is that of a rectangle, and not −1, the row is
+    the mean of its corners' (k, 4).
 
-    ``place`` (n_nodes,) is scratch, of any content within 0 … the table's length: the entry that a grid node was given last.
+    ``place`` (n_nodes,) is scratch, of any content within 0 … the table's length: the entry that a grid node
+    was given last.
     """
     top = 0
     out_row[0] = 0
@@ -120,7 +123,8 @@ class Rectangles:
         )  # fmt: skip
 
     def table_of(self, plain: Stencil, grid_nodes: int) -> Stencil:
-        """The table with the functions at the nodes themselves, ``plain``, with centres as means of their corners.
+        """The table with the functions at the nodes themselves, ``plain``, with centres as means of their
+        corners.
 
         ``grid_nodes`` is the number of nodes of the grid, those of all fields counted.
         """

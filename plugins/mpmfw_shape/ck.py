@@ -1,11 +1,14 @@
-"""Compact kernels on two staggered grids (Liu, Wang & Li 2025): smooth gradients from the nodes of a point's own cells.
+"""Compact kernels on two staggered grids (Liu, Wang & Li 2025): smooth gradients from the nodes of a point's
+own cells.
 
-M. Liu, X. Wang, M. Li (2025): CK-MPM: a compact-kernel material point method. ACM Transactions on Graphics 44 (4).
+M. Liu, X. Wang, M. Li (2025): CK-MPM: a compact-kernel material point method. ACM Transactions on Graphics 44
+(4).
 
-In each direction K(r) = 1 − |r| + sin(2π|r|) / (2π) for |r| ≤ 1, twice continuously differentiable, and Σ K = 1 on one grid. A
-linear field is not interpolated exactly by one grid, but by the mean of two that are staggered by half a cell: their errors are
-opposite. Here both are parts of the scene's grid of cell h, each a grid of cell 2h: nodes whose indices are all even, and those
-whose indices are all odd. Nodes of mixed indices have no mass. So ``grid.cell_size`` is half of what the paper calls Δx.
+In each direction K(r) = 1 − |r| + sin(2π|r|) / (2π) for |r| ≤ 1, twice continuously differentiable, and Σ K =
+1 on one grid. A linear field is not interpolated exactly by one grid, but by the mean of two that are
+staggered by half a cell: their errors are opposite. Here both are parts of the scene's grid of cell h, each a
+grid of cell 2h: nodes whose indices are all even, and those whose indices are all odd. Nodes of mixed indices
+have no mass. So ``grid.cell_size`` is half of what the paper calls Δx.
 """
 
 from __future__ import annotations
@@ -23,7 +26,8 @@ WIDTH = 4
 
 @device
 def compact_weights(xi: Float, inverse_h: Float, d: int, base: Floats, weight: Floats, slope: Floats) -> None:
-    """The four kernels K((ξ − i) / 2) whose support holds ``xi`` [cells] along axis ``d``, and their slopes [1/m]."""
+    """The four kernels K((ξ − i) / 2) whose support holds ``xi`` [cells] along axis ``d``, and their slopes
+    [1/m]."""
     cell = math.floor(xi)
     base[d] = cell - 1.0
     t = xi - cell
@@ -45,8 +49,9 @@ def fill_grids(
 ) -> None:  # fmt: skip
     """Write the 2 · 2**dim entries of one point from ``k`` on, their nodes ascending.
 
-    Of the four nodes along axis d the first with an even index in the grid is ``even[d]``, 0 or 1: with one of the same
-    parity along all axes a node belongs to a grid. As :func:`mpmfw.kernels.stencil.fill_tensor_product` else.
+    Of the four nodes along axis d the first with an even index in the grid is ``even[d]``, 0 or 1: with one
+    of the same parity along all axes a node belongs to a grid. As
+    :func:`mpmfw.kernels.stencil.fill_tensor_product` else.
     """
     for a in range(WIDTH):
         odd = (a + even[0]) % 2
@@ -77,7 +82,8 @@ def fill_compact(
     position: Floats, first: Ints, lower: Floats, window_lower: Ints, window_shape: Ints, offset: Ints, nodes: Indices,
     weight: Floats, gradient: Floats, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """Compact kernels at points; 2 · 2**dim entries each. Return the first point outside its window, or −1."""
+    """Compact kernels at points; 2 · 2**dim entries each. Return the first point outside its window, or
+    −1."""
     dim = len(spacing)
     inverse_h = 1.0 / spacing[0]
     origin, base = scratch.vector(spacing), scratch.vector(spacing)

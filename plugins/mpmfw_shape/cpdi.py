@@ -67,12 +67,13 @@ def fill_cpdi(
     gradient: Floats,
     spacing: tuple[float, ...],
 ) -> int:
-    """CPDI functions; up to 4**dim entries each, about 5 in 2D and 16 in 3D (:func:`mpmfw.kernels.fill_domain`).
+    """CPDI functions; up to 4**dim entries each, about 5 in 2D and 16 in 3D
+    (:func:`mpmfw.kernels.fill_domain`).
 
-    The domain is x_p + R ξ, ξ in [−1, 1]^dim, R = F R_0 (:func:`deformed_edges`). With the corners x_c at signs
-    s_c, φ_i = 2^−dim Σ_c N_i(x_c) and ∇φ_i = 2^−dim Σ_c R^−T s_c N_i(x_c): mean and mean gradient over the domain of the function
-    that interpolates N_i linearly between the corners. Return the first point outside its window, −1, or −2 if the table
-    is too short.
+    The domain is x_p + R ξ, ξ in [−1, 1]^dim, R = F R_0 (:func:`deformed_edges`). With the corners x_c at
+    signs s_c, φ_i = 2^−dim Σ_c N_i(x_c) and ∇φ_i = 2^−dim Σ_c R^−T s_c N_i(x_c): mean and mean gradient over
+    the domain of the function that interpolates N_i linearly between the corners. Return the first point
+    outside its window, −1, or −2 if the table is too short.
     """
     dim = len(spacing)
     n_corners = (
@@ -145,7 +146,8 @@ class Cpdi(PackedRows):
 
     @hookimpl
     def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
-        """N_i(x_s); at the centre of a rectangle that is cut in four triangles the mean of its corners' (:mod:`._rectangles`)."""
+        """N_i(x_s); at the centre of a rectangle that is cut in four triangles the mean of its corners'
+        (:mod:`._rectangles`)."""
         plain = super().interpolate_surface(position=position, first=first, grid=grid)
         if self.rectangles is None or len(position) != len(self.rectangles.index):
             return plain

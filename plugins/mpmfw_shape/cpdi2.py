@@ -63,8 +63,9 @@ def corner_share(corners: Floats, c: int, area: Float) -> Float:
 def replace_degenerate(corners: Floats, centre: Floats, start: Floats, spacing: tuple[float, ...]) -> None:
     """Replace a degenerate quadrilateral by a rectangle round ``centre`` (:mod:`._degenerate_domains`).
 
-    It is degenerate if the parallelogram of its midlines r_1, r_2 is, or if the Jacobian at a corner is below a quarter of
-    its mean. ``corners`` (4, 2) are written [m]. The domain overlaps its neighbours, or has gaps to them, from then on.
+    It is degenerate if the parallelogram of its midlines r_1, r_2 is, or if the Jacobian at a corner is below
+    a quarter of its mean. ``corners`` (4, 2) are written [m]. The domain overlaps its neighbours, or has gaps
+    to them, from then on.
     """
     r = scratch.matrix(spacing, spacing)
     for d in range(len(spacing)):
@@ -140,9 +141,11 @@ def move_corners(
     dt: float,
     spacing: tuple[float, ...],
 ) -> None:
-    """x_c += Δt Σ N_i(x_c) v_i, and x_p = Σ_c w_c x_c with the weights of the moved domain; degenerate ones are replaced.
+    """x_c += Δt Σ N_i(x_c) v_i, and x_p = Σ_c w_c x_c with the weights of the moved domain; degenerate ones
+    are replaced.
 
-    Points are set to Σ S_i x_i, since otherwise the affine transfer, which turns about x_p, lets linear momentum drift.
+    Points are set to Σ S_i x_i, since otherwise the affine transfer, which turns about x_p, lets linear
+    momentum drift.
     """
     inverse_h = 1.0 / spacing[0]
     origin = scratch.vector(spacing)

@@ -1,7 +1,8 @@
-"""Cubic B-splines (Steffen, Kirby & Berzins 2008): gradients that are smooth as well, from points without extent.
+"""Cubic B-splines (Steffen, Kirby & Berzins 2008): gradients that are smooth as well, from points without
+extent.
 
-M. Steffen, R. M. Kirby, M. Berzins (2008): Analysis and reduction of quadrature errors in the material point method (MPM).
-International Journal for Numerical Methods in Engineering 76, 922-948.
+M. Steffen, R. M. Kirby, M. Berzins (2008): Analysis and reduction of quadrature errors in the material point
+method (MPM). International Journal for Numerical Methods in Engineering 76, 922-948.
 """
 
 from __future__ import annotations

@@ -14,9 +14,10 @@ from mpmfw_shape._packed_rows import PackedRows
 
 WIDTH = 3
 
-#: Courant number that no arrangement of points of half a cell needs to fear: a point alone has at most the frequency
-#: ω² = c² (1 + ν/(1−ν)) Σ_i (∂φ_i)²/φ_i, where the sum is up to 9.33/h², and an assembly has none above its parts'. That is
-#: 0.655 √(1 − ν): 0.55 for ν = 0.3, where turned blocks diverge at 0.58, and 0.5 for ν = 0.41.
+#: Courant number that no arrangement of points of half a cell needs to fear: a point alone has at most the
+#: frequency ω² = c² (1 + ν/(1−ν)) Σ_i (∂φ_i)²/φ_i, where the sum is up to 9.33/h², and an assembly has none
+#: above its parts'. That is 0.655 √(1 − ν): 0.55 for ν = 0.3, where turned blocks diverge at 0.58, and 0.5
+#: for ν = 0.41.
 COURANT = 0.5
 HALF_LENGTH = Field(
     "half_length", ("particle",), "m", "half the edge of the particle's square domain, l_p = V_p0^(1/dim) / 2"
@@ -60,11 +61,12 @@ def write_row(
     gradients: Floats,
     spacing: tuple[float, ...],
 ) -> int:
-    """Write the products of the functions that are not zero from entry ``k`` on; return the entry after the last, or ``FULL``.
+    """Write the products of the functions that are not zero from entry ``k`` on; return the entry after the
+    last, or ``FULL``.
 
-    Along an axis on which the domain does not reach the next cell the third function is zero, and so are all products with
-    it: 3 of 9 rows for a domain of half a cell. The nested loops are written out for each dimension, as in
-    :func:`mpmfw.kernels.fill_tensor_product`.
+    Along an axis on which the domain does not reach the next cell the third function is zero, and so are all
+    products with it: 3 of 9 rows for a domain of half a cell. The nested loops are written out for each
+    dimension, as in :func:`mpmfw.kernels.fill_tensor_product`.
     """
     dim = len(spacing)
     extent = scratch.integers(spacing)
@@ -116,8 +118,8 @@ def fill_gimp(
     gradient: Floats,
     spacing: tuple[float, ...],
 ) -> int:
-    """uGIMP functions of square particles, 2**dim to 3**dim entries each. Return the first point outside its window, −1, or
-    ``FULL`` if the table is too short."""
+    """uGIMP functions of square particles, 2**dim to 3**dim entries each. Return the first point outside its
+    window, −1, or ``FULL`` if the table is too short."""
     dim = len(spacing)
     inverse_h = 1.0 / spacing[0]
     origin = scratch.vector(spacing)

@@ -7,8 +7,8 @@ from mpmfw_shape._at_points import AtPoints
 
 class Linear(AtPoints):
     """φ_ip = N_i(x_p): 4 nodes in 2D, 8 in 3D. ∇φ jumps at cell faces ("grid-crossing noise"); MUSL is the
-    stable scheme. The correction of spin by cells would feed the noise (impacts gain up to 20 % of their energy), and with lumped
-    inertia a fast spin gains up to 9 %: a body turns as a whole."""
+    stable scheme. The correction of spin by cells would feed the noise (impacts gain up to 20 % of their
+    energy), and with lumped inertia a fast spin gains up to 9 %: a body turns as a whole."""
 
     name = "linear"
     massless_boundary = True

@@ -8,8 +8,8 @@ From pytest (needs the extra ``mpmfw[testing]``)::
     def test_conformance(check):
         check()
 
-From the command line: ``mpmfw check PLUGIN``, and in one line ``mpmfw.check_plugin(MyLaw)``. Names that need pytest or
-numba are imported at their first use.
+From the command line: ``mpmfw check PLUGIN``, and in one line ``mpmfw.check_plugin(MyLaw)``. Names that need
+pytest or numba are imported at their first use.
 """
 
 from __future__ import annotations

@@ -19,7 +19,8 @@ from mpmfw.state.structs import Particles, State
 def points_at_rest(position: FloatArray, volume: FloatArray, first: Any, stress: float = 0.0) -> Particles:
     """Return points of unit density with a ``stress`` [Pa] in all components.
 
-    ``position`` is (n, dim) [m], ``volume`` (n,) [m^dim]; ``first`` begins the velocity fields, as in ``Particles``.
+    ``position`` is (n, dim) [m], ``volume`` (n,) [m^dim]; ``first`` begins the velocity fields, as in
+    ``Particles``.
     """
     n, dim = position.shape
     tensor = (n, dim, dim)
@@ -39,7 +40,8 @@ def points_at_rest(position: FloatArray, volume: FloatArray, first: Any, stress:
 
 
 def set_up(plugin: Any, state: State, **facts: Any) -> tuple[Setup, BoundHooks]:
-    """Set a plug-in up alone for a ``state``; ``facts`` replace or add to those of the setup. Return it and the hooks."""
+    """Set a plug-in up alone for a ``state``; ``facts`` replace or add to those of the setup. Return it and
+    the hooks."""
     size = state.grid.cell_size
     known = {
         "layouts": (), "cell_size": size, "shape": "none", "massless_boundary": False, "scheme": "usl",

@@ -82,9 +82,8 @@ class Check:
         One sentence that says what must hold.
     run
         Takes the :class:`~mpmfw_testing.subject.Subject` and returns if the property holds: None, or a note
-        that belongs beside it ("refuses: linear"); raises
-        :class:`Violation` if it does not, :class:`Inapplicable` if it cannot be asked. Its docstring states the
-        bound and why it is that.
+        that belongs beside it ("refuses: linear"); raises :class:`Violation` if it does not,
+        :class:`Inapplicable` if it cannot be asked. Its docstring states the bound and why it is that.
     """
 
     name: str
@@ -93,7 +92,8 @@ class Check:
 
     @classmethod
     def of(cls, function: Callable[[Subject], str | None]) -> Check:
-        """Return the check of a function, whose name and whose docstring's first sentence state the property."""
+        """Return the check of a function, whose name and whose docstring's first sentence state the
+        property."""
         text = " ".join((function.__doc__ or "").split())
         return cls(function.__name__.replace("_", "-"), re.split(r"(?<=\.)\s", text)[0], function)
 
@@ -105,7 +105,8 @@ def within(
     case: Mapping[str, object] | None = None,
     picture: Picture | None = None,
 ) -> None:
-    """Raise a violation unless ``measured`` is at most ``bound``; what is not a number is beyond any bound."""
+    """Raise a violation unless ``measured`` is at most ``bound``; what is not a number is beyond any
+    bound."""
     if not measured <= bound:
         raise Violation(message, case, picture, measured=float(measured), bound=float(bound))
 

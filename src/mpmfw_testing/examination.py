@@ -66,7 +66,8 @@ def examine(
 
 
 def named(outcome: Outcome, causes: dict[tuple[str, ...], str]) -> Outcome:
-    """The outcome, with the name of the check that failed before by the same line of code, which is noted in ``causes``."""
+    """The outcome, with the name of the check that failed before by the same line of code, which is noted in
+    ``causes``."""
     if not outcome.where:
         return outcome
     first = causes.setdefault(outcome.where[-2:], outcome.check)
@@ -80,7 +81,8 @@ def examine_one(
     pictures: Path | None = None,
     folder: Path | None = None,
 ) -> Outcome:
-    """Run one check; a non-empty ``justification`` means that it must fail. ``folder`` takes the scene of a counterexample."""
+    """Run one check; a non-empty ``justification`` means that it must fail. ``folder`` takes the scene of a
+    counterexample."""
     started = time.perf_counter()
     forget()
     violation = reason = note = None

@@ -25,7 +25,8 @@ ROUNDING = 1e-12
 def rows_of(
     law: FrictionLaw, dim: int, which: IntArray | None = None, turn: FloatArray | None = None
 ) -> ContactRows:
-    """Rows of all pairs, that slide at up to 3 m/s, some of them at rest; ``which`` of them, turned by a matrix.
+    """Rows of all pairs, that slide at up to 3 m/s, some of them at rest; ``which`` of them, turned by a
+    matrix.
 
     What a friction law writes is NaN before.
     """

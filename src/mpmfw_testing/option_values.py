@@ -13,8 +13,9 @@ from pydantic.fields import FieldInfo
 def candidates(field: FieldInfo) -> list[Any]:
     """Values to try of an option: the field's examples, then what its type lets one make up.
 
-    Numbers keep the field's bounds; a value may still be refused by a validator of the model. An example may be the
-    value that the plug-in under test was given, so that examples alone would leave nothing to compare it with.
+    Numbers keep the field's bounds; a value may still be refused by a validator of the model. An example may
+    be the value that the plug-in under test was given, so that examples alone would leave nothing to compare
+    it with.
     """
     default = field.get_default(call_default_factory=True)
     tried: list[Any] = []

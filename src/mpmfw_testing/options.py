@@ -14,20 +14,23 @@ from mpmfw_testing.check import Violation
 from mpmfw_testing.option_values import candidates, choices
 from mpmfw_testing.subject import Subject
 
-#: What the plug-in makes of options, to the bit. Options are refused with a ``ValidationError`` or ``SceneError``.
+#: What the plug-in makes of options, to the bit. Options are refused with a ``ValidationError`` or
+#: ``SceneError``.
 Experiment: TypeAlias = Callable[[dict[str, Any]], str]
 
 
 def every_option_acts(subject: Subject, experiments: Sequence[Experiment]) -> None:
-    """Ask of every option whether two of its values, the one that it has among them, differ in one of the experiments.
+    """Ask of every option whether two of its values, the one that it has among them, differ in one of the
+    experiments.
 
-    Values are tried alone, and together with each choice or another number of the other options, since an option may need one.
-    A refused value says nothing for or against the option.
+    Values are tried alone, and together with each choice or another number of the other options, since an
+    option may need one. A refused value says nothing for or against the option.
 
     Raises
     ------
     Violation
-        All values that are accepted do the same, or there are no two to be compared, or none could be made up.
+        All values that are accepted do the same, or there are no two to be compared, or none could be made
+        up.
     Inapplicable
         The plug-in has no options.
     """
@@ -96,7 +99,8 @@ def _remembered(experiment: Experiment) -> Callable[[dict[str, Any]], str | None
 
 
 def _others(model: type[BaseModel], name: str) -> Iterator[dict[str, Any]]:
-    """No other option, then each choice of each other option that has a few, and a value of each other number."""
+    """No other option, then each choice of each other option that has a few, and a value of each other
+    number."""
     yield {}
     fields = [(other, field) for other, field in model.model_fields.items() if other != name]
     for other, field in sorted(fields, key=lambda one: not choices(one[1].annotation)):

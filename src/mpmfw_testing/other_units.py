@@ -23,7 +23,8 @@ def factor_of(unit: str, length: float = 1.0, time: float = 1.0, density: float 
 
 
 def options_in_units(subject: Subject, units: Mapping[str, float]) -> dict[str, Any]:
-    """The options whose fields have a unit, times its factor; vectors as a whole; a table in time has two, and stays."""
+    """The options whose fields have a unit, times its factor; vectors as a whole; a table in time has two,
+    and stays."""
     if subject.plugin is None or not options_of(subject.plugin):
         return {}
     made = subject.make()

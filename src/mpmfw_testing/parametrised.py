@@ -43,7 +43,8 @@ def _conformance_of(kind: Kind, more: str = "") -> Callable[..., Callable[[Any],
         Parameters
         ----------
         plugin
-            A class, a configured object, a function that makes one, or a name, with its options as in ``"drag(rate=2)"``.
+            A class, a configured object, a function that makes one, or a name, with its options as in
+            ``"drag(rate=2)"``.
         expected_failures
             Names of checks that it cannot pass, each with the reason (20 characters or more). A listed check
             that passes fails the test.

@@ -1,4 +1,5 @@
-"""Which line of a kernel reads or writes past the end of an array, where every index is asked (``NUMBA_BOUNDSCHECK=1``)."""
+"""Which line of a kernel reads or writes past the end of an array, where every index is asked
+(``NUMBA_BOUNDSCHECK=1``)."""
 
 from __future__ import annotations
 
@@ -6,10 +7,12 @@ from typing import Any
 
 
 def say_lines() -> None:
-    """Let kernels that meet an index out of bounds raise it from the line in question, in this process from now on.
+    """Let kernels that meet an index out of bounds raise it from the line in question, in this process from
+    now on.
 
-    Compiled code raises a bare ``IndexError``. The kernel is then run once more as Python, with the arrays as they are, which
-    raises it from the line; where that cannot be, as of what only compiled code can call, the first error stands.
+    Compiled code raises a bare ``IndexError``. The kernel is then run once more as Python, with the arrays as
+    they are, which raises it from the line; where that cannot be, as of what only compiled code can call, the
+    first error stands.
     """
     from numba.core import dispatcher
 

@@ -27,7 +27,8 @@ TABLES = {"boundary": "boundaries", "output": "outputs"}
 
 
 def repeatable(subject: Subject) -> None:
-    """Two fresh objects give the same values. Two fresh objects give the same bits, and no value is infinite."""
+    """Two fresh objects give the same values. Two fresh objects give the same bits, and no value is
+    infinite."""
     second = dict(_values(subject))
     for name, values in _values(subject):
         if np.isinf(values).any():

@@ -1,4 +1,5 @@
-"""A counterexample as files that anybody can run: its scene, and the program that runs it with the plug-in."""
+"""A counterexample as files that anybody can run: its scene, and the program that runs it with the
+plug-in."""
 
 from __future__ import annotations
 

@@ -21,7 +21,8 @@ _LIBRARY = re.compile(
 
 
 class _Enough(BaseException):
-    """Ends the shrinking: what has been found by then is taken. No ``Exception``, so that hypothesis lets it pass."""
+    """Ends the shrinking: what has been found by then is taken. No ``Exception``, so that hypothesis lets it
+    pass."""
 
 
 def hypothesis() -> Any:
@@ -69,10 +70,11 @@ def search(
     Parameters
     ----------
     cases
-        A hypothesis strategy (or :func:`ladder`) for every named number of the case. The first trial is the simplest
-        case of all.
+        A hypothesis strategy (or :func:`ladder`) for every named number of the case. The first trial is the
+        simplest case of all.
     trial
-        Takes the numbers as keywords, raises :class:`~mpmfw_testing.check.Violation` if the property is broken.
+        Takes the numbers as keywords, raises :class:`~mpmfw_testing.check.Violation` if the property is
+        broken.
     examples
         Cases that are tried as long as none breaks the property.
     most
@@ -83,8 +85,8 @@ def search(
     Raises
     ------
     Violation
-        Of the smallest case found; its counterexample begins with the case's numbers. What else a trial raises counts
-        as a violation that names the error.
+        Of the smallest case found; its counterexample begins with the case's numbers. What else a trial
+        raises counts as a violation that names the error.
     Inapplicable
         As raised by a trial, unless another one has broken the property before.
     """
@@ -112,8 +114,8 @@ def try_all(
     cases
         The values of every named number of the case, simplest first.
     trial, names
-        As for :func:`search`, whose errors it raises. ``Inapplicable`` counts in the first case; later cases that
-        cannot be asked are left out.
+        As for :func:`search`, whose errors it raises. ``Inapplicable`` counts in the first case; later cases
+        that cannot be asked are left out.
     """
     ranks = itertools.product(*(range(len(values)) for values in cases.values()))
     text = {name: (names or {}).get(name, name) for name in cases}
@@ -132,7 +134,8 @@ def try_all(
 
 
 class _Trials:
-    """Runs the trials of one search, and keeps what they found: the last violation is that of the smallest case."""
+    """Runs the trials of one search, and keeps what they found: the last violation is that of the smallest
+    case."""
 
     def __init__(self, trial: Callable[..., None], most: int, names: Mapping[str, str]) -> None:
         self.trial, self.most, self.names = trial, most, names
@@ -193,7 +196,8 @@ def raised(error: BaseException) -> Violation:
 
 
 def _lines(error: BaseException) -> list[str]:
-    """The traceback's lines in code that is neither mpmfw's core nor a library's; the last one of all if there is none."""
+    """The traceback's lines in code that is neither mpmfw's core nor a library's; the last one of all if
+    there is none."""
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if not Path(frame.filename).resolve().is_relative_to(_CORE)]
     strange = [frame for frame in own if not _LIBRARY.search(frame.filename)]

@@ -14,7 +14,8 @@ from mpmfw_testing.subject import Subject
 def sent(subject: Subject) -> None:
     """An object can be sent to another process, and is the same there.
 
-    A fresh object that is pickled and read again has the same class, options and attributes, arrays to the bit.
+    A fresh object that is pickled and read again has the same class, options and attributes, arrays to the
+    bit.
     """
     made = subject.make()
     try:

@@ -29,7 +29,8 @@ from mpmfw_testing.parts import PARTS, part_of, whole
 class Subject:
     """A plug-in under test: every call of :meth:`make` gives a fresh object.
 
-    A strategy object keeps state of the simulation that it serves, so that a check makes one for each simulation.
+    A strategy object keeps state of the simulation that it serves, so that a check makes one for each
+    simulation.
     """
 
     kind: Kind  #: one of those that there are checks for
@@ -67,9 +68,9 @@ def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None
     Parameters
     ----------
     plugin
-        A plug-in class, of a detection or a law as well; an object, of whose options fresh ones are made; a function that makes
-        objects; the name of an installed plug-in; or ``module:Class``; names may be followed by options, as in
-        ``penalty(kappa=2)``.
+        A plug-in class, of a detection or a law as well; an object, of whose options fresh ones are made; a
+        function that makes objects; the name of an installed plug-in; or ``module:Class``; names may be
+        followed by options, as in ``penalty(kappa=2)``.
     kind
         One of those that there are checks for.
     options
@@ -78,8 +79,8 @@ def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None
     Raises
     ------
     SceneError
-        There is no such plug-in, it is of another kind, it refuses the options, or cannot be made from them alone, or
-        it has no name, or hooks that would never be called.
+        There is no such plug-in, it is of another kind, it refuses the options, or cannot be made from them
+        alone, or it has no name, or hooks that would never be called.
     """
     given = dict(options or {})
     if isinstance(plugin, str):

@@ -28,14 +28,17 @@ class PlugIn:
         An option is unknown, or its value is refused by the model.
     """
 
-    #: What scenes and the entry point call the plug-in. Beside it a class may say ``interface = 1``, the version of
-    #: the plug-in interface (``mpmfw.api.INTERFACE``) that it is written for; without it that is 1.
+    #: What scenes and the entry point call the plug-in. Beside it a class may say ``interface = 1``, the
+    #: version of the plug-in interface (``mpmfw.api.INTERFACE``) that it is written for; without it that is
+    #: 1.
     name: ClassVar[str]
     #: Model of the options; :class:`NoOptions` takes none. The validated instance is ``self.options``.
     Options: ClassVar[type[BaseModel]] = NoOptions
-    #: Stage of the clock that its hooks are charged to; None leaves them with the stage of the core that calls them.
+    #: Stage of the clock that its hooks are charged to; None leaves them with the stage of the core that
+    #: calls them.
     stage: ClassVar[str | None] = None
-    #: Names of the attributes that it keeps from step to step (``mpmfw.state.history``), beside those of its bases.
+    #: Names of the attributes that it keeps from step to step (``mpmfw.state.history``), beside those of its
+    #: bases.
     history: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, **options: Any) -> None:
@@ -48,7 +51,8 @@ class PlugIn:
 
     @property
     def label(self) -> str:
-        """Name and the options that were set, for tables and coordinates; wherever a method is named, it names this one."""
+        """Name and the options that were set, for tables and coordinates; wherever a method is named, it
+        names this one."""
         return self.label_with({key: getattr(self.options, key) for key in self.options.model_fields_set})
 
     def label_with(self, options: Mapping[str, Any]) -> str:

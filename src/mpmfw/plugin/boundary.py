@@ -26,11 +26,12 @@ def project_mass(
 
 
 class Boundary(NamedPlugIn):
-    """Base of boundary conditions: one instance for each table ``[boundaries.NAME]`` of the scene, with that table's options.
+    """Base of boundary conditions: one instance for each table ``[boundaries.NAME]`` of the scene, with that
+    table's options.
 
-    Subclasses say which material points are held, :meth:`holds`, and how they move, :meth:`velocity`. Grid nodes of their body
-    that have most of their mass of held points move so; the others are free. The region's edge is thus known to half a cell;
-    plane sides of a body are held exactly by its ``sides``.
+    Subclasses say which material points are held, :meth:`holds`, and how they move, :meth:`velocity`. Grid
+    nodes of their body that have most of their mass of held points move so; the others are free. The region's
+    edge is thus known to half a cell; plane sides of a body are held exactly by its ``sides``.
     """
 
     ledger_term = ("external", "boundary conditions")
@@ -38,11 +39,13 @@ class Boundary(NamedPlugIn):
     work = 0.0  #: on the bodies so far [J/m]
 
     def holds(self, position: FloatArray) -> AnyArray:
-        """Which of the points at ``position`` (n, dim) [m] of a body at the start are held: (n,) of truth values."""
+        """Which of the points at ``position`` (n, dim) [m] of a body at the start are held: (n,) of truth
+        values."""
         raise NotImplementedError
 
     def velocity(self, position: FloatArray, time: float) -> FloatArray:
-        """Velocity (n, dim) [m/s] of nodes at ``position`` (n, dim) [m] at a ``time`` [s]; NaN leaves a component free."""
+        """Velocity (n, dim) [m/s] of nodes at ``position`` (n, dim) [m] at a ``time`` [s]; NaN leaves a
+        component free."""
         raise NotImplementedError
 
     @hookimpl
@@ -84,7 +87,8 @@ class Boundary(NamedPlugIn):
 
     @hookimpl
     def constrain_momentum(self, grid: Grid, time: float) -> None:
-        """(m v)_i = m_i V(x_i, t) at nodes with most of their mass of held points; ``time`` [s] is the end of the step."""
+        """(m v)_i = m_i V(x_i, t) at nodes with most of their mass of held points; ``time`` [s] is the end of
+        the step."""
         nodes = np.flatnonzero(self.node_mass > 0.5 * grid.mass)
         position = grid.position[nodes]
         velocity = self.checked(

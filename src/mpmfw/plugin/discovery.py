@@ -1,4 +1,5 @@
-"""Plug-ins by name, or by ``module:Class``: entry points say what is installed, and only what a scene names is imported."""
+"""Plug-ins by name, or by ``module:Class``: entry points say what is installed, and only what a scene names
+is imported."""
 
 from __future__ import annotations
 
@@ -48,7 +49,8 @@ def one_of(names: Sequence[str]) -> str:
 
 @functools.cache
 def distribution_of(entry: EntryPoint) -> str:
-    """Name of the distribution that announces the plug-in, whose metadata are read once; none announces a ``module:Class``."""
+    """Name of the distribution that announces the plug-in, whose metadata are read once; none announces a
+    ``module:Class``."""
     return "unknown distribution" if entry.dist is None else entry.dist.name
 
 
@@ -81,7 +83,8 @@ class Available(dict[str, EntryPoint]):
 
 
 def available(kind: Kind) -> Available:
-    """Installed plug-ins of one kind by name, sorted; nothing is imported. Of a name announced twice, the first."""
+    """Installed plug-ins of one kind by name, sorted; nothing is imported. Of a name announced twice, the
+    first."""
     announced = _announced(kind, entry_points, _search_path())
     return Available({name: entries[0] for name, entries in announced.items()})
 
@@ -112,7 +115,8 @@ def unknown_groups() -> list[str]:
 
 
 def choices(kind: Kind) -> Available:
-    """What may be named where a plug-in of this kind is asked for: those that are installed, and contacts that are joined.
+    """What may be named where a plug-in of this kind is asked for: those that are installed, and contacts
+    that are joined.
 
     A contact is also every detection with every law, ``DETECTION+LAW``; its entry is the law's.
     """
@@ -221,13 +225,14 @@ def _working_folder() -> str | None:
 
 
 def refuse_class(plugin: type[Any]) -> None:
-    """Refuse a class that has no name or cannot be made of its options alone, as scenes and comparisons make it.
+    """Refuse a class that has no name or cannot be made of its options alone, as scenes and comparisons make
+    it.
 
     Raises
     ------
     SceneError
-        As :func:`refuse_nameless`, it is written for another version of the plug-in interface, or its constructor
-        does not take its options, all as keywords, or asks for more.
+        As :func:`refuse_nameless`, it is written for another version of the plug-in interface, or its
+        constructor does not take its options, all as keywords, or asks for more.
     """
     refuse_nameless(plugin)
     if (version := getattr(plugin, "interface", 1)) != INTERFACE:

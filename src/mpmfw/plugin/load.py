@@ -58,7 +58,8 @@ def measure_facets(
 def add_facet_forces(
     which: Ints, force: Floats, facets: Ints, row: Ints, nodes: Indices, weight: Floats, node_force: Floats
 ) -> None:
-    """f_i += f_m / dim N_i(x_s) from every corner of the facets, as contact forces are mapped (eq. 11 of [H17])."""
+    """f_i += f_m / dim N_i(x_s) from every corner of the facets, as contact forces are mapped (eq. 11 of
+    [H17])."""
     dim = force.shape[1]
     for q in range(len(which)):
         for a in range(dim):
@@ -71,8 +72,8 @@ def add_facet_forces(
 class Load(NamedPlugIn):
     """Base of loads: one instance for each table ``[loads.NAME]`` of the scene, with that table's options.
 
-    A load derives from :class:`BodyLoad` or :class:`SurfaceLoad`. Its work counts as external in the energy ledger. What
-    depends on the velocity may implement the hook ``stable_timestep``.
+    A load derives from :class:`BodyLoad` or :class:`SurfaceLoad`. Its work counts as external in the energy
+    ledger. What depends on the velocity may implement the hook ``stable_timestep``.
     """
 
     history = ("work",)
@@ -107,7 +108,8 @@ class BodyLoad(Load):
 
     @hookimpl
     def add_nodal_force(self, grid: Grid, state: State, phi: Stencil, dt: float) -> None:
-        """Map the forces with the points' shape functions, f_i = Σ φ_ip f_p: their sum and power are those of the points."""
+        """Map the forces with the points' shape functions, f_i = Σ φ_ip f_p: their sum and power are those of
+        the points."""
         self._impulses = []
         for body in self.bodies:
             own = body.particles
@@ -151,7 +153,8 @@ class LoadedFacets:
 
     @functools.cached_property
     def velocity(self) -> FloatArray:
-        """Mean velocity of the corners (n, dim) [m/s], of the grid's velocity before any force of this step."""
+        """Mean velocity of the corners (n, dim) [m/s], of the grid's velocity before any force of this
+        step."""
         surface = tracked(self._state)
         phi, grid = surface.stencil, self._state.grid
         assert phi is not None
@@ -181,7 +184,8 @@ class SurfaceLoad(Load):
 
     @hookimpl
     def add_nodal_force(self, grid: Grid, state: State) -> None:
-        """Map the tractions with the surface nodes' shape functions, as contact forces are (eq. 11 of [H17])."""
+        """Map the tractions with the surface nodes' shape functions, as contact forces are (eq. 11 of
+        [H17])."""
         surface, loaded = tracked(state), LoadedFacets(state, self.facets)
         phi, shape = surface.stencil, (len(self.facets), state.grid.dim)
         assert phi is not None  # filled at the beginning of the step

@@ -15,9 +15,10 @@ from mpmfw.state.structs import Particles
 class Material(PlugIn):
     """Base of materials: one instance for each material of the scene, told its bodies' slices in ``setup``.
 
-    Subclasses implement the hook ``update_stress``, the moduli, and :meth:`energy_density` and :meth:`cauchy_stress` where F says
-    all. One whose points have a history implements :meth:`energy_of_points` and :meth:`stress_of_points` instead, and allocates
-    the history in ``setup`` (:meth:`Setup.allocate`), so that it is saved with the run.
+    Subclasses implement the hook ``update_stress``, the moduli, and :meth:`energy_density` and
+    :meth:`cauchy_stress` where F says all. One whose points have a history implements
+    :meth:`energy_of_points` and :meth:`stress_of_points` instead, and allocates the history in ``setup``
+    (:meth:`Setup.allocate`), so that it is saved with the run.
     """
 
     #: Whether its points lose energy, which :meth:`dissipated_by_points` says.
@@ -27,7 +28,8 @@ class Material(PlugIn):
     slices: tuple[slice, ...] = ()
 
     def over_points(self, kernel: Callable[..., None], particles: Particles, *arguments: Any) -> None:
-        """``kernel(first, last, *arguments)`` for the material's points, of which several threads have a part each.
+        """``kernel(first, last, *arguments)`` for the material's points, of which several threads have a part
+        each.
 
         A kernel that is called so writes to the points ``first:last`` alone, and asks no other.
         """
@@ -62,7 +64,8 @@ class Material(PlugIn):
         raise NotImplementedError
 
     def energy_of_points(self, particles: Particles, own: slice) -> FloatArray:
-        """Stored energy per reference volume of the points ``own`` of ``particles``, (n,) [J/m^3]; by F alone W(F)."""
+        """Stored energy per reference volume of the points ``own`` of ``particles``, (n,) [J/m^3]; by F alone
+        W(F)."""
         return self.energy_density(particles.deformation_gradient[own])
 
     def stress_of_points(self, particles: Particles, own: slice) -> FloatArray:
@@ -70,5 +73,6 @@ class Material(PlugIn):
         return self.cauchy_stress(particles.deformation_gradient[own])
 
     def dissipated_by_points(self, particles: Particles, own: slice) -> FloatArray:
-        """Energy that the points ``own`` of ``particles`` have lost since the start, per reference volume (n,) [J/m^3]."""
+        """Energy that the points ``own`` of ``particles`` have lost since the start, per reference volume
+        (n,) [J/m^3]."""
         return np.zeros(len(particles.mass[own]))

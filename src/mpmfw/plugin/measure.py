@@ -1,4 +1,5 @@
-"""Base classes of measures, which campaigns read off a run, and of references, which say what a scene's motion must be."""
+"""Base classes of measures, which campaigns read off a run, and of references, which say what a scene's
+motion must be."""
 
 from __future__ import annotations
 
@@ -41,7 +42,8 @@ class Exact:
 
 
 class Measure:
-    """Base of measures, announced as entry points of the group ``mpmfw.measure``; the docstring says what is measured.
+    """Base of measures, announced as entry points of the group ``mpmfw.measure``; the docstring says what is
+    measured.
 
     A measure takes no options and keeps nothing: the same run gives the same values.
 
@@ -74,7 +76,8 @@ class Measure:
         return (self.__doc__ or self.name).strip().splitlines()[0].rstrip(".")
 
     def of(self, run: xr.DataTree, scene: Scene, about: About) -> Measured:
-        """Read it off the results of a ``run``, given its ``scene``, of the body, pair or axis that ``about`` names."""
+        """Read it off the results of a ``run``, given its ``scene``, of the body, pair or axis that ``about``
+        names."""
         raise NotImplementedError
 
     def exact(self, scene: Scene, about: About) -> Exact | None:  # noqa: ARG002
@@ -85,7 +88,8 @@ class Measure:
 class Reference:
     """Base of references, announced as entry points of the group ``mpmfw.reference``.
 
-    A scene names one as ``[reference] kind = "NAME"``; its closed form then stands in place of those that measures know.
+    A scene names one as ``[reference] kind = "NAME"``; its closed form then stands in place of those that
+    measures know.
 
     Attributes
     ----------
@@ -99,5 +103,6 @@ class Reference:
     example: ClassVar[Mapping[str, Any]] = {}
 
     def exact(self, scene: Scene, measure: str, about: About) -> Exact | None:
-        """What the ``measure`` of a name must be in a ``scene``, of what ``about`` names; None where that is not known."""
+        """What the ``measure`` of a name must be in a ``scene``, of what ``about`` names; None where that is
+        not known."""
         raise NotImplementedError

@@ -14,7 +14,8 @@ from mpmfw.state.structs import Body, State
 
 
 class NamedPlugIn(PlugIn):
-    """Base of plug-ins with a table of their own in the scene, such as ``[loads.NAME]``, with that table's options."""
+    """Base of plug-ins with a table of their own in the scene, such as ``[loads.NAME]``, with that table's
+    options."""
 
     #: Dimensions that it works in.
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
@@ -27,7 +28,8 @@ class NamedPlugIn(PlugIn):
 
     @classmethod
     def problems(cls, options: Any, dim: int) -> Iterable[tuple[tuple[str | int, ...], str]]:  # noqa: ARG003
-        """What is wrong with ``options`` in ``dim`` dimensions: key, index in it where there is one, and what was expected.
+        """What is wrong with ``options`` in ``dim`` dimensions: key, index in it where there is one, and what
+        was expected.
 
         The scene's reader tells it with file and line. Nothing by default.
         """
@@ -36,7 +38,8 @@ class NamedPlugIn(PlugIn):
     def checked(
         self, answer: Any, shape: tuple[int, ...], state: State, *, missing: bool = False
     ) -> FloatArray:
-        """The answer of a method, such as forces (n, dim) [N], as an array of this ``shape``; NaN may be ``missing`` values.
+        """The answer of a method, such as forces (n, dim) [N], as an array of this ``shape``; NaN may be
+        ``missing`` values.
 
         Raises
         ------
@@ -57,10 +60,11 @@ class NamedPlugIn(PlugIn):
 
 
 def shares_near(position: FloatArray, at: FloatArray, cell_size: float) -> FloatArray:
-    """Shares w_p (n,) of points in what is at a place between them, Σ w_p = 1 and Σ w_p x_p = x (moving least squares).
+    """Shares w_p (n,) of points in what is at a place between them, Σ w_p = 1 and Σ w_p x_p = x (moving least
+    squares).
 
-    w_p = k_p (a + b·r_p), r_p = x_p − x, with a kernel k_p that falls to zero 1.5 cells beyond the nearest point: fewer points
-    would not reach a place at a corner.
+    w_p = k_p (a + b·r_p), r_p = x_p − x, with a kernel k_p that falls to zero 1.5 cells beyond the nearest
+    point: fewer points would not reach a place at a corner.
 
     Parameters
     ----------

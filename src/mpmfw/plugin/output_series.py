@@ -1,4 +1,5 @@
-"""Series of a user's own: declared with name, unit and dimensions, computed at outputs, stored like the built-in ones."""
+"""Series of a user's own: declared with name, unit and dimensions, computed at outputs, stored like the
+built-in ones."""
 
 from __future__ import annotations
 
@@ -14,10 +15,11 @@ from mpmfw.state.structs import State
 
 
 class OutputSeries(NamedPlugIn):
-    """Base of diagnostics: one instance for each table ``[outputs.NAME]`` of the scene, with that table's options.
+    """Base of diagnostics: one instance for each table ``[outputs.NAME]`` of the scene, with that table's
+    options.
 
-    Subclasses say which series they have, :meth:`series`, and what these are, :meth:`values`. In the results each is called after
-    the scene's name of the table, ``NAME_series``.
+    Subclasses say which series they have, :meth:`series`, and what these are, :meth:`values`. In the results
+    each is called after the scene's name of the table, ``NAME_series``.
     """
 
     stage = "output"
@@ -25,7 +27,8 @@ class OutputSeries(NamedPlugIn):
     def series(self) -> list[Field]:
         """Declarations: name, dims, unit and meaning; may be asked more than once.
 
-        Dims ``body``, ``pair``, ``axis`` and ``rotation`` have their lengths and labels from the scene, others from the values.
+        Dims ``body``, ``pair``, ``axis`` and ``rotation`` have their lengths and labels from the scene,
+        others from the values.
         """
         raise NotImplementedError
 

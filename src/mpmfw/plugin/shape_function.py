@@ -22,18 +22,20 @@ class ShapeFunction(PlugIn):
     massless_boundary: ClassVar[bool] = False
     #: Degree of the B-splines that are the boundary basis: 1 bilinear.
     boundary_degree: ClassVar[int] = 1
-    #: Whether nodes with mass are those of two grids, whose indices are all even or all odd; the boundary basis is then the
-    #: compact kernel of each, over two cells to either side.
+    #: Whether nodes with mass are those of two grids, whose indices are all even or all odd; the boundary
+    #: basis is then the compact kernel of each, over two cells to either side.
     staggered: ClassVar[bool] = False
     #: Whether Σ φ q qᵀ may be singular, so that the affine field must be taken from Σ v ∇φᵀ.
     singular_spread: ClassVar[bool] = False
-    #: Whether the nodes of every row of its tables ascend: then several threads share the nodes out when they project.
+    #: Whether the nodes of every row of its tables ascend: then several threads share the nodes out when they
+    #: project.
     rows_ascend: ClassVar[bool] = False
     #: Largest Courant number c Δt / h that is not refused.
     courant: ClassVar[float] = 0.8
     auto_scheme: ClassVar[str] = "usl"  #: what ``auto`` means for the scheme
     auto_transfer: ClassVar[str] = "aflip"  #: what ``auto`` means for the transfer
-    #: Treatment of a free body's rotational inertia where the scene says none: ``spin``, ``exact`` or ``lumped``.
+    #: Treatment of a free body's rotational inertia where the scene says none: ``spin``, ``exact`` or
+    #: ``lumped``.
     auto_rotation: ClassVar[str] = "spin"
 
 
@@ -49,7 +51,8 @@ def empty_stencil(points: int, entries: int, dim: int, *, gradient: bool = True)
     dim
         Number of space dimensions.
     gradient
-        Whether there are gradients, (n entries, dim) [1/m]; surface nodes need none, and get an array of length 0.
+        Whether there are gradients, (n entries, dim) [1/m]; surface nodes need none, and get an array of
+        length 0.
     """
     return Stencil(
         row=np.arange(points + 1, dtype=np.int64) * entries,

@@ -42,7 +42,8 @@ def equal_and_opposite(meeting: Meeting, motion: Motion) -> None:
 
 
 def require_balance(motion: Motion, picture: Picture | None = None) -> None:
-    """Raise a violation unless the impulses of every step add up to zero, to rounding of the largest step's."""
+    """Raise a violation unless the impulses of every step add up to zero, to rounding of the largest
+    step's."""
     largest = max((nodal.magnitude() for nodal in motion.nodal), default=0.0)
     for step, nodal in enumerate(motion.nodal):
         within(

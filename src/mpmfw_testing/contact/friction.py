@@ -1,4 +1,5 @@
-"""Friction: within Coulomb's cone, on its surface in slip, no more than sticking needs, and none where there is none."""
+"""Friction: within Coulomb's cone, on its surface in slip, no more than sticking needs, and none where there
+is none."""
 
 from __future__ import annotations
 
@@ -13,7 +14,8 @@ from mpmfw_testing.contact.meeting import CELL, QUARTERS, WIDTH, Meeting, search
 from mpmfw_testing.contact.motion import Motion, meetings, simulate
 from mpmfw_testing.subject import Subject
 
-#: Distance from the ends of a common face that is left out [cells]: there the normals of a block's corners tilt.
+#: Distance from the ends of a common face that is left out [cells]: there the normals of a block's corners
+#: tilt.
 ENDS = 2.0
 #: Tangential impulse beyond the cone, or without friction, as a share of the largest normal impulse.
 BEYOND = 0.01
@@ -21,7 +23,8 @@ BEYOND = 0.01
 SLIPPING = 0.9
 #: Tangential impulse that bodies at slow slip exchange at most, over what makes their velocities equal.
 NEEDED = 3.0
-#: Steps of a meeting of blocks that count: until the first waves from the far ends are back, and the faces part.
+#: Steps of a meeting of blocks that count: until the first waves from the far ends are back, and the faces
+#: part.
 LASTING = 0.5
 #: Ladders of a second body that is heavier and stiffer.
 _UNEQUAL: dict[str, Any] = {"heavier": (1.0, 9.0, 3), "stiffer": (1.0, 9.0, 3)}
@@ -30,8 +33,8 @@ _UNEQUAL: dict[str, Any] = {"heavier": (1.0, 9.0, 3), "stiffer": (1.0, 9.0, 3)}
 def face_impulse(meeting: Meeting, motion: Motion) -> FloatArray:
     """Impulse on the first block through the middle of the face, (steps, 2) [N s/m]: normal push, tangential.
 
-    The nodes within two cells of the ends are left out. Where bodies share one velocity field, it is the impulse on
-    the whole body.
+    The nodes within two cells of the ends are left out. Where bodies share one velocity field, it is the
+    impulse on the whole body.
     """
     n, t = meeting.normal, meeting.tangent
     first = motion.simulation.state.bodies[0].field

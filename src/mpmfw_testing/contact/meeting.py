@@ -1,4 +1,5 @@
-"""The scene of most checks: two bodies that meet, part, or slide along each other, described by a few numbers."""
+"""The scene of most checks: two bodies that meet, part, or slide along each other, described by a few
+numbers."""
 
 from __future__ import annotations
 
@@ -28,7 +29,8 @@ DENSITY = 1000.0  #: ρ of the first body [kg/m^3]
 #: c = sqrt((K + 4 G / 3) / ρ) of the first body, with G = K / 2 [m/s].
 WAVE_SPEED = math.sqrt(BULK_MODULUS * 5.0 / 3.0 / DENSITY)
 
-#: Segments of a disc's outline: a multiple of four, so that a quarter turn of the scene turns the outline too.
+#: Segments of a disc's outline: a multiple of four, so that a quarter turn of the scene turns the outline
+#: too.
 SEGMENTS = 64
 
 #: What the numbers of a case are called in a counterexample.
@@ -50,8 +52,9 @@ NAMES = {
 class Meeting:
     """Two bodies and how they move towards each other.
 
-    Blocks have a common face of eight cells, exactly opposite each other, and turn by quarter turns only; discs turn
-    by any angle, and their velocities with them. All lengths are in cells, since methods see cells.
+    Blocks have a common face of eight cells, exactly opposite each other, and turn by quarter turns only;
+    discs turn by any angle, and their velocities with them. All lengths are in cells, since methods see
+    cells.
     """
 
     form: str = "blocks"  #: blocks or discs
@@ -82,7 +85,8 @@ class Meeting:
 
     @property
     def origin(self) -> FloatArray:
-        """Middle of the first body's face [m]: within a cell, not on a line of the grid, unless it is shifted there."""
+        """Middle of the first body's face [m]: within a cell, not on a line of the grid, unless it is shifted
+        there."""
         within = OFFSET[0] * self.normal + OFFSET[1] * self.tangent
         return np.asarray(CELL * (within + np.array([self.shift, self.rise])))
 
@@ -112,7 +116,8 @@ class Meeting:
 
     @property
     def duration(self) -> float:
-        """Time in which the bodies meet, and an elastic wave crosses the slower one three times and back [s]."""
+        """Time in which the bodies meet, and an elastic wave crosses the slower one three times and back
+        [s]."""
         approach = CELL * max(self.gap, 0.0) / abs(self.speed) if self.speed else 0.0
         return approach + 6.0 * DEPTH / slowest(self.stiffer, self.heavier)
 
@@ -207,7 +212,8 @@ def search_meetings(
 ) -> None:
     """Try a property on meetings that differ in some of their ``numbers``.
 
-    A tuple is a ladder, by its first and last number and its rungs, a list has all values; others are the same in all.
+    A tuple is a ladder, by its first and last number and its rungs, a list has all values; others are the
+    same in all.
 
     Raises
     ------

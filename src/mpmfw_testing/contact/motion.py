@@ -52,7 +52,8 @@ class NodalImpulses:
 class ContactRecorder:
     """A plug-in that takes the difference of momentum and force round all contact hooks of a step.
 
-    Scenes of the kit have no gravity, pressure or settling, so that whatever happens there is the strategy's doing.
+    Scenes of the kit have no gravity, pressure or settling, so that whatever happens there is the strategy's
+    doing.
     """
 
     name = "contact_recorder"
@@ -194,7 +195,8 @@ def simulate(
     contact
         A strategy object or name, or a subject that makes one.
     partial
-        Whether a run that breaks down after its first step is handed back as far as it got, for what can be told from it.
+        Whether a run that breaks down after its first step is handed back as far as it got, for what can be
+        told from it.
 
     Raises
     ------

@@ -19,7 +19,8 @@ from mpmfw_testing.subject import Subject
 
 EDGE = 0.3  #: of the cubes [m]
 EXTENT = 0.6  #: half the edge of the grid [m]
-#: Difference of motions along two axes [cells, and share of the largest momentum]: triangles halve a face one way or the other.
+#: Difference of motions along two axes [cells, and share of the largest momentum]: triangles halve a face one
+#: way or the other.
 TRIANGLES = 0.01
 STEPS, TURNED = 45, 25  #: of a meeting, and of one along each axis
 AXES = {"x": 0, "y": 1, "z": 2}
@@ -70,7 +71,8 @@ def three_dimensions(subject: Subject) -> None:
 
 
 def _same_along_each_axis(subject: Subject) -> None:
-    """Cubes that meet along y and z, and slide along both other axes with friction, move as along x, turned, to 1 %."""
+    """Cubes that meet along y and z, and slide along both other axes with friction, move as along x, turned,
+    to 1 %."""
     reference: Motion | None = None
     for axis, k in AXES.items():
         normal = np.eye(3)[k]
@@ -87,7 +89,8 @@ def _same_along_each_axis(subject: Subject) -> None:
 
 
 def _cubes(normal: FloatArray, velocity: FloatArray, heavier: float, friction: float) -> dict[str, object]:
-    """Two cubes a tenth of a cell apart; the first comes with ``velocity`` along ``normal``, or from the other side."""
+    """Two cubes a tenth of a cell apart; the first comes with ``velocity`` along ``normal``, or from the
+    other side."""
     side = np.sign(velocity @ normal)
     apart = 0.5 * (EDGE + 0.1 * CELL) * normal * side
     at = CELL * sum(share * np.roll(np.abs(normal), k) for k, share in enumerate((0.3, 0.2, 0.1)))

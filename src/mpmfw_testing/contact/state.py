@@ -1,4 +1,5 @@
-"""State: nothing is carried from one run to the next, and time zero forgets the records but not the contact."""
+"""State: nothing is carried from one run to the next, and time zero forgets the records but not the
+contact."""
 
 from __future__ import annotations
 

@@ -16,7 +16,8 @@ from mpmfw_testing.contact.meeting import Meeting
 from mpmfw_testing.saving import remember
 from mpmfw_testing.subject import Subject
 
-#: Bytes that a step may add to what is kept, on the mean of a stretch, steps of that, and how many stretches are measured.
+#: Bytes that a step may add to what is kept, on the mean of a stretch, steps of that, and how many stretches
+#: are measured.
 GROWTH, STRETCH, STRETCHES = 400.0, 20, 6
 
 

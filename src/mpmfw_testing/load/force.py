@@ -9,8 +9,8 @@ from mpmfw_testing.load.bench import STEP, Bench, dims_of
 from mpmfw_testing.load.contract import TIMES
 from mpmfw_testing.subject import Subject
 
-#: Share of the force by which half the size of the points may change it: forces by place, on parts of a body, are known to a row
-#: of points. A force by point in place of volume is four times as large.
+#: Share of the force by which half the size of the points may change it: forces by place, on parts of a body,
+#: are known to a row of points. A force by point in place of volume is four times as large.
 REFINED = 0.3
 
 #: Rounding of momenta, as a share of the body's own.

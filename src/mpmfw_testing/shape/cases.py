@@ -17,7 +17,8 @@ from mpmfw_testing.subject import Subject
 AXES = "xyz"
 #: Cells along each axis of the grid that a single point is placed on, and the cell that it is placed in.
 CELLS, MIDDLE = 16, 8
-#: Position within a cell, the simplest first: inside, on faces and middles, and one rounding error beside them.
+#: Position within a cell, the simplest first: inside, on faces and middles, and one rounding error beside
+#: them.
 WITHIN = (0.3, 0.5, 0.25, 0.75, 0.0, 0.9, 0.05, 1.0 / 3.0, 1e-16, 1.0 - 2.0**-53, 0.5 + 2.0**-53, 0.618)
 #: Edge of a point's domain [cells].
 EDGES = (0.5, 0.25, 1.0, 0.1, 1.0 / 3.0)
@@ -60,7 +61,8 @@ def two_points(subject: Subject, position: FloatArray, edge: float) -> Placement
 
 
 def velocity_gradient(motion: str, dim: int) -> FloatArray:
-    """L of a motion for one step of 1 s, (dim, dim) [1/s]; four steps stretch by about 1.4 or turn by about 30°."""
+    """L of a motion for one step of 1 s, (dim, dim) [1/s]; four steps stretch by about 1.4 or turn by about
+    30°."""
     stretch, spin = np.zeros((dim, dim)), np.zeros((dim, dim))
     stretch[0, 0], stretch[1, 1] = 0.09, -0.03
     spin[0, 1], spin[1, 0] = -0.13, 0.13
@@ -122,7 +124,8 @@ def search_motions(
 def require(
     measured: float, bound: float, message: str, placement: Placement, point: int, **numbers: object
 ) -> None:
-    """Raise a violation with the picture of the point if ``measured`` is above ``bound`` or is not a number."""
+    """Raise a violation with the picture of the point if ``measured`` is above ``bound`` or is not a
+    number."""
     if not measured <= bound:
         raise Violation(
             message, numbers, picture_of(placement, point), measured=float(measured), bound=float(bound)

@@ -17,7 +17,8 @@ from mpmfw.state.windows import lay_windows, make_grid
 from mpmfw_testing.bench import points_at_rest, set_up
 from mpmfw_testing.subject import Subject
 
-#: h [m]; not 1, so that a factor of h cannot hide. A power of two, so that cells begin exactly where they should.
+#: h [m]; not 1, so that a factor of h cannot hide. A power of two, so that cells begin exactly where they
+#: should.
 CELL = 0.25
 #: Position of the grid's first node [m], cut to the dimension; not 0, so that it cannot be forgotten.
 ORIGIN = (-1.5, 0.75, 2.0)
@@ -64,19 +65,22 @@ class Placement:
         return stencil
 
     def surface_table(self, position: FloatArray) -> Stencil:
-        """N_i at points on the boundary of the last body, in the windows as they are; ``position`` is (n, dim) [m]."""
+        """N_i at points on the boundary of the last body, in the windows as they are; ``position`` is (n,
+        dim) [m]."""
         fields = self.grid.n_fields
         first = np.array([0] * fields + [len(position)], dtype=np.int64)
         stencil: Stencil = self.hook.interpolate_surface(position=position, first=first, grid=self.grid)
         return stencil
 
     def deform(self, velocity_gradient: FloatArray, centre: FloatArray, steps: int = 4) -> None:
-        """Let all points take part in the motion v = L (x − c) for ``steps`` steps of 1 s, as the stepper does.
+        """Let all points take part in the motion v = L (x − c) for ``steps`` steps of 1 s, as the stepper
+        does.
 
         ``velocity_gradient`` is L, (dim, dim) [1/s], and ``centre`` c, (dim,) [m].
 
         F ← (1 + L) F and V = det F V_0 at every step; the grid's velocity is v at every node, which any shape
-        function with linear reproduction reads without error, so that domains that ride on it are moved exactly.
+        function with linear reproduction reads without error, so that domains that ride on it are moved
+        exactly.
         """
         p, g = self.particles, self.grid
         for _ in range(steps):
@@ -89,13 +93,15 @@ class Placement:
             self.hook.update_particle_domains(particles=p, grid=g, dt=1.0)
 
     def half_edges(self, index: int) -> FloatArray:
-        """Half-edge vectors of the domain F R_0 of point ``index`` as it would be if it followed F, (dim, dim) [m]."""
+        """Half-edge vectors of the domain F R_0 of point ``index`` as it would be if it followed F, (dim,
+        dim) [m]."""
         edges: FloatArray = self.particles.deformation_gradient[index] @ self.setup.half_edges[index]
         return edges
 
 
 def boxes(position: FloatArray, edge: float) -> Layout:
-    """Square or cubic domains: ``position`` of the centres (n, dim) [cells from the first node], ``edge`` [cells]."""
+    """Square or cubic domains: ``position`` of the centres (n, dim) [cells from the first node], ``edge``
+    [cells]."""
     dim = position.shape[1]
     return layout_of_boxes(np.array(ORIGIN[:dim]) + CELL * position, np.full(position.shape, CELL * edge))
 

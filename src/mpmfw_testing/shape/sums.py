@@ -43,7 +43,8 @@ def node_numbers(table: Stencil, point: int, grid: Grid) -> IntArray:
 
 
 def dense(table: Stencil, point: int, grid: Grid) -> tuple[FloatArray, FloatArray]:
-    """φ and ∇φ h of one point on the whole background grid, (n_1, n_2[, n_3]) and the same with a last axis dim.
+    """φ and ∇φ h of one point on the whole background grid, (n_1, n_2[, n_3]) and the same with a last axis
+    dim.
 
     Entries that name the same node twice are added, as every kernel does.
     """

@@ -29,7 +29,8 @@ from mpmfw_testing.subject import Subject
 
 #: Cells that a window is laid round the points' domains at least, so that supports up to there must be found.
 MARGIN = 3
-#: Motions [cells], the smallest first: through the margin, over the window's end, out of the grid, and to nowhere.
+#: Motions [cells], the smallest first: through the margin, over the window's end, out of the grid, and to
+#: nowhere.
 MOVES = (
     *(sign * cells for cells in (1.0, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.5, 8.0, 9.0) for sign in (1.0, -1.0)),
     1e30,
@@ -37,7 +38,8 @@ MOVES = (
 )
 #: A grid that has room for any of these cases, in cells.
 ROOMY = 64
-#: Edges of domains whose reach is asked [cells], some larger than a cell, and what an edge may be stretched to.
+#: Edges of domains whose reach is asked [cells], some larger than a cell, and what an edge may be stretched
+#: to.
 REACHING, LONGEST = (0.5, 4.0, 0.25, 1.0), 16.0
 
 

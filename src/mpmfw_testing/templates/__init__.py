@@ -1,4 +1,5 @@
-"""What ``mpmfw new`` writes: for each kind of plug-in the least that passes its checks, to be renamed and replaced.
+"""What ``mpmfw new`` writes: for each kind of plug-in the least that passes its checks, to be renamed and
+replaced.
 
 A template is one folder of files or several laid over each other, some of them in the documentation.
 """
@@ -68,13 +69,15 @@ def write_package(kind: str, name: str, folder: Path) -> Path:
 
 
 def _folder(name: str) -> Path:
-    """Return the folder of a template: beside this file, or in the documentation of the checkout that it runs from."""
+    """Return the folder of a template: beside this file, or in the documentation of the checkout that it runs
+    from."""
     package = Path(__file__).parent
     return package / name if (package / name).is_dir() else package.parents[2] / "docs" / name
 
 
 def _renamed(text: str, kind: str, name: str) -> str:
-    """Return the text with another name of the plug-in and its class; where it is a word of prose, after a blank, it stays."""
+    """Return the text with another name of the plug-in and its class; where it is a word of prose, after a
+    blank, it stays."""
     _, known, of_class = TEMPLATES[kind]
     text = text.replace("KIND", kind).replace(
         f"mpmfw-{known.replace('_', '-')}", f"mpmfw-{name.replace('_', '-')}"

@@ -18,7 +18,8 @@ class TemplateOptions(BaseModel):
 
 
 class Template(AtNodes):
-    """Rows at nodes that two bodies share, the normal from both volume gradients, weighted by powers of the wave moduli."""
+    """Rows at nodes that two bodies share, the normal from both volume gradients, weighted by powers of the
+    wave moduli."""
 
     name = "template"
     Options = TemplateOptions

@@ -24,6 +24,7 @@ class Template(FrictionLaw):
     options: TemplateOptions
 
     def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
-        """Write ``rows.friction`` (n,) [1]; ``friction`` is μ of every pair (n_pairs,) [1], ``dt`` the last step [s]."""
+        """Write ``rows.friction`` (n,) [1]; ``friction`` is μ of every pair (n_pairs,) [1], ``dt`` the last
+        step [s]."""
         super().slip_limit(rows, friction, dt)
         rows.friction[: rows.count] *= self.options.factor

@@ -1,4 +1,5 @@
-"""A plane body: replace region and outlines by those of your own; bodies in space derive from SolidGeometry."""
+"""A plane body: replace region and outlines by those of your own; bodies in space derive from
+SolidGeometry."""
 
 from __future__ import annotations
 
@@ -47,7 +48,8 @@ class Template(PlaneGeometry):
         return shapely.Polygon(self.centroid + larger * (self._nodes(FINE) - self.centroid))
 
     def outlines(self, segment: float) -> tuple[FloatArray, ...]:
-        """One polyline (m, 2) [m], counter-clockwise, with segments up to ``segment`` [m]; holes would run clockwise."""
+        """One polyline (m, 2) [m], counter-clockwise, with segments up to ``segment`` [m]; holes would run
+        clockwise."""
         return (self._nodes(max(8, int(np.ceil(2.0 * np.pi * max(self.semi_axes) / segment)))),)
 
     def _nodes(self, number: int) -> FloatArray:
