@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 HEIGHT = 0.3  # of the block [m]
-MOST_DISPLACEMENT = 1e-3  # of the height, as the case has it
 
 
 def displacement(run: xr.DataTree) -> float:

@@ -56,7 +56,7 @@ every = scenes(
     ],
     set={
         "output.surface": False,
-        "materials.plane.youngs_modulus": 30800000.0,
+        "materials.plane.youngs_modulus": 30.8e6,
         "stepping.transfer": "flip",
         "stepping.pic_fraction": 0.05,
     },
