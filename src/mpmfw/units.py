@@ -13,16 +13,16 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
-#: A quantity that is not zero has a magnitude between one over this and this, in SI: products of four of them, such as
-#: an energy, then stay within what a number of double precision holds (1e-308 to 1e+308).
+#: A quantity that is not zero has a magnitude between one over this and this, in SI: products of four of
+#: them, such as an energy, then stay within what a number of double precision holds (1e-308 to 1e+308).
 LARGEST = 1e60
 
 _NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*")
 _FACTOR = r"[^\W\d]+[²³]?(?:(?:\^|\*\*)-?[0-9])?"
 _UNIT = re.compile(rf"%|°|(?:1?\s*/\s*)?{_FACTOR}(?:\s*[*/·\s]\s*{_FACTOR})*")
 
-#: Units that are read without pint, which takes a second to know them all: the SI unit that each is a multiple of, and the
-#: factor, whose product with a number is the one that pint gives to the last digit.
+#: Units that are read without pint, which takes a second to know them all: the SI unit that each is a
+#: multiple of, and the factor, whose product with a number is the one that pint gives to the last digit.
 _COMMON = {
     f"{prefix}{unit}": (unit, factor)
     for unit in ("m", "s", "Pa")
@@ -51,7 +51,9 @@ _LONGEST = 80
 
 @functools.cache
 def _registry() -> Any:
-    """The pint registry, built at first use: most scenes give bare numbers and common units and never pay for it."""
+    """The pint registry, built at first use: most scenes give bare numbers and common units and never pay
+    for it.
+    """
     import pint
 
     return pint.UnitRegistry()

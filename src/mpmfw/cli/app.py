@@ -65,7 +65,9 @@ def _options(
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run the command line; the entry point of the script ``mpmfw``, which takes the process's own arguments."""
+    """Run the command line; the entry point of the script ``mpmfw``, which takes the process's own
+    arguments.
+    """
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # names of files may be no text

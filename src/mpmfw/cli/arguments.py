@@ -179,7 +179,8 @@ def chosen_scene(
 
 
 def names(text: str | None, kind: Kind) -> list[str] | None:
-    """Return the plug-ins between commas, each a name or a name with options, or None if the option is absent.
+    """Return the plug-ins between commas, each a name or a name with options, or None if the option is
+    absent.
 
     Raises
     ------

@@ -29,7 +29,9 @@ def benchmark(
     ] = 1,
     trust: TrustOption = False,
 ) -> None:
-    """Print ns per material point and step of whole scenes, by stage, and the contact's share; or what threads gain."""
+    """Print ns per material point and step of whole scenes, by stage, and the contact's share; or what
+    threads gain.
+    """
     from rich.console import Console
 
     from mpmfw.benchmark import measure_scene, measure_threads, table

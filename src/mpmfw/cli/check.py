@@ -185,7 +185,8 @@ def _is_strange(plugin: str, kind: Kind) -> bool:
 
 
 def _kind_of(text: str, kind: str | None) -> Kind:
-    """The kind that is asked for, or that of the class, or the only one of which there is a plug-in of this name.
+    """The kind that is asked for, or that of the class, or the only one of which there is a plug-in of this
+    name.
 
     Raises
     ------

@@ -73,11 +73,12 @@ def choose(
     form: FormatOption = Format.table,
     as_json: Annotated[bool, typer.Option("--json", help="The same as --format json.")] = False,
 ) -> None:
-    """Say which method and cell size bring the error of SCENE below --error: coarse to fine, until two laws agree.
+    """Say which method and cell size bring the error of SCENE below --error: coarse to fine, until two laws
+    agree.
 
-    Contacts and shape functions left out are five cheap contacts, gimp and cpdi. The result is written to a file, by
-    default named as the scene. Finished runs are kept in the folder FILE.runs: a choice that was broken off, or that is
-    asked for another error, goes on from there.
+    Contacts and shape functions left out are five cheap contacts, gimp and cpdi. The result is written to a
+    file, by default named as the scene. Finished runs are kept in the folder FILE.runs: a choice that was
+    broken off, or that is asked for another error, goes on from there.
     """
     from mpmfw.scene import load_scene
     from mpmfw.scene.requested import check_compared, check_requested

@@ -56,10 +56,11 @@ def compare(
     repeats: RepeatsOption = None,
     form: FormatOption = Format.table,
 ) -> None:
-    """Run SCENE with every combination of methods and join the results, by default in a file named as the scene.
+    """Run SCENE with every combination of methods and join the results, by default in a file named as the
+    scene.
 
-    A method that fails does not stop the others: its status says why. Methods left out are the scene's own. Finished
-    runs are kept in the folder FILE.runs: a comparison that was broken off goes on from there.
+    A method that fails does not stop the others: its status says why. Methods left out are the scene's own.
+    Finished runs are kept in the folder FILE.runs: a comparison that was broken off goes on from there.
     """
     from mpmfw.results.replacing import check_new
     from mpmfw.scene import load_scene

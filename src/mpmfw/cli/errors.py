@@ -68,8 +68,8 @@ def check_result(path: Path, kind: str, what: str, force: bool = False) -> Path:
     kind, what
         Its attribute ``kind``, and what it is called.
     force
-        Whether another result of the kind is replaced. One whose finished runs lie beside it is taken up again, which
-        replaces nothing.
+        Whether another result of the kind is replaced. One whose finished runs lie beside it is taken up
+        again, which replaces nothing.
 
     Raises
     ------
@@ -98,7 +98,9 @@ def _is_resumable(path: Path, kind: str) -> bool:
 
 
 def _check_beside(path: Path, kind: str, force: bool) -> None:
-    """Ask that what is written beside the result takes the place of nothing else: a checkpoint, or a folder of finished runs."""
+    """Ask that what is written beside the result takes the place of nothing else: a checkpoint, or a
+    folder of finished runs.
+    """
     beside = Path(f"{path}.checkpoint" if kind == "run" else f"{path}.runs")
     if not beside.exists():
         return

@@ -139,7 +139,9 @@ def _print_step(simulation: Simulation, found: Prediction, everything: bool) -> 
 
 
 def _print_share_of_springs(simulation: Simulation) -> None:
-    """Part of driven sides' motion and of initial overlaps that contact springs take, where a scene has either."""
+    """Part of driven sides' motion and of initial overlaps that contact springs take, where a scene has
+    either.
+    """
     from mpmfw.runs.share_of_springs import driven_speed, share_of_springs
 
     speed = driven_speed(simulation)

@@ -65,9 +65,10 @@ def plot(
 ) -> None:
     """Draw the figures of FILE, by default to PNG files named as it; -o NAME.pdf or NAME.svg draws vectors.
 
-    With --field, a field on the material points of a run, in 3D on a plane, or of the runs of a comparison side by side.
-    With --series, series over time of a run or a comparison. Several FILEs then stand side by side, fields under one
-    colour scale. Without either, several FILEs that are comparisons of a rolling cylinder make one figure, a row each.
+    With --field, a field on the material points of a run, in 3D on a plane, or of the runs of a comparison
+    side by side. With --series, series over time of a run or a comparison. Several FILEs then stand side by
+    side, fields under one colour scale. Without either, several FILEs that are comparisons of a rolling
+    cylinder make one figure, a row each.
     """
     from mpmfw.results import check_results
     from mpmfw.results.replacing import check_new
@@ -207,8 +208,9 @@ def animate(
 ) -> None:
     """Write a moving picture of a field (default von_mises) of the run in FILE, a frame for each output.
 
-    Several FILEs, or the runs of a comparison, stand side by side, at the times of the first. The ending of the output,
-    .gif or .mp4, chooses the format; .mp4 needs ffmpeg. By default a .gif named as the first FILE.
+    Several FILEs, or the runs of a comparison, stand side by side, at the times of the first. The ending of
+    the output, .gif or .mp4, chooses the format; .mp4 needs ffmpeg. By default a .gif named as the first
+    FILE.
     """
     from mpmfw.results.replacing import check_new
 

@@ -1,4 +1,6 @@
-"""``mpmfw plugins``, ``schema`` and ``new``: what is installed, what scenes may hold, and the start of a plug-in."""
+"""``mpmfw plugins``, ``schema`` and ``new``: what is installed, what scenes may hold, and the start of a
+plug-in.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,8 @@ from mpmfw.errors import SceneError
 def plugins() -> None:
     """List the installed plug-ins: name, kind, the distribution that each comes from, and a description.
 
-    A plug-in that cannot be used is BROKEN, with the reason. Measures that mpmfw registers itself are listed as well.
+    A plug-in that cannot be used is BROKEN, with the reason. Measures that mpmfw registers itself are listed
+    as well.
     """
     from mpmfw.campaigns.measures import MEASURES
     from mpmfw.plugin.discovery import KINDS, available, distribution_of, load, unknown_groups
@@ -68,7 +71,9 @@ def new(
         Path, typer.Option(metavar="DIR", help="Folder that the distribution's folder is made in.")
     ] = Path(),
 ) -> None:
-    """Write a distribution with a plug-in of KIND called NAME that passes its tests, to be filled with your method."""
+    """Write a distribution with a plug-in of KIND called NAME that passes its tests, to be filled with
+    your method.
+    """
     from mpmfw_testing.templates import write_package
 
     place = write_package(kind, name, into)

@@ -68,7 +68,9 @@ def outputs_progress(doing: str) -> Iterator[Callable[[int, int], None] | None]:
 def campaign_progress(
     what: str = "runs",
 ) -> Iterator[tuple[Callable[[Event], None] | None, RunReport | None]]:
-    """How many runs of a campaign are done, and how far the one is that runs in this process; None in a pipe."""
+    """How many runs of a campaign are done, and how far the one is that runs in this process; None in a
+    pipe.
+    """
     counts = (what, "BarColumn", "MofNCompleteColumn", "TimeElapsedColumn", "left", "TimeRemainingColumn")
     with _bar(*counts, "{task.description}", "{task.fields[inner]}") as bar:
         if bar is None:

@@ -36,8 +36,9 @@ def rank(
 ) -> None:
     """Rank the methods of studies by the problems that they solve, and by what that costs over the cheapest.
 
-    Every method counts at its best settings: of its options, shape functions and cell sizes the cheapest run that reaches a
-    level. With --output a figure (PNG, PDF or SVG): the share of problems and levels that each method solves within a cost.
+    Every method counts at its best settings: of its options, shape functions and cell sizes the cheapest run
+    that reaches a level. With --output a figure (PNG, PDF or SVG): the share of problems and levels that each
+    method solves within a cost.
     """
     from mpmfw.results.replacing import check_new
     from mpmfw.studies import ranking

@@ -55,8 +55,8 @@ def stability(
 ) -> None:
     """Run SCENE at many stiffnesses and time steps, past the limit too, and map where it stays stable.
 
-    The map is written to a file, by default named as the scene, with the figure beside it. One that was broken off goes on
-    where it stopped.
+    The map is written to a file, by default named as the scene, with the figure beside it. One that was
+    broken off goes on where it stopped.
     """
     from mpmfw.results.replacing import check_new
 
@@ -97,7 +97,9 @@ def _numbers(option: str, text: str | None) -> list[float] | None:
 
 
 def _print(dataset: xr.Dataset) -> None:
-    """Print the largest stable Courant number at every stiffness, those of the theory, and a letter for every point."""
+    """Print the largest stable Courant number at every stiffness, those of the theory, and a letter for
+    every point.
+    """
     from mpmfw.stability.chart import largest_stable
 
     axis, cfl = str(dataset["class"].dims[0]), dataset["cfl"].values

@@ -17,10 +17,11 @@ def prune(
         typer.Option(metavar="N", min=0.0, help="Forget runs that are older as well."),
     ] = None,
 ) -> None:
-    """Forget runs that no campaign of today would take: those of other code, or of other versions of the libraries.
+    """Forget runs that no campaign of today would take: those of other code, or of other versions of the
+    libraries.
 
-    What a process left that was killed while it wrote goes as well. Files that no campaign wrote stay as they are, and so do
-    results files such as FILE.nc.
+    What a process left that was killed while it wrote goes as well. Files that no campaign wrote stay as they
+    are, and so do results files such as FILE.nc.
     """
     from mpmfw.campaigns.store import Store
     from mpmfw.runs.identity import is_current

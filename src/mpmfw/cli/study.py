@@ -65,8 +65,8 @@ def study(
 ) -> None:
     """Run all combinations of STUDY, and say what accuracy costs in time.
 
-    The results are written to a file, by default named as the study. Finished runs are kept in the folder FILE.runs: a
-    study that was broken off goes on from there.
+    The results are written to a file, by default named as the study. Finished runs are kept in the folder
+    FILE.runs: a study that was broken off goes on from there.
     """
     from mpmfw.studies.conclusion import conclusions, rows
     from mpmfw.studies.loading import load_study

@@ -34,7 +34,9 @@ FormatOption: TypeAlias = Annotated[
 
 
 def formatted(value: Any) -> str:
-    """Return text and whole numbers as they are, other numbers to four digits, a dash for NaN, nothing for None."""
+    """Return text and whole numbers as they are, other numbers to four digits, a dash for NaN, nothing for
+    None.
+    """
     if isinstance(value, bool) or not hasattr(value, "__float__"):
         return "" if value is None else str(value)
     if isinstance(value, Integral):

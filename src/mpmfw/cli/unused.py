@@ -10,7 +10,9 @@ if TYPE_CHECKING:
 
 
 def unused_facts(simulation: Simulation) -> list[str]:
-    """Facts of the scene that have no effect in this run, one line each: alternatives for other runs among them."""
+    """Facts of the scene that have no effect in this run, one line each: alternatives for other runs among
+    them.
+    """
     groups = (_alternatives, _friction, _surfaces, _rotation, _diagnostics, _materials)
     return [line for group in groups for line in group(simulation)]
 

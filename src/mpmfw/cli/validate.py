@@ -55,8 +55,9 @@ def validate(
 ) -> None:
     """Run validation cases by pytest: closed forms and references that tell contact algorithms apart.
 
-    Ends with 0 if every gate holds but those that are marked as known red, else with 1. The table and the page are of all
-    cases whose results, made by the code of today, lie in the output folder. Such a case is not run again.
+    Ends with 0 if every gate holds but those that are marked as known red, else with 1. The table and the
+    page are of all cases whose results, made by the code of today, lie in the output folder. Such a case is
+    not run again.
     """
     from mpmfw.validation.page import summary, write_csv, write_page
     from mpmfw.validation.suite import find_cases, kept, run_cases, suite_of

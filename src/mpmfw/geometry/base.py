@@ -19,8 +19,9 @@ Point3D = tuple[Length, Length, Length]
 class BodyGeometry(BaseModel):
     """Base of geometries: a model of the keys of a body's table ``geometry``.
 
-    A class of yours derives from :class:`PlaneGeometry` or :class:`SolidGeometry`, gives the field ``type`` its name as
-    the only value and the default, and is announced as an entry point of the group ``mpmfw.geometry``.
+    A class of yours derives from :class:`PlaneGeometry` or :class:`SolidGeometry`, gives the field ``type``
+    its name as the only value and the default, and is announced as an entry point of the group
+    ``mpmfw.geometry``.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -75,7 +76,9 @@ class BodyGeometry(BaseModel):
         """Cells of edge ``size`` [m], shifted by ``offset`` (fractions), cut by the surface."""
 
     def fitted(self, size: float) -> Layout:
-        """Domains of edges up to ``size`` [m] that follow the surface; a ValueError where there are none, as here."""
+        """Domains of edges up to ``size`` [m] that follow the surface; a ValueError where there are none,
+        as here.
+        """
         raise ValueError(f"a {self.type} has no fitted layout (size {size} m): choose layout = 'lattice'")
 
 

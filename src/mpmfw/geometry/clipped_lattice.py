@@ -1,4 +1,6 @@
-"""Lattice layouts: square cells clipped by an outline, and the tiling of a rectangle or box by equal cells."""
+"""Lattice layouts: square cells clipped by an outline, and the tiling of a rectangle or box by equal
+cells.
+"""
 
 from __future__ import annotations
 

@@ -1,13 +1,15 @@
-"""What a closed surface of triangles cuts out of the cells of a cubic lattice: volumes, centroids and faces, without quadrature.
+"""What a closed surface of triangles cuts out of the cells of a cubic lattice: volumes, centroids and faces,
+without quadrature.
 
-In edges of a cell, the part of cell (i, j, k) below a point of the surface at height z is clamp(z − k, 0, 1) high, so that
+In edges of a cell, the part of cell (i, j, k) below a point of the surface at height z is clamp(z − k, 0, 1)
+high, so that
 
     V = ∮ clamp(z − k, 0, 1) n_z dA   over the surface's part in the column (i, j),
 
-and likewise for moments: facets inside the cell give their own, those above it a whole column, those below nothing. Facets are
-cut at the planes of the lattice first, so that each piece lies in one cell and every integrand is a polynomial. The area of a
-cell's face inside the body follows from that of the face before, ΔA = −Σ n dA over the pieces in between: the vector areas of a
-closed surface add up to nothing.
+and likewise for moments: facets inside the cell give their own, those above it a whole column, those below
+nothing. Facets are cut at the planes of the lattice first, so that each piece lies in one cell and every
+integrand is a polynomial. The area of a cell's face inside the body follows from that of the face before, ΔA
+= −Σ n dA over the pieces in between: the vector areas of a closed surface add up to nothing.
 """
 
 from __future__ import annotations
@@ -47,7 +49,8 @@ def cut_cells(corners: FloatArray, counts: tuple[int, int, int]) -> Cuts:
     Parameters
     ----------
     corners : (n, 3, 3)
-        Of the triangles, counter-clockwise as seen from outside; from the lattice's origin, in edges of a cell.
+        Of the triangles, counter-clockwise as seen from outside; from the lattice's origin, in edges of a
+        cell.
     counts
         Number of cells along each axis.
     """
@@ -107,7 +110,9 @@ def _normals(pieces: FloatArray) -> FloatArray:
 
 
 def _cut_at_planes(pieces: FloatArray, axis: int) -> FloatArray:
-    """The triangles cut at all planes of the lattice across an axis, each at the middle one of its planes first."""
+    """The triangles cut at all planes of the lattice across an axis, each at the middle one of its planes
+    first.
+    """
     done: list[FloatArray] = []
     while pieces.shape[2]:
         a, b, c = pieces[:, axis]

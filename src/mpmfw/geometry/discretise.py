@@ -161,7 +161,8 @@ def discretise(geometry: Geometry, particles: Particles, segment: float | None) 
     particles
         Kind and size of the layout.
     segment
-        Largest length of a surface segment [m], in 3D of the sides of its triangles; None where no surface is wanted.
+        Largest length of a surface segment [m], in 3D of the sides of its triangles; None where no surface is
+        wanted.
 
     Raises
     ------

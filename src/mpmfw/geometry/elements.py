@@ -65,8 +65,8 @@ def read_elements(path: Path) -> Elements:
     Raises
     ------
     ValueError
-        No such file, not a gmsh file, gmsh is not installed, coordinates that are no numbers, not in the x-y plane,
-        elements of another kind, or degenerate ones.
+        No such file, not a gmsh file, gmsh is not installed, coordinates that are no numbers, not in the x-y
+        plane, elements of another kind, or degenerate ones.
     """
     if not path.is_file():
         raise ValueError(f"mesh file not found: {path}")

@@ -21,7 +21,9 @@ PlaneOutline = Annotated[Disc | Ring | Rectangle | Polygon, Field(discriminator=
 
 
 class Extrusion(TurnedSolid):
-    """A plane shape moved along z from ``low`` to ``high`` [m], turned about its centroid by ``angles`` [rad] about x, y, z."""
+    """A plane shape moved along z from ``low`` to ``high`` [m], turned about its centroid by ``angles``
+    [rad] about x, y, z.
+    """
 
     type: Literal["extrusion"] = "extrusion"
     outline: PlaneOutline
@@ -64,13 +66,17 @@ class Extrusion(TurnedSolid):
         return self.turned(np.concatenate(ends))
 
     def surfaces(self, edge: float) -> Surfaces:
-        """Nodes (n, 3) [m] and triangles (k, 3) of sides up to ``edge`` [m], across the sides up to 1.4 of it."""
+        """Nodes (n, 3) [m] and triangles (k, 3) of sides up to ``edge`` [m], across the sides up to 1.4 of
+        it.
+        """
         nodes, facets = extruded_surface(self.outline.outlines(edge), self.low, self.high, edge)
         return ((self.turned(nodes), facets),)
 
 
 class Cylinder(AxialSolid):
-    """A full cylinder [m], its ``length`` along ``axis``, turned about its centre by ``angles`` [rad] about x, then y, then z."""
+    """A full cylinder [m], its ``length`` along ``axis``, turned about its centre by ``angles`` [rad]
+    about x, then y, then z.
+    """
 
     type: Literal["cylinder"] = "cylinder"
     centre: Point3D
@@ -100,7 +106,9 @@ class Cylinder(AxialSolid):
         return np.array([self.centroid - half, self.centroid + half])
 
     def surfaces(self, edge: float) -> Surfaces:
-        """Nodes (n, 3) [m] and triangles (k, 3) of sides up to ``edge`` [m], across the sides up to 1.4 of it."""
+        """Nodes (n, 3) [m] and triangles (k, 3) of sides up to ``edge`` [m], across the sides up to 1.4 of
+        it.
+        """
         disc = Disc(centre=(0.0, 0.0), radius=self.radius)
         nodes, facets = extruded_surface(disc.outlines(edge), -0.5 * self.length, 0.5 * self.length, edge)
         return ((self.centroid + nodes @ self.turn.T, facets),)

@@ -14,7 +14,8 @@ def closed_loop(n: int) -> IntArray:
 
 
 def neighbours_of(facets: IntArray) -> IntArray:
-    """Facet across the side that is opposite each corner, (n_f, dim), of facets (n_f, dim) given by their nodes.
+    """Facet across the side that is opposite each corner, (n_f, dim), of facets (n_f, dim) given by their
+    nodes.
 
     Raises
     ------
@@ -38,7 +39,8 @@ def neighbours_of(facets: IntArray) -> IntArray:
 
 
 def stars_of(facets: IntArray, n_nodes: int) -> tuple[IntArray, IntArray]:
-    """Facets round every node: those of node s are ``star[first[s]:first[s + 1]]``; returns ``first`` and ``star``.
+    """Facets round every node: those of node s are ``star[first[s]:first[s + 1]]``; returns ``first`` and
+    ``star``.
 
     In the plane the segment that ends at the node comes before the one that starts there.
     """

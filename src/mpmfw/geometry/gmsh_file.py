@@ -14,7 +14,8 @@ import numpy as np
 
 from mpmfw.geometry.layout import FloatArray, IntArray
 
-#: gmsh's numbers of elements that stand beside a mesh, at points and along curves: of first order, and of second.
+#: gmsh's numbers of elements that stand beside a mesh, at points and along curves: of first order, and of
+#: second.
 BESIDE_THE_POINT = frozenset({15, 1, 8})
 
 

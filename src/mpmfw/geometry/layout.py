@@ -15,11 +15,13 @@ IntArray = npt.NDArray[np.int64]
 class Layout:
     """Material points of one body before the motion starts.
 
-    Of a point's parallelogram or parallelepiped ``half_edges[p, :, a]`` is the half-edge vector r_a; det(2 r) > 0 is the volume.
+    Of a point's parallelogram or parallelepiped ``half_edges[p, :, a]`` is the half-edge vector r_a; det(2 r)
+    > 0 is the volume.
 
-    Surfaces are there where they were asked for. In 2D they are polylines, first point not repeated: the material lies left
-    of the direction of travel (outer ones counter-clockwise, holes clockwise), and a segment with tangent t has the outward
-    normal (t_y, -t_x)/abs(t). Triangles are counter-clockwise as seen from outside.
+    Surfaces are there where they were asked for. In 2D they are polylines, first point not repeated: the
+    material lies left of the direction of travel (outer ones counter-clockwise, holes clockwise), and a
+    segment with tangent t has the outward normal (t_y, -t_x)/abs(t). Triangles are counter-clockwise as seen
+    from outside.
     """
 
     position: FloatArray  #: (n, dim) centroids [m]

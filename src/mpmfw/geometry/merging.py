@@ -19,7 +19,8 @@ def merge_small_pieces(
     shared: FloatArray,
     least_volume: float,
 ) -> tuple[FloatArray, FloatArray]:
-    """Join each small piece to the neighbour with which it shares the longest edge, in space the largest face.
+    """Join each small piece to the neighbour with which it shares the longest edge, in space the largest
+    face.
 
     Parameters
     ----------
@@ -28,8 +29,8 @@ def merge_small_pieces(
     volume, centroid : (n,), (n, dim)
         Areas or volumes, and centroids.
     small, shared : (k,), (k, 2 dim)
-        The pieces below ``least_volume``, and the lengths or areas of what they share with the neighbours below and above along
-        x, then y, then z.
+        The pieces below ``least_volume``, and the lengths or areas of what they share with the neighbours
+        below and above along x, then y, then z.
 
     Returns
     -------

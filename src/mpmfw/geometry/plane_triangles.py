@@ -12,7 +12,8 @@ AWAY = 0.6
 
 
 def plane_triangles(loops: tuple[FloatArray, ...], edge: float) -> tuple[FloatArray, IntArray]:
-    """Nodes (n, 2) [m] and counter-clockwise triangles (k, 3) by Delaunay's rule; the loops' nodes come first.
+    """Nodes (n, 2) [m] and counter-clockwise triangles (k, 3) by Delaunay's rule; the loops' nodes come
+    first.
 
     Parameters
     ----------
@@ -51,7 +52,9 @@ def plane_triangles(loops: tuple[FloatArray, ...], edge: float) -> tuple[FloatAr
 
 
 def _inner_nodes(region: object, edge: float) -> FloatArray:
-    """Nodes (n, 2) [m] of equilateral triangles, symmetric about the middle of the box, not near the outline."""
+    """Nodes (n, 2) [m] of equilateral triangles, symmetric about the middle of the box, not near the
+    outline.
+    """
     inside = shapely.buffer(region, -AWAY * edge)
     if inside.is_empty:
         return np.empty((0, 2))

@@ -46,16 +46,6 @@ class Polygon(PlaneGeometry):
         """The polygon as a shapely one, without repeated points."""
         return shapely.remove_repeated_points(shapely.Polygon(self.points, self.holes))
 
-    @property
-    def exact_volume(self) -> float:
-        """Area [m^2], holes taken out."""
-        return float(self.region.area)
-
-    @property
-    def centroid(self) -> FloatArray:
-        """Centroid (2,) [m]."""
-        return np.array(self.region.centroid.coords[0])
-
     def outlines(self, segment: float) -> tuple[FloatArray, ...]:
         """The outer polyline and one a hole, with the corners among their nodes."""
         return tuple(subdivided(loop, segment) for loop in loops_of(self.region))

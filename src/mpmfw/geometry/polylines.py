@@ -22,8 +22,8 @@ def number_of_segments(length: float, segment: float) -> int:
 def circle_nodes(centre: tuple[float, float], radius: float, n: int) -> FloatArray:
     """``n`` nodes (n, 2) [m] on a circle, counter-clockwise, the first at angle 0.
 
-    For even ``n`` they are mirror images of one another about both axes through the centre, for multiples of four about
-    the diagonals too.
+    For even ``n`` they are mirror images of one another about both axes through the centre, for multiples of
+    four about the diagonals too.
     """
     angle = 2 * np.pi * np.arange(n) / n
     nodes: FloatArray = np.array(centre) + radius * np.column_stack([np.cos(angle), np.sin(angle)])

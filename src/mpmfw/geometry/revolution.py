@@ -19,7 +19,8 @@ ON_AXIS = 1e-9
 
 
 class Revolution(AxialSolid):
-    """A plane shape that goes round ``axis``; its coordinates [m] are the distance from the axis and the height above ``origin``.
+    """A plane shape that goes round ``axis``; its coordinates [m] are the distance from the axis and the
+    height above ``origin``.
 
     The body is turned about the origin by ``angles`` [rad] about x, then y, then z.
     """
@@ -59,7 +60,9 @@ class Revolution(AxialSolid):
         )
 
     def surfaces(self, edge: float) -> Surfaces:
-        """Nodes (n, 3) [m] and triangles (k, 3) of every closed surface: sides up to ``edge`` [m], across rings 1.4 of it."""
+        """Nodes (n, 3) [m] and triangles (k, 3) of every closed surface: sides up to ``edge`` [m], across
+        rings 1.4 of it.
+        """
         found = []
         for loop in self.outline.outlines(edge):
             near = np.abs(loop[:, :1]) < ON_AXIS * np.ptp(loop)

@@ -26,9 +26,11 @@ Surfaces = tuple[tuple[FloatArray, IntArray], ...]
 
 
 class SolidGeometry(BodyGeometry):
-    """Base of bodies in space: subclasses say their :meth:`surfaces` and :attr:`bounds`; the rest follows from triangles.
+    """Base of bodies in space: subclasses say their :meth:`surfaces` and :attr:`bounds`; the rest follows
+    from triangles.
 
-    Where volume and centroid of the true shape have a formula they say :attr:`exact_volume` and :attr:`centroid` as well.
+    Where volume and centroid of the true shape have a formula they say :attr:`exact_volume` and
+    :attr:`centroid` as well.
     """
 
     dim: ClassVar[int] = 3  #: number of space dimensions
@@ -38,8 +40,8 @@ class SolidGeometry(BodyGeometry):
 
     @abstractmethod
     def surfaces(self, edge: float) -> Surfaces:
-        """Nodes (n, 3) [m] and triangles (k, 3), counter-clockwise as seen from outside, of every closed surface, sides up to
-        ``edge`` [m]; holes are surfaces of their own."""
+        """Nodes (n, 3) [m] and triangles (k, 3), counter-clockwise as seen from outside, of every closed
+        surface, sides up to ``edge`` [m]; holes are surfaces of their own."""
 
     @cached_property
     def fine_surface(self) -> tuple[FloatArray, IntArray]:
@@ -86,9 +88,9 @@ class SolidGeometry(BodyGeometry):
     def lattice(self, size: float, offset: tuple[float, ...]) -> Layout:
         """Cubic cells of edge ``size`` [m], shifted by ``offset`` (fractions), cut by the surface.
 
-        A particle has the volume and the centroid of its part of a cell, and a cubic domain of that volume. Parts below a quarter
-        of a cell join the neighbour with which they share the largest face. Of a curved body the surface of fine triangles is
-        stretched about the centroid until it has the true volume.
+        A particle has the volume and the centroid of its part of a cell, and a cubic domain of that volume.
+        Parts below a quarter of a cell join the neighbour with which they share the largest face. Of a curved
+        body the surface of fine triangles is stretched about the centroid until it has the true volume.
         """
         nodes, facets = joined(self.surfaces(size if self.has_plane_faces else CUTTING_EDGE * size))
         if not self.has_plane_faces:

@@ -36,7 +36,9 @@ class Ball(Round, SolidGeometry):
 
 
 class Box(Cornered, TurnedSolid):
-    """A cuboid between two corners [m], turned about its centre by ``angles`` [rad] about x, then y, then z."""
+    """A cuboid between two corners [m], turned about its centre by ``angles`` [rad] about x, then y, then
+    z.
+    """
 
     has_plane_faces: ClassVar[bool] = True
 
@@ -53,7 +55,9 @@ class Box(Cornered, TurnedSolid):
         return np.array([self.centroid - half, self.centroid + half])
 
     def surfaces(self, edge: float) -> Surfaces:
-        """Nodes (n, 3) [m] and triangles (k, 3): rectangles of sides up to ``edge`` [m], cut in four from the centre."""
+        """Nodes (n, 3) [m] and triangles (k, 3): rectangles of sides up to ``edge`` [m], cut in four from
+        the centre.
+        """
         nodes, facets = box_surface(np.array(self.lower), np.array(self.upper), edge)
         return ((self.turned(nodes), facets),)
 

@@ -10,7 +10,8 @@ from mpmfw.geometry.layout import FloatArray, IntArray
 
 #: Height of a triangle over its longest side below which it has no area.
 FLAT = 1e-7
-#: A place within a triangle, in its own coordinates: through its middle a ray would meet sides of regular meshes.
+#: A place within a triangle, in its own coordinates: through its middle a ray would meet sides of regular
+#: meshes.
 PLACE = (0.2713, 0.3142, 0.4145)
 #: How far below its triangle a place is looked at, over the triangle's size.
 BELOW = 1e-6
@@ -186,8 +187,8 @@ def places_below(nodes: FloatArray, facets: IntArray) -> FloatArray:
 
 
 def windings(places: FloatArray, corners: FloatArray) -> IntArray:
-    """How often closed surfaces of triangles (n, 3, 3) wind round places (k, 3): by rays along z, which count what they leave
-    less what they enter."""
+    """How often closed surfaces of triangles (n, 3, 3) wind round places (k, 3): by rays along z, which
+    count what they leave less what they enter."""
     xy = corners[:, :, :2]
     lower, upper = xy.min(axis=1), xy.max(axis=1)
     tree = shapely.STRtree(shapely.box(lower[:, 0], lower[:, 1], upper[:, 0], upper[:, 1]))
@@ -207,7 +208,9 @@ def windings(places: FloatArray, corners: FloatArray) -> IntArray:
 
 
 def solid_angle_winding(point: FloatArray, corners: FloatArray) -> float:
-    """How often closed surfaces wind round a point: the sum of the solid angles of their triangles (n, 3, 3), over 4 π."""
+    """How often closed surfaces wind round a point: the sum of the solid angles of their triangles (n, 3,
+    3), over 4 π.
+    """
     a, b, c = (corners[:, k] - point for k in range(3))
     la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
     sixfold = (a * np.cross(b, c)).sum(axis=1)
@@ -216,8 +219,8 @@ def solid_angle_winding(point: FloatArray, corners: FloatArray) -> float:
 
 
 def overlapping(nodes: FloatArray, facets: IntArray) -> IntArray:
-    """Numbers of triangles that have the body below them not once: within another part, or of a cavity that reaches out of the
-    body; up to :data:`ASKED` of them.
+    """Numbers of triangles that have the body below them not once: within another part, or of a cavity that
+    reaches out of the body; up to :data:`ASKED` of them.
 
     Parameters
     ----------

@@ -16,7 +16,8 @@ from mpmfw.units import LARGEST
 BY_TRIMESH = (".stl", ".obj", ".ply", ".off")
 BY_GMSH = ".msh"
 
-#: Distance of two nodes of an STL, over its largest coordinate, up to which they are one: four units of single precision.
+#: Distance of two nodes of an STL, over its largest coordinate, up to which they are one: four units of
+#: single precision.
 SINGLE = float(4.0 * np.finfo(np.float32).eps)
 
 
@@ -28,7 +29,8 @@ def read_surface(path: Path) -> tuple[FloatArray, IntArray]:
     Raises
     ------
     ValueError
-        No such file, of another kind, that cannot be read, without triangles or with coordinates that are no numbers.
+        No such file, of another kind, that cannot be read, without triangles or with coordinates that are no
+        numbers.
     """
     if not path.is_file():
         raise ValueError(f"mesh file not found: {path}")

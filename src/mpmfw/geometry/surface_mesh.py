@@ -19,10 +19,11 @@ from mpmfw.units import to_si
 
 
 class SurfaceMesh(TurnedSolid):
-    """A closed surface of triangles in a file (.stl, .obj, .ply, .off, .msh), whose coordinates are in ``unit``.
+    """A closed surface of triangles in a file (.stl, .obj, .ply, .off, .msh), whose coordinates are in
+    ``unit``.
 
-    The body is turned about the file's origin by ``angles`` [rad] about x, then y, then z, and moved by ``shift`` [m].
-    Triangles larger than asked for are divided; smaller ones stay as they are.
+    The body is turned about the file's origin by ``angles`` [rad] about x, then y, then z, and moved by
+    ``shift`` [m]. Triangles larger than asked for are divided; smaller ones stay as they are.
     """
 
     has_plane_faces: ClassVar[bool] = True
@@ -109,7 +110,8 @@ class SurfaceMesh(TurnedSolid):
 def subdivided_triangles(nodes: FloatArray, facets: IntArray, edge: float) -> tuple[FloatArray, IntArray]:
     """Nodes (n, 3) [m] and triangles (k, 3) of a closed surface with all sides up to ``edge`` [m].
 
-    Sides that are longer are halved, again and again; a triangle with one, two or three of them becomes two, three or four.
+    Sides that are longer are halved, again and again; a triangle with one, two or three of them becomes two,
+    three or four.
     """
     while True:
         sides = np.stack([facets[:, [1, 2]], facets[:, [2, 0]], facets[:, [0, 1]]], axis=1).reshape(-1, 2)
@@ -125,7 +127,9 @@ def subdivided_triangles(nodes: FloatArray, facets: IntArray, edge: float) -> tu
 
 
 def _divided(nodes: FloatArray, facets: IntArray, middle: IntArray) -> IntArray:
-    """Triangles (k, 3) divided at the nodes in the middle of the sides opposite their corners (k, 3), −1 where there is none."""
+    """Triangles (k, 3) divided at the nodes in the middle of the sides opposite their corners (k, 3), −1
+    where there is none.
+    """
     count = (middle >= 0).sum(axis=1)
     parts = [facets[count == 0]]
     rows = np.arange(len(facets))

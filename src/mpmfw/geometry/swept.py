@@ -53,8 +53,8 @@ def revolved_surface(loop: FloatArray, edge: float) -> tuple[FloatArray, IntArra
     Parameters
     ----------
     loop : (m, 2)
-        Distance from the axis, not negative, and height [m], the material on the left. Where two nodes in a row lie on the axis,
-        so does the segment between them, and it sweeps nothing.
+        Distance from the axis, not negative, and height [m], the material on the left. Where two nodes in a
+        row lie on the axis, so does the segment between them, and it sweeps nothing.
     """
     rings, nodes, total = [], [], 0
     on_axis = loop[:, 0] == 0.0
@@ -75,8 +75,8 @@ def revolved_surface(loop: FloatArray, edge: float) -> tuple[FloatArray, IntArra
 
 
 def _strip(one: tuple[int, FloatArray], other: tuple[int, FloatArray]) -> IntArray:
-    """Triangles (k, 3) between two rings, each given by its first node and the angles of all: from node to node of either, by the
-    angle of the side's middle."""
+    """Triangles (k, 3) between two rings, each given by its first node and the angles of all: from node to
+    node of either, by the angle of the side's middle."""
     (start, angles), (begin, others) = one, other
     n, m = len(angles), len(others)
     if n == m == 1:

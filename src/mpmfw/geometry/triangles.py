@@ -7,15 +7,18 @@ import numpy as np
 from mpmfw.geometry.layout import FloatArray, IntArray
 from mpmfw.geometry.polylines import number_of_segments
 
-#: Largest stretch of an icosahedron's face that is projected on the sphere: at its centre, the sphere's radius over its distance.
+#: Largest stretch of an icosahedron's face that is projected on the sphere: at its centre, the sphere's
+#: radius over its distance.
 STRETCH = 1.26
 
 
 def box_surface(lower: FloatArray, upper: FloatArray, edge: float) -> tuple[FloatArray, IntArray]:
-    """Nodes (n, 3) [m] and triangles (k, 3) of a cuboid: rectangles of sides up to ``edge`` [m], cut in four from the centre.
+    """Nodes (n, 3) [m] and triangles (k, 3) of a cuboid: rectangles of sides up to ``edge`` [m], cut in four
+    from the centre.
 
-    The surface has the cuboid's mirror planes, and a load shared equally by every triangle's corners is that of bilinear
-    functions on a rectangle, exactly: cut in two, its corners would have unequal shares, by the direction of the diagonal.
+    The surface has the cuboid's mirror planes, and a load shared equally by every triangle's corners is that
+    of bilinear functions on a rectangle, exactly: cut in two, its corners would have unequal shares, by the
+    direction of the diagonal.
     """
     count = np.array([number_of_segments(length, edge) for length in upper - lower])
     places: list[IntArray] = []
@@ -39,9 +42,11 @@ def box_surface(lower: FloatArray, upper: FloatArray, edge: float) -> tuple[Floa
 
 
 def sphere_surface(centre: FloatArray, radius: float, edge: float) -> tuple[FloatArray, IntArray]:
-    """Nodes (n, 3) [m], all on the sphere, and triangles (k, 3) of edges up to ``edge`` [m]: an icosahedron's faces, divided.
+    """Nodes (n, 3) [m], all on the sphere, and triangles (k, 3) of edges up to ``edge`` [m]: an icosahedron's
+    faces, divided.
 
-    The surface has the mirror planes of the axes. Its volume is less than the ball's by a part of the order (edge / radius)².
+    The surface has the mirror planes of the axes. Its volume is less than the ball's by a part of the order
+    (edge / radius)².
     """
     golden = 0.5 * (1.0 + np.sqrt(5.0))
     corners = np.array([[0.0, a, b * golden] for a in (-1.0, 1.0) for b in (-1.0, 1.0)])

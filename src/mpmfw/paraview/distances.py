@@ -17,7 +17,8 @@ def distances_in_plane(points: FloatArray, nodes: FloatArray, segments: IntArray
     Parameters
     ----------
     nodes, segments : (s, 2), (s, 2)
-        Of the polylines [m]; the first node of segment s is node s. The material lies inside an odd number of them.
+        Of the polylines [m]; the first node of segment s is node s. The material lies inside an odd number of
+        them.
     """
     rings = [shapely.Polygon(nodes[loop]) for loop in loops(segments[:, 1])]
     outlines = shapely.MultiLineString([ring.exterior for ring in rings])
@@ -30,10 +31,11 @@ def distances_in_plane(points: FloatArray, nodes: FloatArray, segments: IntArray
 def distances_in_space(
     points: FloatArray, nodes: FloatArray, facets: IntArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Signed distance of points from a closed surface of triangles, and the outward direction of the surface there.
+    """Signed distance of points from a closed surface of triangles, and the outward direction of the surface
+    there.
 
-    Where the nearest point lies on an edge or a node the angle-weighted normal decides (J. A. Bærentzen, H. Aanæs,
-    2005), as for ``min_gap``.
+    Where the nearest point lies on an edge or a node the angle-weighted normal decides (J. A. Bærentzen, H.
+    Aanæs, 2005), as for ``min_gap``.
 
     Parameters
     ----------

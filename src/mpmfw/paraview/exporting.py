@@ -59,8 +59,8 @@ def export(
     Raises
     ------
     SceneError
-        pyvista is not installed, a file to write exists, or the results have no such body, no material points,
-        or are not those of a run.
+        pyvista is not installed, a file to write exists, or the results have no such body, no material
+        points, or are not those of a run.
     MpmfwError
         The file cannot be read, or a file cannot be written.
     """

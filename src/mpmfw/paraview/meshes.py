@@ -55,8 +55,8 @@ def points_mesh(
     bodies
         Index in the scene by name; the index becomes the array ``body``.
     domains
-        By body; with domains a material point is a quadrilateral and its fields are cell data, without them it
-        is a vertex and they are point data.
+        By body; with domains a material point is a quadrilateral and its fields are cell data, without them
+        it is a vertex and they are point data.
     """
     frames = {body: frame_of(tree, f"particles/{body}", frame) for body in bodies}
     points = _joined(frames, bodies, "particle")
@@ -110,8 +110,8 @@ def _nearest(
 ) -> tuple[FloatArray, FloatArray | None]:
     """Distance of a body's surface nodes (s,) [m] from the nearest other surface, negative inside of it.
 
-    It is measured as ``min_gap`` is, and NaN without another surface. The second array (s, 3) holds the outward
-    direction of the other surface there; it is None in the plane.
+    It is measured as ``min_gap`` is, and NaN without another surface. The second array (s, 3) holds the
+    outward direction of the other surface there; it is None in the plane.
     """
     position = shapes[body][0]
     others = [shape for other, shape in shapes.items() if other != body]
@@ -131,18 +131,18 @@ def contact_fields(
 ) -> dict[str, xr.DataArray]:
     """Split the contact forces on the nodes of a surface in space into pressure and friction.
 
-    A node inside another body, its ``gap`` (s,) [m] negative, presses along the normal of that body's surface,
-    ``other`` (s, 3). Nodes of the other body press on this surface along its own normal. So friction is measured
-    against the mean of both normals there, and against the node's own normal elsewhere: a node beside the lowest
-    one of a sphere would otherwise seem to slip, or to stick.
+    A node inside another body, its ``gap`` (s,) [m] negative, presses along the normal of that body's
+    surface, ``other`` (s, 3). Nodes of the other body press on this surface along its own normal. So friction
+    is measured against the mean of both normals there, and against the node's own normal elsewhere: a node
+    beside the lowest one of a sphere would otherwise seem to slip, or to stick.
 
     Returns
     -------
     dict
         ``pressure`` −f·n/A (s,) [Pa], with n and A the sum of the area vectors of a node's triangles, a third
-        each; and ``friction_share`` |f − (f·m) m|/(−f·m), m the mean normal, NaN where nothing presses. A node
-        sticks below the coefficient of friction and slips where it is reached. Empty in the plane, without forces
-        or without another surface.
+        each; and ``friction_share`` |f − (f·m) m|/(−f·m), m the mean normal, NaN where nothing presses. A
+        node sticks below the coefficient of friction and slips where it is reached. Empty in the plane,
+        without forces or without another surface.
     """
     if facets.shape[1] != 3 or "force" not in frame or other is None:
         return {}
@@ -175,7 +175,8 @@ def surfaces_of(tree: xr.DataTree) -> list[str]:
 
 
 def facets_of(tree: xr.DataTree, body: str) -> IntArray:
-    """Segments (k, 2) of a stored surface, or triangles (k, 3), made again from the scene as the run made them.
+    """Segments (k, 2) of a stored surface, or triangles (k, 3), made again from the scene as the run made
+    them.
 
     Raises
     ------
@@ -207,7 +208,9 @@ def skipped_fields(tree: xr.DataTree, bodies: Sequence[str]) -> list[str]:
 
 
 def _joined(frames: Mapping[str, xr.Dataset], bodies: Mapping[str, int], dim: str) -> xr.Dataset:
-    """Fields of several bodies' points, and the index of each point's ``body``; a field that a body lacks is NaN."""
+    """Fields of several bodies' points, and the index of each point's ``body``; a field that a body lacks
+    is NaN.
+    """
     parts = []
     for body, frame in frames.items():
         fields = frame[[name for name in frame if name != "next" and _is_field(frame[name], dim)]]
@@ -225,8 +228,8 @@ def _is_field(array: xr.DataArray, dim: str) -> bool:
 def _fields(points: xr.Dataset) -> dict[str, AnyArray]:
     """Fields by name, as VTK takes them: vectors of 3 components, tensors of 9, row by row.
 
-    In 2D the shear across the plane is zero. The zz component of the stress is not stored: it is NaN, so that no
-    filter uses it.
+    In 2D the shear across the plane is zero. The zz component of the stress is not stored: it is NaN, so that
+    no filter uses it.
     """
     fields: dict[str, AnyArray] = {}
     for name, array in points.data_vars.items():

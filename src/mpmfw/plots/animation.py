@@ -62,7 +62,9 @@ class Movie:
         return len(self.times)
 
     def show(self, index: int) -> None:
-        """Draw the output nearest to ``times[index]`` of every run; the last one of a run that ended before."""
+        """Draw the output nearest to ``times[index]`` of every run; the last one of a run that ended
+        before.
+        """
         for label, frames in self.frames.items():
             self._drawing.show(label, frames[index])
 
@@ -85,8 +87,8 @@ def animate(
     Parameters
     ----------
     results
-        A run or a comparison, or the name of its file. Several runs, as a sequence or by label, and those of a
-        comparison stand side by side at the same times, which are those of the first.
+        A run or a comparison, or the name of its file. Several runs, as a sequence or by label, and those of
+        a comparison stand side by side at the same times, which are those of the first.
     path
         File to write: ``.gif``, or ``.mp4``, which needs ffmpeg (``pip install mpmfw[animate]`` brings one).
     field

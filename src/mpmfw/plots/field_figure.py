@@ -40,7 +40,8 @@ def field(
     plane: tuple[str, float | None] | None = None,
     against: str | None = None,
 ) -> Figure:
-    """Draw a field on the material points of a run, or of the runs of a comparison side by side, at one output.
+    """Draw a field on the material points of a run, or of the runs of a comparison side by side, at one
+    output.
 
     A run in 3D is drawn on a plane, by :func:`plane_cut`.
 
@@ -49,15 +50,15 @@ def field(
     results
         A run or a comparison, or the name of its file.
     name
-        Of the field: ``von_mises``, ``velocity`` (its size), ``velocity_x``, ``stress_xy``, ``in_plane_pressure``,
-        ``volume_ratio`` …, see :func:`mpmfw.results.point_fields.point_fields`.
+        Of the field: ``von_mises``, ``velocity`` (its size), ``velocity_x``, ``stress_xy``,
+        ``in_plane_pressure``, ``volume_ratio`` …, see :func:`mpmfw.results.point_fields.point_fields`.
     time
         [s]; the nearest output is drawn, the last one by default.
     bodies
         Only these bodies.
     limits
-        Ends of the colour scale [SI]; the least and the largest value by default. An end that values lie beyond is
-        a point on the colour bar.
+        Ends of the colour scale [SI]; the least and the largest value by default. An end that values lie
+        beyond is a point on the colour bar.
     arrows
         Draw the contact force on every surface node (2D).
     plane
@@ -265,7 +266,9 @@ def _checked(limits: tuple[float, float]) -> tuple[float, float, str]:
 
 
 def _colours(found: Sequence[tuple[float, float]]) -> tuple[float, float, str]:
-    """Ends of the scale and name of the colour map; if values have either sign, zero is in the middle, white."""
+    """Ends of the scale and name of the colour map; if values have either sign, zero is in the middle,
+    white.
+    """
     ends = np.array(found)
     if not np.isfinite(ends).any():
         raise SceneError("the field has no finite value to draw")

@@ -84,7 +84,9 @@ class FieldPanel:
         self._drawn: list[Any] = []
 
     def survey(self, frames: Iterable[int]) -> tuple[tuple[float, float], Box]:
-        """Least and largest finite value over some outputs, NaN if there is none, and the extent of the points."""
+        """Least and largest finite value over some outputs, NaN if there is none, and the extent of the
+        points.
+        """
         ends, corners = [], []
         for frame in frames:
             for body in self.bodies:

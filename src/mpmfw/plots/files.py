@@ -154,8 +154,8 @@ def plot_file(
     path
         File of a run, a comparison or a study.
     output
-        Name of the figure, or of all where there are several, whose ending says the format, PNG without one; next to ``path``
-        by default.
+        Name of the figure, or of all where there are several, whose ending says the format, PNG without one;
+        next to ``path`` by default.
     force
         Replace figures that exist.
 

@@ -10,7 +10,8 @@ from matplotlib.transforms import offset_copy
 
 from mpmfw.state.fields import FloatArray
 
-#: Distance of two markers, as a share of the sum of their half sizes: at 1 circles touch, at 0.6 each can be told.
+#: Distance of two markers, as a share of the sum of their half sizes: at 1 circles touch, at 0.6 each can be
+#: told.
 _SHARE = 0.6
 #: Shifts are multiples of this [pt].
 _STEP = 0.5
@@ -35,7 +36,8 @@ class Marker(NamedTuple):
 
 
 def draw_side_by_side(axes: Any, markers: Sequence[Marker]) -> None:
-    """Draw markers, up or down from their place as far as needed; a thin line leads back to it, and a dot marks it.
+    """Draw markers, up or down from their place as far as needed; a thin line leads back to it, and a dot
+    marks it.
 
     Parameters
     ----------

@@ -1,4 +1,6 @@
-"""A run in space as a plane across it shows it: the material points that it meets, and the outlines of the bodies in it."""
+"""A run in space as a plane across it shows it: the material points that it meets, and the outlines of the
+bodies in it.
+"""
 
 from __future__ import annotations
 
@@ -54,12 +56,14 @@ def plane_cut(
     Returns
     -------
     matplotlib.figure.Figure
-        Points nearer to the plane than half their size as discs of it; where surfaces are stored, their lines in the plane.
+        Points nearer to the plane than half their size as discs of it; where surfaces are stored, their lines
+        in the plane.
 
     Raises
     ------
     SceneError
-        The run is in the plane, has no such field, body, time or axis, keeps no material points, or none is on the plane.
+        The run is in the plane, has no such field, body, time or axis, keeps no material points, or none is
+        on the plane.
     """
     with opened_run(results) as tree:
         own, frame = bodies_of(tree, bodies), frame_at(tree, time)
@@ -130,7 +134,9 @@ def _drawn(
 
 
 def cut_lines(nodes: FloatArray, facets: IntArray, across: int, place: float) -> FloatArray:
-    """Segments (n, 2, 3) [m] in which triangles (k, 3) of nodes (s, 3) [m] meet the plane at ``place`` along an axis."""
+    """Segments (n, 2, 3) [m] in which triangles (k, 3) of nodes (s, 3) [m] meet the plane at ``place``
+    along an axis.
+    """
     corners = nodes[facets]
     above = corners[:, :, across] >= place
     cut = above.any(axis=1) & ~above.all(axis=1)

@@ -29,7 +29,8 @@ def profiles(ranking: xr.Dataset) -> Figure:
     Parameters
     ----------
     ranking
-        Of :func:`mpmfw.studies.ranking.rank`. The cost is that over the cheapest method's, of each problem and level.
+        Of :func:`mpmfw.studies.ranking.rank`. The cost is that over the cheapest method's, of each problem
+        and level.
     """
     quantities = [
         name
@@ -70,12 +71,13 @@ def profiles(ranking: xr.Dataset) -> Figure:
 
 
 def profile(ranking: xr.Dataset, quantity: str, method: str) -> tuple[FloatArray, FloatArray]:
-    """Data profile: costs over the best, rising (n,), and the share of problems and levels solved within each (n,).
+    """Data profile: costs over the best, rising (n,), and the share of problems and levels solved within each
+    (n,).
 
     The share is that of the problems that the method ran.
 
-    Source: E. D. Dolan, J. J. Moré (2002), Benchmarking optimization software with performance profiles, *Mathematical
-    Programming* 91, 201-213.
+    Source: E. D. Dolan, J. J. Moré (2002), Benchmarking optimization software with performance profiles,
+    *Mathematical Programming* 91, 201-213.
     """
     by = ranking.attrs["by"]
     ratio = ranking["over_best"].sel({"quantity": quantity, by: method}).values.ravel()

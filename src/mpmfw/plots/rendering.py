@@ -1,4 +1,6 @@
-"""A picture of a run in space: surfaces in the colours of a field, rendered by pyvista (the extra ``mpmfw[render]``)."""
+"""A picture of a run in space: surfaces in the colours of a field, rendered by pyvista (the extra
+``mpmfw[render]``).
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,8 @@ from mpmfw.results.outputs import Results, bodies_of, frame_at, frame_of, opened
 from mpmfw.results.point_fields import point_field
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 
-#: Width and height of the picture in pixels: a journal's column at 300 dpi, drawn twice as large as it is shown.
+#: Width and height of the picture in pixels: a journal's column at 300 dpi, drawn twice as large as it is
+#: shown.
 PIXELS = (2000, 1500)
 
 
@@ -51,13 +54,14 @@ def rendered(
     Returns
     -------
     matplotlib.figure.Figure
-        Where surfaces are stored each node of them has the value of the nearest material point of its body; a body without
-        is drawn as spheres of its points' volume.
+        Where surfaces are stored each node of them has the value of the nearest material point of its body; a
+        body without is drawn as spheres of its points' volume.
 
     Raises
     ------
     SceneError
-        pyvista is not installed, the run is in the plane, has no such field, body or time, or keeps no material points.
+        pyvista is not installed, the run is in the plane, has no such field, body or time, or keeps no
+        material points.
     """
     vista = _pyvista()
     with opened_run(results) as tree:

@@ -1,4 +1,6 @@
-"""Figures of a comparison on any scene: where its bodies went, what acted between them, and where its energy is."""
+"""Figures of a comparison on any scene: where its bodies went, what acted between them, and where its
+energy is.
+"""
 
 from __future__ import annotations
 
@@ -22,10 +24,12 @@ from mpmfw.plots.style import (
 from mpmfw.plots.units import length_scale, time_scale
 from mpmfw.results.references import cell_size
 
-#: Bodies by colour, in the scene's order; those that move no further than this part of what moves most are grey.
+#: Bodies by colour, in the scene's order; those that move no further than this part of what moves most are
+#: grey.
 _BODIES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 _STILL = 1e-2
-#: Pairs and bodies of which a figure has a row; of more those with the largest forces, and that move furthest.
+#: Pairs and bodies of which a figure has a row; of more those with the largest forces, and that move
+#: furthest.
 MOST = 6
 #: Top of the gap's history, in cells.
 LARGEST_GAP = 3.0
@@ -67,7 +71,8 @@ def near_pairs(dataset: xr.Dataset) -> list[str]:
 
 @journal_style()
 def start_and_end(dataset: xr.Dataset) -> Figure:
-    """Outlines of all bodies at the first output (dashed) and at the last, one panel for each method, all at one scale.
+    """Outlines of all bodies at the first output (dashed) and at the last, one panel for each method, all at
+    one scale.
 
     Parameters
     ----------
@@ -109,7 +114,9 @@ def start_and_end(dataset: xr.Dataset) -> Figure:
 
 
 def body_motion(dataset: xr.Dataset) -> Figure:
-    """Displacement of the centre of mass along every axis and, where there is one, the spin of each body that moves."""
+    """Displacement of the centre of mass along every axis and, where there is one, the spin of each body
+    that moves.
+    """
     centre = dataset["centre_of_mass"]
     displacement = (centre - centre.isel(time=0)).assign_attrs(units="m")
     shown = dataset.assign(displacement=displacement).sel(body=moving_bodies(dataset)[:MOST])
@@ -148,7 +155,9 @@ def gap_history(dataset: xr.Dataset) -> Figure:
 
 
 def energies(dataset: xr.Dataset) -> Figure:
-    """Kinetic and strain energy of all bodies, and what friction, dashpots and contact springs took, over time."""
+    """Kinetic and strain energy of all bodies, and what friction, dashpots and contact springs took, over
+    time.
+    """
     unit = dataset["kinetic_energy"].attrs.get("units", "J")
     names = ["kinetic_energy", "strain_energy"]
     sums = {name: dataset[name].sum("body", skipna=False) for name in names}

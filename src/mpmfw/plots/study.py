@@ -47,7 +47,8 @@ def front(dataset: xr.Dataset) -> Figure:
     ----------
     dataset
         Of ``mpmfw.study``. Colour says the contact, marker the shape function, size the resolution; filled is
-        what is on the front. Markers that would cover each other are moved up or down, a dot is where they belong.
+        what is on the front. Markers that would cover each other are moved up or down, a dot is where they
+        belong.
     """
     named = with_methods(dataset)
     problems = list(problems_of(named))
@@ -270,7 +271,9 @@ def _finest(problem: xr.Dataset, resolution: str | None) -> xr.Dataset:
 
 
 def _places(rows: list[dict[str, Any]]) -> tuple[list[float], dict[float, str]]:
-    """Where the bars are, and the contacts' names above theirs; none where only one of contact and shape varies."""
+    """Where the bars are, and the contacts' names above theirs; none where only one of contact and shape
+    varies.
+    """
     if not rows or not {"contact", "shape"} <= set(rows[0]["dims"]):
         return [float(k) for k in range(len(rows))], {}
     places: list[float] = []

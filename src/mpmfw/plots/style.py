@@ -28,7 +28,8 @@ PAGE = 175.0 / 25.4
 #: Height that a figure has for a legend below its panels [inch].
 LEGEND = 0.45
 
-#: Of the installed contacts and shape functions in their order (:func:`installed`): a method looks the same in every figure.
+#: Of the installed contacts and shape functions in their order (:func:`installed`): a method looks the same
+#: in every figure.
 _COLOURS = (
     "#117733", "#D55E00", "#AA4499", "#56B4E9", "#8C564B", "#7F3C8D", "#B2B200", "#DDAA33", "#CC79A7", "#009E73", "#6B6B6B",
     "#0072B2", "#A0A0A0",
@@ -48,7 +49,9 @@ _SPARE_STYLES: tuple[tuple[Any, str], ...] = (((0, (8, 2)), "P"), ((0, (1, 3)), 
 
 
 def installed(kind: Kind) -> list[str]:
-    """Names of the methods of a kind: those that come with mpmfw, then others, each in the order of the alphabet."""
+    """Names of the methods of a kind: those that come with mpmfw, then others, each in the order of the
+    alphabet.
+    """
     found = available(kind)
     return sorted(found, key=lambda name: (distribution_of(found[name]) != "mpmfw", name))
 
@@ -71,15 +74,16 @@ class _Figure(Figure):
 
 @journal_style()
 def new_figure(columns: int, rows: int, height: float = 58.0) -> Figure:
-    """Return an empty figure for ``columns`` × ``rows`` panels of ``height`` [mm], as wide as a journal's column if it is one
-    panel wide, else as its page."""
+    """Return an empty figure for ``columns`` × ``rows`` panels of ``height`` [mm], as wide as a journal's
+    column if it is one panel wide, else as its page."""
     figure = _Figure(figsize=(PANEL if columns == 1 else PAGE, rows * height / 25.4 + LEGEND))
     FigureCanvasAgg(figure)
     return figure
 
 
 def dress(axes: Any, xlabel: str, ylabel: str, title: str = "") -> None:
-    """Label one panel, in type that is legible at column width; a title has a method's options on a line of their own.
+    """Label one panel, in type that is legible at column width; a title has a method's options on a line of
+    their own.
 
     Where there are several panels, each has a letter, unless its title begins with one.
     """
@@ -94,8 +98,8 @@ def dress(axes: Any, xlabel: str, ylabel: str, title: str = "") -> None:
 
 
 def on_lines(text: str, width: int = 30) -> str:
-    """``text`` with each method's options on lines of their own, of at most ``width`` letters: a panel of three in a row has room
-    for 30."""
+    """``text`` with each method's options on lines of their own, of at most ``width`` letters: a panel of
+    three in a row has room for 30."""
     return re.sub(r"(?<=\w)\((?=\w+=)[^)]*\)", lambda options: "\n" + textwrap.fill(options[0], width), text)
 
 
@@ -188,8 +192,8 @@ def combinations(dataset: xr.Dataset) -> Iterator[tuple[str, str, xr.Dataset]]:
 def legend_below(
     figure: Figure, rows: Sequence[Sequence[Artist]], most: int | None = None, **look: float
 ) -> None:
-    """Put the legend outside the panels, where it covers no curve; each row begins a new line of it. In a figure of one column
-    a method's options have lines of their own.
+    """Put the legend outside the panels, where it covers no curve; each row begins a new line of it. In a
+    figure of one column a method's options have lines of their own.
 
     The figure grows by what a legend of many lines takes, so that the panels keep their size.
 
@@ -198,7 +202,8 @@ def legend_below(
     figure, rows
         What it belongs to, and its entries.
     most
-        Largest number of columns, by default four a panel; fewer are taken where they do not fit the figure's width.
+        Largest number of columns, by default four a panel; fewer are taken where they do not fit the figure's
+        width.
     **look
         Of ``Figure.legend``.
     """

@@ -27,7 +27,9 @@ def readable(unit: str) -> str:
 
 
 def with_prefix(unit: str, largest: float) -> tuple[float, str]:
-    """The size of one shown unit, and its name: pascals as kPa, MPa or GPa where they are that many, metres as mm."""
+    """The size of one shown unit, and its name: pascals as kPa, MPa or GPa where they are that many,
+    metres as mm.
+    """
     first = unit.partition(" ")[0]
     prefixes: tuple[tuple[float, str], ...] = _LARGE if first in _WITH_LARGE and largest >= 1.0 else ()
     if first in _WITH_SMALL and (first != "m" or unit == "m") and 0.0 < largest < 0.1:
@@ -39,7 +41,8 @@ def with_prefix(unit: str, largest: float) -> tuple[float, str]:
 
 
 def scaled_label(axis: Any, words: str, unit: str) -> str:
-    """``words [unit]`` for an axis of matplotlib whose ticks are then counted in an engineer's unit; drawn data stay as they are.
+    """``words [unit]`` for an axis of matplotlib whose ticks are then counted in an engineer's unit; drawn
+    data stay as they are.
 
     Parameters
     ----------

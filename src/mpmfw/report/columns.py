@@ -108,7 +108,8 @@ COLUMNS: dict[str, Column] = {
     ),
 }  # fmt: skip
 
-#: Columns of words: what ``auto`` chose for the shape function, which a comparison of shape functions changes with them.
+#: Columns of words: what ``auto`` chose for the shape function, which a comparison of shape functions changes
+#: with them.
 CHOICES = ("scheme", "transfer")
 
 #: Columns of a table of its own.

@@ -55,7 +55,8 @@ def differences(dataset: xr.Dataset) -> list[Difference]:
 
 
 def refinement(dataset: xr.Dataset) -> dict[tuple[str, str], tuple[str, float]]:
-    """By how much the finest cells changed each method: the quantity that changed most, and its change over its scale.
+    """By how much the finest cells changed each method: the quantity that changed most, and its change over
+    its scale.
 
     Empty where cells of one size alone were run.
     """

@@ -36,9 +36,7 @@ svg{max-width:100%;height:auto}pre{background:#f6f6f6;padding:1em;overflow:auto;
 _MOST_DIFFERENCES, _LEAST_SPREAD = 15, 1e-3
 
 
-def write_report(
-    dataset: xr.Dataset, path: str | os.PathLike[str], runs: Mapping[str, Any] | None = None
-) -> None:
+def write_report(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     """Write a comparison as one HTML page that needs no network.
 
     Parameters
@@ -47,8 +45,6 @@ def write_report(
         Of ``compare``.
     path
         File to write.
-    runs
-        Names of the runs' own files to list, such as ``{"penalty, cpdi": "penalty-cpdi.nc"}``.
 
     Raises
     ------
@@ -65,9 +61,6 @@ def write_report(
             f'<figure id="{escape(name)}">{_svg(figure)}<figcaption>{escape(caption)}</figcaption></figure>'
         )
     parts += ["<h2>How it was measured</h2>", _definitions(rows), "<h2>Conditions</h2>", _conditions(dataset)]
-    if runs:
-        files = "".join(f"<li>{escape(name)}: {escape(str(file))}</li>" for name, file in runs.items())
-        parts.append(f"<h2>Runs</h2><ul>{files}</ul>")
     if isinstance(dataset.attrs.get("scene"), str):
         parts.append(
             "<h2>Scene</h2><p>Of the first run; the methods and varied keys of the others take the place of "

@@ -40,8 +40,8 @@ def table(dataset: xr.Dataset) -> list[dict[str, Any]]:
     Returns
     -------
     list of dict
-        The method's labels, what ``auto`` chose (:data:`CHOICES`), ``status`` and the measures of :data:`COLUMNS` that
-        apply; errors in per cent; NaN where a run did not reach the time of the measure.
+        The method's labels, what ``auto`` chose (:data:`CHOICES`), ``status`` and the measures of
+        :data:`COLUMNS` that apply; errors in per cent; NaN where a run did not reach the time of the measure.
     """
     dims = method_dims(dataset)
     rows = []

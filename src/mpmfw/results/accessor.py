@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 @xr.register_datatree_accessor("mpmfw")  # type: ignore[no-untyped-call]
 @xr.register_dataset_accessor("mpmfw")  # type: ignore[no-untyped-call]
 class Accessor:
-    """Functions for notebooks as methods: ``tree.mpmfw.history("min_gap")`` is ``mpmfw.history(tree, "min_gap")``.
+    """Functions for notebooks as methods: ``tree.mpmfw.history("min_gap")`` is ``mpmfw.history(tree,
+    "min_gap")``.
 
     It is registered once mpmfw has made or opened a result.
     """

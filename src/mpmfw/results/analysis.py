@@ -163,7 +163,8 @@ NOISE_WINDOW = 20
 
 
 def force_noise(time: FloatArray, force: FloatArray, window: float | None = None) -> float:
-    """Share of a contact force that is noise: rms of the force less its running mean, over the rms of that mean.
+    """Share of a contact force that is noise: rms of the force less its running mean, over the rms of that
+    mean.
 
     Parameters
     ----------
@@ -244,7 +245,8 @@ def energy_kept(run: xr.Dataset) -> FloatArray:
     ----------
     run
         Series of one run, with dims (time, body) and (time, pair). A series that is absent, or NaN throughout
-        since only other methods of a comparison have it, counts as nothing, and so does a pair before it is listed.
+        since only other methods of a comparison have it, counts as nothing, and so does a pair before it is
+        listed.
     """
     total = np.zeros(run.sizes["time"])
     for names, dim in ((_ENERGIES, "body"), (_WORKS, "pair")):

@@ -10,8 +10,8 @@ import xarray as xr
 if TYPE_CHECKING:
     from mpmfw.scene import Scene
 
-#: Series whose sum is the error in time of strain and contact: the ledger's residuals beside the work of the half step by
-#: which velocities are behind positions, which the transfer loses as it loses kinetic energy.
+#: Series whose sum is the error in time of strain and contact: the ledger's residuals beside the work of the
+#: half step by which velocities are behind positions, which the transfer loses as it loses kinetic energy.
 _RESIDUALS = (
     (1.0, "energy_residual"),
     (-1.0, "half_step_work"),
@@ -47,8 +47,9 @@ def energy_put_in(run: xr.DataTree | xr.Dataset, scene: Scene) -> float:
 def dissipation(run: xr.DataTree | xr.Dataset, scene: Scene) -> float:
     """Share of the energy put in that a run ends without: neither kinetic, strain, friction nor plastic work.
 
-    Kinetic energy is that of the points with their affine motion, strain energy also that of contact springs. What is left is
-    what the transfer, the strain's integration, impulses and dashpots take; negative where a run gains energy.
+    Kinetic energy is that of the points with their affine motion, strain energy also that of contact springs.
+    What is left is what the transfer, the strain's integration, impulses and dashpots take; negative where a
+    run gains energy.
 
     Parameters
     ----------
@@ -60,8 +61,8 @@ def dissipation(run: xr.DataTree | xr.Dataset, scene: Scene) -> float:
     Returns
     -------
     float
-        NaN where nothing is put in, of a run that did not end, and without a ledger in scenes with gravity, loads or sides
-        that move.
+        NaN where nothing is put in, of a run that did not end, and without a ledger in scenes with gravity,
+        loads or sides that move.
     """
     series, works = _series(run), _works(scene)
     if "total_energy" not in series or (scene.gravity and not _has(series, "gravity_work")):
@@ -93,7 +94,9 @@ def _works(scene: Scene) -> list[str]:
 
 
 def momentum_change(run: xr.DataTree, scene: Scene) -> float:
-    """Largest change of the whole momentum, over the sum of what the bodies bring; NaN where something acts on them."""
+    """Largest change of the whole momentum, over the sum of what the bodies bring; NaN where something
+    acts on them.
+    """
     if scene.gravity or scene.loads or any(body.sides for body in scene.bodies.values()):
         return float("nan")
     series = run["series"]["linear_momentum"]

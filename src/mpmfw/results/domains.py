@@ -1,4 +1,6 @@
-"""What a stored run leaves out and its scene gives back: domains of CPDI and CPDI2 (2D), triangles of surfaces (3D)."""
+"""What a stored run leaves out and its scene gives back: domains of CPDI and CPDI2 (2D), triangles of
+surfaces (3D).
+"""
 
 from __future__ import annotations
 
@@ -61,8 +63,8 @@ def domains_of(tree: xr.DataTree, body: str) -> Domains | None:
     Returns
     -------
     Domains or None
-        None in 3D, with other shape functions than CPDI and CPDI2, and where the scene in the file does not give
-        the stored points back: their masses over the initial areas must be one density, to 1e-9.
+        None in 3D, with other shape functions than CPDI and CPDI2, and where the scene in the file does not
+        give the stored points back: their masses over the initial areas must be one density, to 1e-9.
     """
     points = tree[f"particles/{body}"].to_dataset()
     if points.sizes.get("axis") != 2:
@@ -81,9 +83,11 @@ def domains_of(tree: xr.DataTree, body: str) -> Domains | None:
 
 
 def triangles_of(tree: xr.DataTree, body: str) -> IntArray | None:
-    """Triangles (k, 3) of a body's surfaces in space, by its nodes, from the scene that the results carry; None if it has none.
+    """Triangles (k, 3) of a body's surfaces in space, by its nodes, from the scene that the results carry;
+    None if it has none.
 
-    The surface is made as it was for the run; whether a mesh file is still the same only the number of its nodes says.
+    The surface is made as it was for the run; whether a mesh file is still the same only the number of its
+    nodes says.
     """
     attributes = {str(name): value for name, value in tree.attrs.items()}
     try:

@@ -32,7 +32,8 @@ class RunHeader:
         Root attributes: scene text, title, contact, shape, scheme, transfer, effects, plug-ins, versions …
         Mappings and sequences of mixed type are stored as JSON; a value of ``None`` is left out.
     per_metre
-        Whether masses, forces and energies in 2D are those of a metre of thickness; else of the thickness that bodies name.
+        Whether masses, forces and energies in 2D are those of a metre of thickness; else of the thickness
+        that bodies name.
     more_pairs
         Whether frames may name pairs that the header does not: bodies of many that come near each other.
     """
@@ -61,8 +62,8 @@ class Frame:
     time
         [s].
     particles, surface
-        ``{field: array}`` over the points of all bodies, which follow each other as in the header; shapes as declared,
-        without the time. Particles may be absent from any frame, and have times of their own then.
+        ``{field: array}`` over the points of all bodies, which follow each other as in the header; shapes as
+        declared, without the time. Particles may be absent from any frame, and have times of their own then.
     series
         ``{field: array}`` of shape (body,), (body, axis), (body, rotation), (pair,) or (pair, axis).
     contact

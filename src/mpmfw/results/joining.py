@@ -44,8 +44,9 @@ def join(
     Returns
     -------
     xarray.Dataset
-        Scheme and transfer, as far as they are known and not varied; series, costs, costs by stage, first and last outlines, and
-        fields as ``particle_<name>``, over the new dimensions. Where material points differ, the attribute ``fields`` says so.
+        Scheme and transfer, as far as they are known and not varied; series, costs, costs by stage, first and
+        last outlines, and fields as ``particle_<name>``, over the new dimensions. Where material points
+        differ, the attribute ``fields`` says so.
     """
     points = np.ndindex(*(len(values) for values in coords.values()))
     costs = over_grid(coords, {index: _costs(trees.get(index, xr.DataTree())) for index in points})
@@ -59,7 +60,9 @@ def join(
 def over_grid(
     coords: Mapping[str, Sequence[Any]], runs: Mapping[Index, xr.Dataset]
 ) -> dict[str, xr.DataArray]:
-    """Numbers of runs, which have the same coordinates, with the dimensions of the grid before their own; NaN where none are."""
+    """Numbers of runs, which have the same coordinates, with the dimensions of the grid before their own;
+    NaN where none are.
+    """
     shape, joined = tuple(len(values) for values in coords.values()), {}
     for index, data in runs.items():
         for name, one in data.data_vars.items():
@@ -72,7 +75,9 @@ def over_grid(
 
 
 def _stepping(coords: Mapping[str, Sequence[Any]], trees: Mapping[Index, xr.DataTree]) -> dict[str, Any]:
-    """Scheme and transfer of every run, as far as they are known. Where one is varied its dimension says it."""
+    """Scheme and transfer of every run, as far as they are known. Where one is varied its dimension says
+    it.
+    """
     found = {}
     for name, meaning in STEPPING:
         words = np.full(tuple(len(values) for values in coords.values()), "", dtype=object)
@@ -180,7 +185,9 @@ def _same_points(one: xr.DataTree, other: xr.DataTree) -> bool:
 
 
 def _points(tree: xr.DataTree) -> xr.Dataset:
-    """The fields of all bodies, which follow each other, at multiples of the output interval where steps end beside them."""
+    """The fields of all bodies, which follow each other, at multiples of the output interval where steps
+    end beside them.
+    """
     groups = {body: node.to_dataset() for body, node in tree["particles"].children.items()}
     names = dict.fromkeys(str(name) for group in groups.values() for name in group.data_vars)
     times = next(iter(groups.values()))["time"].values
@@ -212,7 +219,9 @@ def _points(tree: xr.DataTree) -> xr.Dataset:
 
 
 def _of_all_pairs(series: dict[Index, xr.Dataset]) -> dict[Index, xr.Dataset]:
-    """The runs' series with the pairs of all: of many bodies each run lists those that came near each other in it."""
+    """The runs' series with the pairs of all: of many bodies each run lists those that came near each
+    other in it.
+    """
     listed = [data["pair"].values.tolist() for data in series.values() if "pair" in data.coords]
     if all(labels == listed[0] for labels in listed):
         return series

@@ -31,7 +31,9 @@ _WHOLE = {
 
 
 def unit(field: Field, dim: int, *, per_metre: bool = True) -> str:
-    """Return the unit of a field in 2D or 3D; extensive quantities in 2D are ``per_metre`` of thickness, or whole."""
+    """Return the unit of a field in 2D or 3D; extensive quantities in 2D are ``per_metre`` of thickness,
+    or whole.
+    """
     if dim == 2 and (per_metre or field.unit == "m2"):
         return field.unit
     return _WHOLE.get(field.unit, field.unit)

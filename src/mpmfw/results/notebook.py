@@ -1,4 +1,5 @@
-"""Histories, gaps, fields, tables and Pareto fronts for notebooks, of trees and datasets however these were made.
+"""Histories, gaps, fields, tables and Pareto fronts for notebooks, of trees and datasets however these were
+made.
 
 Each is a plain function, and a method of the accessor ``.mpmfw`` of xarray's trees and datasets.
 """
@@ -41,12 +42,13 @@ def history(
     Parameters
     ----------
     results
-        A run, or a comparison, whose methods are dimensions of the answer; a tree, a dataset or a file's name.
+        A run, or a comparison, whose methods are dimensions of the answer; a tree, a dataset or a file's
+        name.
     name
         ``centre_of_mass``, ``min_gap`` …, see the page on results.
     body, pair, axis
-        Only this one; ``axis`` also chooses the component of a rotation. What is not chosen stays a dimension, but
-        for the pair of a scene that has one.
+        Only this one; ``axis`` also chooses the component of a rotation. What is not chosen stays a
+        dimension, but for the pair of a scene that has one.
 
     Returns
     -------
@@ -149,7 +151,8 @@ def table(comparison: Results) -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        Indexed by the methods; columns as in the report, errors in per cent; NaN where a run did not get there.
+        Indexed by the methods; columns as in the report, errors in per cent; NaN where a run did not get
+        there.
 
     Raises
     ------

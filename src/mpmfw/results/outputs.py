@@ -69,7 +69,8 @@ def series_of(results: xr.DataTree | xr.Dataset) -> xr.Dataset:
 
 
 def bodies_of(tree: xr.DataTree, selection: Sequence[str] | None = None) -> list[str]:
-    """Bodies whose material points are stored, in the scene's order; ``selection`` chooses among them, or is one's name.
+    """Bodies whose material points are stored, in the scene's order; ``selection`` chooses among them, or is
+    one's name.
 
     Raises
     ------
@@ -102,7 +103,8 @@ def times_of(tree: xr.DataTree) -> FloatArray:
 
 
 def frame_at(tree: xr.DataTree, time: float | None = None) -> int:
-    """Index, among those that hold material points, of the output nearest to ``time`` [s]; of the last one by default.
+    """Index, among those that hold material points, of the output nearest to ``time`` [s]; of the last one by
+    default.
 
     Raises
     ------

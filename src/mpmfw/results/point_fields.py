@@ -1,4 +1,6 @@
-"""Scalar fields of material points: those stored, components and sizes of vectors and tensors, and a few more."""
+"""Scalar fields of material points: those stored, components and sizes of vectors and tensors, and a few
+more.
+"""
 
 from __future__ import annotations
 

@@ -21,11 +21,12 @@ if TYPE_CHECKING:
 #: What is said of an HDF5 file that the library cannot read.
 _DAMAGED = "the file was cut short or is damaged"
 
-#: How many times its own length a file may have in memory, and bytes beside: numbers that were never written are NaN.
+#: How many times its own length a file may have in memory, and bytes beside: numbers that were never written
+#: are NaN.
 LARGER, SPARE = 100, 100_000_000
 
-#: Files that are open until their tree is closed: left to the garbage collector, a file may be freed before its groups, and
-#: the HDF5 library then fails in whatever is opened next.
+#: Files that are open until their tree is closed: left to the garbage collector, a file may be freed before
+#: its groups, and the HDF5 library then fails in whatever is opened next.
 _OPEN: set[netCDF4.Dataset] = set()
 
 
@@ -43,9 +44,10 @@ def open(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree | x
     Returns
     -------
     xarray.DataTree or xarray.Dataset
-        Of a run a tree with the groups ``series``, ``particles/<body>``, ``surface/<body>`` and ``contact/<pair>``, each with
-        its ``time``; of a comparison, a study, a campaign or a map a dataset. They are those of ``xarray.open_datatree`` and
-        ``xarray.open_dataset``, without an output that is not complete.
+        Of a run a tree with the groups ``series``, ``particles/<body>``, ``surface/<body>`` and
+        ``contact/<pair>``, each with its ``time``; of a comparison, a study, a campaign or a map a dataset.
+        They are those of ``xarray.open_datatree`` and ``xarray.open_dataset``, without an output that is not
+        complete.
 
     Raises
     ------

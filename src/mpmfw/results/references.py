@@ -147,7 +147,8 @@ def reference_of(attributes: Mapping[str, Any]) -> Reference | None:
     Returns
     -------
     RollingReference, RingsReference or None
-        Of :func:`rolling` or :func:`rings`, unless the scene declares another kind; everything else has none here.
+        Of :func:`rolling` or :func:`rings`, unless the scene declares another kind; everything else has none
+        here.
     """
     scene = scene_of_results(attributes)
     if scene is None:
@@ -172,7 +173,8 @@ def scene_of_results(attributes: Mapping[str, Any]) -> Scene | None:
 
 @functools.lru_cache(maxsize=64)
 def _loaded(text: str) -> Scene | None:
-    """The scene of a result without its methods, which no reference depends on; None where it cannot be read here.
+    """The scene of a result without its methods, which no reference depends on; None where it cannot be read
+    here.
 
     Code that a result names is not imported.
     """
@@ -197,7 +199,9 @@ def _loaded(text: str) -> Scene | None:
 
 
 def rolling(scene: Scene) -> RollingReference | None:
-    """A single free disc, at rest at the start, on one fixed rectangle along x, with gravity by magnitude and tilt."""
+    """A single free disc, at rest at the start, on one fixed rectangle along x, with gravity by magnitude
+    and tilt.
+    """
     discs = [
         n for n, b in scene.bodies.items() if isinstance(b.geometry, Disc) and not b.sides and at_rest(b)
     ]
@@ -222,7 +226,9 @@ def rolling(scene: Scene) -> RollingReference | None:
 
 
 def rolling_sphere(scene: Scene) -> RollingReference | None:
-    """A single free ball, at rest at the start, on one fixed box along the axes, gravity towards +x and −y; judged at the end."""
+    """A single free ball, at rest at the start, on one fixed box along the axes, gravity towards +x and
+    −y; judged at the end.
+    """
     balls = [
         n for n, b in scene.bodies.items() if isinstance(b.geometry, Ball) and not b.sides and at_rest(b)
     ]

@@ -18,12 +18,14 @@ from mpmfw.results.room import check_room
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Characters of a file's name that the name of its unfinished successor repeats: names have at most 255 bytes.
+#: Characters of a file's name that the name of its unfinished successor repeats: names have at most 255
+#: bytes.
 _REPEATED = 50
 
 
 def check_replaceable(path: str | os.PathLike[str], kind: str, what: str) -> None:
-    """Check, before long work, that a file can be written and replaces no file but an empty one or one of its own kind.
+    """Check, before long work, that a file can be written and replaces no file but an empty one or one of its
+    own kind.
 
     Parameters
     ----------
@@ -57,7 +59,8 @@ def check_replaceable(path: str | os.PathLike[str], kind: str, what: str) -> Non
 
 
 def check_new(path: Path, force: bool = False) -> Path:
-    """Return the path of a figure, a page or an export, if no file is lost there: none exists, or ``force`` is true.
+    """Return the path of a figure, a page or an export, if no file is lost there: none exists, or ``force``
+    is true.
 
     Raises
     ------
@@ -79,7 +82,9 @@ def kind_of_file(path: Path) -> str | None:
 
 
 def unfinished(path: str | os.PathLike[str]) -> Path:
-    """Return a new name beside a file, for the file that will replace it; a link leads to the file that it names."""
+    """Return a new name beside a file, for the file that will replace it; a link leads to the file that it
+    names.
+    """
     target = Path(os.path.realpath(path))
     return target.with_name(f".{target.stem[:_REPEATED]}.{uuid.uuid4().hex}.part{target.suffix[:_REPEATED]}")
 
@@ -99,7 +104,8 @@ def abandoned(path: str | os.PathLike[str]) -> list[Path]:
 def replacement(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Context that gives the name of a file to write, which then replaces ``path`` in one step.
 
-    Readers see the old file or the new one, whole. After any error the old file is there and the new one is not.
+    Readers see the old file or the new one, whole. After any error the old file is there and the new one is
+    not.
 
     Raises
     ------
@@ -134,8 +140,8 @@ def replace_bytes(content: bytes | memoryview, path: str | os.PathLike[str]) -> 
 def replace_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     """Write a dataset as NetCDF, as :func:`replacement` does.
 
-    The file is built in memory and written when it is closed: HDF5 keeps a file open that finds no room on its
-    disk. A file made by ``netCDF4.Dataset(memory=…)`` could not be opened again for writing.
+    The file is built in memory and written when it is closed: HDF5 keeps a file open that finds no room on
+    its disk. A file made by ``netCDF4.Dataset(memory=…)`` could not be opened again for writing.
 
     Raises
     ------

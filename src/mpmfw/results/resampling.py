@@ -14,10 +14,12 @@ if TYPE_CHECKING:
 
 
 def series_at_outputs(tree: xr.DataTree) -> xr.Dataset:
-    """The series of a run at the multiples of its output interval, so that runs with other steps can stand beside it.
+    """The series of a run at the multiples of its output interval, so that runs with other steps can stand
+    beside it.
 
-    Between two records a series is taken as linear, one of means over the time since the last record as constant, so that
-    its integral stays; whole numbers are those of the nearest record. A run whose outputs are exact is returned as it is.
+    Between two records a series is taken as linear, one of means over the time since the last record as
+    constant, so that its integral stays; whole numbers are those of the nearest record. A run whose outputs
+    are exact is returned as it is.
 
     Parameters
     ----------

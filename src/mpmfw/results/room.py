@@ -1,8 +1,8 @@
 """Whether a frame finds room on its disk: asked before it is written.
 
-A NetCDF file whose writing fails half-way cannot be opened again, and all frames before are lost. Room is therefore taken in a
-file without a name beside it, and given back: what would refuse the frame, a full disk, a quota or a limit of file sizes, refuses
-that, and the results' file stays whole.
+A NetCDF file whose writing fails half-way cannot be opened again, and all frames before are lost. Room is
+therefore taken in a file without a name beside it, and given back: what would refuse the frame, a full disk,
+a quota or a limit of file sizes, refuses that, and the results' file stays whole.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ import tempfile
 
 from mpmfw.errors import MpmfwError
 
-#: Bytes that must be free beside a frame: the file's own tables, and the attributes that are written at the end.
+#: Bytes that must be free beside a frame: the file's own tables, and the attributes that are written at the
+#: end.
 MARGIN = 1_000_000
 
 #: What says that there is no room; a file system that cannot take room in advance says something else.

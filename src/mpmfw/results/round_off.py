@@ -14,8 +14,9 @@ ROUND_OFF = 1e-10
 def without_round_off(series: xr.Dataset) -> xr.Dataset:
     """Return the series over time with values below round-off set to zero.
 
-    The scale of a series is the largest magnitude of all series of its unit. Positions have that of the displacement from the
-    start counted, against the largest coordinate L; velocities have L over the time T at least, spins 1/T.
+    The scale of a series is the largest magnitude of all series of its unit. Positions have that of the
+    displacement from the start counted, against the largest coordinate L; velocities have L over the time T
+    at least, spins 1/T.
     """
     if "time" not in series.dims or series.sizes["time"] < 2:
         return series

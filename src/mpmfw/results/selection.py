@@ -83,8 +83,8 @@ def runs_of(
     comparison
         Of :func:`mpmfw.compare`.
     against, name
-        A contact and a field: every other run then has the field ``NAME_difference`` against the run with that contact and its
-        own other choices.
+        A contact and a field: every other run then has the field ``NAME_difference`` against the run with
+        that contact and its own other choices.
     contact
         Only the runs with this contact.
 
@@ -126,12 +126,14 @@ def runs_of(
 
 
 def difference(run: xr.DataTree, reference: xr.DataTree, name: str = "von_mises") -> xr.DataTree:
-    """Return a run whose material points have a further field, ``NAME_difference``: its own values less those of the reference.
+    """Return a run whose material points have a further field, ``NAME_difference``: its own values less those
+    of the reference.
 
     Parameters
     ----------
     run, reference
-        Two runs, of :func:`select`, :func:`mpmfw.run` or :func:`mpmfw.open`, with the same material points and outputs.
+        Two runs, of :func:`select`, :func:`mpmfw.run` or :func:`mpmfw.open`, with the same material points
+        and outputs.
     name
         Of a scalar field, see :func:`mpmfw.results.point_fields.point_fields`.
 
@@ -165,7 +167,9 @@ def difference(run: xr.DataTree, reference: xr.DataTree, name: str = "von_mises"
 
 
 def same_points(one: xr.Dataset, other: xr.Dataset) -> bool:
-    """Return whether a body has the same material points in two runs: their masses, and their places but for settling."""
+    """Return whether a body has the same material points in two runs: their masses, and their places but
+    for settling.
+    """
     if one.sizes["particle"] != other.sizes["particle"]:
         return False
     begin, size = one["position"][0].values, np.sqrt(one["volume"][0].values.max())

@@ -1,4 +1,6 @@
-"""A group of a results' file whose variables share their times: arrays of frames wait, and are written before the times."""
+"""A group of a results' file whose variables share their times: arrays of frames wait, and are written
+before the times.
+"""
 
 from __future__ import annotations
 
@@ -167,7 +169,8 @@ def _variable(
 ) -> netCDF4.Variable[Any]:
     """A variable whose numbers are stored as they are; NaN where none is written.
 
-    Nothing is compressed: deflate takes ten times as long as the writing and saves a sixth of floating-point noise.
+    Nothing is compressed: deflate takes ten times as long as the writing and saves a sixth of floating-point
+    noise.
     """
     missing = np.nan if np.dtype(dtype).kind == "f" else None
     variable: netCDF4.Variable[Any] = group.createVariable(name, dtype, dims, fill_value=missing, **layout)

@@ -1,7 +1,7 @@
 """One writer for each file: a second one would overwrite the first's frames with its own.
 
-The lock is one of POSIX, of the open file where the system has such (Linux): the HDF5 library, which may take ``flock`` on
-the same file, does not see it. It ends with the process that holds it, however that ends.
+The lock is one of POSIX, of the open file where the system has such (Linux): the HDF5 library, which may take
+``flock`` on the same file, does not see it. It ends with the process that holds it, however that ends.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ fcntl: Any = None
 with contextlib.suppress(ImportError):  # a platform without such locks
     fcntl = importlib.import_module("fcntl")
 
-#: Files that this process writes: a lock of a process, where there is no other, does not keep out the process itself.
+#: Files that this process writes: a lock of a process, where there is no other, does not keep out the process
+#: itself.
 _OWN: set[str] = set()
 
 

@@ -29,25 +29,28 @@ if TYPE_CHECKING:
 #: Bytes of frames that are written at once.
 WRITTEN_AT_ONCE = 16_000_000
 
-#: Seconds of wall time for which frames of a file wait for others that are written with them: what a kill loses.
+#: Seconds of wall time for which frames of a file wait for others that are written with them: what a kill
+#: loses.
 WRITTEN_EVERY = 0.25
 
-#: CPU seconds that a writing may take. Where one takes longer, as with the ten thousand variables of a thousand bodies, frames
-#: wait longer in proportion.
+#: CPU seconds that a writing may take. Where one takes longer, as with the ten thousand variables of a
+#: thousand bodies, frames wait longer in proportion.
 QUICK = 0.025
 
 
 class RunWriter:
     """A run's NetCDF-4 file, open for appending frames.
 
-    Frames of a file are written and synced within a quarter of a second, those that follow each other faster together: handing
-    each of a dozen series to the file every other step would take as long as the steps. After the process dies, the frames
-    written so far are readable, unless it is killed within a sync, which only a checkpoint outlives. The file has its final
-    name from the start and may be opened by others while the run goes on.
+    Frames of a file are written and synced within a quarter of a second, those that follow each other faster
+    together: handing each of a dozen series to the file every other step would take as long as the steps.
+    After the process dies, the frames written so far are readable, unless it is killed within a sync, which
+    only a checkpoint outlives. The file has its final name from the start and may be opened by others while
+    the run goes on.
 
-    The groups are ``series``, ``particles/<body>``, ``surface/<body>``, ``contact/<pair>`` and ``grid``. Each has a dimension and
-    a coordinate ``time`` of its own: a dimension that groups share costs with the square of their number. The root's ``time``,
-    along ``output``, is written last and tells which outputs are complete.
+    The groups are ``series``, ``particles/<body>``, ``surface/<body>``, ``contact/<pair>`` and ``grid``. Each
+    has a dimension and a coordinate ``time`` of its own: a dimension that groups share costs with the square
+    of their number. The root's ``time``, along ``output``, is written last and tells which outputs are
+    complete.
 
     Parameters
     ----------
@@ -140,7 +143,9 @@ class RunWriter:
         self.flush()
 
     def _columns(self, group: netCDF4.Dataset, kind: Any, size: int) -> list[tuple[Field, Any]]:
-        """The declared variables of a group of another file, an output of which is no larger than that file."""
+        """The declared variables of a group of another file, an output of which is no larger than that
+        file.
+        """
         found = []
         for name, variable in group.variables.items():
             if (field := self._fields.get((kind, name))) is None:
@@ -155,7 +160,9 @@ class RunWriter:
         return found
 
     def is_due(self, now: float) -> bool:
-        """Whether frames have waited long enough at a wall time [s]; those in memory, which nobody else reads, never have."""
+        """Whether frames have waited long enough at a wall time [s]; those in memory, which nobody else
+        reads, never have.
+        """
         wait = WRITTEN_EVERY * max(1.0, self._took / QUICK)
         return self.path is not None and self._outputs.waits > 0 and now - self._written >= wait
 
@@ -180,8 +187,8 @@ class RunWriter:
                     check_room(self.path, 2 * self._waiting_bytes, f"frame {first}")  # a new chunk takes more
                 self._write_groups()
                 self._dataset.sync()
-                # HDF5 flushes in an order of its own: only a second sync makes an output whose time is at the root a
-                # complete one
+                # HDF5 flushes in an order of its own: only a second sync makes an output whose time is at the
+                # root a complete one
                 self._outputs.write_times()
                 self._dataset.sync()
         finally:
@@ -206,7 +213,9 @@ class RunWriter:
             raise MpmfwError(f"cannot write frame {frame} to '{self.path}': {error}") from error
 
     def take_place_of(self, path: str, descriptor: int | None) -> None:
-        """Give the file the name of another, which was claimed with ``descriptor``; readers see the old or the new one, whole."""
+        """Give the file the name of another, which was claimed with ``descriptor``; readers see the old or
+        the new one, whole.
+        """
         assert self.path is not None
         self.flush()
         replace_claimed(self.path, path, descriptor)
