@@ -53,19 +53,7 @@ def test_the_constants_are_found() -> None:
     assert len(constants()) > 25
 
 
-#: Constants of covered facets and of equal stiffness that no test varies by name yet.
-WAITING = {
-    *(("mpmfw.contact.surfaces.covering", name) for name in ("OPPOSITE", "EDGE", "ASIDE")),
-}
-CONSTANTS = [
-    pytest.param(
-        *each, marks=[pytest.mark.xfail(strict=True, reason="no test varies it yet")] * (each in WAITING)
-    )
-    for each in constants()
-]
-
-
-@pytest.mark.parametrize(("module", "name"), CONSTANTS)
+@pytest.mark.parametrize(("module", "name"), constants())
 def test_each_has_a_test(module: str, name: str) -> None:
     """In a file that names its module or folder too: others have constants of the same name."""
     own = module.removeprefix("mpmfw.").split(".")[1:]
