@@ -23,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[2]
 class Fault:
     """One line of physics, broken; and gates that must turn red, as (method, quantity)."""
 
-    file: str  #: in plugins/
+    file: str  #: from its package on
     line: str
     broken: str
     case: str
@@ -80,14 +80,18 @@ FAULTS = {
 }
 
 
+IGNORED = shutil.ignore_patterns("__pycache__")
+
+
+def source(fault: Fault) -> Path:
+    """Path of the file that is broken."""
+    return ROOT / ("src" if fault.file.startswith("mpmfw/") else "plugins") / fault.file
+
+
 def gates(fault: Fault, folder: Path) -> dict[tuple[str, str], str]:
     """Verdicts of the gates that the broken package reaches, by (method, quantity)."""
     package = fault.file.partition("/")[0]
-    shutil.copytree(
-        ROOT / ("src" if package == "mpmfw" else "plugins") / package,
-        folder / package,
-        ignore=shutil.ignore_patterns("__pycache__"),
-    )
+    shutil.copytree(source(fault).parents[fault.file.count("/") - 1], folder / package, ignore=IGNORED)
     path = folder / fault.file
     text = path.read_text(encoding="utf-8")
     path.write_text(text.replace(fault.line, fault.broken), encoding="utf-8")
@@ -120,4 +124,4 @@ def test_broken_physics_turns_gates_red(name, tmp_path):
 @pytest.mark.parametrize("name", FAULTS)
 def test_every_line_that_is_broken_is_there_once(name):
     fault = FAULTS[name]
-    assert (ROOT / "plugins" / fault.file).read_text(encoding="utf-8").count(fault.line) == 1
+    assert source(fault).read_text(encoding="utf-8").count(fault.line) == 1
