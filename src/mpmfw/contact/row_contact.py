@@ -147,7 +147,8 @@ class RowContact(ContactStrategy):
         self._parts: list[Any] = self.detection.parts(self)
         self.surface_map = self.detection.surface_map
         self.adds_mass = self.detection.adds_mass
-        self.leaves_bodies_out = self.law.leaves_bodies_out and self.detection.leaves_bodies_out
+        parts_do = self.law.leaves_bodies_out and self.detection.leaves_bodies_out
+        self.leaves_bodies_out = type(self).leaves_bodies_out or parts_do
         option = self.Law.softness_option
         own = self.name.rpartition("+")[2]  # in a scene a joined law has a table of its own
         self.softer_by = None if option is None else f"contact.{own}.{option}"
