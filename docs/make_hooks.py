@@ -19,19 +19,20 @@ HEAD = """\
 
 <!-- Made by docs/make_hooks.py from the specifications in src/mpmfw/plugin/hookspecs.py: edit those. -->
 
-Every place in the algorithm where a plug-in may act, in the order in which a run calls them. Hooks are named by
-their place, not by a method. None of them receives the simulation: what a plug-in needs beyond the arguments it
-takes from `mpmfw.api.Setup`, once, and keeps itself. An implementation is a method marked with
-`mpmfw.api.hookimpl`; it may leave out arguments that it does not use. The names of a step's steps are those of
-[methods](guide/methods.md#the-step), symbols and units those of the [glossary](glossary.md).
+These are the places in the algorithm where a plug-in may act, in the order of a run. A hook is named by its
+place, not by a method. No hook receives the simulation. A plug-in takes all other data once, from
+`mpmfw.api.Setup`, and stores them. An implementation is a method marked with `mpmfw.api.hookimpl`; it may
+omit arguments that it does not use. The parts of a step are named as in [methods](guide/methods.md#the-step),
+symbols and units as in the [glossary](glossary.md).
 
-Arguments of the same name mean the same at every hook: `particles`, `grid` and `state` are of `mpmfw.api.Particles`,
-`mpmfw.api.Grid` and `mpmfw.api.State`, `phi` is the material points' table of interpolation in this step
-(`mpmfw.api.Stencil`), and `dt` [s] is the length of the step that runs. These and all other types below are imported
-from [`mpmfw.api`](api/plugins.md), where their fields are described.
+Arguments of the same name mean the same at every hook. `particles`, `grid` and `state` are of the types
+`mpmfw.api.Particles`, `mpmfw.api.Grid` and `mpmfw.api.State`. `phi` is the material points' table of
+interpolation in this step (`mpmfw.api.Stencil`), and `dt` [s] is the length of the present step. These and
+all other types below are imported from [`mpmfw.api`](api/plugins.md), which describes their fields.
 
-Where several plug-ins implement a hook, all are called, in the order that `mpmfw explain SCENE --all` prints. Of a hook
-that says *first answer counts*, the first answer that is not `None` is taken and nobody else is asked.
+Where several plug-ins implement a hook, all are called, in the order that `mpmfw explain SCENE --all` prints.
+If a hook says *first answer counts*, the first answer that is not `None` is taken and no further plug-in is
+called.
 """
 
 
