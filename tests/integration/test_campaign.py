@@ -3,6 +3,7 @@
 import concurrent.futures
 import os
 import random
+import shutil
 import signal
 import stat
 import subprocess
@@ -23,7 +24,7 @@ from mpmfw.campaigns.store import Store
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
 from mpmfw.plugin.measure import Exact, Measure, Measured, Reference
-from mpmfw.runs.identity import is_current, key_of
+from mpmfw.runs.identity import counted, is_current, key_of, sources
 from mpmfw.scene import load_scene, shipped_scenes
 from mpmfw.scene.toml_text import toml_text
 from mpmfw.stability import stability_map
@@ -217,6 +218,27 @@ def test_a_key_knows_code_and_libraries(monkeypatch):
         assert key_of(scene) != key
     monkeypatch.setattr("mpmfw.runs.identity.version", lambda _: "99")
     assert key_of(scene) != key
+
+
+def test_a_comment_leaves_stored_runs_valid_but_where_numbers_are_made(tmp_path):
+    package = Path(mpmfw.__file__).parent
+    shutil.copytree(package, tmp_path / "mpmfw", ignore=shutil.ignore_patterns("__pycache__"))
+    before = sources(counted(tmp_path / "mpmfw"))
+    assert before == sources(counted(package))
+    elsewhere = (
+        "campaigns/grid.py",
+        "cli/app.py",
+        "plots/style.py",
+        "results/writing.py",
+        "scene/wording.py",
+        "errors.py",
+    )
+    for name in (*elsewhere, "step/transfer.py", "contact/rows.py", "kernels/gather.py"):
+        file = tmp_path / "mpmfw" / name
+        text = file.read_text(encoding="utf-8")
+        file.write_text(f"{text}# a comment\n", encoding="utf-8")
+        assert (sources(counted(tmp_path / "mpmfw")) == before) == (name in elsewhere), name
+        file.write_text(text, encoding="utf-8")
 
 
 def test_what_is_stored_may_be_read_by_whom_the_umask_lets(tmp_path):

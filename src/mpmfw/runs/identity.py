@@ -17,13 +17,11 @@ from mpmfw.plugin.discovery import KINDS, Kind, available, choices
 from mpmfw.scene import Scene
 from mpmfw.scene.options import NAMED
 
-#: Parts of the core that no number of a run depends on.
-_APART = {
-    "benchmark", "campaigns", "cli", "paraview", "plots", "reference", "report", "scenes", "stability", "studies",
-    "validation", *(f"results/{name}.py" for name in (
-        "analysis", "conservation", "domains", "joining", "notebook", "outputs", "point_fields", "references", "selection",
-    )),
-}  # fmt: skip
+#: Parts of the core that the numbers of a run depend on; the values of a scene are in its key themselves.
+_COUNTED = (
+    "contact", "effects", "geometry", "kernels", "plugin", "runs", "state", "step", "scene/gravity.py", "scene/scene.py",
+    "scene/tables.py",
+)  # fmt: skip
 _LIBRARIES = ("numpy", "numba", "scipy", "shapely")
 
 
@@ -150,13 +148,13 @@ def digest(*texts: str) -> str:
 
 @functools.cache
 def _core() -> str:
-    folder = Path(__file__).parent.parent
-    own = (
-        path
-        for path in folder.rglob("*.py")
-        if not _APART & {path.relative_to(folder).parts[0], path.relative_to(folder).as_posix()}
-    )
-    return sources(own)
+    return sources(counted(Path(__file__).parent.parent))
+
+
+def counted(folder: Path) -> list[Path]:
+    """Return the files of a copy of mpmfw in a folder that the numbers of a run depend on."""
+    parts = (folder / part for part in _COUNTED)
+    return [path for part in parts for path in (part.rglob("*.py") if part.is_dir() else [part])]
 
 
 @functools.cache
