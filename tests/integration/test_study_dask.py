@@ -80,7 +80,7 @@ def test_a_worker_that_is_killed_loses_nothing(cluster, tmp_path):
 
 
 def test_a_scheduler_that_does_not_answer_is_said(monkeypatch):
-    monkeypatch.setattr("mpmfw.campaigns.cluster._PATIENCE", 0.2)
+    monkeypatch.setattr("mpmfw.campaigns.executors.PATIENCE", 0.2)
     with pytest.raises(SceneError, match="no scheduler answers there"):
         mpmfw.study(tiny_study(), scheduler="tcp://127.0.0.1:1")
 

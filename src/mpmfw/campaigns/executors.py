@@ -2,27 +2,30 @@
 
 from __future__ import annotations
 
+import asyncio
 import multiprocessing
 import os
 import pickle
 import signal
+import socket
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import (
     FIRST_COMPLETED,
     BrokenExecutor,
+    CancelledError,
     Future,
     ProcessPoolExecutor,
     as_completed,
     wait,
 )
 from concurrent.futures import Executor as FuturesExecutor
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from multiprocessing import connection
 from typing import Any, Protocol, TypeVar
 
-from mpmfw.errors import SceneError
+from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.runs.interruption import unbroken
 from mpmfw.runs.limits import cores
 
@@ -36,6 +39,10 @@ _THREADS = (
     "MKL_NUM_THREADS",
     "VECLIB_MAXIMUM_THREADS",
 )
+
+
+#: Seconds to wait for the scheduler of a Dask cluster to answer.
+PATIENCE = 10.0
 
 
 class Executor(Protocol):
@@ -54,42 +61,6 @@ class Executor(Protocol):
 
     def outcomes(self, work: Callable[[T], R], tasks: Sequence[T]) -> Iterator[tuple[T, R | None]]:
         """Do all tasks and yield each as it is done, with None where the process that did it died."""
-
-
-def executor_of(executor: Any = None, jobs: int | None = None) -> Executor:
-    """What runs tasks, for what a request names.
-
-    Parameters
-    ----------
-    executor
-        An :class:`Executor`, a ``concurrent.futures.Executor``, a ``Client`` or cluster of ``dask.distributed``, or the
-        address of its scheduler, such as ``tcp://127.0.0.1:8786``.
-    jobs
-        Processes at a time without an executor: 1 is this process itself, None one for each core.
-
-    Raises
-    ------
-    SceneError
-        It is none of these, or both are given.
-    """
-    if executor is not None and jobs is not None:
-        raise SceneError("jobs: has no effect with an executor, whose workers are as many as they are")
-    if executor is None:
-        if jobs is not None and jobs < 1:
-            raise SceneError(f"jobs: must be at least 1, not {jobs}")
-        return InProcess() if (jobs or cores()) == 1 else Pool(jobs)
-    if isinstance(executor, FuturesExecutor):
-        return Futures(executor)
-    if isinstance(executor, str) or hasattr(executor, "scheduler_info") or hasattr(executor, "get_client"):
-        from mpmfw.campaigns.cluster import Cluster
-
-        return Cluster(executor)
-    if hasattr(executor, "outcomes"):
-        return executor  # type: ignore[no-any-return]
-    raise SceneError(
-        f"executor: {executor!r} is none; expected a concurrent.futures.Executor, a Client or cluster of dask.distributed, "
-        "or the address of its scheduler"
-    )
 
 
 class InProcess:
@@ -186,38 +157,112 @@ def _leaves(task: Any) -> bool:
 
 
 class Futures:
-    """Anybody's executor, such as a pool of MPI processes.
+    """Another executor, such as a pool of MPI processes, or the one of a Dask client.
 
     Parameters
     ----------
-    executor
-        It is used and not shut down.
+    opened
+        Context of the executor, in which it is used.
+    cores
+        Its workers, in words.
     """
 
     timing = "shared cores"
 
-    def __init__(self, executor: FuturesExecutor) -> None:
-        self.executor = executor
-        self.cores = f"the workers of a {type(executor).__name__}"
+    def __init__(self, opened: Callable[[], AbstractContextManager[FuturesExecutor]], cores: str) -> None:
+        self.opened, self.cores = opened, cores
 
     def outcomes(self, work: Callable[[T], R], tasks: Sequence[T]) -> Iterator[tuple[T, R | None]]:
-        """Do all tasks; what is left when the executor breaks is done in processes of our own, each alone."""
+        """Do all tasks; those that are left when the executor breaks are done in new processes, each alone."""
         waiting = deque(tasks)
         under_way: dict[Future[R], T] = {}
+        with self.opened() as executor:
+            try:
+                while waiting:
+                    under_way[executor.submit(work, waiting[0])] = waiting[0]
+                    waiting.popleft()
+                for future in as_completed(list(under_way)):
+                    result = self._result(future)
+                    yield under_way.pop(future), result
+            except BrokenExecutor:
+                left = [*under_way.values(), *waiting]
+                under_way.clear()
+                yield from Pool(1).outcomes(work, left)
+            finally:
+                for future in under_way:
+                    future.cancel()
+
+    def _result(self, future: Future[R]) -> R | None:
+        """Return the result of a task; None if Dask gave it up because its workers died again and again."""
         try:
-            while waiting:
-                under_way[self.executor.submit(work, waiting[0])] = waiting[0]
-                waiting.popleft()
-            for future in as_completed(list(under_way)):
-                result = future.result()
-                yield under_way.pop(future), result
+            return future.result()
         except BrokenExecutor:
-            left = [*under_way.values(), *waiting]
-            under_way.clear()
-            yield from Pool(1).outcomes(work, left)
-        finally:
-            for future in under_way:
-                future.cancel()
+            raise
+        except (Exception, asyncio.CancelledError, CancelledError) as error:
+            if type(error).__name__ == "KilledWorker":
+                return None
+            raise MpmfwError(f"{self.cores}: a run was given up: {error}") from error
+
+
+def dask_cluster(place: Any) -> Futures:
+    """Return the workers of a Dask cluster, which share no files with this process; needs the extra ``mpmfw[dask]``.
+
+    Parameters
+    ----------
+    place
+        A ``distributed.Client``, which is left open; a cluster's object such as a ``LocalCluster``; or the scheduler's
+        address, such as ``tcp://127.0.0.1:8786``. For ``tls://`` Dask's own configuration names the certificates.
+
+    Raises
+    ------
+    SceneError
+        Dask is not installed, no scheduler answers there, or it has no workers.
+    """
+    try:
+        import distributed
+    except ImportError as error:
+        raise SceneError("--scheduler: needs Dask: pip install 'mpmfw[dask]'") from error
+    said = f"--scheduler {place if isinstance(place, str) else type(place).__name__}"
+
+    @contextmanager
+    def client() -> Iterator[Any]:
+        if isinstance(place, distributed.Client):
+            yield place
+            return
+        try:
+            if isinstance(place, str) and not place.startswith("inproc://"):
+                _knock(distributed.comm, place)  # a client that cannot connect complains when it is collected
+            made = distributed.Client(place, timeout=PATIENCE, set_as_default=False)
+        except ValueError as error:
+            example = "expected an address such as tcp://127.0.0.1:8786"
+            raise SceneError(f"{said}: {error}; {example}") from error
+        except OSError as error:
+            raise SceneError(f"{said}: no scheduler answers there ({error})") from error
+        except TypeError as error:  # a tls:// address without certificates
+            hint = (
+                "expected its certificates in Dask's own configuration, or a Client or cluster that has them"
+            )
+            raise SceneError(f"{said}: {error}; {hint}") from error
+        with made:
+            yield made
+
+    @contextmanager
+    def opened() -> Iterator[FuturesExecutor]:
+        with client() as one:
+            yield one.get_executor(pure=False)
+
+    with client() as one:
+        workers = len(one.ncores())
+    if not workers:
+        raise SceneError(f"{said}: the scheduler has no workers")
+    return Futures(opened, f"{workers} workers of a Dask cluster")
+
+
+def _knock(comm: Any, address: str) -> None:
+    """Raise a ValueError for a text that is no address, an OSError where nothing answers."""
+    scheme, place = comm.parse_address(address)
+    comm.registry.get_backend(scheme)
+    socket.create_connection(comm.parse_host_port(place), timeout=PATIENCE).close()
 
 
 def _begin_worker() -> None:
@@ -246,3 +291,37 @@ def _one_thread() -> Iterator[None]:
                 os.environ.pop(name, None)
             else:
                 os.environ[name] = value
+
+
+def executor_of(executor: Any = None, jobs: int | None = None) -> Executor:
+    """Return what runs tasks, for what a request names.
+
+    Parameters
+    ----------
+    executor
+        An :class:`Executor`, a ``concurrent.futures.Executor``, a ``Client`` or cluster of ``dask.distributed``, or the
+        address of its scheduler, such as ``tcp://127.0.0.1:8786``.
+    jobs
+        Processes at a time without an executor: 1 is this process itself, None one for each core.
+
+    Raises
+    ------
+    SceneError
+        It is none of these, or both are given; 1 is the default of most requests, and says nothing beside an executor.
+    """
+    if executor is not None and jobs not in (None, 1):
+        raise SceneError("jobs: has no effect with an executor, whose workers are as many as they are")
+    if executor is None:
+        if jobs is not None and jobs < 1:
+            raise SceneError(f"jobs: must be at least 1, not {jobs}")
+        return InProcess() if (jobs or cores()) == 1 else Pool(jobs)
+    if isinstance(executor, FuturesExecutor):
+        return Futures(lambda: nullcontext(executor), f"the workers of a {type(executor).__name__}")
+    if isinstance(executor, str) or hasattr(executor, "scheduler_info") or hasattr(executor, "get_client"):
+        return dask_cluster(executor)
+    if hasattr(executor, "outcomes"):
+        return executor  # type: ignore[no-any-return]
+    raise SceneError(
+        f"executor: {executor!r} is none; expected a concurrent.futures.Executor, a Client or cluster of dask.distributed, "
+        "or the address of its scheduler"
+    )

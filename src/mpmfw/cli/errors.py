@@ -91,7 +91,7 @@ def check_result(path: Path, kind: str, what: str, force: bool = False) -> Path:
 
 def _is_resumable(path: Path, kind: str) -> bool:
     """Whether the finished runs of a campaign's result lie beside it."""
-    from mpmfw.campaigns.own_files import own_files
+    from mpmfw.campaigns.store import own_files
 
     folder = Path(f"{path}.runs")
     return kind != "run" and folder.is_dir() and bool(own_files(folder))

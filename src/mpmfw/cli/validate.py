@@ -95,7 +95,7 @@ def validate(
 
 def _check_places(cases: Sequence[Path], output: Path, document: Path | None, force: bool) -> None:
     """Check that the folder and the page can be written without loss of a file."""
-    from mpmfw.campaigns.own_files import own_files
+    from mpmfw.campaigns.store import own_files
     from mpmfw.results.replacing import check_new
     from mpmfw.validation.page import BEGIN
 
