@@ -32,6 +32,7 @@ SLIDING: dict[str, Any] = {
         },
     },
     "gravity": {"magnitude": 10.0, "tilt": 0.4},
+    "reference": {"kind": "sliding-block"},
 }
 
 

@@ -15,7 +15,7 @@ from mpmfw.cli.arguments import chosen_scene
 from mpmfw.cli.unused import unused_facts
 from mpmfw.contact.surfaces import Surfaces
 from mpmfw.errors import ResultsWarning, SceneError
-from mpmfw.results.references import rolling
+from mpmfw.results.references import declared
 from mpmfw.runs.simulation import Simulation
 from mpmfw_contact.impulse import Impulse
 from scenes_for_tests import two_blocks
@@ -111,13 +111,15 @@ def test_coulomb_is_what_is_meant_without_a_law(contact: str) -> None:
 
 
 def test_a_closed_form_of_coulomb_s_friction_is_none_of_another_law() -> None:
-    def known(**contact: Any) -> bool:
-        overrides = {f"contact.{key}": value for key, value in contact.items()}
-        return rolling(mpmfw.load_scene("rolling-cylinder-slip", set=overrides)) is not None
+    def scene(**contact: Any) -> Any:
+        return mpmfw.load_scene(
+            "rolling-cylinder-slip", set={f"contact.{key}": value for key, value in contact.items()}
+        )
 
-    assert known()
-    assert known(friction_law="coulomb")
-    assert not known(friction_law="mohr_coulomb", mohr_coulomb={"cohesion": 10.0})
+    assert declared(scene())
+    assert declared(scene(friction_law="coulomb"))
+    with pytest.raises(SceneError, match="expected a contact with Coulomb's friction"):
+        declared(scene(friction_law="mohr_coulomb", mohr_coulomb={"cohesion": 10.0}))
 
 
 def test_a_law_is_not_made_where_contact_has_no_friction() -> None:

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import mpmfw
-from mpmfw.campaigns.exact import column, incline
 from mpmfw.campaigns.keys import as_number, dimension_names, finer, is_numerical, overrides_of
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import available
+from mpmfw.results.references import Incline, PressedBlocks, RollingReference, SlidingReference, declared
 from mpmfw.runs.identity import key_of
 from mpmfw.scene import load_scene
 from mpmfw.scene.loading import shipped_scenes
@@ -154,16 +154,16 @@ def test_a_folder_is_no_study(tmp_path):
 
 def test_closed_forms_of_shipped_scenes():
     shipped = shipped_scenes()
-    block = incline(load_scene("sliding-block"))
-    assert block is not None
-    assert block.acceleration == pytest.approx(10.0 * (0.5 - 0.3 * np.sqrt(0.75)))
-    rolls = incline(load_scene("rolling-cylinder-slip"))
-    assert rolls is not None
+    block = declared(load_scene("sliding-block"))
+    assert isinstance(block, SlidingReference)
+    assert block.solution.acceleration == pytest.approx(10.0 * (0.5 - 0.3 * np.sqrt(0.75)))
+    rolls = declared(load_scene("rolling-cylinder-slip"))
+    assert isinstance(rolls, RollingReference)
     assert rolls.until == pytest.approx(1.663, abs=1e-3)
-    pressed = column(load_scene("contact-stress"))
-    assert pressed is not None
+    pressed = declared(load_scene("contact-stress"))
+    assert isinstance(pressed, PressedBlocks)
     assert (pressed.lower, pressed.upper, pressed.pressure) == ("lower", "upper", 2e5)
-    assert [name for name in shipped if incline(load_scene(name))] == [
+    assert [name for name in shipped if isinstance(declared(load_scene(name)), Incline)] == [
         "rolling-cylinder-no-slip",
         "rolling-cylinder-slip",
         "rolling-sphere-no-slip",
@@ -173,16 +173,31 @@ def test_closed_forms_of_shipped_scenes():
 
 
 @pytest.mark.parametrize(
-    "change",
+    ("change", "reason"),
     [
-        {"contact.friction": 0.9},
-        {"bodies.block.velocity": [1.0, 0.0]},
-        {"bodies.block.geometry": {"type": "rectangle", "lower": [0.1, 0.013], "upper": [0.2, 0.9]}},
-        {"gravity": {"vector": [1.0, -9.0]}},
+        ({"contact.friction": 0.9}, "the friction holds the block"),
+        ({"bodies.block.velocity": [1.0, 0.0]}, "'block' moves at the start"),
+        ({"gravity": {"vector": [-1.0, -9.0]}}, r"expected gravity towards \+x and -y"),
+        ({"gravity": {"table": [[0.0, 5.0, -8.0], [1.0, 5.0, -9.0]]}}, "expected constant gravity"),
+        (
+            {"bodies.block.geometry": {"type": "rectangle", "lower": [0.1, 0.013], "upper": [0.2, 0.9]}},
+            "the block tips over",
+        ),
     ],
 )
-def test_a_block_that_need_not_slide_has_no_closed_form(change):
-    assert incline(load_scene("sliding-block", set=change)) is None
+def test_a_closed_form_that_does_not_apply_is_refused_with_the_reason(change, reason):
+    with pytest.raises(SceneError, match=f"reference.kind: 'sliding-block' does not apply: {reason}"):
+        declared(load_scene("sliding-block", set=change))
+
+
+def test_gravity_as_a_vector_and_another_order_of_bodies_keep_the_closed_form():
+    scene = load_scene("sliding-block")
+    mapping = scene.to_mapping()
+    mapping["gravity"] = {"vector": list(scene.gravity.at(0.0))}
+    mapping["bodies"] = dict(reversed(mapping["bodies"].items()))
+    found, before = declared(load_scene(mapping)), declared(scene)
+    assert found.body == before.body
+    assert found.solution.acceleration == pytest.approx(before.solution.acceleration, rel=1e-12)
 
 
 # -- the same run

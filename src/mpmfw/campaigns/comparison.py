@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
@@ -14,10 +15,10 @@ from mpmfw.campaigns.grid import given_twice, label_of
 from mpmfw.campaigns.measures import exact_of, measure_of, names_of_measures
 from mpmfw.campaigns.running import Progress, Repeats
 from mpmfw.campaigns.store import store_of
-from mpmfw.errors import SceneError
+from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.plugin.discovery import Kind, object_of
 from mpmfw.plugin.measure import About
-from mpmfw.results.references import reference_of
+from mpmfw.results.references import RingsReference, RollingReference, declared
 from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene import Scene, load_scene
 from mpmfw.scene.requested import check_compared, check_requested
@@ -137,16 +138,24 @@ def _first(scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str
 
 
 def _applicable_measures(scene: Scene | None) -> list[str]:
-    """Measures that the scene can be judged by, but for those that a report reads off the series itself."""
-    if scene is None or reference_of({"scene": scene.text}) is not None:
+    """Return the measures that the scene can be judged by, but for those that a report reads off the series itself."""
+    if scene is None:
         return []
-    measures = [measure_of(name) for name in names_of_measures()]
-    kept = scene.output.particles or "particles" not in scene.output.model_fields_set
-    return [
-        one.name
-        for one in measures
-        if one.kind != "curve" and (kept or not one.particles) and exact_of(one, scene, About()) is not None
-    ]
+    try:
+        if isinstance(declared(scene), RollingReference | RingsReference):
+            return []
+        measures = [measure_of(name) for name in names_of_measures()]
+        kept = scene.output.particles or "particles" not in scene.output.model_fields_set
+        return [
+            one.name
+            for one in measures
+            if one.kind != "curve"
+            and (kept or not one.particles)
+            and exact_of(one, scene, About()) is not None
+        ]
+    except SceneError as error:
+        warnings.warn(f"no errors are measured: {error}", ResultsWarning, stacklevel=3)
+        return []
 
 
 def _write(dataset: xr.Dataset, path: str) -> None:

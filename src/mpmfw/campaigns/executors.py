@@ -232,7 +232,8 @@ def dask_cluster(place: Any) -> Futures:
         try:
             if isinstance(place, str) and not place.startswith("inproc://"):
                 _knock(distributed.comm, place)  # a client that cannot connect complains when it is collected
-            made = distributed.Client(place, timeout=PATIENCE, set_as_default=False)
+            dask: Any = distributed
+            made = dask.Client(place, timeout=PATIENCE, set_as_default=False)
         except ValueError as error:
             example = "expected an address such as tcp://127.0.0.1:8786"
             raise SceneError(f"{said}: {error}; {example}") from error

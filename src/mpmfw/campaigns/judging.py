@@ -326,17 +326,15 @@ def judge_all(
     SceneError
         There is no such measure, or what is given as the reference is none of it.
     """
+    scenes = [one.scene for one in grid.combinations.values() if one.scene is not None]
     judges: list[tuple[Measure, Judge | None]] = []
     for name in measures:
-        kinds = [{**reference}] if reference is not None else [{"kind": "closed-form"}, {"kind": "reference"}]
-        judge = None
-        for given in kinds:
-            try:
-                judge = Judge(ErrorTable.model_validate({"quantity": name, **given}), grid)
-            except SceneError:
-                if reference is not None:
-                    raise
-        judges.append((measure_of(name), judge))
+        given, measure = reference, measure_of(name)
+        if given is None and all(exact_of(measure, scene, About()) is not None for scene in scenes):
+            known = exact_of(measure, scenes[0], About())
+            given = None if known is None else {"kind": known.kind}
+        table = None if given is None else ErrorTable.model_validate({"quantity": name, **given})
+        judges.append((measure, None if table is None else Judge(table, grid)))
     return judges
 
 

@@ -14,13 +14,12 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 import xarray as xr
 
-from mpmfw.campaigns.exact import Incline, column, incline, kind_of
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import REFERENCES, available, did_you_mean, full_name, load
 from mpmfw.plugin.measure import About, Exact, Measure, Measured, Reference
 from mpmfw.results.analysis import fitted_acceleration, force_noise, impulse, value_at
 from mpmfw.results.conservation import dissipation, energy_error, momentum_change
-from mpmfw.results.references import rings, rings_table
+from mpmfw.results.references import Incline, PressedBlocks, RingsReference, declared, rings_table
 from mpmfw.scene import Scene
 
 Kind: TypeAlias = Literal["number", "curve", "field"]
@@ -102,21 +101,29 @@ def names_of_measures() -> list[str]:
 
 
 def exact_of(measure: Measure, scene: Scene, about: About) -> Exact | None:
-    """What a quantity must be in a scene; None where nobody knows.
+    """Return what a quantity must be in a scene; None where nobody knows.
 
-    A scene says what its motion is known to be by ``[reference] kind = …``: a bundled kind, which it must be one of, or a
-    :class:`mpmfw.api.Reference` that a distribution announces. Of a scene without it mpmfw recognises its own kinds.
+    A scene declares what its motion is known to be by ``[reference] kind = …``: a bundled kind, or a
+    :class:`mpmfw.api.Reference` that a distribution announces. Nothing is recognised in a scene without it.
 
     Raises
     ------
     SceneError
-        The kind cannot be imported.
+        The scene is not of the kind that it declares, or the kind cannot be imported.
     """
-    kind = None if scene.reference is None else scene.reference.kind
-    if kind is not None and kind not in REFERENCES:
-        known: Exact | None = _made("reference", kind, Reference).exact(scene, measure.name, about)
-        return known
-    return measure.exact(scene, about) if kind in (None, kind_of(scene)) else None
+    if scene.reference is not None and scene.reference.kind not in REFERENCES:
+        made: Reference = _made("reference", scene.reference.kind, Reference)
+        return made.exact(scene, measure.name, about)
+    return measure.exact(scene, about)
+
+
+def _incline(scene: Scene) -> Incline | None:
+    """Return the motion down a plane that a scene declares; None of another scene, or where it does not apply."""
+    try:
+        known = declared(scene)
+    except SceneError:
+        return None
+    return known if isinstance(known, Incline) else None
 
 
 # -- which body, pair and axis
@@ -129,7 +136,7 @@ def inferred(measure: Measure, run: xr.DataTree, scene: Scene, about: About) -> 
     The pair is that of the largest impulse, the body the one whose centre moves farthest, the axis the one along which it
     moves or the impulse acts.
     """
-    series, keys, known = run["series"].to_dataset(), measure.keys, incline(scene)
+    series, keys, known = run["series"].to_dataset(), measure.keys, _incline(scene)
     if known is not None:
         sure = {"body": known.body, "axis": "x"}
         about = replace(
@@ -175,8 +182,10 @@ def _number(value: float) -> Measured:
 
 def _from_rest(scene: Scene, about: About) -> Incline | None:
     """The known motion down a plane, if it is of the body and the axis that are meant."""
-    known = incline(scene)
-    return known if known and about.axis in (None, "x") and about.body in (None, known.body) else None
+    known = declared(scene)
+    if not isinstance(known, Incline):
+        return None
+    return known if about.axis in (None, "x") and about.body in (None, known.body) else None
 
 
 def _down_the_plane(value: Callable[[Incline], float]) -> Known:
@@ -191,7 +200,7 @@ def _down_the_plane(value: Callable[[Incline], float]) -> Known:
 
 
 def _until(scene: Scene) -> float:
-    known = incline(scene)
+    known = _incline(scene)
     return known.until if known else float(scene.time.end)
 
 
@@ -204,7 +213,7 @@ def _until(scene: Scene) -> float:
     "m",
     "number",
     ("body", "axis"),
-    _down_the_plane(lambda one: 0.5 * one.acceleration * one.until * one.until),
+    _down_the_plane(lambda one: 0.5 * one.solution.acceleration * one.until * one.until),
 )
 def end_displacement(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     """Displacement of a body's centre at the end, or when the closed form of a rolling one has moved by 10 m."""
@@ -212,7 +221,13 @@ def end_displacement(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     return _number(value_at(moved.time, moved.values, _until(scene)))
 
 
-@measure("acceleration", "m s-2", "number", ("body", "axis"), _down_the_plane(lambda one: one.acceleration))
+@measure(
+    "acceleration",
+    "m s-2",
+    "number",
+    ("body", "axis"),
+    _down_the_plane(lambda one: one.solution.acceleration),
+)
 def acceleration(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     """Acceleration of a body's centre, least-squares fit of d0 + v0 t + a t²/2 over the last 80 % of the time."""
     moved, end = _displacement(run, about), _until(scene)
@@ -220,7 +235,11 @@ def acceleration(run: xr.DataTree, scene: Scene, about: About) -> Measured:
 
 
 @measure(
-    "spin", "rad s-1", "number", ("body",), _down_the_plane(lambda one: one.angular_acceleration * one.until)
+    "spin",
+    "rad s-1",
+    "number",
+    ("body",),
+    _down_the_plane(lambda one: one.solution.angular_acceleration * one.until),
 )
 def spin(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     """Angular velocity of a body at the end, or when the closed form of a rolling one has moved by 10 m."""
@@ -273,7 +292,7 @@ def _parabola(scene: Scene, about: About) -> Exact | None:
     known = _from_rest(scene, about)
     if known is None:
         return None
-    a = known.acceleration
+    a = known.solution.acceleration
     return Exact("closed-form", known.says, lambda time: 0.5 * a * time**2)
 
 
@@ -284,8 +303,12 @@ def displacement(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # n
 
 
 def _rings_curve(table: str, column_name: str, pair: str | None, about: About, scene: Scene) -> Exact | None:
-    known = rings(scene)
-    if known is None or about.axis not in (None, "x") or pair not in (None, f"{known.first}-{known.second}"):
+    known = declared(scene)
+    if (
+        not isinstance(known, RingsReference)
+        or about.axis not in (None, "x")
+        or pair not in (None, f"{known.first}-{known.second}")
+    ):
         return None
     columns = rings_table(table)
     curve = columns[column_name]
@@ -330,18 +353,17 @@ def kinetic_energy(run: xr.DataTree, scene: Scene, about: About) -> Measured:  #
 
 
 def _uniform(scene: Scene, about: About) -> Exact | None:  # noqa: ARG001
-    known = column(scene)
-    if known is None:
+    known = declared(scene)
+    if not isinstance(known, PressedBlocks):
         return None
-    says = f"a uniform vertical stress of {-known.pressure:.4g} Pa, the pressure from above"
-    return Exact("closed-form", says, lambda _: np.array([-known.pressure]))
+    return Exact("closed-form", known.describe(), lambda _: np.array([-known.pressure]))
 
 
 @measure("interface-stress", "Pa", "field", (), _uniform, norm="l2", particles=True)
 def interface_stress(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
     """Vertical stress, at rest after settling, of the material points within a cell of two blocks' interface."""
-    known = column(scene)
-    names = (known.lower, known.upper) if known else tuple(scene.bodies)[:2]
+    known = declared(scene)
+    names = (known.lower, known.upper) if isinstance(known, PressedBlocks) else tuple(scene.bodies)[:2]
     found = [run[f"particles/{name}"].to_dataset().isel(time=0) for name in names]
     heights = [one["position"].sel(axis="y").values for one in found]
     middle = 0.5 * (heights[0].max() + heights[1].min())

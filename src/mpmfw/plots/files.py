@@ -78,7 +78,7 @@ def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
         figures |= _any_scene(dataset)
     else:
         figures["series"] = (_overview(dataset), "Series of the bodies and pairs.")
-    if "min_gap" in dataset and reference is not None:
+    if "min_gap" in dataset and isinstance(reference, RollingReference | RingsReference):
         figures["gap"] = (
             gap_history(dataset),
             "Least distance between the bodies' outlines, in cells; negative where they penetrate.",

@@ -1,4 +1,4 @@
-"""Which closed form or reference a scene has, read from the scene that its results carry."""
+"""The exact motions of the bundled kinds of scenes, which a scene declares by ``[reference] kind``, and its results carry."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import functools
 import itertools
 import json
 import tomllib
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from importlib.resources import files
 from io import StringIO
 from typing import Any
@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from mpmfw.errors import MpmfwError
+from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.geometry import Ball, Box, Disc, Rectangle, Ring
 from mpmfw.results.analysis import RollingSolution, rolling_solution
 from mpmfw.scene import Body, Scene, load_scene
@@ -29,31 +29,54 @@ EQUATION = " (eq. 13 of Hamad, Giridharan & Moormann 2017, Procedia Engineering 
 
 
 @dataclass(frozen=True)
-class RollingReference:
-    """A disc or a ball that rolls down a fixed plane under tilted gravity."""
+class Incline:
+    """The closed form of a rigid body that leaves rest and runs down a plane along x.
 
-    body: str  #: the disc or ball
+    Attributes
+    ----------
+    body
+        Its name.
+    solution
+        Motion of its centre along the plane, and its spin.
+    distance
+        At which the displacement is judged, if the scene lasts that long [m].
+    end
+        Of the scene [s].
+    says
+        The closed form in words.
+    """
+
+    body: str
     solution: RollingSolution
-    distance: float = 10.0  #: at which the displacement is judged [m]
-    rigid: str = "cylinder"  #: what the solution is of
+    distance: float
+    end: float
+    says: str = field(compare=False)
+
+    @property
+    def until(self) -> float:
+        """Time until which the motion is judged [s]."""
+        return min(self.solution.time_to(self.distance), self.end)
 
     def describe(self) -> str:
         """Say in one sentence what the results are compared with."""
-        solution = self.solution
-        return (
-            f"a rigid {self.rigid} that {'slips' if solution.slips else 'rolls without slip'}, from rest"
-            f"{EQUATION if self.rigid == 'cylinder' else ''}: acceleration "
-            f"{solution.acceleration:.4g} m/s², angular acceleration "
-            f"{abs(solution.angular_acceleration):.4g} rad/s², "
-            f"{self.distance:g} m after {solution.time_to(self.distance):.4g} s"
-        )
+        return self.says
+
+
+@dataclass(frozen=True)
+class RollingReference(Incline):
+    """A disc or a ball that rolls down a fixed plane; its spin is known as well."""
+
+
+@dataclass(frozen=True)
+class SlidingReference(Incline):
+    """A block that slides down a fixed plane and stays upright."""
 
 
 @dataclass(frozen=True)
 class RingsReference:
     """The collision of two rings that the shipped finite-element solution is of."""
 
-    first: str  #: the left ring
+    first: str  #: the left ring, which is the first of the pair
     second: str  #: the right ring
     end: float = 3.2e-3  #: until which the motions are compared [s]
 
@@ -67,7 +90,28 @@ class RingsReference:
         )
 
 
-Reference = RollingReference | RingsReference
+@dataclass(frozen=True)
+class PressedBlocks:
+    """Two blocks, one on the other between smooth walls, under a pressure from above.
+
+    Attributes
+    ----------
+    lower, upper
+        Names of the blocks.
+    pressure
+        On top [Pa]: every vertical stress at rest is its negative.
+    """
+
+    lower: str
+    upper: str
+    pressure: float
+
+    def describe(self) -> str:
+        """Say in one sentence what the results are compared with."""
+        return f"a uniform vertical stress of {-self.pressure:.4g} Pa, the pressure from above"
+
+
+Reference = RollingReference | SlidingReference | RingsReference | PressedBlocks
 
 
 def scene_of(attributes: Mapping[str, Any]) -> dict[str, Any]:
@@ -137,28 +181,18 @@ def grid_lower_of(attributes: Mapping[str, Any]) -> list[float]:
 
 
 def reference_of(attributes: Mapping[str, Any]) -> Reference | None:
-    """Recognise the scene of a result.
+    """Return the reference that the scene of a result declares and is of; None of others.
 
     Parameters
     ----------
     attributes
         Root attributes of a run, or those of a comparison, with the ``scene``.
-
-    Returns
-    -------
-    RollingReference, RingsReference or None
-        Of :func:`rolling` or :func:`rings`, unless the scene declares another kind; everything else has none
-        here.
     """
     scene = scene_of_results(attributes)
-    if scene is None:
-        return None
-    declared = None if scene.reference is None else scene.reference.kind
-    if declared in (None, "rolling-cylinder") and (found := rolling(scene)) is not None:
-        return found
-    if declared in (None, "rolling-sphere") and (found := rolling_sphere(scene)) is not None:
-        return found
-    return rings(scene) if declared in (None, "colliding-rings") else None
+    try:
+        return None if scene is None else declared(scene)
+    except SceneError:
+        return None  # the campaign said why
 
 
 #: Stands for a material whose code is not imported.
@@ -173,8 +207,7 @@ def scene_of_results(attributes: Mapping[str, Any]) -> Scene | None:
 
 @functools.lru_cache(maxsize=64)
 def _loaded(text: str) -> Scene | None:
-    """The scene of a result without its methods, which no reference depends on; None where it cannot be read
-    here.
+    """The scene of a result without its methods, which no reference depends on; None where it cannot be read here.
 
     Code that a result names is not imported.
     """
@@ -198,99 +231,166 @@ def _loaded(text: str) -> Scene | None:
         return None
 
 
-def rolling(scene: Scene) -> RollingReference | None:
-    """A single free disc, at rest at the start, on one fixed rectangle along x, with gravity by magnitude
-    and tilt.
+def declared(scene: Scene) -> Reference | None:
+    """Return the bundled reference that a scene declares by ``[reference] kind``; None where it declares none of these.
+
+    Raises
+    ------
+    SceneError
+        The scene is not of the kind that it declares: why not.
     """
-    discs = [
-        n for n, b in scene.bodies.items() if isinstance(b.geometry, Disc) and not b.sides and at_rest(b)
+    kind = None if scene.reference is None else scene.reference.kind
+    if kind not in _KINDS:
+        return None
+    try:
+        return _KINDS[kind](scene)
+    except _DoesNotApplyError as error:
+        raise SceneError(f"reference.kind: '{kind}' does not apply: {error}") from None
+
+
+class _DoesNotApplyError(Exception):
+    """A scene is not of the kind that it declares; the message says why."""
+
+
+def _need(holds: bool, otherwise: str) -> None:
+    if not holds:
+        raise _DoesNotApplyError(otherwise)
+
+
+def _one(names: Sequence[str], what: str) -> str:
+    _need(len(names) == 1, f"expected one {what}, and the scene has {len(names) or 'none'}")
+    return names[0]
+
+
+def _on_incline(
+    scene: Scene, shapes: type[Any] | tuple[type[Any], ...], what: str
+) -> tuple[str, float, float, float]:
+    """Return the free body on one fixed plane along x, its friction, and gravity's magnitude [m/s²] and tilt [rad]."""
+    free = [
+        name for name, body in scene.bodies.items() if isinstance(body.geometry, shapes) and not body.sides
     ]
     planes = [name for name, body in scene.bodies.items() if _is_plane(body)]
-    tilted = tilt_of(scene)
-    if (
-        len(scene.bodies) != 2
-        or len(discs) != 1
-        or len(planes) != 1
-        or tilted is None
-        or scene.contact is None
-        or not scene.has_coulomb_friction
-    ):
-        return None
-    magnitude, tilt = tilted
-    geometry = scene.bodies[discs[0]].geometry
-    if tilt <= 0.0 or not isinstance(geometry, Disc):
-        return None
-    return RollingReference(
-        discs[0], rolling_solution(tilt, scene.pairs[0][2], magnitude, float(geometry.radius))
+    body = _one(free, f"free {what}")
+    _one(planes, "rectangle or box along the axes, held by fixed sides")
+    _need(len(scene.bodies) == 2, "expected two bodies")
+    _need(at_rest(scene.bodies[body]), f"'{body}' moves at the start")
+    _need(
+        scene.contact is not None and scene.has_coulomb_friction, "expected a contact with Coulomb's friction"
+    )
+    _need(scene.gravity is not None and scene.gravity.is_constant, "expected constant gravity")
+    assert scene.gravity is not None
+    along, down, *across = scene.gravity.at(0.0)
+    _need(along > 0.0 > down and not any(across), "expected gravity towards +x and -y")
+    return body, scene.pairs[0][2], float(np.hypot(along, down)), float(np.arctan2(along, -down))
+
+
+def _rolling(scene: Scene, kind: type[Any], rigid: str, inertia: float) -> RollingReference:
+    body, friction, g, tilt = _on_incline(scene, kind, kind.__name__.lower())
+    shape: Any = scene.bodies[body].geometry
+    gravity: Any = scene.gravity
+    if gravity.tilt is not None:  # as it is given, to the last digit
+        g, tilt = float(gravity.magnitude), float(gravity.tilt)
+    solution = rolling_solution(tilt, friction, g, float(shape.radius), inertia)
+    end = float(scene.time.end)
+    distance = 10.0 if kind is Disc else float(solution.displacement(end))
+    says = (
+        f"a rigid {rigid} that {'slips' if solution.slips else 'rolls without slip'}, from rest"
+        f"{EQUATION if kind is Disc else ''}: acceleration {solution.acceleration:.4g} m/s², angular acceleration "
+        f"{abs(solution.angular_acceleration):.4g} rad/s², {distance:g} m after {solution.time_to(distance):.4g} s"
+    )
+    return RollingReference(body, solution, distance, end, says)
+
+
+def _sliding(scene: Scene) -> SlidingReference:
+    """A free block on a fixed rectangle along x, steep enough to slide and too flat to tip over."""
+    body, friction, g, tilt = _on_incline(scene, Rectangle, "rectangle")
+    block: Any = scene.bodies[body].geometry
+    _need(block.angle == 0.0, f"'{body}' is turned against the plane")
+    width, height = np.subtract(block.upper, block.lower)
+    acceleration = float(g * (np.sin(tilt) - friction * np.cos(tilt)))
+    _need(acceleration > 0.0, "the friction holds the block")
+    _need(friction <= width / height, "the block tips over: the friction is above its width over its height")
+    says = (
+        f"a rigid block under Coulomb friction, from rest: g (sin θ − μ cos θ) = {acceleration:.4g} m/s² "
+        f"with θ = {np.degrees(tilt):.4g}° and μ = {friction:g}"
+    )
+    return SlidingReference(
+        body, RollingSolution(acceleration, 0.0, True), np.inf, float(scene.time.end), says
     )
 
 
-def rolling_sphere(scene: Scene) -> RollingReference | None:
-    """A single free ball, at rest at the start, on one fixed box along the axes, gravity towards +x and
-    −y; judged at the end.
-    """
-    balls = [
-        n for n, b in scene.bodies.items() if isinstance(b.geometry, Ball) and not b.sides and at_rest(b)
-    ]
-    planes = [name for name, body in scene.bodies.items() if _is_plane(body)]
-    vector = None if scene.gravity is None or not scene.gravity.is_constant else scene.gravity.vector
-    if (
-        (len(scene.bodies), len(balls), len(planes)) != (2, 1, 1)
-        or vector is None
-        or len(vector) != 3
-        or scene.contact is None
-        or not scene.has_coulomb_friction
-    ):
-        return None
-    along, down, across = (float(part) for part in vector)
-    geometry = scene.bodies[balls[0]].geometry
-    if along <= 0.0 or down >= 0.0 or across != 0.0 or not isinstance(geometry, Ball):
-        return None
-    tilt, g = float(np.arctan2(along, -down)), float(np.hypot(along, down))
-    solution = rolling_solution(tilt, scene.pairs[0][2], g, float(geometry.radius), inertia=0.4)
-    return RollingReference(
-        balls[0], solution, distance=float(solution.displacement(scene.time.end)), rigid="sphere"
-    )
+def _pressed(scene: Scene) -> PressedBlocks:
+    """Two blocks between smooth walls at left and right, pressed from the top and held at the bottom."""
+    _need(scene.dim == 2 and len(scene.bodies) == 2, "expected two bodies in the plane")
+    _need(scene.gravity is None, "the scene has gravity")
+    ends: dict[str, tuple[str, float]] = {}
+    for name, body in scene.bodies.items():
+        sides = {side.side: side for side in body.sides}
+        walls = all(s in sides and sides[s].fixed in (("x",), ["x"]) for s in ("left", "right"))
+        _need(walls, f"the sides left and right of '{name}' are not fixed in x alone")
+        upright = isinstance(body.geometry, Rectangle) and body.geometry.angle == 0.0
+        _need(upright, f"'{name}' is no rectangle along the axes")
+        top, bottom = sides.get("top"), sides.get("bottom")
+        if top is not None and isinstance(top.pressure, float) and bottom is None:
+            ends["upper"] = (name, top.pressure)
+        elif bottom is not None and bottom.fixed and top is None:
+            ends["lower"] = (name, 0.0)
+    _need(ends.keys() == {"lower", "upper"}, "expected a constant pressure on top, and a fixed bottom")
+    return PressedBlocks(ends["lower"][0], ends["upper"][0], ends["upper"][1])
 
 
-def tilt_of(scene: Scene) -> tuple[float, float] | None:
-    """Magnitude [m/s²] and tilt [rad] of a gravity that is given by both; None of any other."""
-    magnitude, tilt = (getattr(scene.gravity, name, None) for name in ("magnitude", "tilt"))
-    return None if magnitude is None or tilt is None else (float(magnitude), float(tilt))
-
-
-def rings(scene: Scene) -> RingsReference | None:
+def _rings(scene: Scene) -> RingsReference:
     """Two rings with the properties, sizes and velocities of the shipped reference, under no load."""
-    if scene.gravity is not None or len(scene.bodies) != 2:
-        return None
-    expected = (121.7e6, 26.1e6, 1010.0, 0.03, 0.04)
-    for body in scene.bodies.values():
+    _need(scene.gravity is None, "the scene has gravity")
+    _need(len(scene.bodies) == 2, "expected two bodies")
+    for name, body in scene.bodies.items():
         material, ring = scene.materials[body.material], body.geometry
         options: Any = material.options
-        if (
-            not isinstance(ring, Ring)
-            or material.model != "neo_hookean"
-            or options.energy != "split"
-            or body.sides
-        ):
-            return None
-        found = (
-            options.bulk_modulus,
-            options.shear_modulus,
-            material.density,
-            ring.inner_radius,
-            ring.outer_radius,
-        )
+        _need(isinstance(ring, Ring), f"'{name}' is no ring")
+        split = material.model == "neo_hookean" and options.energy == "split"
+        _need(split, f"the material of '{name}' is not neo_hookean with energy = 'split'")
+        _need(not body.sides, f"'{name}' has sides that are held or loaded")
         spins = body.angular_velocity is not None and np.any(body.angular_velocity)
-        if not np.allclose(np.array(found, dtype=float), expected, rtol=1e-9, atol=0.0) or spins:
-            return None
+        _need(not spins, f"'{name}' turns at the start")
+        found = {
+            "bulk_modulus": options.bulk_modulus,
+            "shear_modulus": options.shear_modulus,
+            "density": material.density,
+            "inner_radius": ring.inner_radius,  # type: ignore[union-attr]
+            "outer_radius": ring.outer_radius,  # type: ignore[union-attr]
+        }
+        for key, value in _RING.items():
+            same = np.isclose(float(found[key]), value, rtol=1e-9, atol=0.0)
+            _need(
+                bool(same), f"the {key} of '{name}' is {found[key]:g}, and {value:g} in the finite elements"
+            )
     # contact_force is on the pair's first body: only with the left one first does the reference's sign hold
     (first, left), (second, right) = scene.bodies.items()
     apart = np.subtract(right.geometry.centre, left.geometry.centre)  # type: ignore[union-attr]
-    along_x = np.allclose(apart, [2.0 * expected[-1] + 0.004, 0.0], atol=1e-9)
+    along_x = np.allclose(apart, [2.0 * _RING["outer_radius"] + 0.004, 0.0], atol=1e-9)
+    _need(bool(along_x), f"expected '{first}' at the left of '{second}', 4 mm apart along x")
     velocities = [left.velocity or (0.0, 0.0), right.velocity or (0.0, 0.0)]
     towards = np.allclose(np.array(velocities, dtype=float), [[30.0, 0.0], [-30.0, 0.0]])
-    return RingsReference(first, second) if along_x and towards else None
+    _need(bool(towards), "expected velocities of 30 m/s towards each other")
+    return RingsReference(first, second)
+
+
+#: Of the rings of the finite elements, in SI units.
+_RING = {
+    "bulk_modulus": 121.7e6,
+    "shear_modulus": 26.1e6,
+    "density": 1010.0,
+    "inner_radius": 0.03,
+    "outer_radius": 0.04,
+}
+
+_KINDS: dict[str | None, Callable[[Scene], Reference]] = {
+    "rolling-cylinder": lambda scene: _rolling(scene, Disc, "cylinder", 0.5),
+    "rolling-sphere": lambda scene: _rolling(scene, Ball, "sphere", 0.4),
+    "sliding-block": _sliding,
+    "colliding-rings": _rings,
+    "pressed-blocks": _pressed,
+}
 
 
 def _is_plane(body: Body) -> bool:

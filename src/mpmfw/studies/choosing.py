@@ -183,7 +183,7 @@ def _known(scene: Scene, name: str | None, about: About) -> tuple[Measure, str]:
     others = ", ".join(one for one in sorted(names) if measure_of(one).kind != "field")
     raise SceneError(
         f"the scene '{scene.name}' has no closed form or reference, so that it does not say what an error is of; "
-        f"expected a measure: one of {others}"
+        f"expected [reference] kind = …, or a measure: one of {others}"
     )
 
 
