@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 
@@ -10,8 +11,69 @@ class MpmfwError(Exception):
     """Base of all errors that mpmfw raises on purpose."""
 
 
+@dataclass(frozen=True)
+class SceneProblem:
+    """One thing that is wrong with a request; its text is the line that a user reads.
+
+    Attributes
+    ----------
+    message
+        What is wrong and what was expected.
+    key
+        Dotted key that it is about; empty of a request that has no keys.
+    source
+        Where the key was written: file and line, or the option that set it.
+    override
+        Key that an option, or a request, set over the scene; empty where the scene itself is wrong.
+    value
+        What was given, where it is known.
+    expected, nearest
+        What would have been valid, and the valid name that is nearest to the given one; empty where nothing is known.
+    """
+
+    message: str
+    key: str = ""
+    source: str = ""
+    override: str = ""
+    value: Any = None
+    expected: str = ""
+    nearest: str = ""
+
+    def __str__(self) -> str:
+        return ": ".join(part for part in (self.source, self.key, self.message) if part)
+
+    @property
+    def plain(self) -> str:
+        """The text without the option that set the key; a file and its line stay."""
+        return str(replace(self, source="") if self.override else self)
+
+
 class SceneError(MpmfwError):
-    """The request was wrong: the scene, an option, a plug-in's name. Exit status 2."""
+    """The request was wrong: the scene, an option, a plug-in's name. Exit status 2.
+
+    Parameters
+    ----------
+    message
+        One that no key of a scene belongs to.
+    problems
+        All that is wrong with a scene, instead.
+
+    Attributes
+    ----------
+    problems
+        What is wrong, as data; the error's text has a line for each.
+    """
+
+    def __init__(self, message: str = "", problems: Sequence[SceneProblem] = ()) -> None:
+        self.problems = tuple(problems) or (SceneProblem(message),)
+        super().__init__("\n".join(map(str, self.problems)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), ("", self.problems)
+
+
+class NoSuchFileError(SceneError):
+    """A file is not there, and nothing of that name ships."""
 
 
 class SimulationError(MpmfwError):
@@ -104,6 +166,11 @@ class ResultsWarning(UserWarning):
     """A run went through, with something that its reader must know."""
 
 
+def status_code(status: str) -> str:
+    """Return the code of a status, which is ``code`` or ``code: text``: ``ok``, ``suspect``, ``failed``, ``refused`` …"""
+    return status.partition(":")[0]
+
+
 def is_complete(status: str) -> bool:
     """Return whether a run with this status came to its end: ``ok``, or ``suspect: …``."""
-    return status == "ok" or status.startswith("suspect")
+    return status_code(status) in ("ok", "suspect")

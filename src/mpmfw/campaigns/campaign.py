@@ -16,7 +16,7 @@ from mpmfw.campaigns.grid_runs import GridRuns
 from mpmfw.campaigns.judging import judge_all
 from mpmfw.campaigns.outcome import COSTS
 from mpmfw.campaigns.running import Event, Progress, Repeats
-from mpmfw.errors import ResultsWarning, SceneError
+from mpmfw.errors import ResultsWarning, SceneError, status_code
 from mpmfw.results.joining import join
 
 
@@ -87,7 +87,7 @@ def campaign(
     """
     grid = make_grid({"": scene}, vary, dict(set or {}))
     if all(one.scene is None for one in grid.combinations.values()):
-        raise SceneError(next(iter(grid.combinations.values())).refusal)
+        raise SceneError(problems=next(iter(grid.combinations.values())).problems)
     judges = judge_all(grid, tuple(measures), reference)
     runs = GridRuns(grid, "campaign", store=store, executor=executor, jobs=jobs, threads=threads)
 
@@ -102,7 +102,7 @@ def campaign(
     dataset = dataset_of(runs)
     if "fields" in dataset.attrs:
         warnings.warn(dataset.attrs["fields"], ResultsWarning, stacklevel=2)
-    refusals = [status for status in dataset["status"].values.ravel() if status.startswith("refused: ")]
+    refusals = [status for status in dataset["status"].values.ravel() if status_code(status) == "refused"]
     if len(refusals) == dataset["status"].size:
         raise SceneError(refusals[0].removeprefix("refused: "))
     for measure, judge in judges:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
@@ -23,7 +22,7 @@ from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene import Scene, load_scene
 from mpmfw.scene.requested import check_compared, check_requested
 from mpmfw.scene.sources import plain
-from mpmfw.scene.specification import called, written
+from mpmfw.scene.specification import written
 from mpmfw.scene.toml_text import value_text
 
 
@@ -101,28 +100,21 @@ def compare(
         if path is not None and dataset["steps"].notnull().any():
             _write(dataset, path)
 
-    try:
-        dataset = campaign(
-            scene,
-            {**methods, **varied},
-            set={**particles, **(set or {})},
-            store=store if store is not None else store_of(path),
-            executor=executor,
-            jobs=jobs,
-            repeats=repeats,
-            measures=known,
-            progress=progress,
-            report=report,
-            force=force,
-            grown=grown,
-            threads=1 if first is None else first.threads,
-        )
-    except SceneError as error:
-        names = {kind: f"{kind} {label_of(chosen[0])}" for kind, chosen in methods.items()}
-        raise SceneError(_named(str(error), varied, names)) from error
-    for index in zip(*(dataset["status"].values != "ok").nonzero(), strict=True):
-        names = {kind: f"{kind} {dataset[kind].values[index[k]]}" for k, kind in enumerate(methods)}
-        dataset["status"].values[index] = _named(dataset["status"].values[index], varied, names)
+    dataset = campaign(
+        scene,
+        {**methods, **varied},
+        set={**particles, **(set or {})},
+        store=store if store is not None else store_of(path),
+        executor=executor,
+        jobs=jobs,
+        repeats=repeats,
+        measures=known,
+        progress=progress,
+        report=report,
+        force=force,
+        grown=grown,
+        threads=1 if first is None else first.threads,
+    )
     if path is not None:
         _write(dataset, path)
     return dataset
@@ -163,17 +155,6 @@ def _write(dataset: xr.Dataset, path: str) -> None:
     for array in packed.data_vars.values():
         array.encoding = {"zlib": True, "complevel": 1} if array.dtype.kind == "f" else {}
     replace_dataset(packed, path)
-
-
-def _named(message: str, varied: Iterable[str], methods: Mapping[str, str]) -> str:
-    """The message with methods and the keys that are varied called so: to a run they are set as others are."""
-    begin, text = (
-        ("refused: ", message.removeprefix("refused: ")) if message.startswith("refused: ") else ("", message)
-    )
-    text = called(text, methods)
-    for key in varied:
-        text = re.sub(rf"^--set (?={re.escape(key)}(?::|$))", "--vary ", text, flags=re.MULTILINE)
-    return begin + text
 
 
 def _methods(kind: Kind, chosen: Sequence[Any]) -> list[Any]:

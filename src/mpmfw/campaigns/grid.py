@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import itertools
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -21,7 +20,7 @@ from mpmfw.campaigns.keys import (
     written_alike,
 )
 from mpmfw.campaigns.work import Task
-from mpmfw.errors import SceneError
+from mpmfw.errors import SceneError, SceneProblem
 from mpmfw.plugin.discovery import load
 from mpmfw.runs.identity import code_of, key_of
 from mpmfw.scene import Scene, load_scene
@@ -42,7 +41,7 @@ class Combination:
         Its place in words, by dimension.
     scene
         What runs; None if the scene refuses the combination.
-    refusal
+    problems
         Why it is refused, as the scene says it.
     contact, shape
         Strategy objects in place of the scene's methods.
@@ -52,7 +51,7 @@ class Combination:
 
     labels: Mapping[str, Any]
     scene: Scene | None
-    refusal: str = ""
+    problems: tuple[SceneProblem, ...] = ()
     contact: Any = None
     shape: Any = None
     what: str = ""
@@ -73,10 +72,15 @@ class Combination:
         return "" if self.scene is None else key_of(self.scene, self.contact, self.shape, self.what)
 
     @property
+    def refusal(self) -> str:
+        """Why it is refused, a line for each problem; empty if it is not."""
+        return "\n".join(map(str, self.problems))
+
+    @property
     def why(self) -> str:
-        """Why it is refused, without the option that a study does not have."""
-        first = self.refusal.splitlines()[0] if self.refusal.startswith("--set ") else self.refusal
-        return re.sub(r"^--set \S+: ", "", first)
+        """Why it is refused, without the option that a study does not have; of an option's problems the first."""
+        first, *others = self.problems
+        return "\n".join([first.plain] if first.override else [str(one) for one in (first, *others)])
 
 
 @dataclass(frozen=True)
@@ -182,9 +186,13 @@ def _combination(
                 overrides |= _of_contact(scene, objects, methods, value)
             elif full.removesuffix(".method") not in objects:
                 overrides |= {full: value} if "*" not in full else _of_bodies(scene, shared, key, value)
-        return Combination(labels, load_scene(scene, set=overrides), **objects)
+        said = {key: f"--vary {short}" for short in values for key in (full_key(short),)}
+        said |= {
+            f"{kind}.method": f"{kind} {labels[kind]}" for kind in ("contact", "shape") if kind in values
+        }
+        return Combination(labels, load_scene(scene, set=overrides, said=said), **objects)
     except SceneError as error:
-        return Combination(labels, None, str(error))
+        return Combination(labels, None, error.problems)
 
 
 def _of_bodies(scene: Any, shared: Mapping[str, Any], key: str, value: Any) -> dict[str, Any]:
@@ -232,9 +240,8 @@ def _without_twins(combinations: Mapping[Index, Combination]) -> dict[Index, Com
             if twin is not one:
                 changed = [dim for dim in one.labels if one.labels[dim] != twin.labels[dim]]
                 settings = " and ".join(f"{dim} {one.labels[dim]}" for dim in changed)
-                one = replace(
-                    one, scene=None, refusal=f"{settings} changes nothing here: it is the run of {twin.name}"
-                )
+                message = f"{settings} changes nothing here: it is the run of {twin.name}"
+                one = replace(one, scene=None, problems=(SceneProblem(message),))
         kept[index] = one
     return kept
 

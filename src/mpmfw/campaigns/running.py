@@ -12,7 +12,7 @@ from mpmfw.campaigns.executors import Executor, InProcess
 from mpmfw.campaigns.outcome import Cost, Finished, Outcome
 from mpmfw.campaigns.store import Store
 from mpmfw.campaigns.work import Task, run_once, time_once
-from mpmfw.errors import Interrupted, is_complete
+from mpmfw.errors import Interrupted, is_complete, status_code
 from mpmfw.runs.interruption import interruptible
 
 #: CPU seconds below which a run is short: it is repeated where nobody says how often, since its time is noisy.
@@ -138,7 +138,7 @@ def _rounds(times: Mapping[str, tuple[Task, int]]) -> list[Task]:
 def _is_missing(task: Task, store: Store) -> bool:
     """Whether there is no outcome, or a refusal of what is forced now."""
     outcome = store.outcome(task.key)
-    return outcome is None or (task.force and outcome.status.startswith("refused"))
+    return outcome is None or (task.force and status_code(outcome.status) == "refused")
 
 
 def _do(

@@ -7,10 +7,9 @@ from typing import TypeVar
 
 from pydantic import ValidationError
 
-from mpmfw.errors import SceneError
 from mpmfw.scene import Source
 from mpmfw.scene.base import Table
-from mpmfw.scene.loading import message_of
+from mpmfw.scene.loading import error_of
 from mpmfw.scene.problem import Problem
 from mpmfw.scene.wording import problems_of
 
@@ -32,5 +31,5 @@ def validated(model: type[Model], source: Source, checks: Callable[[Model], Iter
     except ValidationError as error:
         problems = problems_of(error, model, data)
     if problems:
-        raise SceneError(message_of(problems, source, {}))
+        raise error_of(problems, source, {})
     return tables

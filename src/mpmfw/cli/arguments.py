@@ -152,7 +152,7 @@ def chosen_scene(
     """
     from mpmfw.scene import load_scene
     from mpmfw.scene.requested import check_methods_run, friction_laws
-    from mpmfw.scene.specification import called, written
+    from mpmfw.scene.specification import written
 
     overrides = assignments(set_)
     choices: tuple[tuple[Kind, str | None], ...] = (("contact", contact), ("shape", shape))
@@ -164,11 +164,8 @@ def chosen_scene(
                 f"--{kind} {name}: --set {kind}.method chooses another one; leave one of them out"
             )
         overrides[f"{kind}.method"] = written(kind, name, f"--{kind}")
-    try:
-        loaded = load_scene(scene, set=overrides, trust=trust)
-    except SceneError as error:
-        text: dict[str, str] = {kind: f"--{kind} {name}" for kind, name in choices if name is not None}
-        raise SceneError(called(str(error), text)) from error
+    said = {f"{kind}.method": f"--{kind} {name}" for kind, name in choices if name is not None}
+    loaded = load_scene(scene, set=overrides, trust=trust, said=said)
     methods = {
         "contact": loaded.contact.tables if loaded.contact else (),
         "friction": friction_laws(loaded, {}, {}),

@@ -16,7 +16,7 @@ from mpmfw.scene.options import NAMED
 from mpmfw.scene.problem import Problem
 from mpmfw.scene.sides import check_sides
 from mpmfw.scene.tables import Body, Side, Tables
-from mpmfw.scene.wording import choice_message
+from mpmfw.scene.wording import unknown_name
 from mpmfw.state.time_table import problems_in_time, wrong_length
 
 #: Least cell size over the largest coordinate: round-off of a position is then below 1e-6 of a cell.
@@ -60,7 +60,7 @@ def _reference(scene: Tables) -> Iterator[Problem]:
         installed = available("reference")
         if scene.reference.kind not in REFERENCES and scene.reference.kind not in installed:
             known = sorted({*REFERENCES, *installed})
-            yield Problem(("reference", "kind"), choice_message(scene.reference.kind, known))
+            yield unknown_name(("reference", "kind"), scene.reference.kind, known)
 
 
 def _output(scene: Tables) -> Iterator[Problem]:
@@ -126,7 +126,8 @@ def _names(scene: Tables) -> Iterator[Problem]:
 def _no_such(what: str, path: Path, name: str, valid: Mapping[str, Any]) -> Problem:
     close = nearest(name, valid)
     hint = f"did you mean '{close}'?" if close else f"the scene has {', '.join(valid)}"
-    return Problem(path, f"no {what} '{name}'; {hint}")
+    expected = ", ".join(valid)
+    return Problem(path, f"no {what} '{name}'; {hint}", suggestion=close, value=name, expected=expected)
 
 
 def _contact(scene: Tables) -> Iterator[Problem]:

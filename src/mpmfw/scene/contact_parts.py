@@ -14,7 +14,7 @@ from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import available, load
 from mpmfw.scene.locator import Path
 from mpmfw.scene.problem import Problem
-from mpmfw.scene.wording import choice_message, shown
+from mpmfw.scene.wording import shown, unknown_name
 
 #: The keys, each with the kind of plug-in that it names.
 PARTS: tuple[Literal["detection", "law"], ...] = ("detection", "law")
@@ -91,9 +91,7 @@ def parts_of(table: Mapping[str, Any]) -> tuple[Parts | None, list[Problem]]:
         if not isinstance(name, str):
             problems.append(Problem(("contact", part), f"expected the name of a {part}, not {shown(name)}"))
         elif name not in valid:
-            problems.append(
-                Problem(("contact", part), f"no such {part}: {choice_message(name, list(valid))}")
-            )
+            problems.append(unknown_name(("contact", part), name, list(valid), f"no such {part}: "))
     return (None, problems) if problems else _checked(table, (table["detection"], table["law"]))
 
 

@@ -35,6 +35,7 @@ def load_scene(
     scene: str | os.PathLike[str] | Mapping[str, Any] | Scene,
     set: Mapping[str, Any] | None = None,
     trust: bool = False,
+    said: Mapping[str, str] | None = None,
 ) -> Scene:
     """Read and validate a scene.
 
@@ -47,6 +48,8 @@ def load_scene(
         Values by dotted key, set over the scene's own. Text is read as a TOML value where it is one.
     trust
         Whether a file may name plug-ins as ``module:Class``, whose code is imported. Mappings and ``set`` always may.
+    said
+        What messages call a key of ``set``, where it is not ``--set KEY``.
 
     Raises
     ------
@@ -55,8 +58,8 @@ def load_scene(
     """
     overrides = {k: parse_value(v) if isinstance(v, str) else v for k, v in (set or {}).items()}
     if isinstance(scene, Scene):
-        return scene.with_overrides(overrides) if overrides else scene
-    source = read_source(scene, "scene", shipped_scenes())
+        return scene.with_overrides(overrides, said) if overrides else scene
+    source = replace(read_source(scene, "scene", shipped_scenes()), said=said or {})
     if source.text is not None and not trust:
         refuse_code(source)
     return scene_from(source, overrides)
@@ -73,7 +76,7 @@ def refuse_code(source: Source) -> None:
     problems = list(code_in(source.mapping))
     problems += [replace(p, path=(), override=str(p.path[0])) for p in code_in(source.overrides)]
     if problems:
-        raise SceneError(message_of(problems, source, source.overrides))
+        raise error_of(problems, source, source.overrides)
 
 
 def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
@@ -89,7 +92,7 @@ def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
     for key, value in overrides.items():
         unreadable += [replace(found, path=(), override=key) for found in check_content(value)]
     if unreadable:
-        raise SceneError(message_of(unreadable, source, overrides))
+        raise error_of(unreadable, source, overrides)
     expanded, said_twice = _expanded(overrides)
     mapping, problems = merge(source.mapping, expanded)
     problems += said_twice
@@ -100,7 +103,7 @@ def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
     scene: Scene | None = None
     core = _with_resolved_paths(chosen.core, source.directory)
     if outside := list(_outside(core, source, overrides)):  # before the models are made, which read the files
-        raise SceneError(message_of(problems + outside, source, overrides))
+        raise error_of(problems + outside, source, overrides)
     try:
         core = with_lengths(core)
         scene = Scene.model_validate(core)
@@ -108,7 +111,7 @@ def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
     except ValidationError as error:
         problems += problems_of(error, Scene, chosen.core)
     if problems or scene is None:
-        raise SceneError(message_of(problems, source, overrides))
+        raise error_of(problems, source, overrides)
     scene = _with_options(scene, chosen)
     scene._source = replace(source, overrides=overrides)
     scene._mapping = chosen.whole
@@ -207,11 +210,11 @@ def origin_of(source: Source, overrides: Mapping[str, Any]) -> Origin:
         except (ValueError, SceneError):
             continue  # it is a problem of its own
     locator = Locator(source.text) if source.text is not None else None
-    return Origin(source.name, locator, targets)
+    return Origin(source.name, locator, targets, source.said)
 
 
-def message_of(problems: Iterable[Problem], source: Source, overrides: Mapping[str, Any]) -> str:
-    """What is wrong with a file or what is set over it, a line each in their order."""
+def error_of(problems: Iterable[Problem], source: Source, overrides: Mapping[str, Any]) -> SceneError:
+    """Return what is wrong with a file or with what is set over it, in the order of its lines."""
     origin = origin_of(source, overrides)
     ordered = sorted(distinct(problems), key=origin.line_number)
-    return "\n".join(origin.describe(problem) for problem in ordered)
+    return SceneError(problems=[origin.located(problem) for problem in ordered])

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 from mpmfw.errors import SceneError
-from mpmfw.scene.loading import origin_of
+from mpmfw.scene.loading import error_of
 from mpmfw.scene.override import parse_path
+from mpmfw.scene.problem import Problem
 from mpmfw.scene.scene import Scene
 
 #: A dotted key at the beginning of a message: ``time.step:``, ``bodies.a and bodies.b overlap``.
@@ -34,7 +36,7 @@ def located(error: SceneError, scene: Scene) -> SceneError:
         return error
     if path[0] not in Scene.model_fields or (scene.source.name and text.startswith(f"{scene.source.name}:")):
         return error
-    origin = origin_of(scene.source, scene.source.overrides)
-    message = origin.of_key(path, text)
-    option = f"--set {found.group()}:"
-    return SceneError(re.sub(rf"^{re.escape(option)} {re.escape(found.group())}:? ", f"{option} ", message))
+    (problem,) = error_of([Problem(path, text)], scene.source, scene.source.overrides).problems
+    key, said = (found.group(), text[found.end() + 1 :].lstrip()) if text[found.end()] == ":" else ("", text)
+    key = "" if key == problem.override else key  # the option says it
+    return SceneError(problems=[replace(problem, key=key, message=said)])

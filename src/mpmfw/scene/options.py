@@ -14,7 +14,7 @@ from mpmfw.plugin.discovery import Kind, available, choices, load
 from mpmfw.scene.contact_parts import PARTS, parts_of
 from mpmfw.scene.locator import Path
 from mpmfw.scene.problem import Problem
-from mpmfw.scene.wording import choice_message, problems_of, shown, unknown_key
+from mpmfw.scene.wording import problems_of, shown, unknown_key, unknown_name
 
 #: Keys of the tables that the core reads itself.
 CORE_KEYS: dict[str, tuple[str, ...]] = {
@@ -87,9 +87,7 @@ def _method_table(chosen: Chosen, kind: Kind, table: Mapping[str, Any]) -> dict[
             continue
         if key not in installed and isinstance(value, Mapping):
             names = [*(each for each in installed if "+" not in each), *core_keys]
-            chosen.problems.append(
-                Problem((kind, key), f"no such {kind} plug-in: {choice_message(key, names)}")
-            )
+            chosen.problems.append(unknown_name((kind, key), key, names, f"no such {kind} plug-in: "))
         elif key not in installed:
             chosen.problems.append(
                 unknown_key((kind, key), [*core_keys, *(each for each in installed if "+" not in each)])
@@ -141,8 +139,7 @@ def _validate(
         chosen.problems.append(Problem(name_path, message))
         return
     if name not in installed:
-        message = f"no such {kind} plug-in: {choice_message(name, list(installed))}"
-        chosen.problems.append(Problem(name_path, message))
+        chosen.problems.append(unknown_name(name_path, name, list(installed), f"no such {kind} plug-in: "))
         return
     try:
         plugin = load(kind, name)

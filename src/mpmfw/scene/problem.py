@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
+from mpmfw.errors import SceneProblem
 from mpmfw.scene.locator import Locator, Path, dotted
 
 #: Characters of a message about one problem.
@@ -28,9 +29,11 @@ class Problem:
     kind
         ``unknown`` and ``missing`` keys are recognised, because a misspelt key is both at once.
     suggestion
-        Valid name of the table that is nearest to an unknown key.
+        Valid name that is nearest to an unknown key or name.
     override
         Override that could not be set at all.
+    value, expected
+        What was given, and what would have been valid, where it is known.
     """
 
     path: Path
@@ -38,6 +41,8 @@ class Problem:
     kind: Literal["unknown", "missing", "value"] = "value"
     suggestion: str | None = None
     override: str | None = None
+    value: Any = None
+    expected: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,28 +57,33 @@ class Origin:
         Lines of the file's keys, or None for a mapping.
     overrides
         Keys of the overrides with the paths that they set; one that names a method with options sets several.
+    said
+        What the request calls an override, where it is not ``--set KEY``.
     """
 
     name: str | None
     locator: Lines
     overrides: Sequence[tuple[str, Path]]
+    said: Mapping[str, str] = field(default_factory=dict)
 
-    def describe(self, problem: Problem, line_of: Path | None = None) -> str:
-        """The problem as one line: ``file.toml:12: key: message``, or ``--set key: message``."""
+    def located(self, problem: Problem) -> SceneProblem:
+        """Return the problem with where its key was written: ``file.toml:12``, or the option that set it."""
         override = problem.override or self._override_of(problem.path, problem.message)
-        at = problem.path if line_of is None else line_of
-        key = dotted(problem.path)
-        parts = []
+        key, source = dotted(problem.path), ""
         if override is not None:
-            parts.append(f"--set {override}")
+            source = self.said.get(override, f"--set {override}")
             key = "" if key == override else key
         elif self.name is not None:
-            parts.append(self.name if self.locator is None else f"{self.name}:{self.locator.line(at)}")
-        return _printable(": ".join([*parts, *([key] if key else []), problem.message]))
-
-    def of_key(self, path: Path, text: str) -> str:
-        """``text``, which is about the key at ``path``, with where the key was written in front of it."""
-        return self.describe(Problem((), text, override=self._override_of(path, text)), line_of=path)
+            source = self.name if self.locator is None else f"{self.name}:{self.locator.line(problem.path)}"
+        return SceneProblem(
+            _printable(problem.message),
+            _printable(key),
+            source,
+            override or "",
+            problem.value,
+            problem.expected,
+            problem.suggestion or "",
+        )
 
     def line_number(self, problem: Problem) -> int:
         """Line for sorting; overrides come last."""

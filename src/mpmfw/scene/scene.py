@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import itertools
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +29,8 @@ class Source:
         Folder that relative file names in the scene refer to.
     overrides
         Keys that were set over the mapping, in order.
+    said
+        What messages call an override, where it is not ``--set KEY``.
     """
 
     mapping: Mapping[str, Any]
@@ -36,6 +38,7 @@ class Source:
     name: str | None = None
     directory: Path | None = None
     overrides: Mapping[str, Any] = field(default_factory=dict)
+    said: Mapping[str, str] = field(default_factory=dict)
 
 
 class Scene(Tables):
@@ -113,13 +116,15 @@ class Scene(Tables):
             }
         )
 
-    def with_overrides(self, overrides: Mapping[str, Any]) -> Scene:
+    def with_overrides(self, overrides: Mapping[str, Any], said: Mapping[str, str] | None = None) -> Scene:
         """This scene with other values of some keys, validated anew.
 
         Parameters
         ----------
         overrides
             Values by dotted key: ``{"grid.cell_size": 0.2, "contact.method": "penalty"}``.
+        said
+            What messages call an override, where it is not ``--set KEY``.
 
         Raises
         ------
@@ -128,4 +133,5 @@ class Scene(Tables):
         """
         from mpmfw.scene.loading import scene_from
 
-        return scene_from(self._source, overrides)
+        source = replace(self._source, said={**self._source.said, **(said or {})})
+        return scene_from(source, overrides)

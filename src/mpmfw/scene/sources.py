@@ -10,7 +10,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from mpmfw.errors import SceneError
+from mpmfw.errors import NoSuchFileError, SceneError
 from mpmfw.plugin.discovery import nearest
 from mpmfw.scene.content import TOO_DEEP
 from mpmfw.scene.scene import Source
@@ -80,10 +80,10 @@ def read_source(
     if path.is_dir():
         raise SceneError(f"{name}: is a folder; expected a TOML file or a shipped {kind} ({listed})")
     if not shipped:
-        raise SceneError(f"{name}: no such file; expected a {kind}")
+        raise NoSuchFileError(f"{name}: no such file; expected a {kind}")
     close = nearest(name.removesuffix(".toml"), shipped)
     hint = f"; did you mean '{close}'?" if close else ""
-    raise SceneError(f"{name}: no such file, and no shipped {kind}{hint} (shipped: {listed})")
+    raise NoSuchFileError(f"{name}: no such file, and no shipped {kind}{hint} (shipped: {listed})")
 
 
 def _parse(text: str, name: str, directory: Path | None) -> Source:

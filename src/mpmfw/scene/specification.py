@@ -145,15 +145,6 @@ def keys_of(key: str, value: Any) -> dict[Path, Any]:
     return {path: text.name} | {(kind, text.name, option): given for option, given in options.items()}
 
 
-def called(message: str, methods: Mapping[str, str]) -> str:
-    """A scene's complaint of ``contact.method`` and ``shape.method``, with what a request calls them, by kind."""
-    lines = message.split("\n")
-    for kind, name in methods.items():
-        key = f"--set {kind}.method: "
-        lines = [f"{name}: {line.removeprefix(key)}" if line.startswith(key) else line for line in lines]
-    return "\n".join(lines)
-
-
 def _parts(text: str, whole: str) -> list[str]:
     """The text between commas that stand in no bracket and no quote; none of an empty text."""
     parts, start, open_, quote = [], 0, "", ""

@@ -76,7 +76,8 @@ def _problem(
         case "extra_forbidden":
             return unknown_key(where, [*keys(subschemas(schema, path[:-1], data)), *also_valid])
         case "missing":
-            return Problem(where, _join("missing", expectation + as_written(schemas)), "missing")
+            message = _join("missing", expectation + as_written(schemas))
+            return Problem(where, message, "missing", expected=expectation)
         case "union_tag_not_found":
             names = item["ctx"].get("discriminator", "'type'").strip("'")
             return Problem(
@@ -87,13 +88,12 @@ def _problem(
         case "union_tag_invalid":
             tag, tags = item["ctx"]["tag"], _types(schema, path, data)
             key = item["ctx"]["discriminator"].strip("'")
-            return Problem((*where, key), choice_message(tag, tags))
+            return unknown_name((*where, key), tag, tags)
         case "literal_error" | "enum" if isinstance(item["input"], str):
             choices = [c for s in schemas for c in s.get("enum", [s.get("const")]) if isinstance(c, str)]
-            wrong = choice_message(item["input"], choices) if choices else _value_message(item, expectation)
-            return Problem(where, wrong)
-        case _:
-            return Problem(where, _value_message(item, expectation))
+            if choices:
+                return unknown_name(where, item["input"], choices)
+    return Problem(where, _value_message(item, expectation), value=item["input"], expected=expectation)
 
 
 def unknown_key(path: Path, valid: list[str]) -> Problem:
@@ -101,7 +101,13 @@ def unknown_key(path: Path, valid: list[str]) -> Problem:
     close = nearest(str(path[-1]), valid)
     listed = f"valid keys: {', '.join(dict.fromkeys(valid))}" if valid else "no key is valid here"
     hint = f"did you mean '{close}'?" if close else listed
-    return Problem(path, f"unknown key; {hint}", "unknown", close)
+    return Problem(path, f"unknown key; {hint}", "unknown", close, expected=", ".join(dict.fromkeys(valid)))
+
+
+def unknown_name(path: Path, given: str, valid: list[str], what: str = "") -> Problem:
+    """Return the problem of a name that is none of the valid ones; ``what`` is said before it."""
+    message, close = what + choice_message(given, valid), nearest(given, valid)
+    return Problem(path, message, suggestion=close, value=given, expected=one_of(valid))
 
 
 def choice_message(given: str, valid: list[str]) -> str:

@@ -146,7 +146,7 @@ def _points(
     points = list(make_grid(scenes, vary, {}).combinations.values())
     refused = next((point for point in points if point.scene is None), None)
     if refused is not None:
-        raise SceneError(refused.refusal)
+        raise SceneError(problems=refused.problems)
     return points
 
 

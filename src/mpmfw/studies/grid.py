@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -10,7 +9,7 @@ from mpmfw.campaigns.grid import RunGrid
 from mpmfw.campaigns.grid import make_grid as make_points
 from mpmfw.campaigns.keys import overrides_of
 from mpmfw.campaigns.measures import measure_of
-from mpmfw.errors import SceneError
+from mpmfw.errors import NoSuchFileError, SceneError, SceneProblem
 from mpmfw.scene import Scene, load_scene
 from mpmfw.studies.loading import Study
 
@@ -38,17 +37,15 @@ def _base(study: Study, label: str, chosen: Any) -> Scene:
     )
     try:
         scene = load_scene(chosen, trust=study.trust)
-    except SceneError as error:
-        if isinstance(chosen, str) and ": no such file" in str(error):
-            raise study.at(("scenes", label) if label else ("scene",), str(error)) from error
-        raise
+    except NoSuchFileError as error:
+        raise study.at(("scenes", label) if label else ("scene",), str(error)) from error
     for key, value in tables.set.items():
         shared |= overrides_of(scene.bodies, scene.dim, key, value)
     try:
         return scene.with_overrides(shared)
     except SceneError as error:
-        about, message = _blamed(str(error), scene, tables.set)
-        raise study.at(("set", about) if about else ("set",), message) from error
+        blamed = _blamed(error.problems[0], scene, tables.set)
+        raise study.at(("set", blamed) if blamed else ("set",), error.problems[0].plain) from error
 
 
 def _check(study: Study, grid: RunGrid) -> None:
@@ -57,8 +54,8 @@ def _check(study: Study, grid: RunGrid) -> None:
     first = next(iter(combinations.values()))
     if all(one.scene is None for one in combinations.values()):
         scene = next(iter(grid.scenes.values()))
-        key, message = _blamed(first.refusal, scene, {key: values[0] for key, values in varied.items()})
-        raise study.at(("vary", key) if key else ("vary",), message)
+        key = _blamed(first.problems[0], scene, {key: values[0] for key, values in varied.items()})
+        raise study.at(("vary", key) if key else ("vary",), first.why)
     offset = 1 if study.tables.scenes else 0
     for depth, (key, values) in enumerate(varied.items()):
         for k in range(len(values)):
@@ -67,11 +64,9 @@ def _check(study: Study, grid: RunGrid) -> None:
                 raise study.at(("vary", key, k), with_it[0].why)
 
 
-def _blamed(message: str, scene: Scene, values: Mapping[str, Any]) -> tuple[str | None, str]:
-    """Which of the study's keys a scene complains of, and the complaint without the scene's name for it."""
-    own = re.sub(r"^--set \S+: ", "", message.splitlines()[0] if message.startswith("--set ") else message)
+def _blamed(problem: SceneProblem, scene: Scene, values: Mapping[str, Any]) -> str | None:
+    """Return which of the study's keys set what a scene complains of; None where none did."""
     for key, value in values.items():
-        for full in overrides_of(scene.bodies, scene.dim, key, value):
-            if message.startswith(f"--set {full}:"):
-                return key, own
-    return None, own
+        if problem.override in overrides_of(scene.bodies, scene.dim, key, value):
+            return key
+    return None

@@ -15,7 +15,7 @@ from mpmfw.campaigns.measures import measure_of
 from mpmfw.campaigns.tables import validated
 from mpmfw.errors import SceneError
 from mpmfw.scene import Scene, Source
-from mpmfw.scene.loading import message_of, refuse_code
+from mpmfw.scene.loading import error_of, refuse_code
 from mpmfw.scene.locator import Path as KeyPath
 from mpmfw.scene.override import parse_path
 from mpmfw.scene.problem import Problem
@@ -62,7 +62,7 @@ class Study:
 
     def at(self, path: KeyPath, message: str) -> SceneError:
         """An error about the key at ``path``, with its file and line."""
-        return SceneError(message_of([Problem(path, message)], self.source, {}))
+        return error_of([Problem(path, message)], self.source, {})
 
 
 def shipped_studies() -> dict[str, str]:
