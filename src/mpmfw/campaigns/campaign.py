@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import json
-import os
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, Unpack
 
 import xarray as xr
 
 from mpmfw.campaigns.costs import costs_of, least, over_repeats
-from mpmfw.campaigns.grid import make_grid
+from mpmfw.campaigns.execution import Execution, Running
+from mpmfw.campaigns.grid import RunGrid, make_grid
 from mpmfw.campaigns.grid_runs import GridRuns
 from mpmfw.campaigns.judging import judge_all
 from mpmfw.campaigns.outcome import COSTS
-from mpmfw.campaigns.running import Event, Progress, Repeats
+from mpmfw.campaigns.running import Event
 from mpmfw.errors import ResultsWarning, SceneError, status_code
 from mpmfw.results.joining import join
 
@@ -27,15 +27,7 @@ def campaign(
     measures: Iterable[str] = (),
     reference: Mapping[str, Any] | None = None,
     set: Mapping[str, Any] | None = None,
-    store: str | os.PathLike[str] | None = None,
-    executor: Any = None,
-    jobs: int | None = 1,
-    repeats: Repeats = "auto",
-    progress: Progress | None = None,
-    report: Callable[[float, int], None] | None = None,
-    force: bool = False,
-    grown: Callable[[xr.Dataset], None] | None = None,
-    threads: int = 1,
+    **running: Unpack[Running],
 ) -> xr.Dataset:
     """Run a scene at all points of a grid, and join what came of them.
 
@@ -53,22 +45,9 @@ def campaign(
         by. By default the scene's own closed form or reference, where there is one.
     set
         Values by key that all runs share.
-    store
-        Folder of finished runs, from which a campaign that was broken off, or changed, takes what still applies. Without
-        it nothing is kept.
-    executor, jobs
-        What runs it: an executor of ``concurrent.futures``, a ``Client`` or cluster of ``dask.distributed``, or the address
-        of its scheduler; or so many processes of one thread each, where 1 is this process itself and None one for each core.
-    repeats
-        Runs of each point, for the spread of its cost; ``auto`` repeats short ones.
-    progress, report
-        Called after every run, and within runs that take place in this process.
-    force
-        Begin runs past the limits of steps and frames.
-    grown
-        Called with the dataset so far after each run.
-    threads
-        Of each run that takes place in this process, in place of the scene's; processes beside each other have one each.
+    **running
+        ``executor``, ``jobs``, ``store``, ``repeats``, ``force``, ``progress`` and ``report``, as
+        :class:`mpmfw.campaigns.execution.Execution` takes them.
 
     Returns
     -------
@@ -86,18 +65,43 @@ def campaign(
         Ctrl-C or SIGTERM; what is done is in the store.
     """
     grid = make_grid({"": scene}, vary, dict(set or {}))
+    return run_grid(grid, Execution.of(running), tuple(measures), reference)
+
+
+def run_grid(
+    grid: RunGrid,
+    execution: Execution,
+    measures: tuple[str, ...],
+    reference: Mapping[str, Any] | None = None,
+    *,
+    threads: int = 1,
+    grown: Callable[[xr.Dataset], None] | None = None,
+) -> xr.Dataset:
+    """Run all points of a grid, and join what came of them, as :func:`campaign` returns it.
+
+    Parameters
+    ----------
+    grid, execution
+        What runs, and how.
+    measures, reference
+        As :func:`campaign` takes them.
+    threads
+        Of each run that takes place in this process, instead of the scene's; processes beside each other have one each.
+    grown
+        Called with the dataset so far after each run.
+    """
     if all(one.scene is None for one in grid.combinations.values()):
         raise SceneError(problems=next(iter(grid.combinations.values())).problems)
-    judges = judge_all(grid, tuple(measures), reference)
-    runs = GridRuns(grid, "campaign", store=store, executor=executor, jobs=jobs, threads=threads)
+    judges = judge_all(grid, measures, reference)
+    runs = GridRuns(grid, "campaign", execution, threads=threads)
 
     def tell(event: Event) -> None:
-        if progress is not None:
-            progress(event)
+        if execution.progress is not None:
+            execution.progress(event)
         if grown is not None and event.name and event.status != "repeat":
             grown(dataset_of(runs, fields=False))
 
-    runs.complete(repeats, tell, report, force)
+    runs.complete(progress=tell)
     runs.warn(lambda one: one.path)
     dataset = dataset_of(runs)
     if "fields" in dataset.attrs:

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Unpack
 
 import xarray as xr
 
-from mpmfw.campaigns.campaign import campaign
-from mpmfw.campaigns.grid import given_twice, label_of
+from mpmfw.campaigns.campaign import run_grid
+from mpmfw.campaigns.execution import Execution, Running
+from mpmfw.campaigns.grid import given_twice, label_of, make_grid
 from mpmfw.campaigns.measures import exact_of, measure_of, names_of_measures
-from mpmfw.campaigns.running import Progress, Repeats
 from mpmfw.campaigns.store import store_of
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.plugin.discovery import Kind, object_of
@@ -33,15 +34,9 @@ def compare(
     vary: Mapping[str, Sequence[Any]] | None = None,
     *,
     output: str | os.PathLike[str] | None = None,
-    progress: Progress | None = None,
-    report: Callable[[float, int], None] | None = None,
     set: Mapping[str, Any] | None = None,
-    force: bool = False,
-    jobs: int | None = 1,
-    executor: Any = None,
-    store: str | os.PathLike[str] | None = None,
-    repeats: Repeats = "auto",
     measures: Iterable[str] | None = None,
+    **running: Unpack[Running],
 ) -> xr.Dataset:
     """Run a scene with every combination of contact and shape (and varied keys) and join what they give.
 
@@ -63,8 +58,10 @@ def compare(
     set
         Scene keys that all runs share. A comparison keeps the series and the first and last outlines. It keeps the fields of
         material points if ``output.particles`` is set here or in the scene and all runs have the same points.
-    jobs, executor, store, repeats, measures, progress, report, force
-        As :func:`mpmfw.campaign` takes them; without measures those of which the scene has a closed form or a reference.
+    measures
+        As :func:`mpmfw.campaign` takes them; left out, those of which the scene has a closed form or a reference.
+    **running
+        As :class:`mpmfw.campaigns.execution.Execution` takes them.
 
     Returns
     -------
@@ -100,21 +97,12 @@ def compare(
         if path is not None and dataset["steps"].notnull().any():
             _write(dataset, path)
 
-    dataset = campaign(
-        scene,
-        {**methods, **varied},
-        set={**particles, **(set or {})},
-        store=store if store is not None else store_of(path),
-        executor=executor,
-        jobs=jobs,
-        repeats=repeats,
-        measures=known,
-        progress=progress,
-        report=report,
-        force=force,
-        grown=grown,
-        threads=1 if first is None else first.threads,
-    )
+    execution = Execution.of(running)
+    if execution.store is None:
+        execution = replace(execution, store=store_of(path))
+    grid = make_grid({"": scene}, {**methods, **varied}, {**particles, **(set or {})})
+    threads = 1 if first is None else first.threads
+    dataset = run_grid(grid, execution, tuple(known), threads=threads, grown=grown)
     if path is not None:
         _write(dataset, path)
     return dataset

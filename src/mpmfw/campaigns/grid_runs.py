@@ -6,17 +6,16 @@ import os
 import warnings
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import replace
-from typing import Any
 
 import xarray as xr
 
 from mpmfw.campaigns.costs import timing_of
-from mpmfw.campaigns.executors import InProcess, executor_of
+from mpmfw.campaigns.execution import Execution
+from mpmfw.campaigns.executors import InProcess
 from mpmfw.campaigns.grid import Combination, Index, RunGrid
 from mpmfw.campaigns.judging import measured
 from mpmfw.campaigns.outcome import Cost, Finished, Outcome
-from mpmfw.campaigns.running import Progress, Repeats, complete, counted, do, resumable
-from mpmfw.campaigns.store import Store, store_of
+from mpmfw.campaigns.running import Progress, complete, counted, do, resumable
 from mpmfw.campaigns.work import Task
 from mpmfw.errors import ResultsWarning, is_complete
 from mpmfw.plugin.measure import About, Measure
@@ -31,10 +30,10 @@ class GridRuns:
         The points.
     what
         What the whole is called where an interruption says how to go on.
-    output, store
-        Folder of finished runs: ``store``, else ``<output>.runs``; without both nothing is kept.
-    executor, jobs
-        As :func:`mpmfw.campaign` takes them.
+    execution
+        Where and how they take place.
+    output
+        File beside whose name finished runs are kept, where the execution has no store.
     exclusive
         Whether those costs alone count that were measured one run at a time.
     threads
@@ -45,54 +44,44 @@ class GridRuns:
         self,
         grid: RunGrid,
         what: str,
+        execution: Execution,
         *,
         output: str | os.PathLike[str] | None = None,
-        store: str | os.PathLike[str] | None = None,
-        executor: Any = None,
-        jobs: int | None = None,
         exclusive: bool = False,
         threads: int = 1,
     ) -> None:
-        self.grid, self.what, self.exclusive = grid, what, exclusive
-        # 1 is what most requests have by default: beside an executor it says nothing
-        self.executor = executor_of(executor, None if executor is not None and jobs == 1 else jobs)
+        self.grid, self.what, self.execution, self.exclusive = grid, what, execution, exclusive
+        self.executor, self.store = execution.runner(), execution.kept(output)
         self.threads = threads if self.here else 1
-        self.store = Store(store if store is not None else store_of(output))
 
     @property
     def here(self) -> bool:
         """Whether runs take place in this process."""
         return isinstance(self.executor, InProcess)
 
-    def complete(
-        self,
-        repeats: Repeats,
-        progress: Progress | None = None,
-        report: Callable[[float, int], None] | None = None,
-        force: bool = False,
-        only: Collection[Index] | None = None,
-    ) -> None:
+    def complete(self, only: Collection[Index] | None = None, progress: Progress | None = None) -> None:
         """Run what is missing, repeats for the cost included, as :func:`mpmfw.campaigns.running.complete` does.
 
         Parameters
         ----------
-        repeats, progress, report, force
-            As it takes them, and as :func:`mpmfw.campaign` does.
         only
             Points to run; None is all.
+        progress
+            Called after every run instead of what the execution names.
 
         Raises
         ------
         Interrupted
             Ctrl-C or SIGTERM.
         """
-        points = self.grid.combinations
+        points, how = self.grid.combinations, self.execution
         grid = self.grid if only is None else replace(self.grid, combinations={i: points[i] for i in only})
-        tasks = grid.tasks(force, self.threads)
+        tasks = grid.tasks(how.force, self.threads)
+        tell = how.progress if progress is None else progress
         with resumable(self.store, self.what):
-            complete(tasks, self.store, self.executor, repeats, self.exclusive, progress, report)
+            complete(tasks, self.store, self.executor, how.repeats, self.exclusive, tell, how.report)
 
-    def do(self, work: Callable[[Task], Finished], progress: Progress | None = None) -> None:
+    def do(self, work: Callable[[Task], Finished]) -> None:
         """Do other work with the points that are missing.
 
         Raises
@@ -101,7 +90,7 @@ class GridRuns:
             Ctrl-C or SIGTERM.
         """
         with resumable(self.store, self.what):
-            do(work, self.grid.tasks().values(), self.store, self.executor, progress)
+            do(work, self.grid.tasks().values(), self.store, self.executor, self.execution.progress)
 
     def outcome(self, index: Index) -> Outcome | None:
         """What came of a point; None where it was not run, or is refused."""

@@ -87,7 +87,7 @@ def study(
             timing=timing.value,
             jobs=jobs_of(jobs, scheduler, None),
             scheduler=scheduler,
-            repeats=repeats,
+            repeats="auto" if repeats is None else repeats,
             under=under,
             progress=progress,
             force=force,

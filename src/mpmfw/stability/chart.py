@@ -10,15 +10,15 @@ import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
 
 from mpmfw._version import __version__
+from mpmfw.campaigns.execution import Execution, Running
 from mpmfw.campaigns.grid import Combination, Index, RunGrid, make_grid
 from mpmfw.campaigns.grid_runs import GridRuns
-from mpmfw.campaigns.running import Progress
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.plugin.discovery import load
 from mpmfw.results.replacing import check_replaceable, replace_dataset
@@ -41,6 +41,13 @@ CFL = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2)
 STEPS = 300
 
 
+class Request(Running, total=False):
+    """Keywords of :func:`stability_map` beside those of its points."""
+
+    output: str | os.PathLike[str] | None
+    set: Mapping[str, Any] | None
+
+
 def stability_map(
     scene: Any,
     contact: Any = None,
@@ -50,12 +57,7 @@ def stability_map(
     ratio: Sequence[float] | None = None,
     cfl: Sequence[float] = CFL,
     steps: int = STEPS,
-    output: str | os.PathLike[str] | None = None,
-    set: Mapping[str, Any] | None = None,
-    progress: Progress | None = None,
-    jobs: int | None = 1,
-    executor: Any = None,
-    store: str | os.PathLike[str] | None = None,
+    **request: Unpack[Request],
 ) -> xr.Dataset:
     """Run a scene at many stiffnesses and fixed steps, past the limit too, and class every run.
 
@@ -73,15 +75,11 @@ def stability_map(
         Courant numbers c Δt / h of the fastest body.
     steps
         Steps of every run.
-    output
-        NetCDF file to write; it replaces nothing but another map. Points are kept in the folder ``<output>.runs`` beside
-        it: a map that was broken off, or is asked for with more points, goes on from there.
-    set
-        Values by dotted key, set over the scene's own; not those that the map sets itself.
-    progress
-        Called with an :class:`mpmfw.campaigns.running.Event` after every run.
-    jobs, executor, store
-        As :func:`mpmfw.campaign` takes them.
+    **request
+        ``output``: NetCDF file to write; it replaces nothing but another map. Points are kept in the folder
+        ``<output>.runs`` beside it: a map that was broken off, or is asked for with more points, goes on from there.
+        ``set``: values by dotted key, set over the scene's own; not those that the map sets itself. Others are those of
+        :class:`mpmfw.campaigns.execution.Execution`.
 
     Returns
     -------
@@ -101,7 +99,9 @@ def stability_map(
     Interrupted
         Ctrl-C or SIGTERM; the points that are done are kept.
     """
-    loaded = load_scene(scene, set={**(set or {}), **chosen_methods(contact, shape)})
+    output, changes = request.pop("output", None), request.pop("set", None)
+    execution = Execution.of(request)
+    loaded = load_scene(scene, set={**(changes or {}), **chosen_methods(contact, shape)})
     chosen = {"contact": contact, "shape": shape}
     objects = {kind: one for kind, one in chosen.items() if one is not None and not isinstance(one, str)}
     axis = axis_of(loaded, objects.get("contact"), kappa, ratio)
@@ -113,8 +113,8 @@ def stability_map(
     points = _points(loaded, objects, axis, values)
     ticks, closed = np.array([_theory(point) for point in points]).T
     grid = _grid(points, ticks, axis, values, cfl, steps)
-    runs = GridRuns(grid, "map of stability", output=output, store=store, executor=executor, jobs=jobs)
-    runs.do(functools.partial(probe_once, steps=steps), progress)
+    runs = GridRuns(grid, "map of stability", execution, output=output)
+    runs.do(functools.partial(probe_once, steps=steps))
     found = {index: _invariants(runs, index) for index in grid.combinations}
     least = int(np.argmin(cfl))
     limits = np.array([found[i, least].limit for i in range(len(values))]) / ticks

@@ -6,18 +6,19 @@ import json
 import os
 import tempfile
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
 from importlib.resources import files
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
 
+from mpmfw.campaigns.execution import Execution, Running
 from mpmfw.campaigns.grid import make_grid
 from mpmfw.campaigns.grid_runs import GridRuns
 from mpmfw.campaigns.judging import ErrorTable, Judge, check_names
 from mpmfw.campaigns.measures import MEASURES, exact_of, measure_of, names_of_measures
-from mpmfw.campaigns.running import Progress
 from mpmfw.errors import SceneError
 from mpmfw.plugin.measure import About, Measure
 from mpmfw.results.provenance import provenance
@@ -32,26 +33,26 @@ CONTACTS: tuple[str, ...] = tuple(_DEFAULTS["contact"])
 SHAPES: tuple[str, ...] = tuple(_DEFAULTS["shape"])
 
 
+class Request(Running, total=False):
+    """Keywords of :func:`choose` beside those of the methods."""
+
+    body: str | None
+    pair: str | None
+    axis: str | None
+    set: Mapping[str, Any] | None
+    output: str | os.PathLike[str] | None
+
+
 def choose(
     scene: Any,
     error: float | str = 0.01,
     *,
     measure: str | None = None,
-    body: str | None = None,
-    pair: str | None = None,
-    axis: str | None = None,
     contact: Sequence[Any] | None = None,
     shape: Sequence[Any] | None = None,
     coarsest: float | str | None = None,
     finest: float | str | None = None,
-    set: Mapping[str, Any] | None = None,
-    output: str | os.PathLike[str] | None = None,
-    store: str | os.PathLike[str] | None = None,
-    executor: Any = None,
-    jobs: int | None = 1,
-    progress: Progress | None = None,
-    report: Callable[[float, int], None] | None = None,
-    force: bool = False,
+    **request: Unpack[Request],
 ) -> xr.Dataset:
     """Say which method and cell size bring a scene's error below a target at little cost.
 
@@ -68,19 +69,16 @@ def choose(
         Relative error that is asked for: 0.01 or ``"1 %"``.
     measure
         Name of the quantity whose error it is; by default the first that the scene's closed form or reference knows.
-    body, pair, axis
-        What the quantity is of; where they are left out the motion decides, see :func:`mpmfw.campaigns.measures.inferred`.
     contact, shape
         Methods to choose among, as :func:`mpmfw.compare` takes them, the cheap ones first; every combination may run. By
         default :data:`CONTACTS` and :data:`SHAPES`.
     coarsest, finest
         Largest and smallest cell size [m]; twice and a quarter of the scene's own by default. Each is half of the one before.
-    set
-        Values by key that all runs share.
-    output
-        NetCDF file to write; finished runs are kept in the folder ``<output>.runs`` beside it.
-    store, executor, jobs, progress, report, force
-        As :func:`mpmfw.campaign` takes them.
+    **request
+        ``body``, ``pair``, ``axis``: what the quantity is of; where they are left out the closed form or the motion decides,
+        see :func:`mpmfw.campaigns.measures.inferred`. ``set``: values by key that all runs share. ``output``: NetCDF file to
+        write; finished runs are kept in the folder ``<output>.runs`` beside it. Others are those of
+        :class:`mpmfw.campaigns.execution.Execution`; ``repeats`` has no effect.
 
     Returns
     -------
@@ -97,11 +95,13 @@ def choose(
     Interrupted
         Ctrl-C or SIGTERM; what is done is in the store.
     """
-    target = relative_error(error, "error")
+    target, output = relative_error(error, "error"), request.pop("output", None)
+    shared = dict(request.pop("set", None) or {})
+    about = About(request.pop("body", None), request.pop("pair", None), request.pop("axis", None))
+    execution = Execution.of(request, repeats=1)
     if output is not None:
         check_replaceable(output, "choice", "result of mpmfw choose")
-    loaded = load_scene(scene, set=dict(set or {}))
-    about = About(body, pair, axis)
+    loaded = load_scene(scene, set=shared)
     check_names(about, loaded, lambda path, message: SceneError(f"{path[-1]}: {message}"))
     chosen, kind = _known(loaded, measure, about)
     base = _base(loaded, chosen)
@@ -111,16 +111,16 @@ def choose(
     grid = make_grid({"": base}, vary, {})
     if all(one.scene is None for one in grid.combinations.values()):
         raise SceneError(next(iter(grid.combinations.values())).why)
-    given = {"quantity": chosen.name, "kind": kind, "body": body, "pair": pair, "axis": axis}
+    given = {"quantity": chosen.name, "kind": kind, **asdict(about)}
     judge = Judge(
         ErrorTable.model_validate(given), grid, lambda path, message: SceneError(f"{path[-1]}: {message}")
     )
     with tempfile.TemporaryDirectory(prefix="mpmfw-choose-") as folder:
-        kept = store if store is not None or output is not None else folder
-        runs = GridRuns(grid, "choice", output=output, store=kept, executor=executor, jobs=jobs)
-        at_once = len(grid.combinations) if executor is not None else jobs or 1
-        complete = lambda only: runs.complete(1, progress, report, force, only)  # noqa: E731
-        ladder = Ladder(runs, judge, target, complete, at_once)
+        if execution.store is None and output is None:
+            execution = replace(execution, store=folder)
+        runs = GridRuns(grid, "choice", execution, output=output)
+        at_once = len(grid.combinations) if execution.executor is not None else execution.jobs or 1
+        ladder = Ladder(runs, judge, target, at_once)
         ladder.run()
         runs.warn(lambda one: one.name)
         dataset = _dataset(ladder)

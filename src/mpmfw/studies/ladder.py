@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,22 +55,12 @@ class Ladder:
         Knows the closed form or the reference, or, of kind ``finest``, nothing: errors are then against :class:`Limit`.
     target
         Relative error.
-    complete
-        Makes the runs of some points.
     at_once
         Methods that run at a time.
     """
 
-    def __init__(
-        self,
-        runs: GridRuns,
-        judge: Judge,
-        target: float,
-        complete: Callable[[Collection[Index]], None],
-        at_once: int = 1,
-    ) -> None:
-        self.runs, self.judge, self.target = runs, judge, target
-        self._complete, self._at_once = complete, at_once
+    def __init__(self, runs: GridRuns, judge: Judge, target: float, at_once: int = 1) -> None:
+        self.runs, self.judge, self.target, self._at_once = runs, judge, target, at_once
         contacts, shapes, self.sizes = (runs.grid.coords[dim] for dim in ("contact", "shape", "cell_size"))
         # The first shape function with every contact, then the next
         self.methods: list[Method] = [(i, j) for j in range(len(shapes)) for i in range(len(contacts))]
@@ -123,7 +113,7 @@ class Ladder:
 
     def _ask(self, points: Collection[Index]) -> None:
         """Make runs and judge all; others that the store may hold are not read, so that no answer depends on them."""
-        self._complete(points)
+        self.runs.complete(points)
         self.asked |= {*points}
         status = self.runs.statuses()
         succeeded = {index: status[index] == "ok" for index in self.asked}

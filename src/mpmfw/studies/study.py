@@ -6,13 +6,13 @@ import os
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any, Literal, Unpack, get_args
 
 import xarray as xr
 
+from mpmfw.campaigns.execution import Execution, Running
 from mpmfw.campaigns.grid_runs import GridRuns
 from mpmfw.campaigns.judging import Judge
-from mpmfw.campaigns.running import Progress
 from mpmfw.errors import Interrupted, SceneError
 from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene.override import parse_value
@@ -29,15 +29,10 @@ def study(
     *,
     output: str | os.PathLike[str] | None = None,
     timing: Timing = "shared",
-    jobs: int | None = None,
     scheduler: str | None = None,
-    executor: Any = None,
-    store: str | os.PathLike[str] | None = None,
-    repeats: int | None = None,
     under: float | str | None = None,
-    progress: Progress | None = None,
-    force: bool = False,
     trust: bool = False,
+    **running: Unpack[Running],
 ) -> xr.Dataset:
     """Run a grid of methods and resolutions, and put error and cost side by side.
 
@@ -51,14 +46,15 @@ def study(
         Without it nothing is kept.
     timing
         ``exclusive`` measures costs one run at a time in this process; ``shared`` takes the cost of every run as it comes.
-    jobs, executor, store, progress, force
-        As :func:`mpmfw.campaign` takes them, but that the store is ``<output>.runs`` and jobs are by default one for each core,
-        for exclusive costs a single one; with more of them, or an executor, results come from there first.
+    **running
+        As :class:`mpmfw.campaigns.execution.Execution` takes them, but that the store is ``<output>.runs`` and jobs are by
+        default one for each core, for exclusive costs a single one; with more of them, or an executor, results come from there
+        first. ``repeats`` stands in for the study's ``cost.repeats``.
         A script that starts processes needs its ``if __name__ == "__main__":``.
     scheduler
         Address of a Dask scheduler, such as ``tcp://127.0.0.1:8786``, whose workers run the study instead.
-    repeats, under
-        Stand in for the study's ``cost.repeats`` and ``under``, the relative error: 0.01 or ``"1 %"``.
+    under
+        Stands in for the study's ``under``, the relative error: 0.01 or ``"1 %"``.
     trust
         Whether the files of the study and its scenes may name ``module:Class``, whose code is imported.
 
@@ -80,7 +76,8 @@ def study(
     -----
     A run that fails is recorded, and does not stop the others.
     """
-    loaded = _with(load_study(study, trust), repeats, under)
+    repeats = running.get("repeats")
+    loaded = _with(load_study(study, trust), None if repeats == "auto" else repeats, under)
     if timing not in get_args(Timing):
         raise SceneError(f"timing: '{timing}' is unknown; expected one of {', '.join(get_args(Timing))}")
     path = None if output is None else Path(output)
@@ -88,17 +85,18 @@ def study(
         check_replaceable(path, "study", "study's results")
     grid = make_grid(loaded)
     judge = Judge(loaded.tables.error, grid, loaded.at, loaded.beside)
-    if scheduler is not None and (executor is not None or jobs is not None):
+    if scheduler is not None and any(running.get(key) is not None for key in ("executor", "jobs")):
         raise SceneError("jobs and executor: have no effect with a scheduler, whose workers run the study")
-    exclusive, elsewhere = timing == "exclusive", scheduler if scheduler is not None else executor
+    exclusive = timing == "exclusive"
     # One at a time from the start: what ran beside others would give no cost that counts
-    if exclusive and elsewhere is None and jobs is None:
-        jobs = 1
-    runs = GridRuns(
-        grid, "study", output=path, store=store, executor=elsewhere, jobs=jobs, exclusive=exclusive
-    )
+    alone = exclusive and scheduler is None and running.get("executor") is None
+    how = Execution.of({"jobs": 1 if alone else None, **running})
+    if how.jobs is None and alone:
+        how = replace(how, jobs=1)
+    how = replace(how, executor=how.executor if scheduler is None else scheduler, repeats=loaded.tables.cost.repeats)
+    runs = GridRuns(grid, "study", how, output=path, exclusive=exclusive)
     try:
-        runs.complete(loaded.tables.cost.repeats, progress, force=force)
+        runs.complete()
     except Interrupted:
         if path is not None:  # what is known so far; the next start goes on from there
             replace_dataset(assemble(loaded, judge, runs), path)

@@ -1,0 +1,78 @@
+"""How the runs of a grid take place: where, what is kept of them, and who is told."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, TypedDict
+
+from mpmfw.campaigns.executors import Executor, executor_of
+from mpmfw.campaigns.running import Progress, Repeats
+from mpmfw.campaigns.store import Store, store_of
+
+
+class Running(TypedDict, total=False):
+    """Keywords of :func:`mpmfw.campaign`, :func:`mpmfw.compare` and the like, as :class:`Execution` takes them."""
+
+    executor: Any
+    jobs: int | None
+    store: str | os.PathLike[str] | None
+    repeats: Repeats
+    force: bool
+    progress: Progress | None
+    report: Callable[[float, int], None] | None
+
+
+@dataclass(frozen=True)
+class Execution:
+    """How runs take place.
+
+    Attributes
+    ----------
+    executor, jobs
+        What runs them: an executor of ``concurrent.futures``, a ``Client`` or cluster of ``dask.distributed``, or the address
+        of its scheduler; or so many processes of one thread each, where 1 is this process itself and None one for each core.
+    store
+        Folder of finished runs, from which a campaign that was broken off, or changed, takes what still applies. Without
+        it nothing is kept.
+    repeats
+        Runs of each point, for the spread of its cost; ``auto`` repeats short ones.
+    force
+        Whether runs may be past the limits of steps and frames.
+    progress, report
+        Called after every run, and within runs that take place in this process.
+    """
+
+    executor: Any = None
+    jobs: int | None = 1
+    store: str | os.PathLike[str] | None = None
+    repeats: Repeats = "auto"
+    force: bool = False
+    progress: Progress | None = None
+    report: Callable[[float, int], None] | None = None
+
+    @classmethod
+    def of(cls, running: Mapping[str, Any], **others: Any) -> Execution:
+        """Return what keywords ask for; ``others`` take their place.
+
+        Raises
+        ------
+        TypeError
+            A keyword is none of these.
+        """
+        return cls(**{**running, **others})
+
+    def runner(self) -> Executor:
+        """Return what runs tasks.
+
+        Raises
+        ------
+        SceneError
+            The executor is none, or processes are asked for beside one.
+        """
+        return executor_of(self.executor, self.jobs)
+
+    def kept(self, output: str | os.PathLike[str] | None = None) -> Store:
+        """Return where finished runs are kept: in the store, else in ``<output>.runs``; without both nowhere."""
+        return Store(self.store if self.store is not None else store_of(output))
