@@ -12,7 +12,7 @@ from hypothesis.extra.numpy import arrays
 
 from mpmfw.plots import figures_of
 from mpmfw.studies.conclusion import conclusions
-from mpmfw.studies.pareto import front
+from mpmfw.studies.dataset import front
 
 # -- the front
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.benchmark.sampling import quartiles, stage_times
 from mpmfw.runs.simulation import Simulation
 from mpmfw.state.clock import STEP_STAGES
+from mpmfw.state.fields import FloatArray
 
 #: Steps before the first sample: kernels are compiled, windows laid, contact searched.
 WARM_UP = 5
@@ -118,3 +118,28 @@ def measure_threads(
         "ns_shared": 1e9 * least[1] / count,
         "ratio": least[0] / least[1],
     }
+
+
+def stage_times(wall: FloatArray, cpu: FloatArray) -> FloatArray:
+    """Time of each stage, (n_stages,): the least CPU time of a sample, shared out by the stages' least wall
+    times.
+
+    Wall time counts other processes, and the CPU timer is too slow to be read at every stage; a sum of
+    stages' own least times would be that of no sample.
+
+    Parameters
+    ----------
+    wall
+        Wall time of every stage in every sample, (n_samples, n_stages) [s].
+    cpu
+        CPU time of every sample, (n_samples,) [s].
+    """
+    least = wall.min(axis=0)
+    times: FloatArray = least * (cpu.min() / least.sum())
+    return times
+
+
+def quartiles(values: FloatArray) -> tuple[float, float, float]:
+    """First quartile, median, third quartile."""
+    low, median, high = np.quantile(values, [0.25, 0.5, 0.75])
+    return float(low), float(median), float(high)

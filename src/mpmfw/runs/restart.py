@@ -33,7 +33,8 @@ from mpmfw.results.writers import claim, release
 from mpmfw.runs.identity import code_of
 from mpmfw.scene.loading import refuse_code, scene_from
 from mpmfw.scene.override import parse_value
-from mpmfw.scene.scene import Scene, Source
+from mpmfw.scene.scene import Scene
+from mpmfw.scene.sources import Source
 from mpmfw.state.fields import AnyArray
 from mpmfw.state.history import TYPES, Snapshot
 from mpmfw.units import to_si

@@ -3,8 +3,9 @@
 from mpmfw.scene.gravity import ConstantGravity, Gravity
 from mpmfw.scene.loading import load_scene, shipped_scenes
 from mpmfw.scene.location import located
-from mpmfw.scene.scene import Scene, Source
+from mpmfw.scene.scene import Scene
 from mpmfw.scene.schema import json_schema
+from mpmfw.scene.sources import Source
 from mpmfw.scene.tables import (
     Body,
     Contact,

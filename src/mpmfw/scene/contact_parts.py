@@ -14,7 +14,7 @@ from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import available, load
 from mpmfw.scene.locator import Path
 from mpmfw.scene.problem import Problem
-from mpmfw.scene.wording import shown, unknown_name
+from mpmfw.scene.wording import shown, unknown_name, with_options
 
 #: The keys, each with the kind of plug-in that it names.
 PARTS: tuple[Literal["detection", "law"], ...] = ("detection", "law")
@@ -97,8 +97,6 @@ def parts_of(table: Mapping[str, Any]) -> tuple[Parts | None, list[Problem]]:
 
 def _checked(table: Mapping[str, Any], names: tuple[str, str]) -> tuple[Parts | None, list[Problem]]:
     """The parts after the options of each were judged by its own model, at the place where they stand."""
-    from mpmfw.scene.options import with_options
-
     problems: list[Problem] = []
     method = "+".join(names)
     whole = table.get(method, {})

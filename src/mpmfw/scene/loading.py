@@ -20,8 +20,8 @@ from mpmfw.scene.locator import Path as KeyPath
 from mpmfw.scene.options import NAMED, Chosen, separate_options
 from mpmfw.scene.override import merge, parse_path, parse_value
 from mpmfw.scene.problem import Origin, Problem, distinct
-from mpmfw.scene.scene import Scene, Source
-from mpmfw.scene.sources import plain, read_source, shipped_texts
+from mpmfw.scene.scene import Scene
+from mpmfw.scene.sources import Source, plain, read_source, shipped_texts
 from mpmfw.scene.specification import keys_of
 from mpmfw.scene.wording import problems_of
 
@@ -113,7 +113,7 @@ def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
     if problems or scene is None:
         raise error_of(problems, source, overrides)
     scene = _with_options(scene, chosen)
-    scene._source = replace(source, overrides=overrides)
+    scene._source, scene._read = replace(source, overrides=overrides), scene_from
     scene._mapping = chosen.whole
     return scene
 

@@ -6,15 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel
 
 from mpmfw.errors import SceneError
-from mpmfw.plugin.checks import distribution_text
 from mpmfw.plugin.discovery import Kind, available, choices, load
 from mpmfw.scene.contact_parts import PARTS, parts_of
 from mpmfw.scene.locator import Path
 from mpmfw.scene.problem import Problem
-from mpmfw.scene.wording import problems_of, shown, unknown_key, unknown_name
+from mpmfw.scene.wording import shown, unknown_key, unknown_name, with_options
 
 #: Keys of the tables that the core reads itself.
 CORE_KEYS: dict[str, tuple[str, ...]] = {
@@ -31,12 +30,6 @@ NAMED: dict[str, Kind] = {
     "boundaries": "boundary",
     "outputs": "output",
 }
-
-
-class _NoOptions(BaseModel):
-    """Stands for the model of a plug-in that declares none."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 @dataclass
@@ -151,22 +144,3 @@ def _validate(
     chosen.problems += problems
     if made is not None:
         chosen.options[table_path] = made
-
-
-def with_options(
-    plugin: type[Any], options: Mapping[str, Any], path: Path, core_keys: tuple[str, ...] = ()
-) -> tuple[BaseModel | None, list[Problem]]:
-    """An instance of the plug-in's own model, or what is wrong with options that stand at ``path`` of the scene."""
-    model: Any = getattr(plugin, "Options", _NoOptions)
-    text = f"Options of plug-in '{plugin.name}' of {distribution_text(plugin)}"
-    if not (isinstance(model, type) and issubclass(model, BaseModel)):
-        return None, [Problem(path, f"{text}: expected a pydantic model, found {shown(model)}")]
-    try:
-        return model.model_validate(dict(options)), []
-    except ValidationError as error:
-        return None, problems_of(error, model, options, path, core_keys)
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:  # a stranger's validators may raise anything
-        message = f"{text} cannot judge them: {type(error).__name__}: {error}"
-        return None, [Problem(path, message)]

@@ -4,47 +4,25 @@ from __future__ import annotations
 
 import copy
 import itertools
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from pydantic import PrivateAttr
 
+from mpmfw.scene.sources import Source
 from mpmfw.scene.tables import Output, Tables
 from mpmfw.scene.toml_text import toml_text
-
-
-@dataclass(frozen=True)
-class Source:
-    """Where a scene came from.
-
-    Parameters
-    ----------
-    mapping
-        The scene's tables as written, with no override.
-    text, name
-        The TOML text and the name of the file; None for a scene made from a mapping.
-    directory
-        Folder that relative file names in the scene refer to.
-    overrides
-        Keys that were set over the mapping, in order.
-    said
-        What messages call an override, where it is not ``--set KEY``.
-    """
-
-    mapping: Mapping[str, Any]
-    text: str | None = None
-    name: str | None = None
-    directory: Path | None = None
-    overrides: Mapping[str, Any] = field(default_factory=dict)
-    said: Mapping[str, str] = field(default_factory=dict)
 
 
 class Scene(Tables):
     """A valid scene. Make one with :func:`mpmfw.scene.load_scene`."""
 
     _source: Source = PrivateAttr()
+    _read: Callable[[Source, Mapping[str, Any]], Scene] = (
+        PrivateAttr()
+    )  # made this scene, and makes others like it
     _mapping: dict[str, Any] = PrivateAttr()
 
     @property
@@ -131,7 +109,5 @@ class Scene(Tables):
         SceneError
             A key is unknown, or a value is wrong.
         """
-        from mpmfw.scene.loading import scene_from
-
         source = replace(self._source, said={**self._source.said, **(said or {})})
-        return scene_from(source, overrides)
+        return self._read(source, overrides)

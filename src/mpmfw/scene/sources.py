@@ -6,6 +6,7 @@ import os
 import re
 import tomllib
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,32 @@ from typing import Any
 from mpmfw.errors import NoSuchFileError, SceneError
 from mpmfw.plugin.discovery import nearest
 from mpmfw.scene.content import TOO_DEEP
-from mpmfw.scene.scene import Source
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a scene came from.
+
+    Parameters
+    ----------
+    mapping
+        The scene's tables as written, with no override.
+    text, name
+        The TOML text and the name of the file; None for a scene made from a mapping.
+    directory
+        Folder that relative file names in the scene refer to.
+    overrides
+        Keys that were set over the mapping, in order.
+    said
+        What messages call an override, where it is not ``--set KEY``.
+    """
+
+    mapping: Mapping[str, Any]
+    text: str | None = None
+    name: str | None = None
+    directory: Path | None = None
+    overrides: Mapping[str, Any] = field(default_factory=dict)
+    said: Mapping[str, str] = field(default_factory=dict)
 
 
 def shipped_texts(folder: str) -> dict[str, str]:

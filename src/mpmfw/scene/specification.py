@@ -15,9 +15,9 @@ from typing import Any, Literal
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import Kind, choices, did_you_mean, load
 from mpmfw.scene.locator import Path
-from mpmfw.scene.options import with_options
 from mpmfw.scene.override import parse_path, parse_value
 from mpmfw.scene.toml_text import value_text
+from mpmfw.scene.wording import with_options
 
 #: Kinds of methods that a scene names by ``KIND.method``.
 METHODS: tuple[Literal["contact", "shape"], ...] = ("contact", "shape")

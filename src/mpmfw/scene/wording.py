@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError
 
+from mpmfw.plugin.checks import distribution_text
 from mpmfw.plugin.discovery import available, nearest, one_of
 from mpmfw.scene.cells import may_be_in_cells
 from mpmfw.scene.expectation import Schema, as_written, expected, keys, subschemas
@@ -174,3 +175,28 @@ def _type_name(value: Any) -> str:
         dict: "a table",
     }
     return names.get(type(value), f"a {type(value).__name__}")
+
+
+class _NoOptions(BaseModel):
+    """Stands for the model of a plug-in that declares none."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+def with_options(
+    plugin: type[Any], options: Mapping[str, Any], path: Path, core_keys: tuple[str, ...] = ()
+) -> tuple[BaseModel | None, list[Problem]]:
+    """An instance of the plug-in's own model, or what is wrong with options that stand at ``path`` of the scene."""
+    model: Any = getattr(plugin, "Options", _NoOptions)
+    text = f"Options of plug-in '{plugin.name}' of {distribution_text(plugin)}"
+    if not (isinstance(model, type) and issubclass(model, BaseModel)):
+        return None, [Problem(path, f"{text}: expected a pydantic model, found {shown(model)}")]
+    try:
+        return model.model_validate(dict(options)), []
+    except ValidationError as error:
+        return None, problems_of(error, model, options, path, core_keys)
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # a stranger's validators may raise anything
+        message = f"{text} cannot judge them: {type(error).__name__}: {error}"
+        return None, [Problem(path, message)]

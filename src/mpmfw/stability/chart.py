@@ -27,8 +27,7 @@ from mpmfw.runs.simulation import Simulation, chosen_methods
 from mpmfw.scene import Scene, load_scene, located
 from mpmfw.scene.specification import specification_of
 from mpmfw.stability.invariants import Invariants, probe_once
-from mpmfw.stability.ratio import stiffness_ratio
-from mpmfw.stability.request import Axis, axis_of, check_overrides, check_values
+from mpmfw.stability.request import Axis, axis_of, check_overrides, check_values, stiffness_ratio
 from mpmfw.state.fields import FloatArray
 
 #: Classes of a point, by number; the bounds are those of the largest energy ratio.

@@ -6,7 +6,9 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from mpmfw.campaigns.costs import costs_of, least, over_repeats, timing_of
 from mpmfw.campaigns.grid import Index, RunGrid
@@ -18,8 +20,8 @@ from mpmfw.plugin.discovery import load
 from mpmfw.results.joining import STEPPING
 from mpmfw.results.provenance import provenance
 from mpmfw.scene import Scene
+from mpmfw.state.fields import FloatArray
 from mpmfw.studies.loading import Study
-from mpmfw.studies.pareto import front
 
 #: What a study says of every run beside its error, whatever that is of, and the measure of each.
 BESIDE = {
@@ -170,3 +172,26 @@ def _attributes(study: Study, judge: Judge, runs: GridRuns) -> dict[str, Any]:
         **({"commit": versions["commit"]} if "commit" in versions else {}),
         **({"notes": json.dumps(notes)} if notes else {}),
     }
+
+
+def front(error: FloatArray, cost: FloatArray) -> NDArray[np.bool_]:
+    """Mark what is not dominated.
+
+    Parameters
+    ----------
+    error, cost
+        Arrays of one shape, smaller is better. NaN: not known, never on the front.
+
+    Returns
+    -------
+    ndarray of bool
+        Same shape. One is dominated where another has no larger error and no larger cost, and one of them smaller;
+        of two that are the same both are on the front or none.
+    """
+    pairs = np.stack([np.ravel(cost), np.ravel(error)], axis=1)
+    known = np.isfinite(pairs).all(axis=1)
+    different, place = np.unique(pairs[known], axis=0, return_inverse=True)  # by rising cost, then error
+    cheaper = np.minimum.accumulate(np.append(np.inf, different[:-1, 1]))  # least error of those before
+    on = np.zeros(known.shape, dtype=bool)
+    on[known] = (different[:, 1] < cheaper)[np.ravel(place)]
+    return on.reshape(np.shape(error))

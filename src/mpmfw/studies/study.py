@@ -93,7 +93,9 @@ def study(
     how = Execution.of({"jobs": 1 if alone else None, **running})
     if how.jobs is None and alone:
         how = replace(how, jobs=1)
-    how = replace(how, executor=how.executor if scheduler is None else scheduler, repeats=loaded.tables.cost.repeats)
+    how = replace(
+        how, executor=how.executor if scheduler is None else scheduler, repeats=loaded.tables.cost.repeats
+    )
     runs = GridRuns(grid, "study", how, output=path, exclusive=exclusive)
     try:
         runs.complete()
