@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.campaigns.measures import MEASURES
+from mpmfw.campaigns.measures import MEASURES, inferred
 from mpmfw.plugin.measure import About
 from mpmfw.results import Frame
 from mpmfw.runs.run import run
@@ -44,10 +44,11 @@ def _values(subject: Subject) -> Iterator[tuple[str, AnyArray]]:
             yield from _series(subject, dim)
     elif subject.kind == "measure":
         measure, blocks = subject.make(), load_scene(_blocks())
-        yield measure.name, measure.of(run(blocks), blocks, About()).values
+        tree = run(blocks)
+        yield measure.name, measure.of(tree, blocks, inferred(measure, tree, blocks, About())).values
     else:
         made, example = subject.make(), _example(subject)
-        known = {name: made.exact(example, name, About()) for name in MEASURES}
+        known = {name: made.exact(example, name, About(axis="x")) for name in MEASURES}
         if not any(known.values()):
             raise Violation("the reference gives no measure of its own example")
         for name, exact in known.items():

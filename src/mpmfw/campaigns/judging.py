@@ -13,7 +13,7 @@ from pydantic import Field
 
 from mpmfw.campaigns.grid import Index, RunGrid
 from mpmfw.campaigns.keys import as_number, finer
-from mpmfw.campaigns.measures import exact_of, inferred, measure_of
+from mpmfw.campaigns.measures import exact_of, inferred, known_axis, measure_of
 from mpmfw.errors import SceneError
 from mpmfw.plugin.measure import About, Exact, Measure, Measured
 from mpmfw.results.analysis import relative_l2
@@ -118,7 +118,10 @@ class Judge:
         self._check_names()
         self._file = None if error.file is None else _read_reference(error, self.at, beside)
         self.exact: dict[Index, Exact] = {}
-        if error.kind != "finest":
+        self._declared = self.is_exact and error.value is None and error.file is None
+        if self._declared:
+            scenes = (one.scene for one in grid.combinations.values() if one.scene is not None)
+            self.about = next((known_axis(self.measure, scene, self.about) for scene in scenes), self.about)
             for index, one in grid.combinations.items():
                 if one.scene is not None:
                     self.exact[index] = self._exact(one.scene)
@@ -199,7 +202,8 @@ class Judge:
         for index, one in self.grid.combinations.items():
             tree = results(index) if succeeded.get(index) else None
             if tree is not None and one.scene is not None:
-                self.about = inferred(self.measure, tree, one.scene, self.about)
+                if not self._declared:  # a closed form says itself what it is of
+                    self.about = inferred(self.measure, tree, one.scene, self.about)
                 self._check_size(tree, one.scene)
                 break
         return measured(self.measure, self.grid, results, succeeded, self.about)

@@ -111,6 +111,19 @@ def exact_of(measure: Measure, scene: Scene, about: About) -> Exact | None:
     SceneError
         The scene is not of the kind that it declares, or the kind cannot be imported.
     """
+    about = known_axis(measure, scene, about)
+    return _exact_along(measure, scene, replace(about, axis=about.axis or "x"))
+
+
+def known_axis(measure: Measure, scene: Scene, about: About) -> About:
+    """Return what a measure is of, with the first axis along which its exact value is known, where nobody names one."""
+    if "axis" not in measure.keys or about.axis is not None:
+        return about
+    every = (replace(about, axis=axis) for axis in "xyz"[: scene.dim])
+    return next((one for one in every if _exact_along(measure, scene, one) is not None), about)
+
+
+def _exact_along(measure: Measure, scene: Scene, about: About) -> Exact | None:
     if scene.reference is not None and scene.reference.kind not in REFERENCES:
         made: Reference = _made("reference", scene.reference.kind, Reference)
         return made.exact(scene, measure.name, about)
@@ -147,15 +160,18 @@ def inferred(measure: Measure, run: xr.DataTree, scene: Scene, about: About) -> 
         still = xr.DataArray(np.zeros((len(names), 1)), {"pair": names, "axis": ["x"]}, ("pair", "axis"))
         force, dim = series.get("contact_force"), "pair"
         size = still if force is None else abs(force.sum("time"))
-    elif "body" in keys:
+    elif "body" in keys or "axis" in keys:
         centre = series["centre_of_mass"]
         size, dim = abs(centre - centre.isel(time=0)).max("time"), "body"
     else:
         return about
-    if getattr(about, dim) is None and (dim == "pair" or "axis" in keys or measure.kind == "number"):
+    if dim in keys and getattr(about, dim) is None and (len(keys) > 1 or measure.kind == "number"):
         about = replace(about, **{dim: _largest(size.max("axis"), dim)})
     if "axis" in keys and about.axis is None:
-        about = replace(about, axis=_largest(size.sel({dim: getattr(about, dim)}), "axis"))
+        named = getattr(about, dim)
+        about = replace(
+            about, axis=_largest(size.max(dim) if named is None else size.sel({dim: named}), "axis")
+        )
     return about
 
 
