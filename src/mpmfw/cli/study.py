@@ -9,9 +9,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from mpmfw.cli.arguments import (
+    AxisOption,
+    BodyOption,
     ForceOption,
     JobsOption,
     OutputOption,
+    PairOption,
     RepeatsOption,
     SchedulerOption,
     TrustOption,
@@ -59,6 +62,9 @@ def study(
         str | None,
         typer.Option(metavar="ERROR", help="Relative error below which the cheapest is named: 1% or 0.01."),
     ] = None,
+    body: BodyOption = None,
+    pair: PairOption = None,
+    axis: AxisOption = None,
     force: ForceOption = False,
     trust: TrustOption = False,
     form: FormatOption = Format.table,
@@ -71,6 +77,7 @@ def study(
     from mpmfw.studies.conclusion import conclusions, rows
     from mpmfw.studies.loading import load_study
 
+    named = {"body": body, "pair": pair, "axis": axis}
     loaded = load_study(study, trust)
     path = Path(f"{loaded.name}.nc") if output is None else output
     sources = [loaded.source.name, *(scene for scene in loaded.scenes.values() if isinstance(scene, str))]
@@ -89,6 +96,7 @@ def study(
             scheduler=scheduler,
             repeats="auto" if repeats is None else repeats,
             under=under,
+            about={key: name for key, name in named.items() if name is not None},
             progress=progress,
             force=force,
         )

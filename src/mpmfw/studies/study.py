@@ -32,6 +32,7 @@ def study(
     scheduler: str | None = None,
     under: float | str | None = None,
     trust: bool = False,
+    about: Mapping[str, str] | None = None,
     **running: Unpack[Running],
 ) -> xr.Dataset:
     """Run a grid of methods and resolutions, and put error and cost side by side.
@@ -46,6 +47,8 @@ def study(
         Without it nothing is kept.
     timing
         ``exclusive`` measures costs one run at a time in this process; ``shared`` takes the cost of every run as it comes.
+    about
+        Stands in for ``error.body``, ``pair`` and ``axis`` of the study.
     **running
         As :class:`mpmfw.campaigns.execution.Execution` takes them, but that the store is ``<output>.runs`` and jobs are by
         default one for each core, for exclusive costs a single one; with more of them, or an executor, results come from there
@@ -77,7 +80,7 @@ def study(
     A run that fails is recorded, and does not stop the others.
     """
     repeats = running.get("repeats")
-    loaded = _with(load_study(study, trust), None if repeats == "auto" else repeats, under)
+    loaded = _with(load_study(study, trust), None if repeats == "auto" else repeats, under, about)
     if timing not in get_args(Timing):
         raise SceneError(f"timing: '{timing}' is unknown; expected one of {', '.join(get_args(Timing))}")
     path = None if output is None else Path(output)
@@ -110,14 +113,17 @@ def study(
     return dataset
 
 
-def _with(study: Study, repeats: int | None, under: float | str | None) -> Study:
+def _with(
+    study: Study, repeats: int | None, under: float | str | None, about: Mapping[str, str] | None
+) -> Study:
     """The study with the request's own values of some keys."""
     if repeats is not None and repeats < 1:
         raise SceneError(f"repeats: must be at least 1, not {repeats}")
     limit = None if under is None else relative_error(under)
     tables = study.tables
     cost = tables.cost if repeats is None else tables.cost.model_copy(update={"repeats": repeats})
-    update = {"cost": cost, **({} if under is None else {"under": limit})}
+    error = tables.error.model_validate(tables.error.model_dump() | dict(about or {}))
+    update = {"cost": cost, "error": error, **({} if under is None else {"under": limit})}
     return replace(study, tables=tables.model_copy(update=update))
 
 
