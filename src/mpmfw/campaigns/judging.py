@@ -122,6 +122,7 @@ class Judge:
         if self._declared:
             scenes = (one.scene for one in grid.combinations.values() if one.scene is not None)
             self.about = next((known_axis(self.measure, scene, self.about) for scene in scenes), self.about)
+        if self.is_exact:
             for index, one in grid.combinations.items():
                 if one.scene is not None:
                     self.exact[index] = self._exact(one.scene)
