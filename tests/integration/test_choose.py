@@ -140,7 +140,7 @@ def no_contact() -> dict[str, Any]:
     ("given", "options", "message"),
     [
         (scene(), {"measure": "accelerations"}, "'accelerations' is unknown; did you mean 'acceleration'"),
-        (no_reference(), {}, "has no closed form or reference, so that it does not say what an error is of; expected .* or a measure"),
+        (no_reference(), {}, "has no closed form or reference, so that it does not say what an error is of; .* or a measure"),
         (no_reference(), {"measure": "interface-stress"}, "has no closed form of it, and runs at other cell sizes"),
         (scene(), {"measure": "spin", "axis": "x"}, "^axis: has no effect: spin looks at body"),
         (scene(), {"body": "blok"}, "'blok' is no body of the scene; expected one of block, plane"),
