@@ -31,7 +31,7 @@ known_red = pytest.mark.known_red
 
 @dataclass(frozen=True)
 class Method:
-    """One way to run a scene: contact and shape with their options, values by dotted key, and a label for these.
+    """One way to run a scene: contact and shape with their options, values by dotted key, and a label.
 
     ``bound`` methods are bound by gates as the recommended ones are. ``when`` is ``full`` or ``quick``.
     """
@@ -45,7 +45,7 @@ class Method:
 
     @property
     def recommended(self) -> bool:
-        """Return whether gates bind it: penalty or no contact, CPDI or CPDI2, all else as the scene has it."""
+        """Return whether gates bind it: penalty or no contact, CPDI or CPDI2, no other change."""
         return self.bound or (
             self.contact in ("", "penalty") and self.shape in RECOMMENDED and not self.label
         )
@@ -73,10 +73,10 @@ def methods(
 
 @dataclass(frozen=True)
 class Place:
-    """One variant of the scene that all methods run, such as a cell size; ``make`` are arguments of a scene's function.
+    """One variant of the scene that all methods run, such as a cell size.
 
-    ``within`` are limits that hold here, by ``key`` of a gate. ``open`` are gates that do not bind here, by key: the reason,
-    or reasons by patterns of methods; ``run`` is the run itself.
+    ``make`` are arguments of a scene's function. ``within`` are limits that hold here, by ``key`` of a gate. ``open``
+    are gates that do not bind here, by key: the reason, or reasons by patterns of methods; ``run`` is the run itself.
     """
 
     at: str = ""
@@ -107,7 +107,8 @@ class Version:
 class Runs:
     """A scene at places, in versions, with methods; as a decorator it makes a test of each run.
 
-    ``by`` takes the scene instead of a run. ``binds`` are patterns of methods whose failure is red, besides the recommended.
+    ``by`` takes the scene instead of a run. ``binds`` are patterns of methods whose failure is red,
+    besides the recommended.
     """
 
     name: str
@@ -166,7 +167,7 @@ def together(*runs: Runs) -> Any:
 
 @dataclass
 class CaseRun:
-    """One run: name of its runs, place, method, scene, results, version, and the keys of gates that it misses."""
+    """One run: what ran, its results, and the keys of gates that it misses."""
 
     case: Case
     runs: str
@@ -192,7 +193,7 @@ class CaseRun:
     ) -> float | None:
         """Return what a function of the results, or a campaign's measure, gives: a number, or None.
 
-        ``key`` takes one of several values by name; ``relative`` is the departure from the scene's closed form.
+        ``key`` takes one of several values by name; ``relative`` is the departure from the closed form.
         """
         name = f"{measure} {args} {relative}"
         if name not in self._measured:

@@ -53,8 +53,9 @@ def summary(results: Sequence[CaseResult]) -> str:
     count = Counter(row.verdict for row in rows)
     gates = count[Verdict.HOLDS] + count[Verdict.RED] + count[Verdict.KNOWN]
     text = (
-        f"{len(results)} {'case' if len(results) == 1 else 'cases'}, {gates} gates: {count[Verdict.HOLDS]} hold, "
-        f"{count[Verdict.RED]} red, {count[Verdict.KNOWN]} known red; {len(rows) - gates} more values, of which "
+        f"{len(results)} {'case' if len(results) == 1 else 'cases'}, {gates} gates: "
+        f"{count[Verdict.HOLDS]} hold, {count[Verdict.RED]} red, {count[Verdict.KNOWN]} known red; "
+        f"{len(rows) - gates} more values, of which "
         f"{count[Verdict.OUTSIDE]} outside the gates' limits and {count[Verdict.FAILED]} of runs that failed"
     )
     broken = ", ".join(one.folder.name for one in results if one.error)
@@ -62,7 +63,7 @@ def summary(results: Sequence[CaseResult]) -> str:
 
 
 def write_page(results: Sequence[CaseResult], path: Path) -> None:
-    """Write what the cases came to between the marks of a page, its rows as CSV and the figures that the page shows.
+    """Write the results between the marks of a page, all rows as CSV, and the figures that the page shows.
 
     A page that is not there is made. CSV and figures lie in a folder of its name beside it.
     """

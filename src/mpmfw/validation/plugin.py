@@ -1,4 +1,4 @@
-"""Plug-in of pytest for validation cases: fixtures ``case``, ``run`` and ``runs``, and a verdict on the gates of each test.
+"""Plug-in of pytest for validation cases: fixtures ``case``, ``run`` and ``runs``, and a verdict on gates.
 
 ``pytest -p mpmfw.validation.plugin validation/hertz [--quick]`` runs one case; ``mpmfw validate`` runs all.
 """
@@ -96,7 +96,7 @@ def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> Generator[None, Any, Any]
 
 
 def judge(item: pytest.Item, case: Case, start: int) -> None:
-    """Fail a test with red gates, or known red ones that hold; mark it as expected to fail with known ones alone."""
+    """Fail a test with red gates; mark one with known red gates alone as expected to fail."""
     known = {mark.args[:2]: mark.args[2] for mark in item.iter_markers("known_red")}
     found = [replace(row, reason=known.get((row.method, row.quantity), "")) for row in case.rows[start:]]
     case.rows[start:] = found

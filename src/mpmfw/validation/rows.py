@@ -40,8 +40,8 @@ class Verdict(StrEnum):
 class Row:
     """A quantity of a method beside its reference and its limits.
 
-    ``binds``: the suite fails if the value is outside. ``seconds``: CPU time of the run, without compilation. ``note``: why a
-    run failed. ``reason``: why a gate is known not to hold.
+    ``binds``: the suite fails if the value is outside. ``seconds``: CPU time of the run, without compilation.
+    ``note``: why a run failed. ``reason``: why a gate is known not to hold.
     """
 
     case: str
@@ -102,7 +102,7 @@ class Case:
     _seconds: float = math.nan
 
     def scene(self, given: str | Mapping[str, Any], method: Any, values: Mapping[str, Any]) -> Scene:
-        """Return a file of the case, a shipped scene or a mapping as a scene, all values and the method set."""
+        """Return a file of the case, a shipped scene or a mapping as a scene, with values and method."""
         chosen = {"contact.method": method.contact, "shape.method": method.shape} if method else {}
         chosen = {key: name for key, name in chosen.items() if name}
         if isinstance(given, str) and (self.folder / given).exists():
@@ -171,7 +171,7 @@ class Case:
         )
 
     def failed(self, method: Bound | str, why: str, binds: bool | None = None, at: str = "") -> None:
-        """Record that a method got no result at a place, and why; red of the recommended ones, or as ``binds`` says."""
+        """Record why a method got no result at a place; red of the recommended, or as ``binds`` says."""
         quantity = f"{at}: run" if at else "run"
         binds = not isinstance(method, str) and method.recommended if binds is None else binds
         row = Row(self.folder.name, str(method), quantity, math.nan, "ends", "", 0.0, binds=binds, note=why)

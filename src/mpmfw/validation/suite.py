@@ -37,7 +37,7 @@ class CaseTask:
 
 @dataclass(frozen=True)
 class CaseResult:
-    """What came of one case: rows, figures (PNG files), the error if it went wrong, and the command that ran it."""
+    """What came of one case: rows, figures (PNG files), an error, and the command that ran it."""
 
     folder: Path
     rows: tuple[Row, ...] = ()
@@ -52,7 +52,7 @@ class CaseResult:
 
 
 def check_once(task: CaseTask) -> Finished:
-    """Check a case by pytest and save its figures; an error in it is part of the outcome, beside the rows before it."""
+    """Check a case by pytest and save its figures; an error is part of the outcome."""
     import pytest
 
     from mpmfw.plots import write_figure
@@ -113,7 +113,7 @@ def shipped_suite() -> Path:
 
 
 def suite_of(given: Path | None) -> Path:
-    """Return the folder of a suite: as given, one of mpmfw's own by name, such as ``hard``, or its main one."""
+    """Return the folder of a suite: as given, one of mpmfw's own by name (``hard``), or the main one."""
     if given is None or given.is_dir():
         return given or shipped_suite()
     own = shipped_suite() / given
@@ -198,7 +198,7 @@ def _drawn(store: Store, key: str, output: Path) -> bool:
 
 
 def _key(folder: Path, quick: bool) -> str:
-    """Return a key that changes with the files of the case and of its suite, with the code and with libraries."""
+    """Return a key that changes with the files of the case and its suite, the code and libraries."""
     inner = [path for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts]
     parts = [f"{name} {version}" for name, version in sorted(code_of_plugins().items())]
     files = sources([*inner, *folder.parent.glob("*.py")])
