@@ -1,9 +1,8 @@
 """Check the documentation: ``python docs/check.py`` from the repository's root, with mpmfw installed.
 
 Every relative link of a Markdown file resolves, headings included, and every ``mpmfw.xxx`` in backticks
-exists. The site is built with warnings as errors, which checks links as well (``.ci/docs``); this takes a second, needs
-nothing that is not installed with mpmfw, and is the only one that checks names.
-"""
+exists. The site is built with warnings as errors, which checks links as well (``.ci/docs``); this takes a
+second, needs nothing that is not installed with mpmfw, and is the only one that checks names."""
 
 from __future__ import annotations
 

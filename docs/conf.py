@@ -1,8 +1,7 @@
 """Configuration of the documentation site; ``.ci/docs FOLDER`` builds it.
 
-The source folder is the repository's root and not ``docs``: pages link to README, validation cases and source files
-by relative paths, which then resolve here exactly as they do where the repository is browsed.
-"""
+The source folder is the repository's root and not ``docs``: pages link to README, validation cases and source
+files by relative paths, which then resolve here exactly as they do where the repository is browsed."""
 
 from __future__ import annotations
 
@@ -71,7 +70,8 @@ toc_object_entries_show_parents = "hide"
 numfig = True
 math_numfig = True
 
-# What docstrings name of other packages; the lists are kept here, so that the site is built without a network.
+# What docstrings name of other packages; the lists are kept here, so that the site is built without a
+# network.
 intersphinx_mapping = {
     "python": ("https://docs.python.org/3", "docs/_inventories/python.txt"),
     "matplotlib": ("https://matplotlib.org/stable", "docs/_inventories/matplotlib.txt"),
@@ -80,28 +80,30 @@ intersphinx_mapping = {
     "pydantic": ("https://docs.pydantic.dev/latest", "docs/_inventories/pydantic.txt"),
 }
 
-# Every reference in a docstring must lead somewhere, but for aliases of array types, and types of mpmfw that stand in
-# signatures and on no page.
+# Every reference in a docstring must lead somewhere, but for aliases of array types, and types of mpmfw that
+# stand in signatures and on no page.
 nitpicky = True
 nitpick_ignore_regex = [
     (
         "py:class",
-        r"(Any|Float|Index|Int)Array|Floats|Ints|Indices|TypeAliasForwardRef|Params|Layout|NearPairs|Results|numpy\.\w+",
+        r"(Any|Float|Index|Int)Array|Floats|Ints|Indices|TypeAliasForwardRef|Params|Layout|NearPairs",
     ),
     (
         "py:class",
-        r"mpmfw\.(geometry\.layout\.Layout|kernels\._jit\.Result|references\.\w+|scene\.(scene\.)?Scene)",
+        r"Numbers|Results|RowContact|Scene|Threads|numpy\.\w+|(scipy\.)?sparse\.(_csr\.)?csr_matrix",
     ),
     (
         "py:class",
-        r"mpmfw\.(stability\.invariants\.Invariants|campaigns\.(exact\.Exact|measures\.Measure|running\.Event))",
+        r"mpmfw\.(geometry\.layout\.Layout|kernels\._jit\.Result|scene\.(scene\.)?Scene|errors\.SceneProblem)",
     ),
     (
         "py:class",
-        r"mpmfw\.(hookspecs\.HookSpecs|studies\.loading\.Study|point_fields\.PointField)|Numbers|RowContact|Scene|Threads",
+        r"mpmfw\.(results\.(references|point_fields)\.\w+|plugin\.hookspecs\.HookSpecs|studies\.loading\.Study)",
     ),
-    ("py:class", r"(scipy\.)?sparse\.(_csr\.)?csr_matrix"),
-    ("py:.*", r"declare_fields|hookimpl|Interrupted|KAPPA|mpmfw\.fields\.CONTACT_SERIES"),
+    ("py:class", r"mpmfw\.(stability\.(invariants\.Invariants|chart\.Request)|studies\.choosing\.Request)"),
+    ("py:class", r"mpmfw\.(campaigns\.(execution\.\w+|measures\.Measure|running\.Event))"),
+    ("py:class", r"mpmfw\.contact\.(row_contact\.RowContact|shared_nodes\.GridNodes)"),
+    ("py:.*", r"declare_fields|hookimpl|Interrupted|KAPPA|mpmfw\.state\.fields\.CONTACT_SERIES"),
 ]
 math_eqref_format = "({number})"
 

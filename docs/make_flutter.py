@@ -1,8 +1,9 @@
-"""Print the table of docs/guide/choosing.md on flutter over friction and time: ``python docs/make_flutter.py [MU …]``.
+"""Print the table of docs/guide/choosing.md on flutter over friction and time: ``python docs/make_flutter.py
+[MU …]``.
 
-The block of ``validation/steep-friction`` lies on a plane that is tilted in 0.15 s to just above the angle of friction, or to
-just below it. Beside mpmfw run the finite elements of ``validation/finite-elements``. A few minutes of CPU time.
-"""
+The block of ``validation/steep-friction`` lies on a plane that is tilted in 0.15 s to just above the angle of
+friction, or to just below it. Beside mpmfw run the finite elements of ``validation/finite-elements``. A few
+minutes of CPU time."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Print the table of docs/guide/choosing.md on the stiffness of springs: ``python docs/make_stiffness.py``.
 
-Two discs meet head-on. Half of the impulse has passed at 50.2 ms, the limit of small cells and stiff springs. A minute.
-"""
+Two discs meet head-on. Half of the impulse has passed at 50.2 ms, the limit of small cells and stiff springs.
+A minute."""
 
 from __future__ import annotations
 
@@ -55,7 +55,8 @@ def main() -> None:
             passed = np.cumsum(force * np.gradient(time))
             half = float(np.interp(0.5, passed / passed[-1], time))
             speed = series["mean_velocity"].sel(body="left", axis="x").values
-            row = f"{100.0 * (half / HALF - 1.0):+.1f} % | {-speed[-1] / speed[0]:.3f} | {tree.attrs['cpu_time']:.2f} s"
+            error, cost = 100.0 * (half / HALF - 1.0), tree.attrs["cpu_time"]
+            row = f"{error:+.1f} % | {-speed[-1] / speed[0]:.3f} | {cost:.2f} s"
             print(f"| {cells} | `{contact}` | {row} |", flush=True)
 
 

@@ -1,9 +1,9 @@
 """Run the tutorial as its reader does, and draw its figures: ``python docs/make_tutorial.py``.
 
-Blocks of the page are taken in their order: ``sh`` blocks are commands of mpmfw, ``toml`` blocks are files named by their
-first line, ``python`` blocks are executed. A ``text`` block quotes the output of the block before it; ``…`` at the end
-of a quoted line stands for what differs between computers. Only the installation is not run.
-"""
+Blocks of the page are taken in their order: ``sh`` blocks are commands of mpmfw, ``toml`` blocks are files
+named by their first line, ``python`` blocks are executed. A ``text`` block quotes the output of the block
+before it; ``…`` at the end of a quoted line stands for what differs between computers. Only the installation
+is not run."""
 
 from __future__ import annotations
 

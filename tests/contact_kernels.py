@@ -210,7 +210,9 @@ def rows_of(loops, found, *, across=False, ties=True, friction=True, tilts=False
 
 
 def history_of(loops, found, old_master=None, old_tangential=None):
-    """Rows of a last step with the same normals: bodies touched and tangential forces along e_t, (n, slots) each."""
+    """Rows of a last step with the same normals: bodies touched and tangential forces along e_t, (n, slots)
+    each.
+    """
     old = rows_of(loops, empty_candidates(len(loops.body), 1))
     kept = []
     for s, j in zip(*np.nonzero([] if old_master is None else old_master >= 0), strict=True):
@@ -257,7 +259,8 @@ def forces(loops, found, law, old_master=None, old_tangential=None):
             )[0]
             tangential[s, j] += own.tangential[c] @ (-e[1], e[0])
     return Result(
-        force, tangential, records.impulse, records.frictional_work, records.damping_work, records.energy, records.count
+        force, tangential, records.impulse, records.frictional_work, records.damping_work, records.energy,
+        records.count
     )  # fmt: skip
 
 

@@ -151,7 +151,8 @@ EFFECTS = {
     "surfaces": brings(
         "surface",
         hooks="setup detect advect",
-        arrays="position displacement tributary facets neighbours star_first star body first body_first facet_first cell_mass",
+        arrays="position displacement tributary facets neighbours star_first star body first body_first "
+        "facet_first cell_mass",
         modules="mpmfw.effects.surface",
         surface="position next",
     ),
@@ -175,12 +176,14 @@ EFFECTS = {
         hooks="declare_fields setup add_pairs detect after_momentum_projection after_momentum_update "
         "after_second_projection advect diagnostics",
         arrays="impulse friction_impulse frictional_work damping_work energy count volume_gradient",
-        modules="mpmfw_contact.bardenhagen mpmfw_contact.impulse mpmfw.contact.nodes mpmfw.contact.shared_nodes",
+        modules="mpmfw_contact.bardenhagen mpmfw_contact.impulse mpmfw.contact.nodes "
+        "mpmfw.contact.shared_nodes",
         series="contact_force friction_force contact_count frictional_work contact_energy damping_work",
     ),
     "averaged normals": brings(
         "leaning_normals",
-        hooks="declare_fields setup add_pairs after_momentum_projection add_nodal_force after_momentum_update concerns",
+        hooks="declare_fields setup add_pairs after_momentum_projection add_nodal_force "
+        "after_momentum_update concerns",
         arrays="normal_impulse mean_normal lean",
         modules="mpmfw.contact.normal_bias",
     ),
@@ -188,11 +191,14 @@ EFFECTS = {
     "penalty": brings(
         "penalty",
         hooks="declare_fields setup add_pairs detect add_nodal_force advect stable_timestep diagnostics",
-        arrays="impulse friction_impulse frictional_work damping_work spring_work energy count force master facet share gap "
-        "normal inside inside_facet owner shared head head_stamp head_body link link_facet link_body near near_count "
+        arrays="impulse friction_impulse frictional_work damping_work spring_work energy count force master "
+        "facet share gap "
+        "normal inside inside_facet owner shared head head_stamp head_body link link_facet link_body near "
+        "near_count "
         "facet_lower facet_upper box_lower box_upper near_lower near_upper",
         modules=f"mpmfw_contact.penalty mpmfw_contact._springs mpmfw.contact.springs {_SURFACES}",
-        series="contact_force friction_force contact_count frictional_work contact_energy damping_work spring_work",
+        series="contact_force friction_force contact_count frictional_work contact_energy damping_work "
+        "spring_work",
         surface="force",
     ),
     "flutter": brings("flutter", hooks="diagnostics concerns", modules="mpmfw.effects.flutter"),
@@ -206,7 +212,8 @@ EFFECTS = {
     "ledger": brings(
         "energy_ledger",
         hooks="declare_fields end_step diagnostics",
-        modules="mpmfw.effects.ledger mpmfw.effects.ledger_energies mpmfw.effects.ledger_half_step mpmfw.effects.energy_guard "
+        modules="mpmfw.effects.ledger mpmfw.effects.ledger_energies mpmfw.effects.ledger_half_step "
+        "mpmfw.effects.energy_guard "
         "mpmfw.effects.remedies",
         series="transfer_dissipation energy_residual",
     ),

@@ -5,9 +5,9 @@ A change of structure must not change motion::
     python tests/frozen_motion.py freeze build/before.npz      # before
     python tests/frozen_motion.py compare build/before.npz     # after; exit status 1 if a bit of the motion differs
 
-Bits depend on the processor, so that both runs belong on one machine. ``--jobs N`` runs N at once, ``--only TEXT`` those
-whose name has the text. Works and energies may change in the last digit where sums are reordered: they are listed apart.
-"""
+Bits depend on the processor, so that both runs belong on one machine. ``--jobs N`` runs N at once, ``--only
+TEXT`` those whose name has the text. Works and energies may change in the last digit where sums are
+reordered: they are listed apart."""  # noqa: E501
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ MORE = {
     "nodes+penalty": "nodes+penalty",
 }
 CONTACTS = {
-    **{label: f"{name}({_written})" if (_written := ", ".join(f"{k}={v}" for k, v in options.items())) else name
+    **{label: f"{name}({_written})" if (_written := ", ".join(f"{k}={v}" for k, v in options.items())) else name  # noqa: E501
        for label, (name, options) in STRATEGIES.items() if "specified" not in label},
     **MORE,
 }  # fmt: skip
@@ -129,7 +129,8 @@ def main() -> int:
         asked.file.parent.mkdir(parents=True, exist_ok=True)
         np.savez_compressed(asked.file, **flat)
         print(
-            f"{len(chosen)} runs, {sum('ended' in series for series in found.values())} of them refused or ended"
+            f"{len(chosen)} runs, {sum('ended' in series for series in found.values())} of them refused or "
+            "ended"
         )
         return 0
     with np.load(asked.file, allow_pickle=False) as file:
@@ -139,7 +140,8 @@ def main() -> int:
     for name, share in rows:
         print(f"{share:9.2e}  {name}")
     print(
-        f"{len(chosen)} runs: {len(moved)} values of the motion differ, {len(rows) - len(moved)} sums of works"
+        f"{len(chosen)} runs: {len(moved)} values of the motion differ, {len(rows) - len(moved)} sums of "
+        "works"
     )
     return 1 if moved else 0
 

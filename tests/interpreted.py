@@ -1,4 +1,6 @@
-"""Kernels as Python runs them, with other constants: what numba has compiled keeps those that it was compiled with."""
+"""Kernels as Python runs them, with other constants: what numba has compiled keeps those that it was compiled
+with.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +38,8 @@ IN_PYTHON = [
 
 
 def interpreted(kernel: Any, **constants: Any) -> Callable[..., Any]:
-    """The function that was compiled to ``kernel``, and all that it calls, with these constants in place of the modules' own.
+    """The function that was compiled to ``kernel``, and all that it calls, with these constants in place of
+    the modules' own.
 
     Slow: for a few dozen points. Division by zero gives inf, as in kernels.
     """

@@ -1,8 +1,9 @@
-"""How many faults the conformance kit finds: those planted by hand, and mutants of a sound material made by a rule.
+"""How many faults the conformance kit finds: those planted by hand, and mutants of a sound material made by a
+rule.
 
-``python tests/mutation_score.py`` prints each fault with its check, and the score of each kind; below 95 % it ends with 1.
-A planted fault counts as caught where the check that is meant for it fails; a mutant where any check fails.
-"""
+``python tests/mutation_score.py`` prints each fault with its check, and the score of each kind; below 95 % it
+ends with 1. A planted fault counts as caught where the check that is meant for it fails; a mutant where any
+check fails."""
 
 from __future__ import annotations
 
@@ -46,7 +47,8 @@ def planted() -> Iterator[Found]:
     from integration import test_conformance_small as small
 
     tables: dict[str, dict[Any, str]] = {
-        "contact": contact.FAULTS, "shape": shape.FAULTS, "material": material.FAULTS, "load": load_faults.FAULTS,
+        "contact": contact.FAULTS, "shape": shape.FAULTS, "material": material.FAULTS,
+        "load": load_faults.FAULTS,
         **{kind: module.FAULTS for kind, module in small.MODULES.items()},
     }  # fmt: skip
     for kind, table in tables.items():
@@ -59,8 +61,8 @@ def planted() -> Iterator[Found]:
 
 
 def mutants(source: str) -> Iterator[tuple[str, str]]:
-    """What was changed, and the source with that change: every + − × ÷ exchanged, every number doubled, every call's result
-    negated, one at a time."""
+    """What was changed, and the source with that change: every + − × ÷ exchanged, every number doubled, every
+    call's result negated, one at a time."""
     tree = ast.parse(source)
     for index, node in enumerate(ast.walk(tree)):
         changed = copy.deepcopy(tree)
@@ -94,7 +96,9 @@ def mutated_materials() -> Iterator[Found]:
 
 
 def _outputs_of(mutant: Any) -> Any:
-    """The full stress of the same mutant: outputs that agree with the step hide nothing from the other checks."""
+    """The full stress of the same mutant: outputs that agree with the step hide nothing from the other
+    checks.
+    """
 
     def cauchy_stress(self: Any, deformation_gradient: Any) -> Any:
         import numpy as np

@@ -1,4 +1,6 @@
-"""The options that a scene and the bundled plug-ins have, and the digest of a run by which two values are told apart."""
+"""The options that a scene and the bundled plug-ins have, and the digest of a run by which two values are
+told apart.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,8 @@ from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import KINDS, available, distribution_of, load
 from mpmfw.scene.tables import Tables
 
-#: Fields that choose a model of a union (an unknown one is refused below), or hold what was validated elsewhere.
+#: Fields that choose a model of a union (an unknown one is refused below), or hold what was validated
+#: elsewhere.
 NO_OPTIONS = {"type", "options", "friction_options", "tables", "threads"}
 
 
@@ -26,7 +29,8 @@ def models_of(annotation: Any) -> set[type[BaseModel]]:
 
 
 def option_models() -> dict[str, type[BaseModel]]:
-    """Models of all tables that can be reached from a scene, by name, and of the bundled plug-ins, by ``kind.plug-in``.
+    """Models of all tables that can be reached from a scene, by name, and of the bundled plug-ins, by
+    ``kind.plug-in``.
 
     Detections and laws have theirs in those of the contacts that are made of them.
     """

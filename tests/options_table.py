@@ -329,7 +329,9 @@ def _on_surfaces(contact: str) -> dict[str, Acts]:
 
 
 def _passes(contact: str) -> Acts:
-    """One pass and two differ where one body is stiffer: equals are each slave once with half of the area in either."""
+    """One pass and two differ where one body is stiffer: equals are each slave once with half of the area in
+    either.
+    """
     stiff = {**SOFT, "shear_modulus": 1e6}
     unequal = pair(contact, materials__stiff=stiff, bodies__left__material="stiff")
     return values(unequal, f"contact__{contact}__passes", "two", "one")

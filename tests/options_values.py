@@ -40,7 +40,8 @@ UNEQUAL = pair(
     "bardenhagen",
     materials__stiff={**SOFT, "bulk_modulus": 6e7},
     bodies__right__material="stiff",
-    bodies__right__geometry={"type": "rectangle", "lower": [-0.004, -0.2], "upper": [0.496, 0.3], "angle": 0.05},
+    bodies__right__geometry={"type": "rectangle", "lower": [-0.004, -0.2], "upper": [0.496, 0.3],
+    "angle": 0.05},
     allow_overlap=True,
 )  # fmt: skip
 

@@ -1,8 +1,8 @@
-"""What the cases ``question-…`` share: scenes of other cases, noise of a force, and the look of their figures.
+"""What the cases ``question-…`` share: scenes of other cases, noise of a force, and the look of their
+figures.
 
-They answer, with figures, what [H17] (Hamad, Giridharan & Moormann, 2017, Procedia Engineering 175, 116-123) leaves
-open or states without a measurement.
-"""
+They answer, with figures, what [H17] (Hamad, Giridharan & Moormann, 2017, Procedia Engineering 175, 116-123)
+leaves open or states without a measurement."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ from measures import PRESSURE, Points, points_of
 STRESS = "../contact-stress/scene.toml"
 BLOCK = "../sliding-block/scene.toml"
 
-#: Averages against which a force's noise is counted [s]: about two passages of a wave through the body, and what the
-#: rings' forces are compared over.
+#: Averages against which a force's noise is counted [s]: about two passages of a wave through the body, and
+#: what the rings' forces are compared over.
 ROLLING_WINDOW, RINGS_WINDOW = 0.02, 100e-6
 #: Mass of the rolling cylinder [kg/m].
 CYLINDER_MASS = 1000.0 * np.pi * RADIUS**2

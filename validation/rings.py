@@ -1,8 +1,7 @@
 """The colliding rings of [H17], section 4.2: what the cases about them measure of a run.
 
-[H17] is Hamad, Giridharan & Moormann (2017), Procedia Engineering 175, 116-123. The reference are the finite elements
-of ``mpmfw/reference``; its README says where the tolerances come from.
-"""
+[H17] is Hamad, Giridharan & Moormann (2017), Procedia Engineering 175, 116-123. The reference are the finite
+elements of ``mpmfw/reference``; its README says where the tolerances come from."""
 
 from __future__ import annotations
 

@@ -22,7 +22,8 @@ RADIUS, GRAVITY = 1.6, 10.0  #: R [m], g [m/s²]
 DISTANCE = 10.0  #: along the plane, at which displacement and spin are judged [m]
 BODY = "cylinder"
 
-#: Nothing but the series of motion is looked at; the shipped scenes measure an energy balance besides, at every step.
+#: Nothing but the series of motion is looked at; the shipped scenes measure an energy balance besides, at
+#: every step.
 SERIES_ONLY = {"output.particles": False, "output.surface": False, "output.ledger": False}
 #: Grid inertia as lumping leaves it.
 LUMPED = {"bodies.cylinder.rotation": "lumped"}
@@ -55,8 +56,8 @@ class Roll:
 
 
 def _roll(scene: str) -> Roll:
-    """The rigid cylinder of a shipped scene (eq. 13 of [H17]), with the friction of the scene itself: 0.286, as the text of
-    [H17]; 2/7 in its formula is 0.02 % more acceleration."""
+    """The rigid cylinder of a shipped scene (eq. 13 of [H17]), with the friction of the scene itself: 0.286,
+    as the text of [H17]; 2/7 in its formula is 0.02 % more acceleration."""
     known = reference_of({"scene": shipped_scenes()[scene]})
     assert isinstance(known, RollingReference)
     return Roll(scene, known.solution)
@@ -112,8 +113,8 @@ def measures(motion: Motion, roll: Roll) -> dict[str, float]:
     -------
     dict
         Errors against the rigid cylinder [%]: ``displacement`` and ``spin`` when it has moved by 10 m,
-        ``acceleration`` and ``angular acceleration`` fitted to the last 80 % of that time; in cells the ``gap``
-        at the end of the run and the ``penetration``, the mean over all outputs of the deepest.
+        ``acceleration`` and ``angular acceleration`` fitted to the last 80 % of that time; in cells the
+        ``gap`` at the end of the run and the ``penetration``, the mean over all outputs of the deepest.
     """
     exact, end = roll.solution, roll.end
     fitted = fitted_acceleration(motion.time, motion.displacement, 0.2 * end, end)
@@ -146,9 +147,9 @@ def fitted_slope(time: FloatArray, values: FloatArray, start: float, end: float)
 def lumping_loss(cell_size: Any, particle_size: Any) -> Any:
     """Relative surplus ε of the grid's rotational inertia under CPDI with a lumped mass.
 
-    I_grid = I + m (h² + l_p²)/3 with I = m R²/2, see the guide's page on rotation. Rolling without slip, a = g sin θ
-    / (1 + I/(m R²)), then loses ε/3 of its acceleration, and the spin of a slipping cylinder ε, to first order.
-    """
+    I_grid = I + m (h² + l_p²)/3 with I = m R²/2, see the guide's page on rotation. Rolling without slip, a =
+    g sin θ / (1 + I/(m R²)), then loses ε/3 of its acceleration, and the spin of a slipping cylinder ε, to
+    first order."""
     return (cell_size**2 + particle_size**2) / 3.0 / (0.5 * RADIUS**2)
 
 

@@ -8,7 +8,8 @@ from typing import Any
 from pydantic import BaseModel
 from sphinx.application import Sphinx
 
-#: Objects whose docstrings are one sentence, with no sections: napoleon takes what stands before a colon for a type.
+#: Objects whose docstrings are one sentence, with no sections: napoleon takes what stands before a colon for
+#: a type.
 PLAIN = ("attribute", "data", "property")
 
 #: A name after a star, as in ``(contact, *vary)``: the start of no emphasis.
@@ -23,7 +24,9 @@ def is_options(obj: Any) -> bool:
 
 
 def before_napoleon(app: Sphinx, what: str, name: str, obj: Any, _options: Any, lines: list[str]) -> None:
-    """Escape lone stars and the bars of absolute values; keep plain docstrings from napoleon; describe options."""
+    """Escape lone stars and the bars of absolute values; keep plain docstrings from napoleon; describe
+    options.
+    """
     app.config.napoleon_attr_annotations = not is_options(obj)
     if is_options(obj) and "Attributes" not in lines:
         lines += [
@@ -51,7 +54,9 @@ def name_aliases(
     signature: str | None,
     returned: str | None,
 ) -> tuple[str | None, str | None]:
-    """Types by the names that the code gives them; of options the defaults, whose types their descriptions tell."""
+    """Types by the names that the code gives them; of options the defaults, whose types their descriptions
+    tell.
+    """
     if is_options(obj):
         fields = obj.model_fields.items()
         given = (name if field.is_required() else f"{name}={field.default!r}" for name, field in fields)

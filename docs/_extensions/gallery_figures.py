@@ -1,4 +1,6 @@
-"""Show in the gallery what a notebook shows: a figure, or a film's file, whose name is the last line of a block."""
+"""Show in the gallery what a notebook shows: a figure, or a film's file, whose name is the last line of a
+block.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,9 @@ from sphinx_gallery.scrapers import figure_rst  # type: ignore[import-untyped]
 
 
 def figures(block: Any, block_vars: dict[str, Any], gallery_conf: dict[str, Any]) -> str:
-    """Save the figure or film that the block ends with; mpmfw draws without pyplot, so that nobody else knows of it."""
+    """Save the figure or film that the block ends with; mpmfw draws without pyplot, so that nobody else knows
+    of it.
+    """
     _, code, _ = block
     body = ast.parse(code).body
     last = body[-1].value if body and isinstance(body[-1], ast.Expr) else None

@@ -1,4 +1,6 @@
-"""What the site needs, and pages do not carry where the repository is browsed: lists of pages below, the built gallery."""
+"""What the site needs, and pages do not carry where the repository is browsed: lists of pages below, the
+built gallery.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,9 @@ SCRIPT = re.compile(r"\]\(((?:\.\./)?)gallery/(\w+)\.(?:py|txt)\)")
 
 
 def adapt(_app: Sphinx, page: str, source: list[str]) -> None:
-    """Turn links to the gallery's sources to its pages; add a hidden toctree to a page that others stand below."""
+    """Turn links to the gallery's sources to its pages; add a hidden toctree to a page that others stand
+    below.
+    """
     source[0] = SCRIPT.sub(_to_built_page, source[0])
     if page in BELOW:
         source[0] += f"\n\n```{{toctree}}\n:hidden:\n:glob:\n\n{BELOW[page]}\n```\n"

@@ -2,10 +2,10 @@
 A rolling cylinder: contacts against the closed form
 ====================================================
 
-An elastic cylinder on a plane that is suddenly tilted, with so little friction that it slips as it rolls. A rigid
-cylinder would move by :math:`\\tfrac{5}{2}(\\sqrt 3 - \\tfrac{2}{7})\\,t^2` ([H17], eq. 13). The cells are twice those of
-the paper, so that four runs take seconds. Classical contact at grid nodes runs in its plainest form and in its strongest.
-"""
+An elastic cylinder on a plane that is suddenly tilted, with so little friction that it slips as it rolls. A
+rigid cylinder would move by :math:`\\tfrac{5}{2}(\\sqrt 3 - \\tfrac{2}{7})\\,t^2` ([H17], eq. 13). The cells
+are twice those of the paper, so that four runs take seconds. Classical contact at grid nodes runs in its
+plainest form and in its strongest."""
 
 import mpmfw
 from mpmfw import plots
@@ -26,9 +26,9 @@ runs[["centre_of_mass", "angular_velocity", "min_gap", "cpu_time", "steps"]]
 # %%
 # Motion
 # ------
-# Without a contact algorithm all bodies share one velocity field, and the cylinder sticks. Classical contact at grid nodes
-# lets it slip; in its plainest form its velocity departs from the closed form by a few per cent, in its strongest and with the
-# penalty contact it follows it.
+# Without a contact algorithm all bodies share one velocity field, and the cylinder sticks. Classical contact
+# at grid nodes lets it slip; in its plainest form its velocity departs from the closed form by a few per
+# cent, in its strongest and with the penalty contact it follows it.
 
 figure = plots.motion([runs])
 figure
@@ -42,8 +42,8 @@ figure
 # %%
 # Where the surfaces are
 # ----------------------
-# A grid-based contact acts as soon as both bodies have mass at a node, when their surfaces are still apart; with a criterion of
-# position it waits until they meet.
+# A grid-based contact acts as soon as both bodies have mass at a node, when their surfaces are still apart;
+# with a criterion of position it waits until they meet.
 
 figure = plots.gap_history(runs)
 figure

@@ -2,9 +2,8 @@
 Colliding rings: force and impulse against finite elements
 ==========================================================
 
-Two rubber rings meet at 60 m/s ([H17], section 4.2). The reference is a converged finite-element solution that ships with
-mpmfw. Cells and particles are twice as coarse as in the shipped scene.
-"""
+Two rubber rings meet at 60 m/s ([H17], section 4.2). The reference is a converged finite-element solution
+that ships with mpmfw. Cells and particles are twice as coarse as in the shipped scene."""
 
 import numpy as np
 
@@ -17,17 +16,17 @@ strongest = "bardenhagen(criterion=position, normal=master)"
 runs = mpmfw.compare(scene, contact=["bardenhagen", strongest, "penalty"], shape=["cpdi"])
 runs["status"].to_series()
 
-# %%
-# A contact force oscillates in every explicit method, the finite elements included; averaged over 100 µs it can be compared, and
-# its integral, the impulse, is the robust measure. Classical contact in its plain form begins too early: the rings share grid
-# nodes before they touch. With a criterion of position it begins when they do.
+# %% A contact force oscillates in every explicit method, the finite elements included; averaged over 100 µs
+# it can be compared, and its integral, the impulse, is the robust measure. Classical contact in its plain
+# form begins too early: the rings share grid nodes before they touch. With a criterion of position it begins
+# when they do.
 
 figure = plots.contact_force(runs)
 figure
 
-# %%
-# The impulse at the end, per metre of thickness, is what the rings' momentum changed by. The force in a file is the mean over
-# its output interval, so that the sum below is exact: it equals the change of momentum to rounding.
+# %% The impulse at the end, per metre of thickness, is what the rings' momentum changed by. The force in a
+# file is the mean over its output interval, so that the sum below is exact: it equals the change of momentum
+# to rounding.
 
 time = runs["time"].values
 force = runs["contact_force"].sel(pair="left-right", axis="x", shape="cpdi")

@@ -2,18 +2,18 @@
 A contact law of one's own, compared with the bundled ones
 ==========================================================
 
-A law that is not bundled: a thin viscous film between the bodies, beside Coulomb's friction. Where the bodies are pressed
-together the film resists sliding with the shear stress :math:`c\\,v`, :math:`v` the sliding velocity and :math:`c` the
-film's viscosity over its thickness [Pa s/m].
+A law that is not bundled: a thin viscous film between the bodies, beside Coulomb's friction. Where the bodies
+are pressed together the film resists sliding with the shear stress :math:`c\\,v`, :math:`v` the sliding
+velocity and :math:`c` the film's viscosity over its thickness [Pa s/m].
 
-It acts at the grid nodes that two bodies share, as the classical contact does. With :math:`m` the reduced mass of
-the two nodal masses, :math:`\\Delta v` the relative velocity, :math:`n` the normal and :math:`A` the contact area that belongs
-to the node,
+It acts at the grid nodes that two bodies share, as the classical contact does. With :math:`m` the reduced
+mass of the two nodal masses, :math:`\\Delta v` the relative velocity, :math:`n` the normal and :math:`A` the
+contact area that belongs to the node,
 
 .. math:: J_n = m\\,\\Delta v\\cdot n, \\qquad J_t = \\min(\\mu J_n + c A\\,\\Delta t\\,|\\Delta v_t|,\\; m\\,|\\Delta v_t|).
 
 A law is a class with options, and methods for its places in the time step. Here it is, in plain NumPy.
-"""
+"""  # noqa: E501
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -82,8 +82,9 @@ def shared_nodes(grid, first, second):
 # %%
 # Nothing has to be registered to try it: an object stands where a name would. Its options become its label.
 #
-# A block of density :math:`\rho` and height :math:`H` slides down an incline without Coulomb friction. On the film it
-# approaches a terminal velocity, :math:`v = g \sin\theta\, T\,(1 - e^{-t/T})` with :math:`T = \rho H / c`.
+# A block of density :math:`\rho` and height :math:`H` slides down an incline without Coulomb friction. On the
+# film it approaches a terminal velocity, :math:`v = g \sin\theta\, T\,(1 - e^{-t/T})` with :math:`T = \rho H
+# / c`.
 
 resistance = 600.0
 scene = mpmfw.load_scene("sliding-block", set={"contact.friction": 0.0, "time.end": 0.6})
@@ -104,17 +105,16 @@ lines = axes.get_legend_handles_labels()[0]
 legend_below(figure, [lines[:2], lines[2:]])
 figure
 
-# %%
-# The penalty contact knows no film and slides freely; without a contact algorithm the block sticks. The film ends this
-# close to its closed form:
+# %% The penalty contact knows no film and slides freely; without a contact algorithm the block sticks. The
+# film ends this close to its closed form:
 
 film = speed.sel(contact=f"film(resistance={resistance})")
 print(f"{100 * (float(film[-1]) / exact[-1] - 1):+.2f} % at {float(film['time'][-1])} s")
 
-# %%
-# ``mpmfw check`` finds one thing wrong with it, ``relabelling``: where three bodies share a node, one pair acts after the other,
-# and the second sees what the first has left. In which order a scene names its bodies is then worth 2 % of the motion. Laws on
-# rows (``mpmfw.api.ImpulseLaw``) get a share of each node's mass for every pair instead.
+# %% ``mpmfw check`` finds one thing wrong with it, ``relabelling``: where three bodies share a node, one pair
+# acts after the other, and the second sees what the first has left. In which order a scene names its bodies
+# is then worth 2 % of the motion. Laws on rows (``mpmfw.api.ImpulseLaw``) get a share of each node's mass for
+# every pair instead.
 #
 # From here to a package that others install with pip, with a compiled kernel, tests and a name in scenes:
 # :doc:`/docs/guide/write-a-contact-law`.

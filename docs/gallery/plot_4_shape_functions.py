@@ -2,10 +2,11 @@
 Weights of a shape function over a cell crossing
 ================================================
 
-One material point moves through a few cells. What it gives to one node, :math:`\\phi`, and what it takes from it as strain,
+One material point moves through a few cells. What it gives to one node, :math:`\\phi`, and what it takes from
+it as strain,
 :math:`\\partial\\phi/\\partial x`, decide how much noise crossing a cell face makes. The weights are those that a run uses: the
 interpolation table of a simulation.
-"""
+"""  # noqa: E501
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -50,11 +51,11 @@ def weights(shape, places, node=(1.0, 0.25), stretch=1.0):
     return np.array(found).T
 
 
-# %%
-# The gradient of the linear function jumps as the point crosses a cell face, and with it the force that it exerts. GIMP averages
-# over the point's square, CPDI over its corners: as long as the square is not deformed their gradients are the same ramp, and
-# CPDI's weight has a flat top where GIMP's is round. CPDI2 is the same as CPDI here; they differ where domains become
-# trapezoids. B-splines need no domain: their gradient is continuous by itself, and they reach farther.
+# %% The gradient of the linear function jumps as the point crosses a cell face, and with it the force that it
+# exerts. GIMP averages over the point's square, CPDI over its corners: as long as the square is not deformed
+# their gradients are the same ramp, and CPDI's weight has a flat top where GIMP's is round. CPDI2 is the same
+# as CPDI here; they differ where domains become trapezoids. B-splines need no domain: their gradient is
+# continuous by itself, and they reach farther.
 
 places = np.linspace(-0.8, 2.8, 181)
 shapes = {"linear": ":", "cpdi": "-", "cpdi2": (0, (1, 2)), "gimp": "--", "bspline": "-."}
@@ -72,9 +73,9 @@ dress(right, "position of the point [cells]", "∂φ/∂x [1/cell]")
 legend_below(figure, [left.get_legend_handles_labels()[0]])
 figure
 
-# %%
-# A point that is stretched to one and a half cells: CPDI's corners follow, GIMP's square in mpmfw does not. Its corners are now
-# farther apart than a cell, and its weight has a dip at the node between them: such points are too coarse for the grid.
+# %% A point that is stretched to one and a half cells: CPDI's corners follow, GIMP's square in mpmfw does
+# not. Its corners are now farther apart than a cell, and its weight has a dip at the node between them: such
+# points are too coarse for the grid.
 
 figure = new_figure(2, 1)
 left, right = figure.subplots(1, 2)

@@ -2,9 +2,9 @@
 How large a step, how stiff a spring
 ====================================
 
-Contact springs shorten the stable time step. Every point of the map is a run of two blocks that collide, with a fixed step,
-classed by the energy that it makes; :doc:`/docs/guide/stability` says how. A tiny map, of a hundred steps a run.
-"""
+Contact springs shorten the stable time step. Every point of the map is a run of two blocks that collide, with
+a fixed step, classed by the energy that it makes; :doc:`/docs/guide/stability` says how. A tiny map, of a
+hundred steps a run."""
 
 from mpmfw.plots.stability import stability_figures
 from mpmfw.stability import stability_map
@@ -36,9 +36,8 @@ scene = {
 }
 chart = stability_map(scene, kappa=[0.5, 1.0, 2.0, 4.0, 8.0], cfl=[0.2, 0.4, 0.6, 0.8], steps=100)
 
-# %%
-# The line is the closed form for two equal bodies, :math:`1/\sqrt{1 + \kappa}` in Courant numbers; a run of mpmfw takes half
-# of the least limit that its nodal masses give, in every step anew.
+# %% The line is the closed form for two equal bodies, :math:`1/\sqrt{1 + \kappa}` in Courant numbers; a run
+# of mpmfw takes half of the least limit that its nodal masses give, in every step anew.
 
 ((figure, caption),) = stability_figures(chart).values()
 figure

@@ -2,9 +2,8 @@
 What a run will do, before it runs
 ==================================
 
-``mpmfw explain SCENE`` prints it; from Python the same is at hand as objects. A scene pays for what it calls for, and for
-nothing else: an effect that is off registers no hook and allocates no array.
-"""
+``mpmfw explain SCENE`` prints it; from Python the same is at hand as objects. A scene pays for what it calls
+for, and for nothing else: an effect that is off registers no hook and allocates no array."""
 
 import mpmfw
 from mpmfw.runs.run import prediction

@@ -2,14 +2,14 @@
 Error against cost
 ==================
 
-A study runs a grid of methods and resolutions, measures the error of each, and puts it beside its CPU time. Those that
-no other run beats in both are the Pareto front. A block slides down an incline; the error is that of its acceleration against
+A study runs a grid of methods and resolutions, measures the error of each, and puts it beside its CPU time.
+Those that no other run beats in both are the Pareto front. A block slides down an incline; the error is that
+of its acceleration against
 :math:`g(\\sin\\theta - \\mu\\cos\\theta)`. The shipped study ``sliding-block`` has all methods, and repeats
 every run for its cost.
 
-Classical contact runs in its plainest form and in its strongest: with averaged normals the block's corners catch on the plane,
-and it does not slide at all; with the normal of the stiffer body it does.
-"""
+Classical contact runs in its plainest form and in its strongest: with averaged normals the block's corners
+catch on the plane, and it does not slide at all; with the normal of the stiffer body it does."""
 
 import mpmfw
 from mpmfw import plots
@@ -32,8 +32,8 @@ dataset = mpmfw.study(study, jobs=1)
 figure = plots.front(dataset)
 figure
 
-# %%
-# What is on the front, the cheapest first. A run may be on the front with a large error: it is not beaten at its cost, no more.
+# %% What is on the front, the cheapest first. A run may be on the front with a large error: it is not beaten
+# at its cost, no more.
 
 mpmfw.pareto(dataset)
 

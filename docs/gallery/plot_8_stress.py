@@ -2,10 +2,10 @@
 Stress in a run
 ===============
 
-Two blocks between frictionless walls, pressed together by a platen: the vertical stress is the pressure, everywhere. What
-contacts make of it, material point by material point. Classical contact runs twice: with the mean of both bodies' normals, which
-is its default, and with the normal given, its strongest form where the interface is known.
-"""
+Two blocks between frictionless walls, pressed together by a platen: the vertical stress is the pressure,
+everywhere. What contacts make of it, material point by material point. Classical contact runs twice: with the
+mean of both bodies' normals, which is its default, and with the normal given, its strongest form where the
+interface is known."""
 
 import matplotlib.pyplot as plt
 
@@ -22,10 +22,10 @@ trees = {
 }
 trees["penalty"]["particles/lower"].to_dataset()
 
-# %%
-# The pressure is 0.2 MPa; the colour scale ends 20 % below and above it, and its pointed ends say that there are values beyond:
-# yellow is anything from 20 % too little on, violet anything from 20 % too much. With averaged normals the blocks' corners,
-# where a normal turns towards the walls, carry too little, and their neighbours too much; the given normal knows no corners.
+# %% The pressure is 0.2 MPa; the colour scale ends 20 % below and above it, and its pointed ends say that
+# there are values beyond: yellow is anything from 20 % too little on, violet anything from 20 % too much.
+# With averaged normals the blocks' corners, where a normal turns towards the walls, carry too little, and
+# their neighbours too much; the given normal knows no corners.
 
 pressure = 2e5
 figure = plots.side_by_side(trees, "stress_yy", limits=(-1.2 * pressure, -0.8 * pressure))
@@ -41,11 +41,11 @@ for contact, tree in trees.items():
     print(f"{contact:54s} largest {float(100 * abs(near / -pressure - 1).max()):5.2f} %")
 near
 
-# %%
-# So far the blocks had settled under the pressure. Without that it acts at once, and they swing about their rest, at a period of
-# four times the height over the wave speed: 58 ms. ``mpmfw.gap`` is the distance of the surfaces, negative where they penetrate;
-# springs need a penetration to carry a pressure, and here up to twice that at rest. When the blocks are at their tallest again,
-# the surfaces part for a moment: they cannot pull.
+# %% So far the blocks had settled under the pressure. Without that it acts at once, and they swing about
+# their rest, at a period of four times the height over the wave speed: 58 ms. ``mpmfw.gap`` is the distance
+# of the surfaces, negative where they penetrate; springs need a penetration to carry a pressure, and here up
+# to twice that at rest. When the blocks are at their tallest again, the surfaces part for a moment: they
+# cannot pull.
 
 changes = {"settle": None, "time.end": 0.12, "time.output_interval": 5e-4}
 swinging = mpmfw.run("contact-stress", contact="penalty", set=changes)

@@ -65,7 +65,8 @@ class PointForce(BodyLoad):
         if len(self.bodies) != 1:
             names = ", ".join(body.name for body in self.bodies)
             raise SceneError(
-                f"loads.{self.title}.bodies: a point force acts on one body, not on {names}; expected one of them"
+                f"loads.{self.title}.bodies: a point force acts on one body, not on {names}; expected one of "
+                "them"
             )
         (body,) = self.bodies
         try:

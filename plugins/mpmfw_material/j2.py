@@ -80,7 +80,8 @@ def set_plastic_metric(p: int, f: Floats, jacobian: Float, be: Floats, flow: Flo
 
 @kernel
 def j2_stress(
-    first: int, last: int, deformation_gradient: Floats, flow: Flow, stress: Floats, bulk: float, shear: float,
+    first: int, last: int, deformation_gradient: Floats, flow: Flow, stress: Floats, bulk: float,
+    shear: float,
     yield_stress: float, hardening: float, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """σ = K/2 (J − 1/J) 1 + s/J, |s| ≤ √(2/3) (σ_y + H α): elastic predictor s = G dev b_e, and its radial
@@ -182,7 +183,8 @@ class J2(Isotropic):
     def update_stress(self, particles: Particles) -> None:
         """σ of this material's bodies, and what has flowed."""
         self.over_points(
-            j2_stress, particles, particles.deformation_gradient, self.flow, particles.stress, *self.constants, self.spacing
+            j2_stress, particles, particles.deformation_gradient, self.flow, particles.stress,
+            *self.constants, self.spacing
         )  # fmt: skip
 
     @hookimpl

@@ -90,7 +90,8 @@ class NeoHookeanOptions(Moduli):
 
     energy: Literal["split", "log"] = Field(
         "split",
-        description="split: K/2 [(J^2-1)/2 - ln J] + G/2 [J^(-2/3) tr b - 3]; log: G/2 (tr b - 3) - G ln J + l/2 ln^2 J",
+        description="split: K/2 [(J^2-1)/2 - ln J] + G/2 [J^(-2/3) tr b - 3]; log: G/2 (tr b - 3) - G ln J + "
+        "l/2 ln^2 J",
     )
 
 

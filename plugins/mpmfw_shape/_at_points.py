@@ -17,7 +17,8 @@ Functions = tuple[Callable[..., int], int]
 
 
 def fill_at(
-    fill: Callable[..., int], position: FloatArray, first: IntArray, grid: Grid, table: Stencil, threads: Any = None
+    fill: Callable[..., int], position: FloatArray, first: IntArray, grid: Grid, table: Stencil,
+    threads: Any = None
 ) -> Stencil:  # fmt: skip
     """Fill a ``table`` by the functions at points of ``position`` (n, dim) [m]; those of field f are
     ``first[f]:first[f + 1]``.

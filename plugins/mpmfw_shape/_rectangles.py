@@ -64,7 +64,8 @@ def are_faces(rectangles: FloatArray, position: FloatArray, half_edges: FloatArr
 
 @kernel
 def mean_rows(
-    index: Ints, corners: Ints, row: Ints, nodes: Indices, weight: Floats, place: Indices, out_row: Ints, out_nodes: Indices,
+    index: Ints, corners: Ints, row: Ints, nodes: Indices, weight: Floats, place: Indices, out_row: Ints,
+    out_nodes: Indices,
     out_weight: Floats,
 ) -> None:  # fmt: skip
     """Copy a table of surface nodes; where ``index`` (n_s,) is that of a rectangle, and not −1, the row is
@@ -119,7 +120,8 @@ class Rectangles:
         room = 2**3 * (count + 3 * len(centre))
         self.place = np.zeros(0, dtype=np.int32)
         self.table = Stencil(
-            np.zeros(count + 1, dtype=np.int64), np.zeros(room, dtype=np.int32), np.zeros(room), np.zeros((0, 3))
+            np.zeros(count + 1, dtype=np.int64), np.zeros(room, dtype=np.int32), np.zeros(room),
+            np.zeros((0, 3))
         )  # fmt: skip
 
     def table_of(self, plain: Stencil, grid_nodes: int) -> Stencil:

@@ -44,7 +44,8 @@ def compact_weights(xi: Float, inverse_h: Float, d: int, base: Floats, weight: F
 
 @device
 def fill_grids(
-    k: int, base: Floats, even: Ints, weight: Floats, slope: Floats, shape: Ints, offset: int, nodes: Indices, values: Floats,
+    k: int, base: Floats, even: Ints, weight: Floats, slope: Floats, shape: Ints, offset: int,
+    nodes: Indices, values: Floats,
     gradients: Floats, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Write the 2 · 2**dim entries of one point from ``k`` on, their nodes ascending.
@@ -79,7 +80,8 @@ def fill_grids(
 
 @kernel
 def fill_compact(
-    position: Floats, first: Ints, lower: Floats, window_lower: Ints, window_shape: Ints, offset: Ints, nodes: Indices,
+    position: Floats, first: Ints, lower: Floats, window_lower: Ints, window_shape: Ints, offset: Ints,
+    nodes: Indices,
     weight: Floats, gradient: Floats, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """Compact kernels at points; 2 · 2**dim entries each. Return the first point outside its window, or

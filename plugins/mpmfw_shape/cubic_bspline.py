@@ -133,7 +133,8 @@ class CubicBSplineOptions(BaseModel):
     grid_end: Literal["modified", "refuse"] = Field(
         "modified",
         description=(
-            "in the last cell of the grid a node of the support is missing; modified: it is read by linear extrapolation "
+            "in the last cell of the grid a node of the support is missing; modified: it is read by linear "
+            "extrapolation "
             "(Steffen, Kirby & Berzins 2008), refuse: the run stops, as with the other functions"
         ),
     )

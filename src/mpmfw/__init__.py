@@ -1,8 +1,7 @@
 """Contact algorithms of the Material Point Method, side by side.
 
-The names below are imported at their first use, so that ``import mpmfw`` costs nothing. ``__version__`` is the version of
-mpmfw, a string.
-"""
+The names below are imported at their first use, so that ``import mpmfw`` costs nothing. ``__version__`` is
+the version of mpmfw, a string."""
 
 from __future__ import annotations
 

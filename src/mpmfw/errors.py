@@ -28,7 +28,8 @@ class SceneProblem:
     value
         What was given, where it is known.
     expected, nearest
-        What would have been valid, and the valid name that is nearest to the given one; empty where nothing is known.
+        What would have been valid, and the valid name that is nearest to the given one; empty where nothing
+        is known.
     """
 
     message: str
@@ -117,7 +118,9 @@ class SimulationError(MpmfwError):
 
 
 class Diverged(SimulationError):
-    """A point inverted, or a value became NaN; the simulation adds the advice, which depends on the methods."""
+    """A point inverted, or a value became NaN; the simulation adds the advice, which depends on the
+    methods.
+    """
 
     def with_advice(self, advice: str) -> SimulationError:
         """Return the same error with ``advice``."""
@@ -167,7 +170,9 @@ class ResultsWarning(UserWarning):
 
 
 def status_code(status: str) -> str:
-    """Return the code of a status, which is ``code`` or ``code: text``: ``ok``, ``suspect``, ``failed``, ``refused`` …"""
+    """Return the code of a status, which is ``code`` or ``code: text``: ``ok``, ``suspect``, ``failed``,
+    ``refused`` …
+    """
     return status.partition(":")[0]
 
 

@@ -157,7 +157,8 @@ def within_range(value: float) -> float:
     """
     if value != 0.0 and math.isfinite(value) and not 1.0 / LARGEST <= abs(value) <= LARGEST:
         raise ValueError(
-            f"{value!r} is out of range: a magnitude is 0 or from {1.0 / LARGEST:g} to {LARGEST:g} in SI units"
+            f"{value!r} is out of range: a magnitude is 0 or from {1.0 / LARGEST:g} to {LARGEST:g} in SI "
+            "units"
         )
     return value
 

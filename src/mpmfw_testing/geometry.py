@@ -102,7 +102,10 @@ def oriented(subject: Subject) -> None:
             wrong = shapely.contains_xy(geometry.region, *(middle + away).T) != wanted
             if wrong.any():
                 where = "not in the region" if wanted else "in the region"
-                text = f"beside {wrong.sum()} of {len(wrong)} segments the {'left' if wanted else 'right'} is {where}"
+                text = (
+                    f"beside {wrong.sum()} of {len(wrong)} segments "
+                    f"the {'left' if wanted else 'right'} is {where}"
+                )
                 raise Violation(text, {**case, "the first at [m]": middle[wrong][0].tolist()})
 
 

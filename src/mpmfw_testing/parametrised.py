@@ -17,7 +17,8 @@ from mpmfw_testing.subject import Subject, bases_of_kinds, subject_of
 
 #: Kinds of plug-ins that there are checks for.
 CHECKED: tuple[Kind, ...] = (
-    "contact", "detection", "law", "shape", "material", "load", "friction", "boundary", "output", "geometry", "measure",
+    "contact", "detection", "law", "shape", "material", "load", "friction", "boundary", "output",
+    "geometry", "measure",
     "reference",
 )  # fmt: skip
 
@@ -78,7 +79,8 @@ def _conformance_of(kind: Kind, more: str = "") -> Callable[..., Callable[[Any],
 contact_conformance = _conformance_of("contact")
 detection_conformance = _conformance_of(
     "detection",
-    " It is joined with the law ``penalty``, or ``impulse`` where that needs facets that it does not list; with another law "
+    " It is joined with the law ``penalty``, or ``impulse`` where that needs facets that it does not list; "
+    "with another law "
     'the two are a contact, ``contact_conformance("my_detection+lcp")``.',
 )
 law_conformance = _conformance_of(

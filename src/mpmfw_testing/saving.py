@@ -84,5 +84,6 @@ def _program(scene: Path, steps: int, subject: Subject) -> str:
         f"from {plugin.__module__} import {plugin.__qualname__.partition('.')[0]}\n"
         "from mpmfw.runs.simulation import Simulation\n\n"
         f'simulation = Simulation(Path(__file__).with_suffix(".toml"){given})\n'
-        f"simulation.advance({steps}, lambda frame: print(frame.time, 's', frame.series['linear_momentum'].tolist()))\n"
+        f"simulation.advance({steps}, lambda frame: print(frame.time, 's', "
+        "frame.series['linear_momentum'].tolist()))\n"
     )

@@ -111,7 +111,8 @@ def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None
         _refuse_unusable(type(made), kind)
         return Subject(kind, _label(type(made), given), None, plugin, given)
     raise SceneError(
-        f"cannot check {plugin!r}: expected a plug-in class, an object of one, a function that makes one, or a name"
+        f"cannot check {plugin!r}: expected a plug-in class, an object of one, a function that makes one, or "
+        "a name"
     )
 
 

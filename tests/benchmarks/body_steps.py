@@ -1,11 +1,12 @@
-"""What steps of its own for every body could gain on the rolling cylinder, and whether they are stable at contacts.
+"""What steps of its own for every body could gain on the rolling cylinder, and whether they are stable at
+contacts.
 
     python tests/benchmarks/body_steps.py
 
-The plane is ten times as stiff as the cylinder, so that its waves make the step √10 shorter than the cylinder needs. Three
-measurements: a step that leaves the plane's waves out; what the plane's part of a step costs; and the spectral radius of two
-elastic bars in contact, of which the stiff one takes M steps in one of the other's.
-"""
+The plane is ten times as stiff as the cylinder, so that its waves make the step √10 shorter than the cylinder
+needs. Three measurements: a step that leaves the plane's waves out; what the plane's part of a step costs;
+and the spectral radius of two elastic bars in contact, of which the stiff one takes M steps in one of the
+other's."""
 
 from __future__ import annotations
 
@@ -51,7 +52,9 @@ def long_steps() -> None:
 
 
 def costs() -> None:
-    """Least CPU time of a step of both bodies, and of each alone, and what the best division of steps would gain."""
+    """Least CPU time of a step of both bodies, and of each alone, and what the best division of steps would
+    gain.
+    """
     both = scene()
     alone = {}
     for name in ("cylinder", "plane"):
@@ -69,7 +72,8 @@ def costs() -> None:
             least[name] = min(least[name], (time.process_time() - begin) / STEPS * 1e6)
     contact = least["both"] - least["cylinder"] - least["plane"]
     print(
-        f"a step: {', '.join(f'{name} {value:.0f} µs' for name, value in least.items())}, the rest {contact:.0f} µs"
+        f"a step: {', '.join(f'{name} {value:.0f} µs' for name, value in least.items())}, the rest "
+        f"{contact:.0f} µs"
     )
     apart = (MANY - 1) * least["cylinder"]
     once = apart + (MANY - 1) * max(contact, 0.0)
@@ -92,10 +96,10 @@ def divided_step(
 ) -> FloatArray:
     """One step of a soft bar and ``many`` of a stiff one, whose ends are joined by a contact spring.
 
-    Element size and mass of a node are 1, so that c² is the stiffness. The ``contact`` force of a step's beginning is "held" over
-    the stiff bar's steps, or acts as one "impulse" on both ends, or is "asked" in each of the stiff bar's steps and acts on both.
-    The last two are symplectic: there is an energy near to the true one that they keep, where they are stable.
-    """
+    Element size and mass of a node are 1, so that c² is the stiffness. The ``contact`` force of a step's
+    beginning is "held" over the stiff bar's steps, or acts as one "impulse" on both ends, or is "asked" in
+    each of the stiff bar's steps and acts on both. The last two are symplectic: there is an energy near to
+    the true one that they keep, where they are stable."""
     soft, stiff, v_soft, v_stiff = (part.copy() for part in state.reshape(4, ELEMENTS + 1))
     mass = np.ones(ELEMENTS + 1)
     mass[[0, -1]] = 0.5
@@ -127,7 +131,8 @@ def growth(dt: float, ratio: float, kappa: float, *, contact: str, many: int) ->
 
 
 def stability() -> None:
-    """Shares of steps that grow, up to half of the soft bar's limit with its contact and from there to 0.8, and the first.
+    """Shares of steps that grow, up to half of the soft bar's limit with its contact and from there to 0.8,
+    and the first.
 
     Scenes take half of the limit, if they do not say otherwise.
     """

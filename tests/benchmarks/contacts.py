@@ -3,11 +3,10 @@
     python tests/benchmarks/contacts.py [--shapes linear,gimp,bspline,cpdi,cpdi2] [--repeats 15]
     python tests/benchmarks/contacts.py --sphere 0.2 --shapes cpdi [--repeats 15] [--radius 1.0]
 
-The bodies are the colliding rings, or a sphere that slips down a plane, with cells of the size given [m]. ``separate`` has a
-field for each body, with its rotation corrected, and no contact: what is beyond it is contact's. Samples of all methods
-alternate; a figure is the least of a method's samples over the least of ``none``. Surfaces that only the gap is measured with
-do not count.
-"""
+The bodies are the colliding rings, or a sphere that slips down a plane, with cells of the size given [m].
+``separate`` has a field for each body, with its rotation corrected, and no contact: what is beyond it is
+contact's. Samples of all methods alternate; a figure is the least of a method's samples over the least of
+``none``. Surfaces that only the gap is measured with do not count."""
 
 from __future__ import annotations
 
@@ -20,15 +19,17 @@ from mpmfw.runs.simulation import Simulation
 from mpmfw.state.clock import STEP_STAGES
 
 METHODS = ("none", "separate", "bardenhagen", "penalty")
-#: Steps after which the rings touch, those after which the sphere presses on the plane, and steps of a sample: of the sphere
-#: with all that is not done in every step.
+#: Steps after which the rings touch, those after which the sphere presses on the plane, and steps of a
+#: sample: of the sphere with all that is not done in every step.
 RINGS_BEFORE, SPHERE_BEFORE, RINGS_SAMPLE, SPHERE_SAMPLE = 270, 60, 10, 40
 #: Of the sphere, about that in the middle of its way [m/s].
 SPEED = 3.0
 
 
 def sphere(cell_size: float, radius: float) -> dict[str, Any]:
-    """The sphere with slip, on its way, and without the ledger of its energies, which has a cost of its own."""
+    """The sphere with slip, on its way, and without the ledger of its energies, which has a cost of its
+    own.
+    """
     text = files("mpmfw").joinpath("scenes/rolling-sphere-slip.toml").read_text(encoding="utf-8")
     scene = tomllib.loads(text)
     del scene["settle"]

@@ -2,9 +2,9 @@
 
     python tests/benchmarks/many_bodies.py [--bodies 100 400 1000] [--contact penalty] [--write FILE]
 
-Prints seconds to build and of a frame, nanoseconds a point and step, and the ratio of these to two discs, whose steps are
-timed between those of the many: figures of one machine at one time, of which only the ratios mean something.
-"""
+Prints seconds to build and of a frame, nanoseconds a point and step, and the ratio of these to two discs,
+whose steps are timed between those of the many: figures of one machine at one time, of which only the ratios
+mean something."""
 
 from __future__ import annotations
 

@@ -1,11 +1,12 @@
-"""What hooks, plan and clock cost: the simulation's own step against a reference step written out for the scene.
+"""What hooks, plan and clock cost: the simulation's own step against a reference step written out for the
+scene.
 
     python tests/benchmarks/overhead.py [--points 20000] [--pairs 200]
     pytest tests/benchmarks/overhead.py
 
-Both run in one process on the same arrays, from the same state, which is restored before every sample; which of the
-two comes first alternates. The overhead is the median of the pairs' ratios; its interval is that of the bootstrap.
-"""
+Both run in one process on the same arrays, from the same state, which is restored before every sample; which
+of the two comes first alternates. The overhead is the median of the pairs' ratios; its interval is that of
+the bootstrap."""
 
 from __future__ import annotations
 
@@ -103,7 +104,9 @@ def sample(step: Callable[[], None], simulation: Simulation, snapshot: Snapshot,
 
 
 def measure(name: str, points: int = POINTS, pairs: int = PAIRS) -> dict[str, float]:
-    """Nanoseconds per point and step of both, their difference a step, the median ratio with its interval of 95 %."""
+    """Nanoseconds per point and step of both, their difference a step, the median ratio with its interval of
+    95 %.
+    """
     simulation, written, snapshot = prepared(name, points)
 
     def own() -> None:

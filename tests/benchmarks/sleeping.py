@@ -2,9 +2,9 @@
 
     python tests/benchmarks/sleeping.py [--blocks 100] [--contact penalty] [--rounds 7]
 
-Prints CPU time of a step of the block alone, of all blocks while the others sleep, and of all awake, each the least of
-rounds that are taken by turns, their ratios, and how far the moving block is from where it is without sleep, over its way.
-"""
+Prints CPU time of a step of the block alone, of all blocks while the others sleep, and of all awake, each the
+least of rounds that are taken by turns, their ratios, and how far the moving block is from where it is
+without sleep, over its way."""
 
 from __future__ import annotations
 

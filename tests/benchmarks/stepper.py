@@ -1,10 +1,13 @@
-"""What a step costs: nanoseconds per material point by stage, and the ratio to a plain loop of the same arithmetic.
+"""What a step costs: nanoseconds per material point by stage, and the ratio to a plain loop of the same
+arithmetic.
 
-    python tests/benchmarks/stepper.py [--shapes linear,gimp,bspline,cpdi] [--counts 600,17600] [--dim 2] [--repeats 30] [--keep]
-    python tests/benchmarks/stepper.py --rings [--shapes linear,gimp,bspline,cpdi] [--repeats 30] [--keep]
+    python tests/benchmarks/stepper.py [--shapes linear,gimp,bspline,cpdi] [--counts 600,17600] [--dim 2]
+    [--repeats 30] [--keep] python tests/benchmarks/stepper.py --rings [--shapes linear,gimp,bspline,cpdi]
+    [--repeats 30] [--keep]
 
-The points are those of a block, slightly irregular, or with --rings those of the scene colliding-rings.
-The plain loop is the fastest of g++'s and clang++'s, with an interpolation table and without; samples of all alternate. With
+The points are those of a block, slightly irregular, or with --rings those of the scene colliding-rings. The
+plain loop is the fastest of g++'s and clang++'s, with an interpolation table and without; samples of all
+alternate. With
 --keep the ratios go to history.csv beside this file, with the commit that they are of.
 """
 
@@ -31,7 +34,9 @@ KEPT = ("points", "dim", "shape", "particles", "loop", "ratio", "ratio_low", "ra
 
 
 def keep(rows: list[dict[str, object]], busy: float) -> None:
-    """Add the rows' ratios to the history, with date, commit, processor and how many cores others kept busy."""
+    """Add the rows' ratios to the history, with date, commit, processor and how many cores others kept
+    busy.
+    """
     head = ("git", "describe", "--always", "--dirty")
     commit = subprocess.run(
         head, cwd=HISTORY.parent, check=True, capture_output=True, text=True

@@ -1,4 +1,5 @@
-"""Reference steps, each written out for one kind of scene: the same kernels and the same contact, called directly.
+"""Reference steps, each written out for one kind of scene: the same kernels and the same contact, called
+directly.
 
 No hook, no plan, no clock, no structure for what the scene does not have. They read and write the arrays of a
 simulation in place, so that both run on the very same memory.
@@ -39,7 +40,8 @@ class OneBody:
         """φ_ip and ∇φ_ip."""
         p, g, phi = self.p, self.g, self.phi
         outside = fill_cpdi(
-            p.first, p.position, p.deformation_gradient, self.half_edges, g.lower, g.window_lower, g.window_shape,
+            p.first, p.position, p.deformation_gradient, self.half_edges, g.lower, g.window_lower,
+            g.window_shape,
             g.offset, 0, *phi.room, g.spacing,
         )  # fmt: skip
         assert outside < 0

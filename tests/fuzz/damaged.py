@@ -1,8 +1,8 @@
-"""Files that a stranger has damaged or crafted, and what reading one of them may do: end well, or with one message.
+"""Files that a stranger has damaged or crafted, and what reading one of them may do: end well, or with one
+message.
 
-Each is made from a number alone. It is read in a process of its own, which an audit hook watches: no import of what was not
-imported, no other process, no file written elsewhere, at most 1 GB, and no hanging.
-"""
+Each is made from a number alone. It is read in a process of its own, which an audit hook watches: no import
+of what was not imported, no other process, no file written elsewhere, at most 1 GB, and no hanging."""
 
 from __future__ import annotations
 
@@ -28,12 +28,14 @@ import mpmfw
 from checkpoints_for_tests import content, opened
 from mpmfw.errors import Interrupted, MpmfwError
 
-#: Bytes that reading a file may take, and seconds after which it hangs: 10 are meant, and the machine may have other work.
+#: Bytes that reading a file may take, and seconds after which it hangs: 10 are meant, and the machine may
+#: have other work.
 MEMORY, SECONDS = 1e9, 60.0
 
 #: Values that stand for others in what a file says.
 _VALUES = (
-    0, 1, -1, 2**31, 2**63, 10**400, 1e308, float("nan"), float("inf"), True, None, "", "x", "os:system", "__import__('os')",
+    0, 1, -1, 2**31, 2**63, 10**400, 1e308, float("nan"), float("inf"), True, None, "", "x", "os:system",
+    "__import__('os')",
     "../../pwned", [], [1], {}, {"a": 1}, {"__class__": "subprocess.Popen"}, ["builtins:eval"] * 3,
 )  # fmt: skip
 
@@ -75,7 +77,9 @@ class Ending:
 
 
 def make(folder: Path) -> None:
-    """Write sound files: a run that was interrupted with its checkpoint, a run that ended, a comparison and its store."""
+    """Write sound files: a run that was interrupted with its checkpoint, a run that ended, a comparison and
+    its store.
+    """
 
     def stop(time: float, steps: int) -> None:  # noqa: ARG001
         os.kill(os.getpid(), signal.SIGINT)
@@ -217,7 +221,8 @@ def case(number: int, sound: Path, folder: Path) -> tuple[str, Callable[[], Any]
     what = ("checkpoint", "results", "run", "compare", "store")[number % 5]
     stores = sorted((folder / "compare.nc.runs").glob("*.json" if number % 2 else "*.*"))
     path = {
-        "checkpoint": folder / "stopped.nc.checkpoint", "results": folder / "stopped.nc", "run": folder / "run.nc",
+        "checkpoint": folder / "stopped.nc.checkpoint", "results": folder / "stopped.nc",
+        "run": folder / "run.nc",
         "compare": folder / "compare.nc", "store": draw.choice(stores),
     }[what]  # fmt: skip
     if draw.random() < 0.3:

@@ -1,7 +1,7 @@
 """The long form of the fuzzing: ``python tests/fuzz/long_form.py --count 100000``.
 
-Prints each mutant that ends otherwise than it may, and how many ended how; ``--number N`` shows one mutant and its end.
-"""
+Prints each mutant that ends otherwise than it may, and how many ended how; ``--number N`` shows one mutant
+and its end."""
 
 from __future__ import annotations
 
@@ -43,7 +43,8 @@ def main() -> int:
             or asked.number is not None
         ):
             print(
-                f"-- mutant {number} of {made.seed}: {trial.outcome} after {trial.seconds:.2f} s\n{trial.said}",
+                f"-- mutant {number} of {made.seed}: {trial.outcome} after {trial.seconds:.2f} "
+                f"s\n{trial.said}",
                 flush=True,
             )
     print(f"{dict(ends)}; the slowest, {slowest[1]}, took {slowest[0]:.1f} s")

@@ -13,31 +13,33 @@ from seeds import seeds
 
 #: Numbers at which arithmetic, counting or memory end.
 _NUMBERS = (
-    "0", "-0.0", "-1", "1", "2", "3", "1e-300", "5e-324", "1e300", "1e308", "-1e308", "1e60", "1e-60", "1e59", "1e-59",
-    "inf", "-inf", "nan", "1e16", "1e-16", "1e9", "1e-9", "1000", "400", "0.001", "1e-6", "1e6", "1e20", "1e-12",
+    "0", "-0.0", "-1", "1", "2", "3", "1e-300", "5e-324", "1e300", "1e308", "-1e308", "1e60", "1e-60", "1e59", "1e-59",  # noqa: E501
+    "inf", "-inf", "nan", "1e16", "1e-16", "1e9", "1e-9", "1000", "400", "0.001", "1e-6", "1e6", "1e20", "1e-12",  # noqa: E501
     "9223372036854775808", "1" + "0" * 400, "true", "false", "0x10", "1_000.5", "1979-05-27", "07:32:00",
 )  # fmt: skip
 
 #: Texts that are read as something, or that break what reads them.
 _TEXTS = (
-    '""', '" "', '"1 m"', '"1 mm"', '"1 s"', '"((((1"', '"1/0 m"', '"1 m / 0"', '"1 m^99"', '"1e400 m"', '"nan m"', '"5 %"',
-    '"1 MPa"', '"0.5 cells"', '"1e300 cells"', '"0 cells"', '"-1 cells"', '"1 2 m"', '"__import__(\'os\').abort()"',
-    '"{0.__class__}"', '"${HOME}"', '"$(touch pwned)"', '"../../pwned"', '"/etc/passwd"', '"\\u0000"', '"a\\u0000b"',
-    '"<script>alert(1)</script>"', '"\\u202e"', '"é"', '"free"', '"auto"', '"penalty"', '"cpdi2"', '"none"', '"x"',
+    '""', '" "', '"1 m"', '"1 mm"', '"1 s"', '"((((1"', '"1/0 m"', '"1 m / 0"', '"1 m^99"', '"1e400 m"', '"nan m"', '"5 %"',  # noqa: E501
+    '"1 MPa"', '"0.5 cells"', '"1e300 cells"', '"0 cells"', '"-1 cells"', '"1 2 m"', '"__import__(\'os\').abort()"',  # noqa: E501
+    '"{0.__class__}"', '"${HOME}"', '"$(touch pwned)"', '"../../pwned"', '"/etc/passwd"', '"\\u0000"', '"a\\u0000b"',  # noqa: E501
+    '"<script>alert(1)</script>"', '"\\u202e"', '"é"', '"free"', '"auto"', '"penalty"', '"cpdi2"', '"none"', '"x"',  # noqa: E501
     '"pwned:X"', '"nodes+pwned:X"', '"pwned:X(a = 1)"', '"antigravity:X"',
     '"a/b"', '"time"', "'''\n'''", '"' + "9" * 3000 + '"', '"' + "x" * 100_000 + '"',
 )  # fmt: skip
 
 _TABLES = (
-    "[]", "[[]]", "{}", "{ type = 'disc' }", "{ type = 'mesh', path = '../../pwned' }", "{ type = 'mesh', path = '/dev/zero' }",
+    "[]", "[[]]", "{}", "{ type = 'disc' }", "{ type = 'mesh', path = '../../pwned' }", "{ type = 'mesh', path = '/dev/zero' }",  # noqa: E501
     "{ type = 'mesh', path = '/etc/passwd' }", "{ type = 'mesh', path = \"a\\u0000b\" }",
-    "{ type = 'box', lower = [0, 0, 0], upper = [1, 1, 1] }", "{ type = 'disc', centre = [0.5, 0.5], radius = 1e-3 }",
+    "{ type = 'box', lower = [0, 0, 0], upper = [1, 1, 1] "
+    "}", "{ type = 'disc', centre = [0.5, 0.5], radius = 1e-3 }",
     "{ type = 'polygon', points = [[0, 0], [1, 1], [1, 0], [0, 1]] }",
     "{ type = 'pwned:X' }", "{ method = 'pwned:X' }", "{ model = 'pwned:X' }",
     "[1]", "[1, 2]", "[1, 2, 3]", "[1, 2, 3, 4]",
-    "[0.3, 0.2]", "[[0, 0, 0], [0, 0, 0]]", "[true, 'free']", "[nan, inf]", "[1e300, -1e300]", "['x', 'x']", "['1 m', '1 s']",
+    "[0.3, 0.2]", "[[0, 0, 0], [0, 0, 0]]", "[true, 'free']", "[nan, inf]", "[1e300, -1e300]", "['x', 'x']", "['1 m', '1 s']",  # noqa: E501
     "[{ side = 'left', fixed = true }, { side = 'right', velocity = [1e5, 'free'] }]",
-    "[{ side = 'left', fixed = true }, { side = 'left', velocity = [1, 0] }]", "[" * 60 + "]" * 60, "[" * 500 + "]" * 500,
+    "[{ side = 'left', fixed = true }, { side = 'left', velocity = [1, 0] "
+    "}]", "[" * 60 + "]" * 60, "[" * 500 + "]" * 500,
     "{ a = " * 50 + "1" + " }" * 50,
 )  # fmt: skip
 
@@ -73,7 +75,8 @@ class Mutant:
 
 def mutant(number: int) -> Mutant:
     """The mutant of that number, always the same one."""
-    # Its own generator: the sequence of random.Random does not depend on the platform or the version of Python
+    # Its own generator: the sequence of random.Random does not depend on the platform or the version of
+    # Python
     draw = random.Random(f"mpmfw mutant {number}")
     name, text = draw.choice(seeds())
     for _ in range(draw.choice((1, 1, 1, 2, 3))):

@@ -135,7 +135,7 @@ sides = [{ side = "left", fixed = ["x"] }]
 
 [gravity]
 vector = [1.0, "-9.81 m/s^2"]
-"""
+"""  # noqa: E501
 
 
 def seeds() -> list[tuple[str, str]]:

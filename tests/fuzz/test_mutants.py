@@ -1,4 +1,6 @@
-"""Two thousand mutated scenes: none ends in a traceback, hangs, is "ok" with NaN, runs code or touches other files."""
+"""Two thousand mutated scenes: none ends in a traceback, hangs, is "ok" with NaN, runs code or touches other
+files.
+"""
 
 from __future__ import annotations
 

@@ -74,7 +74,9 @@ def attempt(mutant: Mutant, folder: Path, *, memory: bool = False) -> Trial:
 
 
 def _guarded(go: Callable[[], tuple[str, str]]) -> tuple[str, str]:
-    """The outcome; anything but an error of mpmfw's own is wrong, and so is a message of several thousand characters."""
+    """The outcome; anything but an error of mpmfw's own is wrong, and so is a message of several thousand
+    characters.
+    """
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")

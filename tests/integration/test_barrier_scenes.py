@@ -111,7 +111,9 @@ def moving_segment(seed):
 
 @pytest.mark.parametrize("seed", range(30))
 def test_the_time_to_touch_is_before_the_time_of_impact(seed):
-    """Half of the distance, but for the time that :func:`time_to_reach` lets it: never past what exact detection finds."""
+    """Half of the distance, but for the time that :func:`time_to_reach` lets it: never past what exact
+    detection finds.
+    """
     ipctk = pytest.importorskip("ipctk")
     surface, velocity = moving_segment(seed)
     n, position = len(surface.body), surface.position
@@ -122,7 +124,8 @@ def test_the_time_to_touch_is_before_the_time_of_impact(seed):
     )
     away = position[4] - (1.0 - share) * ends[0] - share * ends[1]
     allowed = time_to_reach(
-        4, 2, np.array([1.0 - share, share]), away / np.linalg.norm(away), 0.0, 1e-9, surface.outline, table, np.ones(n),
+        4, 2, np.array([1.0 - share, share]), away / np.linalg.norm(away), 0.0, 1e-9, surface.outline,
+        table, np.ones(n),
         velocity, PLANE,
     )  # fmt: skip
     then = position + 4.0 * velocity

@@ -1,8 +1,7 @@
 """Physics broken in one line turns gates of the suite red: which, for each line, is written down here.
 
-A copy of the plug-in package with that line changed takes the package's place in a process of its own, which runs the
-reduced version of a case.
-"""
+A copy of the plug-in package with that line changed takes the package's place in a process of its own, which
+runs the reduced version of a case."""
 
 from __future__ import annotations
 
@@ -68,8 +67,8 @@ FAULTS = {
         ((CPDI, "mean σ_yy, error, at 0.37 h"), (CPDI, "largest departure, at 0.37 h")),
         long=True,
     ),
-    # With an affine transfer MUSL keeps the rotation, and no gate sees it: the fault is MUSL with the transfer that it
-    # came with.
+    # With an affine transfer MUSL keeps the rotation, and no gate sees it: the fault is MUSL with the
+    # transfer that it came with.
     "MUSL for rotation": Fault(
         "mpmfw_shape/cpdi.py",
         '    name = "cpdi"\n',

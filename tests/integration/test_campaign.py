@@ -395,7 +395,9 @@ if __name__ == "__main__":
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this platform")
 def test_a_campaign_that_is_killed_again_and_again_ends_with_the_same_dataset(tmp_path):
-    """The process itself and its workers, at random moments of their work; ``MPMFW_KILLS=20`` is the long form."""
+    """The process itself and its workers, at random moments of their work; ``MPMFW_KILLS=20`` is the long
+    form.
+    """
     (tmp_path / "program.py").write_text(PROGRAM, encoding="utf-8")
     environment = {
         **os.environ,

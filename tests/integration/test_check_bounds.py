@@ -64,7 +64,9 @@ def test_a_process_that_dies_is_followed_by_one_that_asks_every_index(
 
 
 class Located:
-    """Stands for numba's dispatcher: compiled code that raises without a place, and the function that it was made of."""
+    """Stands for numba's dispatcher: compiled code that raises without a place, and the function that it was
+    made of.
+    """
 
     def __init__(self, function: Callable[..., None]) -> None:
         self.py_func = function

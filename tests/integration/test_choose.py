@@ -140,11 +140,11 @@ def no_contact() -> dict[str, Any]:
     ("given", "options", "message"),
     [
         (scene(), {"measure": "accelerations"}, "'accelerations' is unknown; did you mean 'acceleration'"),
-        (no_reference(), {}, "has no closed form or reference, so that it does not say what an error is of; .* or a measure"),
-        (no_reference(), {"measure": "interface-stress"}, "has no closed form of it, and runs at other cell sizes"),
+        (no_reference(), {}, "has no closed form or reference, so that it does not say what an error is of; .* or a measure"),  # noqa: E501
+        (no_reference(), {"measure": "interface-stress"}, "has no closed form of it, and runs at other cell sizes"),  # noqa: E501
         (scene(), {"measure": "spin", "axis": "x"}, "^axis: has no effect: spin looks at body"),
         (scene(), {"body": "blok"}, "'blok' is no body of the scene; expected one of block, plane"),
-        (SLIDING, {}, 'bodies.block.particles.size: is 0.1 m at every cell size.*expected cells, such as "0.5 cells"'),
+        (SLIDING, {}, 'bodies.block.particles.size: is 0.1 m at every cell size.*expected cells, such as "0.5 cells"'),  # noqa: E501
         (scene(), {"finest": 0.3}, "finest 0.3 m: must be at most half of the coarsest cell, 0.4 m"),
         (scene(), {"coarsest": "4 kg"}, "coarsest 4 kg: .*expected a cell size such as 0.4 or '4 mm'"),
         (scene(), {"error": 1}, "error 1: is an error of 100 %; expected '1 %' or 0.01"),

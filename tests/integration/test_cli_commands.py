@@ -302,7 +302,7 @@ def test_configured_strategies_are_compared_under_their_labels(scene):
 
 
 def test_compare_is_the_function_whatever_is_imported_first():
-    code = "import mpmfw.campaigns.comparison; from mpmfw import compare; import mpmfw; print(callable(mpmfw.compare))"
+    code = "import mpmfw.campaigns.comparison; from mpmfw import compare; import mpmfw; print(callable(mpmfw.compare))"  # noqa: E501
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout == "True\n"
 

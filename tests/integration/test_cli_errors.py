@@ -65,17 +65,23 @@ def mpmfw(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("radius = 1", "raduis = 1", "s.toml:28: bodies.block.geometry.raduis: unknown key; did you mean 'radius'?\n"),
-        ("end = 1", "end = [1]", "s.toml:7: time.end: [1] is an array; expected a time in s, a number or a string such as "
+        ("radius = 1", "raduis = 1", "s.toml:28: bodies.block.geometry.raduis: unknown key; did you mean "
+                                     "'radius'?\n"),
+        ("end = 1", "end = [1]", "s.toml:7: time.end: [1] is an array; expected a time in s, a number or a "
+                                 "string such as "
          "'5 us'\n"),
-        ("end = 1", 'end = "1 m"', "s.toml:7: time.end: '1 m' is not convertible to s; expected a time in s, a number or a "
+        ("end = 1", 'end = "1 m"', "s.toml:7: time.end: '1 m' is not convertible to s; expected a time in s, "
+                                   "a number or a "
          "string such as '5 us'\n"),
-        ('method = "none"', 'method = "nonne"', "s.toml:14: contact.method: no such contact plug-in: 'nonne' is unknown; "
+        ('method = "none"', 'method = "nonne"', "s.toml:14: contact.method: no such contact plug-in: 'nonne' "
+                                                "is unknown; "
          "did you mean 'none'? (one of adhesion, bardenhagen, barrier, hamad2017, hybrid, impulse, "
          "lcp, midplane, nairn, none, particles, penalty, separate, or DETECTION+LAW)\n"),
-        ('"block", "floor"', '"blok", "floor"', "s.toml:17: contact.pairs[0].bodies[0]: no body 'blok'; did you mean "
+        ('"block", "floor"', '"blok", "floor"', "s.toml:17: contact.pairs[0].bodies[0]: no body 'blok'; did "
+                                                "you mean "
          "'block'?\n"),
-        ("[shape]", '[stepping]\ntransfer = "flip"\ntransported = true\n[shape]', "s.toml:12: stepping.transported: has no "
+        ("[shape]", '[stepping]\ntransfer = "flip"\ntransported = '
+                    'true\n[shape]', "s.toml:12: stepping.transported: has no "
          "effect with transfer flip, only with aflip, apic and tpic\n"),
     ],
 )  # fmt: skip
@@ -176,7 +182,7 @@ HEAVY = (
     ],
 )
 def test_the_help_costs_no_heavy_import(code, more):
-    said = f"import atexit, sys; atexit.register(lambda: print('#', *[n for n in {HEAVY + more} if n in sys.modules])); "
+    said = f"import atexit, sys; atexit.register(lambda: print('#', *[n for n in {HEAVY + more} if n in sys.modules])); "  # noqa: E501
     found = subprocess.run([sys.executable, "-c", said + code], capture_output=True, text=True, check=True)
     assert found.stdout.splitlines()[-1] == "#"
 

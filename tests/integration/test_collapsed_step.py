@@ -1,4 +1,6 @@
-"""What is advised where the stable step falls to next to nothing: options that the contact has, and no other's."""
+"""What is advised where the stable step falls to next to nothing: options that the contact has, and no
+other's.
+"""
 
 from __future__ import annotations
 
@@ -36,5 +38,6 @@ def test_of_springs_the_keys_of_the_scene_are_named(contact, detection):
     said = advice(f"{contact}(kappa=1e12)")
     assert (
         said
-        == f"a softer contact (contact.penalty.kappa), another contact.{detection}.map, or another shape function"
+        == f"a softer contact (contact.penalty.kappa), another contact.{detection}.map, or another shape "
+        "function"
     )

@@ -1,4 +1,6 @@
-"""The conformance kit on contact laws: the bundled ones pass, and each planted fault is caught by the check meant for it."""
+"""The conformance kit on contact laws: the bundled ones pass, and each planted fault is caught by the check
+meant for it.
+"""
 
 from __future__ import annotations
 
@@ -82,11 +84,13 @@ FAULTS = {
 }
 #: Faults that pass, and why; the score counts them as missed.
 MISSED = {
-    springs.HalfTheWork: "the slip of a face is not measured: sound laws report half to all of friction times the bodies' slip",
+    springs.HalfTheWork: "the slip of a face is not measured: sound laws report half to all of friction "
+    "times the bodies' slip",
 }
 #: Checks whose violations have nothing to show: two runs with the same motion.
 WITHOUT_PICTURE = {"options", "outputs", "changes-nothing-else", "no-growth", "sent"}
-#: Of a scene with one body the host does not call the law: no law can break this, so that no fault can be planted.
+#: Of a scene with one body the host does not call the law: no law can break this, so that no fault can be
+#: planted.
 OF_THE_HOST = {"one-body"}
 
 STICKS = "one velocity field for all bodies: they stick where they meet, in every direction"
@@ -99,15 +103,16 @@ LACKS_NONE = {
     "unequal": f"{STICKS}, and discs that meet in a point are hardly slowed",
     "three-bodies": "the common field strains the bodies at once, as in energy",
     "met-again": f"{STICKS}, and discs that meet in a point are hardly slowed",
-    "energy": "the common field strains the bodies at once, and FLIP slows their points only by the forces that follow",
+    "energy": "the common field strains the bodies at once, and FLIP slows their points only by the forces "
+    "that follow",
     "shift": "how many nodes the bodies share, and so how firmly they stick, depends on where they lie",
     "rotation": "how many nodes the bodies share, and so how firmly they stick, depends on how they lie",
     "asleep-apart": ROUNDED,
     "bystander": ROUNDED,
     "shapes": f"{STICKS}, and discs that meet in a point are hardly slowed",
-    "three-dimensions": "what bodies of one velocity field exchange is internal force: contact itself does nothing",
+    "three-dimensions": "what bodies of one velocity field exchange is internal force: contact itself does nothing",  # noqa: E501
 }
-THROWN = "a node near a corner is behind the line of a far face too (eq. 10), a cell deep, and is thrown out along the near one"
+THROWN = "a node near a corner is behind the line of a far face too (eq. 10), a cell deep, and is thrown out along the near one"  # noqa: E501
 LAYER = "the interface layer has inertia and momentum of its own beside the material points'"
 LACKS_HAMAD_2017 = {
     **dict.fromkeys(
@@ -127,7 +132,8 @@ LACKS_HAMAD_2017 = {
         LAYER,
     ),
     **dict.fromkeys(("shapes", "reports"), LAYER),
-    "refinement": "a node bears by the penetration of its segment's ends: four times as many nodes give 20 % more",
+    "refinement": "a node bears by the penetration of its segment's ends: four times as many nodes give 20 % "
+    "more",
 }
 #: Without its layer; equal blocks, of which each is slave once with half its area, then stay within the cone.
 LACKS_THIN = {
@@ -139,7 +145,8 @@ LACKS_LCP = {
     "rotation": f"{ORDER}: a quarter turn is felt by 2e-4",
 }
 LACKS_NAIRN = {
-    "relabelling": "sums in another order decide whether a normal has turned by less than what ends its regression",
+    "relabelling": "sums in another order decide whether a normal has turned by less than what ends its "
+    "regression",
 }
 PULLS = "surfaces attract each other"
 LACKS_PULLING = {
@@ -148,8 +155,9 @@ LACKS_PULLING = {
     "coulomb-cone": f"{PULLS}, and their friction has that load as well (Derjaguin)",
     "three-bodies": f"{PULLS}, and bodies gain the motion that the attraction gives them, from its energy",
     "similarity": "the traction is a stress, which the check leaves alone where it changes the units",
-    "unequal": f"{PULLS}, and a light body swings on a heavy one (0.51 of the approach; none with 1/100 of the traction)",
-    "step-length": f"{PULLS}, and steps of another length meet other gaps (0.32; below 0.1 with 1/10 of the traction)",
+    "unequal": f"{PULLS}, and a light body swings on a heavy one (0.51 of the approach; none with 1/100 of "
+    "the traction)",
+    "step-length": f"{PULLS}, and steps of another length meet other gaps (0.32; below 0.1 with 1/10 of the traction)",  # noqa: E501
 }
 LACKS_IMPULSE = {"relabelling": "a row that neither approaches nor parts takes part or not by rounding: 6e-9"}
 BUMPS = "spheres in the hollows of others: the surface is a row of bumps"
@@ -173,7 +181,9 @@ LACKS_SEPARATE = {
 
 @pytest.fixture(autouse=True, scope="module")
 def _entry_points_are_read_once():
-    """Nothing is installed while these tests run; reading it anew for every simulation takes most of their time."""
+    """Nothing is installed while these tests run; reading it anew for every simulation takes most of their
+    time.
+    """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
             mpmfw.plugin.discovery, "entry_points", functools.cache(mpmfw.plugin.discovery.entry_points)
@@ -312,7 +322,9 @@ def test_a_rounding_of_the_recorded_work_is_no_fall():
 
 
 class Film(ContactStrategy):
-    """Does nothing, with an option that it drops, and of which the only example is what it is configured with."""
+    """Does nothing, with an option that it drops, and of which the only example is what it is configured
+    with.
+    """
 
     name = "film"
 

@@ -1,4 +1,6 @@
-"""The conformance kit of loads: bundled ones pass, and every planted fault is caught by the check that is meant for it."""
+"""The conformance kit of loads: bundled ones pass, and every planted fault is caught by the check that is
+meant for it.
+"""
 
 from __future__ import annotations
 

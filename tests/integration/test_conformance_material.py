@@ -1,4 +1,6 @@
-"""The conformance kit of materials: bundled ones pass, and every planted fault is caught by the check that is meant for it."""
+"""The conformance kit of materials: bundled ones pass, and every planted fault is caught by the check that is
+meant for it.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +42,8 @@ FAULTS = {
 }
 
 LINEAR = {
-    "work": "σ = R C:(U − 1) Rᵀ is the gradient of its energy to second order of the strain alone: 5 % off at 10 %",
+    "work": "σ = R C:(U − 1) Rᵀ is the gradient of its energy to second order of the strain alone: 5 % off "
+    "at 10 %",
 }
 
 

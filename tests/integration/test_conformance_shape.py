@@ -1,5 +1,5 @@
-"""The conformance kit of shape functions: bundled functions pass, and every planted fault is caught by the check
-that is meant for it."""
+"""The conformance kit of shape functions: bundled functions pass, and every planted fault is caught by the
+check that is meant for it."""
 
 from __future__ import annotations
 
@@ -10,16 +10,17 @@ from mpmfw_testing import checks_of, examine, shape_conformance, subject_of
 
 #: What a bundled shape function cannot pass, and why.
 LINEAR = {
-    "divergence-theorem": "∇N jumps at cell faces, so that Σ V ∇N is a quadrature of first order: 13 % off with four "
+    "divergence-theorem": "∇N jumps at cell faces, so that Σ V ∇N is a quadrature of first order: 13 % off with four "  # noqa: E501
     "points a cell edge. massless_boundary is declared for this, and surfaces are mapped by mass"
 }
 GIMP = {
-    "constant-stress-deformed": "uGIMP keeps its squares by definition (Bardenhagen & Kober 2004): after a deformation "
+    "constant-stress-deformed": "uGIMP keeps its squares by definition (Bardenhagen & Kober 2004): after a deformation "  # noqa: E501
     "they overlap and leave gaps. CPDI is what follows F"
 }
 
 CK = {
-    "translation": "nodes belong in turn to one grid and to the other: weights repeat after two cells, which are one of "
+    "translation": "nodes belong in turn to one grid and to the other: weights repeat after two cells, which "
+    "are one of "
     "the paper's"
 }
 

@@ -73,17 +73,20 @@ def flutters(
     slip: float = 1.0,
     way: float = 0.01,
 ) -> bool:
-    """Return whether a contact is noted whose normal force swings by a share of its mean, and turns at ``every`` output.
+    """Return whether a contact is noted whose normal force swings by a share of its mean, and turns at
+    ``every`` output.
 
-    The bodies slide by ``way`` cells between two outputs, of which ``slip`` is slip, with ``share`` of the limit as friction.
-    """
+    The bodies slide by ``way`` cells between two outputs, of which ``slip`` is slip, with ``share`` of the
+    limit as friction."""
     names = ("impulse", "friction_impulse", "frictional_work")
     records = {f"law/{name}": np.zeros((1, 2) if "impulse" in name else 1) for name in names}
     position, mu, interval = np.array([[0.0, 1.0], [0.0, 0.0]]), 0.5, 0.1
     bodies = [SimpleNamespace(particles=slice(0, 1)), SimpleNamespace(particles=slice(1, 2))]
     state: Any = SimpleNamespace(
-        arrays=records, pairs=[SimpleNamespace(first=0, second=1, mu=mu, label="a-b")], bodies=bodies, time=0.0,
-        particles=SimpleNamespace(mass=np.ones(2), position=position), grid=SimpleNamespace(dim=2, cell_size=1.0),
+        arrays=records, pairs=[SimpleNamespace(first=0, second=1, mu=mu, label="a-b")], bodies=bodies,
+        time=0.0,
+        particles=SimpleNamespace(mass=np.ones(2), position=position), grid=SimpleNamespace(dim=2,
+        cell_size=1.0),
     )  # fmt: skip
     note = Flutter("law", 2)
     note.diagnostics(state, 0.0)
@@ -187,7 +190,9 @@ def test_how_often_runs_are_judged_does_not_change_the_verdict(
 
 
 def test_a_node_enters_by_a_facet_that_faces_it() -> None:
-    """Of a square that is turned by 30° and lies in another, one side faces its top, cos 30° > −FACING, the other not."""
+    """Of a square that is turned by 30° and lies in another, one side faces its top, cos 30° > −FACING, the
+    other not.
+    """
     scene = two_blocks("separate", shape__method="linear", allow_overlap=True)
     corner = np.array([0.0, 0.15])
     axes = np.array([[math.cos(math.pi / 6), 0.5], [-0.5, math.cos(math.pi / 6)]])

@@ -1,4 +1,6 @@
-"""Every detection with every law: what makes sense runs the rolling cylinder, what makes none is refused with the reason."""
+"""Every detection with every law: what makes sense runs the rolling cylinder, what makes none is refused with
+the reason.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,7 @@ REFUSED = {
         f"{d}+adhesion": f"law 'adhesion' acts on gaps that do not jump, and detection '{d}' lists none"
         for d in ("nodes", "logistic")
     },
-    "midplane+barrier": "law 'barrier' acts on surface nodes against facets, and detection 'midplane' lists none",
+    "midplane+barrier": "law 'barrier' acts on surface nodes against facets, and detection 'midplane' lists none",  # noqa: E501
 }
 COMBINED = [f"{detection}+{law}" for detection in available("detection") for law in available("law")]
 
@@ -170,7 +172,7 @@ def test_a_joined_contact_goes_to_another_process():
     [
         (
             "adhesion(traction=100, separation=0.05, search_radius=0.2)",
-            r"contact\.adhesion\.search_radius = 0\.2 finds gaps of up to 0\.02 m, and law 'adhesion' acts across gaps of up "
+            r"contact\.adhesion\.search_radius = 0\.2 finds gaps of up to 0\.02 m, and law 'adhesion' acts across gaps of up "  # noqa: E501
             r"to 0\.05 m; expected at least 0\.5",
         ),
         (

@@ -56,8 +56,8 @@ def test_moment_is_that_of_the_surface_nodes_forces(scene):
 def test_moments_about_one_point_cancel(method):
     """Of two bodies that nothing else acts on: what contact does has one line of action.
 
-    `hamad2017` throws corners out that lie on corners, and gives the bodies energy; its moments cancel all the same.
-    """
+    `hamad2017` throws corners out that lie on corners, and gives the bodies energy; its moments cancel all
+    the same."""
     series = recorded(two_blocks(method), [0.3, -0.7])["series"].to_dataset()
     found = series["contact_moment"].sum("rotation").values
     assert np.abs(found).max() > 0.0

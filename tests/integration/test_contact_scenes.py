@@ -66,7 +66,9 @@ def test_penalty_block_slides_as_coulomb_says():
 
 
 def test_classical_block_does_not():
-    """Averaged normals lean at the block's corners and hold it back: half of the acceleration is lost, and the run says why."""
+    """Averaged normals lean at the block's corners and hold it back: half of the acceleration is lost, and
+    the run says why.
+    """
     with pytest.warns(ResultsWarning, match="block-plane: averaged normals lean to one side"):
         assert sliding("bardenhagen") < 0.95
 

@@ -1,8 +1,9 @@
-"""Two bars whose edges meet crosswise: nothing looks for a crossing of edges, and what that leaves to the nodes.
+"""Two bars whose edges meet crosswise: nothing looks for a crossing of edges, and what that leaves to the
+nodes.
 
-A ridge along x under a ridge along y, both of a right angle. At depth d of the crossing the node of one ridge at distance s from
-it is inside the other bar if s < d: contact begins late by the distance of the nearest node, at most half a segment.
-"""
+A ridge along x under a ridge along y, both of a right angle. At depth d of the crossing the node of one ridge
+at distance s from it is inside the other bar if s < d: contact begins late by the distance of the nearest
+node, at most half a segment."""
 
 from __future__ import annotations
 
@@ -66,7 +67,9 @@ def depth(sim, low, high):
 
 
 def crossing(shift):
-    """Deepest crossing and that at which contact began [segments], drift of momentum, the upper bar's speed in the end [m/s]."""
+    """Deepest crossing and that at which contact began [segments], drift of momentum, the upper bar's speed
+    in the end [m/s].
+    """
     sim = Simulation(load_scene(meeting(shift)))
     low, high = ridges(sim)
     sim.advance(1)

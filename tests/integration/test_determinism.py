@@ -39,7 +39,7 @@ def test_a_run_repeats_bit_by_bit_in_one_process(name: str) -> None:
 @pytest.mark.parametrize("name", SCENES)
 def test_a_run_repeats_bit_by_bit_in_another_process(name: str) -> None:
     here = Path(__file__).resolve().parent
-    code = f"import sys; sys.path[:0] = {[str(here), str(here.parent)]}; import test_determinism as t; print(t.digest({name!r}))"
+    code = f"import sys; sys.path[:0] = {[str(here), str(here.parent)]}; import test_determinism as t; print(t.digest({name!r}))"  # noqa: E501
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=300
     )

@@ -1,4 +1,6 @@
-"""An effect that the scene does not call for is not imported, registers no hook, allocates nothing and is not recorded."""
+"""An effect that the scene does not call for is not imported, registers no hook, allocates nothing and is not
+recorded.
+"""
 
 from __future__ import annotations
 

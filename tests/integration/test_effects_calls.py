@@ -1,4 +1,6 @@
-"""How often things are called: each hook once for each plug-in and step, the contact search only where bodies are near."""
+"""How often things are called: each hook once for each plug-in and step, the contact search only where bodies
+are near.
+"""
 
 from __future__ import annotations
 

@@ -19,7 +19,8 @@ each_case = pytest.mark.parametrize("case", CASES.values(), ids=CASES)
 #: Steps after which the two blocks have met.
 STEPS = 12
 
-#: One process for all scenes, which forgets plug-ins and effects in between, so that each scene imports its own anew.
+#: One process for all scenes, which forgets plug-ins and effects in between, so that each scene imports its
+#: own anew.
 RUN = """
 import json, sys
 from mpmfw.runs.simulation import Simulation
@@ -32,7 +33,7 @@ for name, scene in json.load(sys.stdin).items():
     Simulation(scene).advance(2)
     found[name] = [module for module in sys.modules if module.startswith(parents)]
 print(json.dumps(found))
-"""
+"""  # noqa: E501
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +111,8 @@ def test_the_plan_is_on_where_the_scene_calls_for_it(name: str) -> None:
 def test_the_plan_gives_reasons_and_distances() -> None:
     reasons = {e.name: e.reason for e in Simulation(CASES["two bodies apart"].scene).effects}
     assert reasons["contact search"] == (
-        "asleep until bodies are near: the boxes of left-right are 1 m apart at the start, its reach is 0.25 m"
+        "asleep until bodies are near: the boxes of left-right are 1 m apart at the start, its reach is 0.25 "
+        "m"
     )
     reasons = {e.name: e.reason for e in Simulation(CASES["frictionless"].scene).effects}
     assert reasons["friction"] == "μ = 0 in every pair"

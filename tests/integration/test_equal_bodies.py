@@ -1,4 +1,6 @@
-"""A box set on a moving belt of the same material: the order of the scene's tables must not decide the drag."""
+"""A box set on a moving belt of the same material: the order of the scene's tables must not decide the
+drag.
+"""
 
 from __future__ import annotations
 

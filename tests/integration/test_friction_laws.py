@@ -69,7 +69,9 @@ def test_a_block_sticks_below_the_static_angle_and_slides_on_above_the_kinetic_o
 
 @pytest.mark.parametrize("contact", CONTACTS)
 def test_what_slides_has_mu_times_the_normal_force_along_the_surface(contact: str) -> None:
-    """The part of the contact force along the surface points up the plane, and is μ times the part across it."""
+    """The part of the contact force along the surface points up the plane, and is μ times the part across
+    it.
+    """
     overrides = {"grid.cell_size": 0.15, "time.end": END, "output": {"particles": False, "gap": False}}
     overrides["bodies.block.velocity"] = [1.0, 0.0]  # fast enough that no place sticks
     # So deep that no node which the block reaches takes the plane's normal from its bottom
@@ -91,9 +93,9 @@ def test_what_slides_has_mu_times_the_normal_force_along_the_surface(contact: st
 def test_cohesion_alone_holds_its_shear_strength(contact: str) -> None:
     """A block of 180 kg/m on 0.6 m without μ: 1 kPa brakes it by 600 N/m of 900, 2 kPa holds it.
 
-    Shared nodes that approach in one step and part in the next hold in the first alone: classical contact lacks a quarter.
-    Of places that just touch a solution without overlap leaves some open, which hold nothing: lcp lacks 15 %.
-    """
+    Shared nodes that approach in one step and part in the next hold in the first alone: classical contact
+    lacks a quarter. Of places that just touch a solution without overlap leaves some open, which hold
+    nothing: lcp lacks 15 %."""
     friction = {"friction": 0.0}
     braked = slide(contact, "mohr_coulomb", **friction, **{"mohr_coulomb.cohesion": 1000.0})
     missing = {"bardenhagen": 0.3, "lcp": 0.2}.get(contact.partition("(")[0], 0.03)

@@ -37,7 +37,8 @@ def test_a_body_that_leaves_the_grid(shape: str) -> None:
     assert_named(error, "a material point left the grid")
     assert "larger grid" in str(error.advice)
     assert error.position is not None
-    # the front runs from 1.03 m at 20 m/s, 25 mm a step, and stops where the last support ends, within a cell and a half of 2 m
+    # the front runs from 1.03 m at 20 m/s, 25 mm a step, and stops where the last support ends, within a cell
+    # and a half of 2 m
     assert 1.6 < error.position[0] < 2.03
     assert 0.02 < error.time < 0.052  # the front reaches 2 m at 0.0485 s; two steps more
 

@@ -1,4 +1,6 @@
-"""The guide to a contact law of one's own is real: its files are written, announced, imported, typed, run and checked."""
+"""The guide to a contact law of one's own is real: its files are written, announced, imported, typed, run and
+checked.
+"""
 
 from __future__ import annotations
 
@@ -78,7 +80,9 @@ def run_command(words: list[str]) -> None:
 
 
 def test_the_template_is_the_page_s_package(blocks):
-    """Every file of the template that the page quotes is as quoted; it has no other but its README and the mark of its types."""
+    """Every file of the template that the page quotes is as quoted; it has no other but its README and the
+    mark of its types.
+    """
     template = PAGE.parents[1] / "plugin-template"
     quoted = {named[1]: text for _, text in blocks if (named := FILE.match(text))}
     files = {path.relative_to(template).as_posix(): path for path in template.rglob("*") if path.is_file()}

@@ -1,4 +1,6 @@
-"""The classes in the guide to methods of one's own pass the checks of their kinds, as they stand on the page."""
+"""The classes in the guide to methods of one's own pass the checks of their kinds, as they stand on the
+page.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,8 @@ from mpmfw.scene.toml_text import toml_text
 from scenes_for_tests import two_blocks
 
 GUIDE = Path(__file__).resolve().parents[2] / "docs" / "guide"
-#: Classes of a page, with a value for each option that has no default; a reference's example is no scene on the page.
+#: Classes of a page, with a value for each option that has no default; a reference's example is no scene on
+#: the page.
 PAGES = {
     "write-a-load": {"Wind": {"speed": "30 m/s"}},
     "write-an-output": {"Fastest": {}, "Shaken": {}},

@@ -1,4 +1,6 @@
-"""After a kill at any moment every frame that was written is readable, and none is older than a while that was not."""
+"""After a kill at any moment every frame that was written is readable, and none is older than a while that
+was not.
+"""
 
 import signal
 import subprocess

@@ -1,4 +1,6 @@
-"""Impulses of all rows at once in motion: first touch, sliding, what is said of solutions that were cut short."""
+"""Impulses of all rows at once in motion: first touch, sliding, what is said of solutions that were cut
+short.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Oblique impacts off grid lines with classical contact: averaged normals lean, and the run says by how much."""
+"""Oblique impacts off grid lines with classical contact: averaged normals lean, and the run says by how
+much.
+"""
 
 from __future__ import annotations
 
@@ -53,7 +55,9 @@ def outcome(angle, body="block", **options):
 
 @pytest.mark.parametrize("body", BODIES)
 def test_averaged_normals_throw_up_what_slides_in_and_say_so(body):
-    """Frictionless, 76° from the normal: rebound at 2.8 of the approach, and a third of the sliding is lost."""
+    """Frictionless, 76° from the normal: rebound at 2.8 of the approach, and a third of the sliding is
+    lost.
+    """
     rebound, kept, lean, concerns = outcome(76.0, body)
     assert rebound > 2.0
     assert kept < 0.7
@@ -73,7 +77,9 @@ def test_without_sliding_they_lean_to_both_sides_alike(body):
 @pytest.mark.parametrize("options", [{"normal": "master"}, {"normal": "specified", "direction": [0.0, -1.0]}])
 @pytest.mark.parametrize("body", BODIES)
 def test_one_body_s_normal_makes_incidence_no_matter(body, options):
-    """The rebound at 76° is that of the vertical impact, and sliding is kept: neither correction nor light nodes are to blame."""
+    """The rebound at 76° is that of the vertical impact, and sliding is kept: neither correction nor light
+    nodes are to blame.
+    """
     straight, oblique = outcome(0.0, body, **options), outcome(76.0, body, **options)
     assert oblique[0] == pytest.approx(straight[0], abs=0.02)
     assert oblique[1] == pytest.approx(1.0, abs=0.005)

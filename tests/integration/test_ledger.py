@@ -191,8 +191,8 @@ def test_work_of_penalty_contact_is_in_springs_and_friction(safety, share):
 def test_residuals_are_the_half_step_by_which_velocities_are_behind():
     """Of blocks that meet at 0.04 of their wave speed: what is left beside it is of the second order.
 
-    Of strain a fifth is left if the last step's velocity is taken at the nodes of this one, where the material no longer is.
-    """
+    Of strain a fifth is left if the last step's velocity is taken at the nodes of this one, where the
+    material no longer is."""
     mapping = impact(speed=0.4, slide=0.1)
     mapping["contact"] |= {"method": "penalty", "penalty": {"kappa": 1.0}}
     mapping["time"] = {"end": 0.08, "output_interval": 0.002}
@@ -264,7 +264,9 @@ def test_a_body_past_its_own_limit_is_stopped_with_another_cause():
 
 
 def test_growth_is_seen_in_between_outputs():
-    """Soon after the energy has passed its bound, though the only output is at the end, 50 steps after the start."""
+    """Soon after the energy has passed its bound, though the only output is at the end, 50 steps after the
+    start.
+    """
     mapping, energy = unstable() | {"allow_unstable": True}, []
     simulation = Simulation({**mapping, "output": {"ledger": True}})
     names = ("kinetic_energy", "affine_energy", "strain_energy")
@@ -316,7 +318,9 @@ def sticking(gap, speed, **options):
 @pytest.mark.filterwarnings("ignore:suspect. energy")  # the third gains 0.12 of what the bond gave
 @pytest.mark.parametrize(("gap", "speed"), [(0.0, 0.0), (0.003, 0.0), (0.011, 0.002), (0.0, -0.3)])
 def test_bodies_that_adhesion_draws_together_or_lets_go_are_not_stopped(gap, speed):
-    """They rest, meet from rest, meet from outside of its reach, part: their motion's energy is what contact gave."""
+    """They rest, meet from rest, meet from outside of its reach, part: their motion's energy is what contact
+    gave.
+    """
     series = ledger(sticking(gap, speed))
     energy, held = sums(series, "total_energy", "affine_energy"), sums(series, "contact_energy")
     lost = series["transfer_dissipation"].values - series["energy_residual"].values

@@ -17,8 +17,8 @@ from scenes_for_tests import BULK, DENSITY, SHEAR, SOFT, block, box, disc
 LAME, P_WAVE = BULK - 2.0 * SHEAR / 3.0, BULK + 4.0 * SHEAR / 3.0
 HOOKE = {**SOFT, "model": "linear_elastic"}
 WALLS = [{"side": "left", "fixed": ["x"]}, {"side": "right", "fixed": ["x"]}]
-#: B-splines are not 1 at the nodes of a fixed side: with four cells the stress there is 10 to 30 % off, so that they are judged
-#: by the vibrating bar, where the error is seen to vanish with the cell size.
+#: B-splines are not 1 at the nodes of a fixed side: with four cells the stress there is 10 to 30 % off, so
+#: that they are judged by the vibrating bar, where the error is seen to vanish with the cell size.
 SHAPES = ("gimp", "cpdi", "cpdi2")
 
 
@@ -110,7 +110,8 @@ def test_a_wholly_fixed_side_holds() -> None:
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_a_pulled_block_strains_uniformly(shape: str) -> None:
-    # Uniaxial strain by a linear velocity field, so that no wave runs; Hooke's stresses follow from the strain alone.
+    # Uniaxial strain by a linear velocity field, so that no wave runs; Hooke's stresses follow from the
+    # strain alone.
     rate = 0.02
     sides = [
         {"side": "bottom", "fixed": True},
@@ -132,7 +133,8 @@ def test_a_pulled_block_strains_uniformly(shape: str) -> None:
 
 @pytest.mark.parametrize("speed", [-0.5, 0.5])
 def test_a_moving_side_keeps_its_hold(speed: float) -> None:
-    # The side moves by 0.4 of a cell, either way. 0.5 %: Hooke's stress goes with ln J, not with the strain, but for a trace
+    # The side moves by 0.4 of a cell, either way. 0.5 %: Hooke's stress goes with ln J, not with the strain,
+    # but for a trace
     sides = [{"side": "bottom", "fixed": ["y"]}, *WALLS, {"side": "top", "velocity": ["free", speed]}]
     sim = Simulation(block(bodies__solid__sides=sides, materials__soft=HOOKE))
     sim.start()
@@ -184,7 +186,8 @@ def test_a_settled_column_stands_under_its_weight(shape: str) -> None:
     depth = 0.5 - p.position[:, 1]
     rows = np.round((depth - depth.min()) / 0.125).astype(int)
     stress = np.array([p.stress[rows == k, 1, 1].mean() for k in range(rows.max() + 1)])
-    # σ_yy = −ρ g depth in the mean of two rows of points, i.e. of each cell; of the weight, 3 % as for a pressure
+    # σ_yy = −ρ g depth in the mean of two rows of points, i.e. of each cell; of the weight, 3 % as for a
+    # pressure
     cells = stress.reshape(-1, 2).mean(axis=1)
     np.testing.assert_allclose(cells, -DENSITY * g * (0.125 + 0.25 * np.arange(4)), atol=0.03 * DENSITY * g)
 
@@ -285,7 +288,9 @@ def test_loads_in_time_are_linear_in_between_and_constant_outside() -> None:
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_tractions_on_all_sides_shear_a_free_block_uniformly(shape: str) -> None:
-    """τ rises in twelve periods of the block: it stays near equilibrium, σ_xy = τ everywhere and γ = τ / G."""
+    """τ rises in twelve periods of the block: it stays near equilibrium, σ_xy = τ everywhere and γ = τ /
+    G.
+    """
     tau, rise = 1e3, 0.24  # s; a shear wave takes 0.018 s across
 
     def along(x: float, y: float) -> list[list[float]]:
@@ -304,7 +309,8 @@ def test_tractions_on_all_sides_shear_a_free_block_uniformly(shape: str) -> None
     assert stress[:, 0, 1].mean() == pytest.approx(tau, rel=0.03)
     if (
         shape != "gimp"
-    ):  # its mass-weighted map leaves stress across the sides beside them, of 1.3 τ; balance holds in the mean
+        # its mass-weighted map leaves stress across the sides beside them, of 1.3 τ; balance holds in the mean  # noqa: E501
+    ):
         assert np.abs(stress[:, [0, 1], [0, 1]]).mean() < 0.05 * tau
     f = sim.state.particles.deformation_gradient
     assert (f[:, 0, 1] + f[:, 1, 0]).mean() == pytest.approx(tau / SHEAR, rel=0.03)

@@ -1,4 +1,6 @@
-"""Scenes of more than a few bodies: pairs are listed as they come near, nothing has a place for every two bodies."""
+"""Scenes of more than a few bodies: pairs are listed as they come near, nothing has a place for every two
+bodies.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,9 @@ FAST = pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")
 
 
 def small(count: int, contact: str, **changes: Any) -> dict[str, Any]:
-    """Discs of three cells across, as few points as carry contact, and no frames but where they are asked for."""
+    """Discs of three cells across, as few points as carry contact, and no frames but where they are asked
+    for.
+    """
     least = {"shape__method": "linear", "output": {"particles": False, "surface": False}}
     return many_discs(count, contact, radius=1.5, **{**least, **changes})
 
@@ -60,7 +64,9 @@ def all_sizes(count: int, method: str) -> tuple[int, dict[str, int]]:
 
 @pytest.mark.parametrize("method", METHODS)
 def test_no_array_has_a_place_for_every_two_bodies(method: str) -> None:
-    """Four times the bodies: what is in proportion grows by four, and at most by half more since fewer are at an edge."""
+    """Four times the bodies: what is in proportion grows by four, and at most by half more since fewer are at
+    an edge.
+    """
     (few_pairs, few), (pairs, many) = (all_sizes(count, method) for count in (100, 400))
     assert pairs < 24 * 400  # of 79 800
     assert pairs < 1.3 * 4 * few_pairs

@@ -1,4 +1,6 @@
-"""The share of faults that the conformance kit finds; ``python tests/mutation_score.py`` prints each with its check."""
+"""The share of faults that the conformance kit finds; ``python tests/mutation_score.py`` prints each with its
+check.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,9 @@ from integration import (
 
 
 def test_there_are_a_hundred_faults_and_of_those_by_hand_one_in_twenty_may_pass() -> None:
-    """The tables are the parameters of the tests of each kit, which ask for all but those that are known to pass."""
+    """The tables are the parameters of the tests of each kit, which ask for all but those that are known to
+    pass.
+    """
     tables = (test_conformance_contact, test_conformance_material, test_conformance_shape)
     small = test_conformance_small.MODULES.values()
     by_hand = sum(len(table.FAULTS) for table in (*tables, *small)) + len(LOAD)

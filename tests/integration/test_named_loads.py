@@ -1,4 +1,6 @@
-"""Loads that a scene names, total forces on sides, and the thickness of bodies of the plane, each against a closed form."""
+"""Loads that a scene names, total forces on sides, and the thickness of bodies of the plane, each against a
+closed form.
+"""
 
 from __future__ import annotations
 
@@ -54,7 +56,9 @@ def test_a_point_force_in_time_gives_the_integral_of_its_table() -> None:
 
 @pytest.mark.parametrize("at", [[0.0, 0.0], [0.31, -0.17], [0.5, 0.5], [-0.5, 0.02]])
 def test_a_point_force_has_its_moment(at: list[float]) -> None:
-    """One step gives L = Δt x × F, at a corner and on a side as well: the force acts at the place that was asked for."""
+    """One step gives L = Δt x × F, at a corner and on a side as well: the force acts at the place that was
+    asked for.
+    """
     force = [3.0, -2.0]
     load = {"model": "point_force", "at": at, "force": force}
     sim = started(block(loads={"push": load}, time__step=1e-4, bodies__solid__rotation="lumped"))
@@ -184,7 +188,9 @@ def test_a_force_on_a_thinner_plate_stresses_it_more() -> None:
 
 
 def test_everything_of_a_thickness_of_two_is_twice_that_of_one() -> None:
-    """Two squares meet by springs with friction: motion and stress are the same, forces and energies twice as large."""
+    """Two squares meet by springs with friction: motion and stress are the same, forces and energies twice as
+    large.
+    """
     trees = []
     for thickness in (1.0, 2.0):
         changes = {f"bodies__{name}__thickness": thickness for name in ("left", "right")}
@@ -208,7 +214,9 @@ def test_everything_of_a_thickness_of_two_is_twice_that_of_one() -> None:
 
 @pytest.mark.parametrize("contact", ["penalty", "adhesion", "barrier", "midplane", "hybrid", "nodes+penalty"])
 def test_every_energy_goes_with_the_thickness(contact: str) -> None:
-    """Of bodies of a quarter of a metre it is a quarter of that of one, to the bit: half steps and what contact lost too."""
+    """Of bodies of a quarter of a metre it is a quarter of that of one, to the bit: half steps and what
+    contact lost too.
+    """
     trees = []
     for thickness in (1.0, 0.25):
         changes = {f"bodies__{name}__thickness": thickness for name in ("left", "right")}
@@ -230,7 +238,9 @@ def test_every_energy_goes_with_the_thickness(contact: str) -> None:
 )
 @pytest.mark.parametrize(("left", "right"), [(1.0, 0.25), (0.25, 1.0), (2.0, 0.25)])
 def test_two_bodies_touch_over_the_lesser_thickness(contact: str, left: float, right: float) -> None:
-    """Squares with sides of 0.5 m: the rows have 0.5 m times the lesser thickness, whichever body comes first."""
+    """Squares with sides of 0.5 m: the rows have 0.5 m times the lesser thickness, whichever body comes
+    first.
+    """
 
     def area(*thicknesses: float) -> float:
         scene = two_blocks("penalty")
@@ -247,7 +257,9 @@ def test_two_bodies_touch_over_the_lesser_thickness(contact: str, left: float, r
 
 
 def test_a_spring_acts_over_the_lesser_thickness() -> None:
-    """A strip of 0.25 m and a plate overlap as two strips do, at rest: the force of their springs is the same."""
+    """A strip of 0.25 m and a plate overlap as two strips do, at rest: the force of their springs is the
+    same.
+    """
 
     def force(left: float, right: float) -> float:
         scene = with_no_velocity(two_blocks("penalty", time__end=1e-5, time__output_interval=1e-5))

@@ -43,7 +43,9 @@ class Less(Places):
 
 
 class Shaken(Boundary):
-    """The lower three eighths move along x with 10 t, and are free along y: of the nodes at y = −1/4 seven eighths, at 0 one."""
+    """The lower three eighths move along x with 10 t, and are free along y: of the nodes at y = −1/4 seven
+    eighths, at 0 one.
+    """
 
     name = "shaken"
 

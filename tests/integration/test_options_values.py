@@ -1,4 +1,5 @@
-"""Nothing is silently ignored, word by word: every value of an option that is one of several words acts as none other.
+"""Nothing is silently ignored, word by word: every value of an option that is one of several words acts as
+none other.
 
 The options are found in the models themselves: a word without an entry in a table of the tests fails here.
 """

@@ -1,4 +1,6 @@
-"""Outputs of runs: at exact times or at the ends of the nearest steps, material points at an interval of their own."""
+"""Outputs of runs: at exact times or at the ends of the nearest steps, material points at an interval of
+their own.
+"""
 
 import netCDF4
 import numpy as np
@@ -107,7 +109,8 @@ def test_the_command_does_not_read_its_file_back(tmp_path, monkeypatch):
 
     monkeypatch.setattr("mpmfw.results.writing.read_run", refuse)
     path = tmp_path / "run.nc"
-    done = CliRunner().invoke(app, ["run", "rolling-cylinder-slip", "--set", "time.end=0.01", "--set", "grid.cell_size=0.4",
+    done = CliRunner().invoke(app, ["run", "rolling-cylinder-slip", "--set", "time.end=0.01", "--set",
+    "grid.cell_size=0.4",
                                     "--set", "time.output_interval=0.01", "-o", str(path)])  # fmt: skip
     assert done.exit_code == 0, done.output
     with netCDF4.Dataset(path) as dataset:

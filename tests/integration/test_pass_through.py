@@ -1,4 +1,6 @@
-"""Bodies keep their sides at any speed and load, or the run ends and says so: judged by shapely, which knows no search."""
+"""Bodies keep their sides at any speed and load, or the run ends and says so: judged by shapely, which knows
+no search.
+"""
 
 from __future__ import annotations
 
@@ -107,10 +109,11 @@ def depth(simulation: Simulation) -> float:
 
 
 def behind(simulation: Simulation) -> float:
-    """How far the left body's mean lies to the right of the right one's, where they meet [cells]: negative is as it began.
+    """How far the left body's mean lies to the right of the right one's, where they meet [cells]: negative is
+    as it began.
 
-    Of the right body only the material counts that is level with the left one: a sheet bends round what hits it.
-    """
+    Of the right body only the material counts that is level with the left one: a sheet bends round what hits
+    it."""
     p = simulation.state.particles
     left, right = (p.position[b.particles] for b in simulation.state.bodies)
     low, high = np.quantile(left[:, 1], [0.25, 0.75])
@@ -160,7 +163,9 @@ def test_bodies_keep_their_sides_up_to_the_speed_of_waves(name: str, speed: floa
 @pytest.mark.parametrize("speed", [1.0, 2.0])
 @pytest.mark.parametrize("name", SCENES)
 def test_past_the_speed_of_waves_they_do_so_or_the_run_ends(name: str, speed: float) -> None:
-    """Material that is struck at twice its wave speed may invert; what must not be is a good end with crossed bodies."""
+    """Material that is struck at twice its wave speed may invert; what must not be is a good end with crossed
+    bodies.
+    """
     found = fate(SCENES[name](speed))
     assert found.message or found.behind < 0.0, found
 
@@ -181,7 +186,9 @@ def test_bodies_that_cross_end_the_run_with_pair_place_and_time() -> None:
 def test_with_a_smaller_distance_bodies_that_hold_are_taken_for_crossed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Flush blocks with springs of κ = 1 at a fifth of the wave speed: corners bulge past each other's sides."""
+    """Flush blocks with springs of κ = 1 at a fifth of the wave speed: corners bulge past each other's
+    sides.
+    """
     monkeypatch.setattr(detection, "CROSSED", 0.0)
     soft = SCENES["flat"](0.2)
     soft["contact"]["penalty"] = {"kappa": 1.0}
@@ -227,7 +234,9 @@ def pressed(angle: float, cell: float = CELL) -> dict[str, Any]:
 
 @pytest.mark.parametrize("angle", [30.0, 60.0])
 def test_a_wedge_under_load_is_held_and_deep_penetration_is_reported(angle: float) -> None:
-    """It went 3 to 4 cells deep, and its force fell to a hundredth, as nodes deeper than the search radius were dropped."""
+    """It went 3 to 4 cells deep, and its force fell to a hundredth, as nodes deeper than the search radius
+    were dropped.
+    """
     mapping = pressed(angle)
     mapping["contact"]["penalty"] = {"kappa": 1.0}
     with pytest.warns(

@@ -1,4 +1,6 @@
-"""CPDI domains under large plastic flow: a soft metal that is struck runs at the default step, and keeps its momentum."""
+"""CPDI domains under large plastic flow: a soft metal that is struck runs at the default step, and keeps its
+momentum.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Materials with a history in a run: their energy is in the ledger, their state is saved, and contact does not know of them."""
+"""Materials with a history in a run: their energy is in the ledger, their state is saved, and contact does
+not know of them.
+"""
 
 from __future__ import annotations
 

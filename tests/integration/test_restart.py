@@ -27,7 +27,8 @@ pytestmark = pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")  
 
 FEWER = "colliding-rings-4-a-cell"  #: as another scene, but for the number of its points
 
-#: The shipped scenes with few points, few steps of settling and few after it; contact begins at once, or within nine steps.
+#: The shipped scenes with few points, few steps of settling and few after it; contact begins at once, or
+#: within nine steps.
 COARSE: dict[str, dict[str, Any]] = {
     "colliding-rings": {
         "grid.cell_size": 0.008,
@@ -73,7 +74,9 @@ CONTACTS = [name for name in choices("contact") if name not in REFUSED]
 
 
 def run(simulation: Simulation, step: int = -1, path: Path | None = None) -> tuple[list[Any], int]:
-    """All frames of a run that is saved after a step and goes on, and the number of its steps, those of settling among them."""
+    """All frames of a run that is saved after a step and goes on, and the number of its steps, those of
+    settling among them.
+    """
     frames: list[Any] = []
     count = 0
 

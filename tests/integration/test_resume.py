@@ -40,7 +40,9 @@ pytestmark = pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")  
 
 @pytest.fixture(autouse=True)
 def _interrupts_are_heard():
-    """Give back what a shell takes from commands in the background: SIGINT, which they are started to ignore."""
+    """Give back what a shell takes from commands in the background: SIGINT, which they are started to
+    ignore.
+    """
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
@@ -308,7 +310,7 @@ def test_another_version_is_refused_with_what_differs(tmp_path, monkeypatch):
     stopped(BLOCKS, path, 9)
     monkeypatch.setattr("mpmfw.runs.identity.version", lambda _: "99")
     monkeypatch.setattr("mpmfw.runs.identity.package", lambda _: "changed")
-    expected = r"another version would go on than began: mpmfw_contact \(.{8} then, changed now\), .*numpy \(.* then, 99 now\)"
+    expected = r"another version would go on than began: mpmfw_contact \(.{8} then, changed now\), .*numpy \(.* then, 99 now\)"  # noqa: E501
     with pytest.raises(SceneError, match=expected):
         resume(path)
     assert read(path).attrs["status"] == "interrupted"

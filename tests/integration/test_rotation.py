@@ -137,14 +137,17 @@ def brick_answer(shape: str, rotation: str) -> np.ndarray:
 @pytest.mark.parametrize("shape", ["gimp", "cpdi", "bspline"])
 def test_the_inertia_in_3d_is_a_tensor(shape: str) -> None:
     np.testing.assert_allclose(brick_answer(shape, "exact"), 1.0, atol=0.005)
-    # Cells answer, not the body: to a tenth of what lumping costs, for the nodes of so thin a body do not move rigidly.
+    # Cells answer, not the body: to a tenth of what lumping costs, for the nodes of so thin a body do not
+    # move rigidly.
     np.testing.assert_allclose(brick_answer(shape, "spin"), 1.0, atol=0.025)
     lumped = brick_answer(shape, "lumped")  # two cells thick: the nodes' inertia is a third too large
     assert (lumped < 0.9).all()
 
 
 def spin_of_domains(sim: Simulation) -> np.ndarray:
-    """Angular momentum of the points' domains about their own centres: the antisymmetric part of m S Cᵀ, S = Σ r_a r_aᵀ / 3."""
+    """Angular momentum of the points' domains about their own centres: the antisymmetric part of m S Cᵀ, S =
+    Σ r_a r_aᵀ / 3.
+    """
     p = sim.state.particles
     assert p.affine is not None
     edges = p.deformation_gradient * (0.5 * np.cbrt(p.initial_volume)[:, None, None])
@@ -153,8 +156,8 @@ def spin_of_domains(sim: Simulation) -> np.ndarray:
 
 
 def tumbled(shape: str, rotation: str) -> float:
-    """How far a brick that spins about no principal axis has its angular momentum from that of the start after half a turn,
-    over that."""
+    """How far a brick that spins about no principal axis has its angular momentum from that of the start
+    after half a turn, over that."""
     spin = [3.0, 8.0, -6.0]
     scene = one_body(
         BRICK,
@@ -223,7 +226,9 @@ BAR = {"2D": [[-1.22, -0.25], [1.28, 0.25]], "3D": [[-1.22, -0.25, -0.25], [1.28
 
 
 def reached(rotation: str, bar: list[list[float]]) -> float:
-    """Velocity of the far end of a bar of ten cells, over the mean velocity, when the wave has come 0.38 of the way."""
+    """Velocity of the far end of a bar of ten cells, over the mean velocity, when the wave has come 0.38 of
+    the way.
+    """
     lower, upper = bar
     geometry = {"type": "box" if len(lower) == 3 else "rectangle", "lower": lower, "upper": upper}
     sim = Simulation(one_body(geometry, size=0.125, bodies__solid__rotation=rotation))

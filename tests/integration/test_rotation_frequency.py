@@ -94,7 +94,9 @@ def test_the_highest_frequency_stays(cells: int, shape: str) -> None:
 
 @pytest.mark.parametrize("beyond", [1e-1, 1e-3, 1e-6])
 def test_a_film_that_barely_reaches_its_outer_nodes_keeps_its_frequency(beyond: float) -> None:
-    """With linear functions these nodes weigh next to nothing, and so do the cells; all of X on them would be too much."""
+    """With linear functions these nodes weigh next to nothing, and so do the cells; all of X on them would be
+    too much.
+    """
     middle = beyond * H
     film = rectangle([-0.43, middle - H / 4], [0.57, middle + H / 4], "linear")
     assert linearised(film).ratio < 1.02

@@ -1,4 +1,6 @@
-"""``mpmfw new`` writes distributions whose own tests pass, found by their entry points as installed ones are."""
+"""``mpmfw new`` writes distributions whose own tests pass, found by their entry points as installed ones
+are.
+"""
 
 from __future__ import annotations
 
@@ -41,7 +43,7 @@ def test_every_kind_of_one_module_passes_its_own_tests(tmp_path: Path) -> None:
     path = os.pathsep.join(str(place / "src") for place in places)
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *map(str, places)]
     found = subprocess.run(
-        command, capture_output=True, text=True, cwd=tmp_path, env={**os.environ, "PYTHONPATH": path}, check=False
+        command, capture_output=True, text=True, cwd=tmp_path, env={**os.environ, "PYTHONPATH": path}, check=False  # noqa: E501
     )  # fmt: skip
     assert found.returncode == 0, found.stdout + found.stderr
     assert "passed" in found.stdout

@@ -19,7 +19,9 @@ HARD = {**MATERIAL, "density": 1e6, "youngs_modulus": 1e10}
 
 
 def floor_of_tiles(dim: int, tiles: int, angle: float = 0.0) -> dict[str, object]:
-    """A frictionless block that slides over so many tiles, pressed on by its weight; turned by ``angle`` [rad] in the plane."""
+    """A frictionless block that slides over so many tiles, pressed on by its weight; turned by ``angle``
+    [rad] in the plane.
+    """
     e, n = np.eye(dim)[0], np.eye(dim)[-1]
     if dim == 2:
         e, n = np.array([math.cos(angle), math.sin(angle)]), np.array([-math.sin(angle), math.cos(angle)])

@@ -1,4 +1,6 @@
-"""Classical contact with MUSL: the momentum that the strain is taken from is corrected as well, and nothing else is."""
+"""Classical contact with MUSL: the momentum that the strain is taken from is corrected as well, and nothing
+else is.
+"""
 
 from __future__ import annotations
 
@@ -61,7 +63,9 @@ def test_records_are_of_the_momentum_that_moves_points(strategy):
 
 
 def test_rings_gain_half_of_what_they_gained():
-    """Largest energy over that at the start, h = 4 mm, FLIP: 2.73 with the second momentum as projected, 1.51 corrected."""
+    """Largest energy over that at the start, h = 4 mm, FLIP: 2.73 with the second momentum as projected, 1.51
+    corrected.
+    """
     chosen = {
         **{f"stepping.{key}": value for key, value in MUSL.items()},
         "grid.cell_size": "4 mm",

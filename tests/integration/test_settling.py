@@ -166,7 +166,9 @@ def test_compilation_is_taken_out_of_settling_once(monkeypatch: pytest.MonkeyPat
 
 
 def held_block(shift: float) -> dict[str, Any]:
-    """A block at rest on a plane under gravity that leans by 20°, faces of both ``shift`` [m] beyond grid lines; 10⁴ steps."""
+    """A block at rest on a plane under gravity that leans by 20°, faces of both ``shift`` [m] beyond grid
+    lines; 10⁴ steps.
+    """
     stiff = {"model": "neo_hookean", "density": DENSITY, "bulk_modulus": 12e6, "shear_modulus": 6e6}
 
     def body(lower: list[float], upper: list[float], **keys: Any) -> dict[str, Any]:
@@ -205,7 +207,9 @@ def test_a_body_at_rest_stays_for_ten_thousand_steps(shift: float) -> None:
 
 
 def press_fit(**tables: Any) -> dict[str, Any]:
-    """Two steel rings without Poisson's effect, radii 0.2, 0.6 and 1 m, with an interference of 3 mm: one frame."""
+    """Two steel rings without Poisson's effect, radii 0.2, 0.6 and 1 m, with an interference of 3 mm: one
+    frame.
+    """
     steel = {"model": "linear_elastic", "density": 1000.0, "youngs_modulus": 1e9, "poissons_ratio": 0.0}
 
     def ring(inner: float, outer: float) -> dict[str, Any]:

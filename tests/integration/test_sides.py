@@ -51,7 +51,8 @@ def driven(scene: dict[str, Any]) -> np.ndarray:
     ("h", "offset"), [(0.2, 0.0), (0.2, 0.03), (0.2, 0.3), (0.2, 0.97), (0.1, 0.0), (0.1, 0.3)]
 )
 def test_a_driven_block_is_strained_uniformly(shape: str, h: float, offset: float) -> None:
-    # From rest: 2 % is the jump of stress with which the side starts, 0.002 M over 0.1 M, that runs to and fro.
+    # From rest: 2 % is the jump of stress with which the side starts, 0.002 M over 0.1 M, that runs to and
+    # fro.
     stress = driven(confined(h, offset, 0.1, shape__method=shape))
     np.testing.assert_allclose(stress[:, 1, 1], uniaxial(0.9), rtol=0.02)
     np.testing.assert_allclose(stress[:, 0, 1], 0.0, atol=1e-3 * abs(uniaxial(0.9)))
@@ -80,7 +81,8 @@ def test_every_scheme_drives_a_side_through_a_cell(scheme: str) -> None:
 def test_a_turned_block_is_driven_by_its_own_sides() -> None:
     straight = driven(confined(0.1, 0.3, 0.02))[:, 1, 1]
     turned = driven(confined(0.1, 0.3, 0.02, bodies__solid__geometry__angle="30 deg"))[:, 1, 1]
-    # The oblique sides' weights and those of the points' own forces differ at the corners: single points there are far off
+    # The oblique sides' weights and those of the points' own forces differ at the corners: single points
+    # there are far off
     assert turned.mean() == pytest.approx(straight.mean(), rel=0.01)
     assert np.median(np.abs(turned / straight.mean() - 1.0)) < 0.02
 
@@ -93,8 +95,9 @@ def test_a_block_turned_by_a_right_angle_is_the_same() -> None:
 
 @pytest.mark.parametrize("angle", ["30 deg", "-70 deg"])
 def test_a_turned_block_hangs_by_its_own_side(angle: str) -> None:
-    # Along its own axes the load is that of the straight block, and so is where its centre comes to rest: at eight cells to
-    # 6 %, at sixteen to 1.5 % (a clamped corner is singular; the straight block itself moves by 2 % with its place in a cell)
+    # Along its own axes the load is that of the straight block, and so is where its centre comes to rest: at
+    # eight cells to 6 %, at sixteen to 1.5 % (a clamped corner is singular; the straight block itself moves
+    # by 2 % with its place in a cell)
     down = math.radians(float(angle.split()[0]))
     fall = 100.0 * np.array([math.sin(down), -math.cos(down)])
     found = []
@@ -164,7 +167,8 @@ def test_a_box_is_driven_by_its_side() -> None:
 
 
 def test_the_step_needs_no_new_limit_for_a_sliver() -> None:
-    # A side that reaches into a cell by a hundredth, at 0.9 of the bulk limit: energy would grow if anything did
+    # A side that reaches into a cell by a hundredth, at 0.9 of the bulk limit: energy would grow if anything
+    # did
     scene = block(
         bodies__solid__geometry__lower=[-0.5, -0.5025],
         bodies__solid__geometry__upper=[0.5, 0.4975],

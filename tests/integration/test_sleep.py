@@ -131,7 +131,9 @@ def test_gravity_that_changes_wakes() -> None:
 
 
 def test_the_top_of_a_flight_is_no_rest() -> None:
-    """A body that gravity turns back is slow for a while, longer than it would have to be at rest, and does not stop."""
+    """A body that gravity turns back is slow for a while, longer than it would have to be at rest, and does
+    not stop.
+    """
     bodies = {
         "thrown": block((0.0, 0.0), (1.0, 1.0), velocity=[0.0, 0.05]),
         "other": block((6.0, 5.0), (7.0, 6.0)),
@@ -193,10 +195,10 @@ def test_all_asleep_goes_to_the_end_without_steps_of_anybody() -> None:
     [
         ({"contact__method": "none"}, "sleep: expected a contact with a velocity field for each body"),
         ({"contact__method": "lcp"}, "sleep: contact 'lcp' cannot leave bodies out"),
-        ({"contact__penalty": {"passes": "one", "master": "first"}}, "sleep: contact 'penalty(master=first, passes=one)'"),
+        ({"contact__penalty": {"passes": "one", "master": "first"}}, "sleep: contact 'penalty(master=first, passes=one)'"),  # noqa: E501
         ({"output__ledger": True}, "sleep: output.ledger measures all bodies in every step"),
         ({"output__stability": True}, "sleep: output.stability measures all bodies in every step"),
-        ({"output__contact_moment": [0, 0]}, "sleep: output.contact_moment measures all bodies in every step"),
+        ({"output__contact_moment": [0, 0]}, "sleep: output.contact_moment measures all bodies in every step"),  # noqa: E501
     ],
 )  # fmt: skip
 def test_what_is_refused(changes: dict[str, Any], said: str) -> None:

@@ -1,4 +1,6 @@
-"""Soft springs between flush blocks: nodes beside the corner are deeper than they are away from the other block's side."""
+"""Soft springs between flush blocks: nodes beside the corner are deeper than they are away from the other
+block's side.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,9 @@ KAPPA = 0.03162277660168379
 @pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")
 @pytest.mark.parametrize("k", range(4))
 def test_the_last_digits_of_the_stiffness_do_not_decide_which_nodes_bear(k):
-    """Every node of the lower face carries p times its length, within 1 %: those next to the corners as well."""
+    """Every node of the lower face carries p times its length, within 1 %: those next to the corners as
+    well.
+    """
     scene = mpmfw.load_scene("contact-stress", set={"contact.penalty.kappa": KAPPA * (1.0 + k * 1e-9)})
     surface = mpmfw.run(scene)["surface/upper"]
     force, place = surface["force"].values[-1], surface["position"].values[-1]

@@ -1,4 +1,6 @@
-"""Two bodies in space against closed forms: Hertz's impact of spheres, and a block that slides in any direction along a plane."""
+"""Two bodies in space against closed forms: Hertz's impact of spheres, and a block that slides in any
+direction along a plane.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,9 @@ import mpmfw
 
 
 def impact(radius=1.0, speed=3.0, young=1e7, poisson=0.3, density=1000.0):
-    """Two equal balls of four cells' radius, head on; the scene, and Hertz's time of contact [s] and largest force [N]."""
+    """Two equal balls of four cells' radius, head on; the scene, and Hertz's time of contact [s] and largest
+    force [N].
+    """
     cell = radius / 4
     reduced, mass = young / (1 - poisson**2) / 2, 4 / 3 * math.pi * radius**3 * density / 2
     curvature = radius / 2
@@ -50,7 +54,8 @@ def impact(radius=1.0, speed=3.0, young=1e7, poisson=0.3, density=1000.0):
 
 
 def test_impact_of_spheres_lasts_as_long_as_hertz_says():
-    """R/h = 4 and a circle of contact of one cell's radius at most: time of contact within 5 %, force within 8 %.
+    """R/h = 4 and a circle of contact of one cell's radius at most: time of contact within 5 %, force within
+    8 %.
 
     On so few cells soft springs make up for elements that are too stiff: with κ = 4 it lasts 11 % too short.
     """
@@ -66,7 +71,8 @@ def test_impact_of_spheres_lasts_as_long_as_hertz_says():
 
 
 def inclined(direction, tilt, friction, end, *, held=False):
-    """Series of a block on a plane that is tilted in ``direction``, and unit vectors along that, across it and upwards.
+    """Series of a block on a plane that is tilted in ``direction``, and unit vectors along that, across it
+    and upwards.
 
     It settles under gravity as it is if it is ``held``, else under the part across the plane.
     """

@@ -49,8 +49,8 @@ def test_contacts_are_counted_in_steps():
 
 
 def test_contacts_are_those_of_the_step_whose_force_is_recorded():
-    """With one output for each step, penetration and force come and go in the same frames, and a contact ends in the first
-    frame without the force that it had."""
+    """With one output for each step, penetration and force come and go in the same frames, and a contact ends
+    in the first frame without the force that it had."""
     scene = colliding(end=0.12)
     scene["time"] |= {"step": 4e-4, "output_interval": 4e-4}
     series = run(scene)["series"].to_dataset().isel(pair=0)

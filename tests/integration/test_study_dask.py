@@ -98,7 +98,8 @@ def test_the_command_ends_with_one_message_about_a_bad_address(tmp_path):
     done = subprocess.run([*command, "--scheduler", "foo"], cwd=tmp_path, capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.splitlines() == [
-        "--scheduler foo: missing port number in address 'foo'; expected an address such as tcp://127.0.0.1:8786"
+        "--scheduler foo: missing port number in address 'foo'; expected an address such as "
+        "tcp://127.0.0.1:8786"
     ]
     assert [path.name for path in tmp_path.iterdir()] == ["s.toml"]
 

@@ -1,4 +1,6 @@
-"""Studies of a scene of milliseconds: results, costs, failures, executors, what is kept and taken up again."""
+"""Studies of a scene of milliseconds: results, costs, failures, executors, what is kept and taken up
+again.
+"""
 
 import json
 import os
@@ -107,7 +109,9 @@ def test_combinations_that_differ_in_nothing_are_one_run(tmp_path):
 
 
 def test_kappa_is_that_of_the_contact_that_runs(monkeypatch):
-    """A subclass of penalty contact by another name: its rows must not be labelled by the option of another."""
+    """A subclass of penalty contact by another name: its rows must not be labelled by the option of
+    another.
+    """
     law = type("MyPenalty", (load("contact", "penalty"),), {"name": "mypenalty", "__module__": "strange_law"})
     monkeypatch.setitem(sys.modules, "strange_law", types.SimpleNamespace(MyPenalty=law))
     found = {kind: {name: [entry] for name, entry in available(kind).items()} for kind in KINDS}

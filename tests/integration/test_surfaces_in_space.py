@@ -43,8 +43,8 @@ def scene(bodies, upper=(4.0, 4.0, 9.0), **keys):
 
 
 def stacked(place, sides):
-    """Blocks between smooth walls under pressure, with triangles of these sides; the first interface is ``place`` of a cell above
-    a grid line."""
+    """Blocks between smooth walls under pressure, with triangles of these sides; the first interface is
+    ``place`` of a cell above a grid line."""
     ends = [0.0, *(4.0 * k + place for k in range(1, len(sides) + 1))]
     bodies = {}
     for k, side in enumerate(sides):
@@ -74,8 +74,8 @@ TURN = np.radians([20.0, 35.0, 50.0])
 
 
 def turned(blocks):
-    """Blocks of four cells on top of each other, turned about the grid's middle, under pressure on both ends; ``blocks`` are
-    the sizes of their points, which those of the rectangles are."""
+    """Blocks of four cells on top of each other, turned about the grid's middle, under pressure on both ends;
+    ``blocks`` are the sizes of their points, which those of the rectangles are."""
     axes, bodies = turning(tuple(TURN)), {}
     for k, size in enumerate(blocks):
         centre = np.array([0.13, 0.07, 0.21]) + axes @ np.array([0.0, 0.0, 4.0 * k + 2.0 - 2.0 * len(blocks)])
@@ -97,7 +97,9 @@ def turned(blocks):
     ids=["one", "two", "other triangles"],
 )
 def test_stress_in_blocks_turned_against_the_grid_is_the_pressure(blocks, tolerance):
-    """At the faces as well, where cells are filled in part: loads are mapped by what CPDI makes of the grid's functions there."""
+    """At the faces as well, where cells are filled in part: loads are mapped by what CPDI makes of the grid's
+    functions there.
+    """
     mapping, axes = turned(blocks)
     sim = Simulation(load_scene(mapping))
     sim.start()
@@ -154,7 +156,9 @@ def test_the_least_gap_is_measured():
 
 @pytest.mark.parametrize("contact", ["penalty", "adhesion"])
 def test_what_friction_has_stored_turns_with_a_table_and_what_rests_on_it(contact):
-    """Springs that are loaded along x between two steps pull, a step on, along what was x: beside those of a run without them."""
+    """Springs that are loaded along x between two steps pull, a step on, along what was x: beside those of a
+    run without them.
+    """
     spin, found = 20.0, []
     bodies = {
         "table": box((0, 0, 0), (4, 4, 2), 0.5, angular_velocity=[0.0, 0.0, spin]),

@@ -1,4 +1,6 @@
-"""Several threads of a run: the same bits as one, whatever their number, and nothing of it where there is one."""
+"""Several threads of a run: the same bits as one, whatever their number, and nothing of it where there is
+one.
+"""
 
 from __future__ import annotations
 
@@ -302,7 +304,7 @@ from mpmfw.kernels import projection
 compiled = [len(signature) for signature in projection.add_internal_force.signatures]
 assert simulation.state.particles.threads is None
 print([name for name in sys.modules if name in ("mpmfw.state.threads", "mpmfw.kernels._waiting")], len(compiled))
-"""
+"""  # noqa: E501
     assert run_python(code) == "[] 1"
 
 

@@ -65,19 +65,22 @@ def apart(**changes: Any) -> dict[str, Any]:
         (block(output={"gap": True}), ["output.gap: no gap is measured: one body"]),
         (
             block(output={"particle_interval": 1e-6}),
-            ["output.particle_interval: material points are stored at every output: time.output_interval is no shorter"],
+            ["output.particle_interval: material points are stored at every output: time.output_interval is "
+             "no shorter"],
         ),
         (block(), []),
         (
             two_blocks("bardenhagen", output={"stability": True}),
-            ["output.stability: of the time step alone: contact 'bardenhagen' has no series of its own stability"],
+            ["output.stability: of the time step alone: contact 'bardenhagen' has no series of its own "
+             "stability"],
         ),
         (two_blocks("penalty", output={"stability": True}), []),
         (block(output={"stability": True}), []),
         (two_blocks("penalty", output={"contact_moment": "centre_of_mass"}), []),
         (
             two_blocks("separate", contact__friction=0.0, output={"contact_moment": "centre_of_mass"}),
-            ["output.contact_moment: no moment is measured: contact 'separate' neither exerts forces nor changes momenta"],
+            ["output.contact_moment: no moment is measured: contact 'separate' neither exerts forces nor "
+             "changes momenta"],
         ),
     ],
 )  # fmt: skip

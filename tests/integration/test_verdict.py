@@ -114,7 +114,9 @@ def test_bodies_that_are_to_pass_through_each_other_are_not(bodies: list[dict[st
 
 
 def test_the_depth_is_that_of_the_overlap_of_two_blocks() -> None:
-    """Two blocks of six cells at 5 m/s each, 0.1 m apart, overlap by 0.9 cells after 0.019 s; the end is the deepest."""
+    """Two blocks of six cells at 5 m/s each, 0.1 m apart, overlap by 0.9 cells after 0.019 s; the end is the
+    deepest.
+    """
     left, right = boxes([-0.65, -0.3], [-0.05, 0.3], [0.05, -0.3], [0.65, 0.3])
     status = run(scene((left, SPEED), (right, -SPEED), end=0.019, outputs=3), Idle()).attrs["status"]
     assert status == "suspect: a-b: penetration of 0.9 cells at 0.019 s"
@@ -205,14 +207,18 @@ def test_the_work_of_loads_and_sides_is_that_of_the_ledger(name: str, scheme: st
 @pytest.mark.parametrize("scheme", ["usl", "musl"])
 @pytest.mark.parametrize("shape", ["linear", "cpdi"])
 def test_blocks_of_two_cells_that_stick_as_they_meet_are_not_suspect(shape: str, scheme: str) -> None:
-    """Their kinetic and strain energy, half a step apart, add up to 1.13-1.25 of the start; it is kept to 0.05."""
+    """Their kinetic and strain energy, half a step apart, add up to 1.13-1.25 of the start; it is kept to
+    0.05.
+    """
     made = two_blocks("none", time__end=0.04, time__output_interval=1e-3, shape__method=shape)
     made["stepping"] = {"scheme": scheme}
     assert run(made).attrs["status"] == "ok"
 
 
 def test_energy_that_gravity_takes_is_not_missed() -> None:
-    """A body is thrown up and doubles its energy while it slows down: its kinetic energy alone never grows."""
+    """A body is thrown up and doubles its energy while it slows down: its kinetic energy alone never
+    grows.
+    """
     made = block(gravity={"vector": [0.0, -1000.0]}, bodies__solid__velocity=[0.0, 10.0])
     made = with_changes(made, time__end=0.005, time__output_interval=0.001)
     other = {**made["bodies"]["solid"], "geometry": boxes([1.0, -0.5], [1.9, 0.5])[0]}
@@ -309,7 +315,9 @@ def test_a_ring_a_notch_and_a_turning_body_do_not_come_close_to_themselves() -> 
 
 
 def slope(push: float, **changes: Any) -> dict[str, Any]:
-    """A block on a floor with μ = 0.5, which is settled and then pushed by ``push`` m/s² over 0.5 s, against 4.905."""
+    """A block on a floor with μ = 0.5, which is settled and then pushed by ``push`` m/s² over 0.5 s, against
+    4.905.
+    """
     block_, floor = boxes([0.73, 0.33], [1.73, 0.73], [0.0, 0.0], [2.5, 0.33])
     made = scene((block_, 0.0), (floor, 0.0), end=0.9, outputs=45, shape__method="cpdi", settle={})
     made["grid"].update(lower=[-0.5, -0.5], upper=[3.0, 1.5])

@@ -79,7 +79,8 @@ def test_a_bar_with_a_fixed_end_vibrates_at_its_own_frequency(dim: int, shape: s
 
 
 def test_a_fixed_end_of_b_splines_converges() -> None:
-    # The wall acts where it is, though a quadratic B-spline is not 1 at its node: the error is of second order.
+    # The wall acts where it is, though a quadratic B-spline is not 1 at its node: the error is of second
+    # order.
     coarse, fine = (1.0 - vibrate(bar(2, "bspline", "fixed", cell), "fixed")[0] for cell in (0.25, 0.125))
     assert 0.0 < fine < coarse < 0.01
     assert fine / coarse == pytest.approx(0.25, abs=0.1)

@@ -16,7 +16,7 @@ from mpmfw.api import ForceContact, ImpulseContact, SimulationError, hookimpl
 from mpmfw.contact import springs
 
 TILTED = "averaged normals tilt at the block's corners, where half of the impulse then has a tangential part"
-CORNERS = "what a row at a corner bears is along its normal, which half looks sideways, whatever its part of the face"
+CORNERS = "what a row at a corner bears is along its normal, which half looks sideways, whatever its part of the face"  # noqa: E501
 LAYER = "the interface layer has a momentum of its own beside the material points'"
 BUMPS = "spheres in the hollows of others hold along the face"
 
@@ -29,7 +29,8 @@ LACKS: dict[str, dict[str, str]] = {
     "keeps apart": {"separate": "no interaction: the bodies pass through each other"},
     "no tension": {
         "none": "one velocity field sticks: bodies that part pull at each other",
-        "nairn": "at corners the plane between a few points leans: blocks that part and slide seem to approach",
+        "nairn": "at corners the plane between a few points leans: blocks that part and slide seem to "
+        "approach",
         "hamad2017": LAYER,
     },
     "cone of the pair": {

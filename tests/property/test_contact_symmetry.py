@@ -37,7 +37,7 @@ LAYER = "the interface layer has inertia, contact or not"
 TURN = "rounding decides whether a normal has turned by less than what ends its regression"
 ORDER = "rows that say nearly the same share a force by their order, and within the tolerance"
 ROUNDING = "a node at 0 ≤ ξ ≤ 1 of several segments meets one more or less by a rounding error"
-CORNER = "of two facets as close to a node outside the one with the lower index counts, and it may not face the node"
+CORNER = "of two facets as close to a node outside the one with the lower index counts, and it may not face the node"  # noqa: E501
 MOMENT = "friction is that of the moment: rounding decides its direction where hardly anything slips"
 
 LACKS: dict[str, dict[str, str]] = {
@@ -142,7 +142,8 @@ def test_quarter_turn_of_the_scene_turns_the_motion(strategy, make):
 @pytest.mark.parametrize("along", [(1.0, 0.0), (0.5**0.5, 0.5**0.5)], ids=["axis", "diagonal"])
 @pytest.mark.parametrize("nodes", [96, 97, 101, 102, 105])
 def test_two_discs_that_meet_head_on_stay_mirror_images(nodes, along):
-    """About the line of centres and about the plane between them, whether nodes meet head-on (96) or not (100).
+    """About the line of centres and about the plane between them, whether nodes meet head-on (96) or not
+    (100).
 
     Asked for 96 to 109 nodes, outlines have 96, 100, 104, 108 or 112.
     """

@@ -24,7 +24,9 @@ def closest(x, corners, share, spacing):
 
 
 def facet(dim, rng):
-    """Corners of a facet that is not too thin, and a point: anywhere, or across a side, a corner or the face of it."""
+    """Corners of a facet that is not too thin, and a point: anywhere, or across a side, a corner or the face
+    of it.
+    """
     while True:
         corners = rng.normal(size=(dim, dim))
         edges = corners - np.roll(corners, 1, axis=0)
@@ -47,7 +49,9 @@ def found(x, corners):
 @settled
 @given(seed=seeds)
 def test_no_point_of_the_facet_is_closer(dim, seed):
-    """Of a convex set c is the closest point to x if and only if (x − c)·(y − c) ≤ 0 for every y of it, so every corner."""
+    """Of a convex set c is the closest point to x if and only if (x − c)·(y − c) ≤ 0 for every y of it, so
+    every corner.
+    """
     rng = np.random.default_rng(seed)
     corners, x = facet(dim, rng)
     share, square = found(x, corners)
@@ -127,7 +131,9 @@ def crumpled(rng):
 
 
 def winding(x, nodes, facets):
-    """Solid angle of a closed surface as seen from x, over 4 π: 1 inside, 0 outside (Van Oosterom & Strackee, 1983)."""
+    """Solid angle of a closed surface as seen from x, over 4 π: 1 inside, 0 outside (Van Oosterom & Strackee,
+    1983).
+    """
     a, b, c = (nodes[facets[:, k]] - x for k in range(3))
     la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
     top = np.einsum("nd,nd->n", a, np.cross(b, c))
@@ -138,7 +144,9 @@ def winding(x, nodes, facets):
 @settings(max_examples=20)
 @given(seed=seeds)
 def test_the_pseudo_normal_tells_inside_from_outside(seed):
-    """Of the closest facet of a crumpled surface, against the solid angle; many of the closest points are edges and corners."""
+    """Of the closest facet of a crumpled surface, against the solid angle; many of the closest points are
+    edges and corners.
+    """
     rng = np.random.default_rng(seed)
     nodes, facets = crumpled(rng)
     surface, spacing = surface_of(nodes, facets), (1.0, 1.0, 1.0)

@@ -1,8 +1,7 @@
 """Which case runs by which method, where: every pair of case, method, shift and turn meets.
 
-Where a case is about springs, methods without any are left out. All methods run with MPMFW_FULL_STABILITY set; else those that
-may fail run in a fourth of the cases each.
-"""
+Where a case is about springs, methods without any are left out. All methods run with MPMFW_FULL_STABILITY
+set; else those that may fail run in a fourth of the cases each."""
 
 from __future__ import annotations
 
@@ -30,7 +29,9 @@ def rows(*, full: bool = FULL) -> list[Row]:
 
 
 def rows_in_space(*, full: bool = FULL) -> list[Row]:
-    """All cases by all methods at all places, or by two methods each, one of which must hold, at two places."""
+    """All cases by all methods at all places, or by two methods each, one of which must hold, at two
+    places.
+    """
     made: list[Row] = []
     for i, case in enumerate(IN_SPACE):
         strict, others = METHODS_IN_SPACE[:2], METHODS_IN_SPACE[2:]

@@ -32,8 +32,9 @@ def _body(
     return {"material": material, "geometry": geometry, "particles": particles, "velocity": list(velocity)}
 
 
-#: Name → shape function and scene. In all three a surface node came in by the side of a corner, where no segment faced it,
-#: and met a spring that was loaded to its whole depth at once: 5 %, 1.5 % and 0.9 % more energy than at the start.
+#: Name → shape function and scene. In all three a surface node came in by the side of a corner, where no
+#: segment faced it, and met a spring that was loaded to its whole depth at once: 5 %, 1.5 % and 0.9 % more
+#: energy than at the start.
 FOUND: dict[str, tuple[str, dict[str, Any]]] = {
     "square-on-soft-square": (
         "cpdi2",

@@ -39,7 +39,9 @@ from mpmfw.stability import Invariants, probe
 
 
 def near_limit(fraction: float) -> Callable[[dict[str, Any], str], dict[str, Any]]:
-    """Set the step to a fraction of the limit: the contact's own, or the shape function's of the bulk if it has none."""
+    """Set the step to a fraction of the limit: the contact's own, or the shape function's of the bulk if it
+    has none.
+    """
 
     def set_step(mapping: dict[str, Any], shape: str) -> dict[str, Any]:
         own = mapping["contact"]["method"] == "penalty"
@@ -125,7 +127,8 @@ class Case:
     growth: tuple[float, float] = (1.005, 1.005)
 
 
-#: At 0.9 of the limit the energy must only stay bounded: springs that let go of a node then may give it much of theirs.
+#: At 0.9 of the limit the energy must only stay bounded: springs that let go of a node then may give it much
+#: of theirs.
 NEAR = (1.25, 1.05)
 
 CASES: dict[str, Case] = {
@@ -220,7 +223,8 @@ def complaints(case: str, contact: str, shape: str, found: Invariants) -> list[s
     if asked.refusal is not None:
         refused = found.status == "refused" and asked.refusal in found.message
         return [] if refused else [f"expected a refusal, not: {found.status} {found.message}"]
-    # A verdict allows a gain of 10 %, of energies half a step apart. Cases that may gain more have their bounds below.
+    # A verdict allows a gain of 10 %, of energies half a step apart. Cases that may gain more have their
+    # bounds below.
     gains = asked.growth == NEAR and found.message.startswith("suspect: energy")
     if found.status != "ok" and not gains:
         return [f"{found.status}: {found.message}"]

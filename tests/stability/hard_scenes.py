@@ -172,7 +172,9 @@ def parting() -> dict[str, Any]:
 
 
 def rest(bodies: dict[str, Any], half_width: float = 4.0, **keys: Any) -> dict[str, Any]:
-    """Bodies that have settled on a ground under gravity; the ground's face is y = 0, in the plane and in space."""
+    """Bodies that have settled on a ground under gravity; the ground's face is y = 0, in the plane and in
+    space.
+    """
     dim = len(next(iter(bodies.values()))["velocity"])
     lower, upper = (-half_width, -2.0, -half_width)[:dim], (half_width, 0.0, half_width)[:dim]
     ground = block(lower, upper, kind="ground", sides=[{"side": "bottom", "fixed": True}])

@@ -1,4 +1,6 @@
-"""Scenes of the hard cases in space, in the units of those in the plane: boxes of three cells that approach along x."""
+"""Scenes of the hard cases in space, in the units of those in the plane: boxes of three cells that approach
+along x.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,9 @@ def _cube(x: float, speed: float, **keys: Any) -> dict[str, Any]:
 def meeting(
     left: tuple[float, Any], right: tuple[float, Any], other: dict[str, Any] | None = None, gap: float = 0.1
 ) -> dict[str, Any]:
-    """Two cubes, each given by how far it reaches towards the other [cells] and how it is turned, ``gap`` cells apart."""
+    """Two cubes, each given by how far it reaches towards the other [cells] and how it is turned, ``gap``
+    cells apart.
+    """
     bodies = {
         "left": _cube(-0.5 * gap - left[0], 0.02, angles=left[1]),
         "right": _cube(0.5 * gap + right[0], -0.02, angles=right[1], kind="other" if other else "usual"),

@@ -18,7 +18,8 @@ CELL = 0.1  # m
 SHIFTS = ((0.0, 0.0), (0.31, 0.17), (0.5, 0.77))
 TURNS = (0, 30)
 
-#: As a scene stands, shifted, turned, and both: in the plane, and in space, with turns about x, then y, then z.
+#: As a scene stands, shifted, turned, and both: in the plane, and in space, with turns about x, then y, then
+#: z.
 Place = tuple[tuple[float, ...], Any]
 PLACES: tuple[Place, ...] = tuple((shift, turn) for turn in TURNS for shift in SHIFTS[:2])
 _SPACE = ((0.0, 0.0, 0.0), (0.31, 0.17, 0.77)), ((0, 0, 0), (20, 35, 50))
@@ -36,8 +37,8 @@ def rotation_of(turn: Any) -> Any:
 def placed(mapping: dict[str, Any], shift: tuple[float, ...], turn: Any) -> dict[str, Any]:
     """The scene turned about the origin by ``turn`` [°], then shifted by cells.
 
-    Geometry, velocities and gravity turn; the grid does not. In the plane a ground, which is fixed below, keeps a level bottom.
-    """
+    Geometry, velocities and gravity turn; the grid does not. In the plane a ground, which is fixed below,
+    keeps a level bottom."""
     rotation, offset = rotation_of(turn), CELL * np.array(shift)
     bodies = {}
     for name, body in mapping["bodies"].items():

@@ -16,10 +16,11 @@ from mpmfw.stability import Invariants, probe
 
 pytestmark = pytest.mark.stability
 
-#: Bounds of the largest energy over the start: of one that must hold, with dissipation, and of one that must stay bounded,
-#: without; the same as those of the hard cases.
+#: Bounds of the largest energy over the start: of one that must hold, with dissipation, and of one that must
+#: stay bounded, without; the same as those of the hard cases.
 HOLDS, BOUNDED = 1.005, 1.05
-#: Deepest penetration [cells]: blocks meet with their corners first, at up to 0.3 of the softer one's wave speed.
+#: Deepest penetration [cells]: blocks meet with their corners first, at up to 0.3 of the softer one's wave
+#: speed.
 DEPTH = 0.5
 STEPS = 300
 #: The same scenes each time; ``MPMFW_FULL_STABILITY=1`` draws others, and more.
@@ -38,11 +39,11 @@ def materials(draw: Any) -> dict[str, Any]:
 
 @st.composite
 def scenes(draw: Any) -> dict[str, Any]:
-    """A square or a disc that meets a square, and perhaps a third square that comes down on both, of any material.
+    """A square or a disc that meets a square, and perhaps a third square that comes down on both, of any
+    material.
 
-    Bodies are at least two cells wide: one of a single cell has modes that the transfer does not carry, and its energy
-    swings by several per cent whether it touches anything or not.
-    """
+    Bodies are at least two cells wide: one of a single cell has modes that the transfer does not carry, and
+    its energy swings by several per cent whether it touches anything or not."""
     size, other = draw(st.floats(1.0, 2.0)), draw(st.floats(1.0, 2.0))
     material = draw(materials())
     slowest = min(1.0, wave_speed(material) / C)
@@ -102,8 +103,9 @@ def test_invariants_hold(mapping, method):
 
 #: Found scenes in which the sum of energy and losses grows by more than the 0.5 % allowed, and why.
 STILL = {
-    "square-on-soft-square": "0.66 % at the default step, 0.22 and 0.14 % at a half and a quarter of it: the residual of what "
-    "springs lose as they change (1.1 % of the energy), not counted before; the energy never exceeds the start"
+    "square-on-soft-square": "0.66 % at the default step, 0.22 and 0.14 % at a half and a quarter of it: the residual of what "  # noqa: E501
+    "springs lose as they change (1.1 % of the energy), not counted before; the energy never exceeds the "
+    "start"
 }
 
 

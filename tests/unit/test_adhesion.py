@@ -33,13 +33,16 @@ def test_the_work_of_adhesion_is_traction_times_separation():
     assert energy_of(K, 0.0, PULL, 0.1) == pytest.approx(-PULL * (0.1 - 0.5 * 0.04))
 
 
-#: The share that a detection may be off: of nodes, those of the ground at the punch's edges bear by whole tributary lengths.
+#: The share that a detection may be off: of nodes, those of the ground at the punch's edges bear by whole
+#: tributary lengths.
 OFF = {"surfaces": 0.04, "midplane": 0.01}
 
 
 @pytest.mark.parametrize("contact", OFF)
 def test_a_flat_punch_is_pulled_off_by_traction_times_area(contact):
-    """The upper block is drawn up by its top; the force between the blocks comes to σ_0 A, and then there is none."""
+    """The upper block is drawn up by its top; the force between the blocks comes to σ_0 A, and then there is
+    none.
+    """
     blocks = {
         "punch": rectangle(
             [-0.5 * WIDTH, 0.0],

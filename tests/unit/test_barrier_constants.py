@@ -26,7 +26,9 @@ REACH = 0.01
 
 
 def foreseen(distance, approach=0.0, share=1.0, **constants):
-    """Stiffness per area of a place of unit area, and its area, for the step that begins so far away [reach]."""
+    """Stiffness per area of a place of unit area, and its area, for the step that begins so far away
+    [reach].
+    """
     own = dict.fromkeys((*SpringArrays.member_names, "distance"), 0) | {"tangential": None}
     rows = ContactRows(2, couples=False, own=own)
     rows.normal[0], rows.motion[0] = (0.0, 1.0), (0.0, -approach * REACH)
@@ -38,21 +40,24 @@ def foreseen(distance, approach=0.0, share=1.0, **constants):
 
 
 def part_used(distance, **constants):
-    """Part of the distance [reach] from a wall below it that a node uses up in the longest step, at unit speed."""
+    """Part of the distance [reach] from a wall below it that a node uses up in the longest step, at unit
+    speed.
+    """
     loops = join([flat(-1.0, 1.0, -1.0, 0.0, 1), [[0.0, distance * REACH], [0.5, 1.0], [-0.5, 1.0]]])
     n, top = len(loops.body), 2  # the facet from (1, 0) to (−1, 0)
     table = SurfaceTable(row=np.arange(n + 1), nodes=np.arange(n, dtype=np.int32), weight=np.ones(n))
     velocity = np.where(loops.body[:, None] == 1, [0.0, -1.0], 0.0)
     step = interpreted(time_to_reach, **constants)(
-        4, top, np.array([0.5, 0.5]), np.array([0.0, 1.0]), 0.0, REACH, loops.outline, table, np.ones(n), velocity, PLANE,
+        4, top, np.array([0.5, 0.5]), np.array([0.0, 1.0]), 0.0, REACH, loops.outline, table, np.ones(n),
+        velocity, PLANE,
     )  # fmt: skip
     return step / (distance * REACH)
 
 
 @pytest.mark.parametrize("distance", [0.02, 0.1, 0.4])
 def test_the_stiffness_of_the_step_s_end_is_foreseen_and_not_much_more(distance):
-    """Of a node that uses up all that it may. With more left than there is, or more used up, contact's steps are too long; with
-    less left, far too short."""
+    """Of a node that uses up all that it may. With more left than there is, or more used up, contact's steps
+    are too long; with less left, far too short."""
 
     def over(*, used, left):
         step = part_used(distance, USED=used) * distance
@@ -81,7 +86,9 @@ def test_a_node_never_arrives_and_does_not_creep_towards_the_wall_either():
 
 
 def test_a_needle_s_tip_bears_and_what_lies_askew_bears_as_much_as_it_has_across():
-    """Sides of a needle lie along the normal; a node of share 0.16 is the least of right-angled corners in impacts."""
+    """Sides of a needle lie along the normal; a node of share 0.16 is the least of right-angled corners in
+    impacts.
+    """
     assert foreseen(0.1, share=0.0, LEAST_SHARE=LEAST_SHARE)[0] > 0.0
     assert foreseen(0.1, share=0.0, LEAST_SHARE=0.0)[0] == 0.0  # no force at any distance
     assert foreseen(0.1, share=0.16, LEAST_SHARE=LEAST_SHARE)[1] == 0.16
@@ -89,6 +96,8 @@ def test_a_needle_s_tip_bears_and_what_lies_askew_bears_as_much_as_it_has_across
 
 
 def test_the_first_estimate_of_the_stiffness_is_that_where_a_thousandth_of_the_modulus_bears():
-    """A larger one would shorten the steps of bodies that have not met, a smaller one let the first touch come unforeseen."""
+    """A larger one would shorten the steps of bodies that have not met, a smaller one let the first touch
+    come unforeseen.
+    """
     distance = brentq(lambda s: barrier_slope(s) - 1e-3, 0.5, 1.0 - 1e-9)
     assert barrier_curvature(distance) == pytest.approx(FIRST, rel=0.02)

@@ -1,4 +1,6 @@
-"""Compact kernels on two staggered grids: the table against the published formula, and sides that are held."""
+"""Compact kernels on two staggered grids: the table against the published formula, and sides that are
+held.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,9 @@ def compact(r):
 
 
 def expected_weights(position):
-    """φ on all nodes of the grid: half of the product of kernels over two cells, where all indices are even or all odd."""
+    """φ on all nodes of the grid: half of the product of kernels over two cells, where all indices are even
+    or all odd.
+    """
     index = np.indices((CELLS + 1,) * len(position))
     kernels = np.prod([compact((x - own) / 2.0) for x, own in zip(position, index, strict=True)], axis=0)
     same = (index % 2 == index[0] % 2).all(axis=0)
@@ -62,7 +66,9 @@ def test_one_grid_alone_is_not_linear_and_both_are(dim):
 
 @pytest.mark.parametrize("lower", [-0.5, -0.6, -0.53], ids=["even", "odd", "between"])
 def test_sides_hold_a_block_wherever_the_grids_lie(lower):
-    """Driven down by a tenth between smooth walls: mean σ_yy of uniaxial strain; without sides it would be a tenth of it."""
+    """Driven down by a tenth between smooth walls: mean σ_yy of uniaxial strain; without sides it would be a
+    tenth of it.
+    """
     bulk, shear = 12e6, 6e6
     side = {"bottom": {"fixed": ["y"]}, "left": {"fixed": ["x"]}, "right": {"fixed": ["x"]}}
     scene = {

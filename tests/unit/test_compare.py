@@ -235,7 +235,8 @@ def test_values_that_are_arrays_are_labelled_by_their_text(tmp_path):
         (["none"], {"time.end": "12"}, {}, "expected a list of values"),
         (["none"], {"time..end": [1]}, {}, "is not a key"),
         (["none", "none"], {}, {}, "contact: none is given twice"),
-        (["none", "separate"], {}, {"contact.penalty.kappa": 2}, "'penalty' does not run here; what runs is none, s"),
+        (["none", "separate"], {}, {"contact.penalty.kappa": 2},
+        "'penalty' does not run here; what runs is none, s"),
         (["none"], {"contact.penalty.kappa": [1, 2]}, {}, r"vary contact\.penalty\.kappa: has no effect"),
     ],
 )  # fmt: skip
@@ -366,7 +367,9 @@ def test_what_a_run_notes_is_kept_with_its_name():
 
 
 def test_the_terminal_marks_runs_that_failed(capsys, monkeypatch, rolling):
-    """In each part of the table by colour, in the first by a word as well; where all went through there is no such column."""
+    """In each part of the table by colour, in the first by a word as well; where all went through there is no
+    such column.
+    """
     monkeypatch.setenv("COLUMNS", "120")
     monkeypatch.setenv("FORCE_COLOR", "1")
     print_comparison(rolling)

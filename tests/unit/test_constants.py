@@ -1,4 +1,6 @@
-"""Every constant that contact and effects have is tested by its name: nobody need ask what it is for, or what breaks."""
+"""Every constant that contact and effects have is tested by its name: nobody need ask what it is for, or what
+breaks.
+"""
 
 from __future__ import annotations
 

@@ -116,7 +116,9 @@ def carrying(loops, found):
 
 
 def test_all_of_two_flush_faces_carries_their_corners_included(monkeypatch):
-    """Without turning far enough, or where next to nothing beside is no longer flush, corners carry nothing."""
+    """Without turning far enough, or where next to nothing beside is no longer flush, corners carry
+    nothing.
+    """
     loops, whole = pressed(), 2 * (round(1.0 / SEGMENT) + 1)
     assert carrying(loops, contact_kernels.find(loops, h=H)) == whole
     assert carrying(loops, found_with(monkeypatch, loops)) == whole
@@ -125,7 +127,9 @@ def test_all_of_two_flush_faces_carries_their_corners_included(monkeypatch):
 
 
 def test_with_a_longer_way_round_sheets_end_to_end_are_held_by_each_other_s_far_faces(monkeypatch):
-    """Of half a cell: nodes of the one's top, level with that of the other, would be as deep as the sheet is thick."""
+    """Of half a cell: nodes of the one's top, level with that of the other, would be as deep as the sheet is
+    thick.
+    """
     overlap, thickness = 1.5 * SEGMENT, 0.5 * H
     loops = join([block(-1.0, 0.0, 0.0, thickness), block(-overlap, 0.0, 1.0 - overlap, thickness)])
 
@@ -137,7 +141,9 @@ def test_with_a_longer_way_round_sheets_end_to_end_are_held_by_each_other_s_far_
 
 
 def test_with_more_that_counts_as_flush_nodes_beside_a_body_are_held_as_if_within(monkeypatch):
-    """A narrow block is a fifth of a cell deep in a wide face: the face's nodes beside it are in front of nothing."""
+    """A narrow block is a fifth of a cell deep in a wide face: the face's nodes beside it are in front of
+    nothing.
+    """
     depth = 0.2 * H
     loops = join([block(-0.5, -0.5, 0.5, 0.0), block(-1.01, -depth, 0.99, 0.5)])
 
@@ -151,7 +157,9 @@ def test_with_more_that_counts_as_flush_nodes_beside_a_body_are_held_as_if_withi
 
 @pytest.mark.parametrize("segment", [0.01 * CELL, 0.004 * CELL])
 def test_a_corner_with_more_facets_than_can_be_looked_at_ends_the_run(segment):
-    """A block is a fifth of a cell deep in the face of one as wide: its corner is on the other's side, that far from the face."""
+    """A block is a fifth of a cell deep in the face of one as wide: its corner is on the other's side, that
+    far from the face.
+    """
     overlapping = scene(
         {
             "lower": rectangle([-0.3, -0.5], [0.3, 0.0], segment=segment),
@@ -196,7 +204,9 @@ def test_without_an_allowance_for_ties_an_index_decides_which_side_of_a_corner_h
 
 
 def test_with_a_larger_allowance_for_ties_a_node_is_held_by_facets_that_it_is_not_over():
-    """A tip a fifth of a cell deep over a segment of a flat face; the neighbour that begins a tenth of it away leans on it."""
+    """A tip a fifth of a cell deep over a segment of a flat face; the neighbour that begins a tenth of it
+    away leans on it.
+    """
     loops = join([[[0.05, -0.2], [0.55, 1.0], [-0.45, 1.0]], flat(-1.0, 1.0, -1.0, 0.0, 4)])
     ends = loops.position[np.stack([np.arange(len(loops.body)), loops.following], axis=1)]
     over = int(np.flatnonzero((ends[:, :, 1] == 0.0).all(axis=1) & (ends[:, 0, 0] == 0.5))[0])
@@ -224,7 +234,9 @@ def test_without_an_allowance_for_rounding_the_search_loses_one_of_two_equally_c
 
 
 def lost_node(loops, s, facet, **constants):
-    """What is added for node s, which was inside body 0 by a facet and is not found again, and how far through it is."""
+    """What is added for node s, which was inside body 0 by a facet and is not found again, and how far
+    through it is.
+    """
     found = empty_candidates(len(loops.body), 1)
     found.set(inside=np.full((len(loops.body), 1), -1), inside_facet=np.full((len(loops.body), 1), -1))
     found.inside[s, 0], found.inside_facet[s, 0] = 0, facet
@@ -234,7 +246,9 @@ def lost_node(loops, s, facet, **constants):
 
 
 def test_a_node_that_comes_out_by_the_far_side_has_gone_through_and_one_by_a_side_has_not():
-    """With a larger least cosine bodies cross without a word; with a smaller one a node that slips off a side ends the run."""
+    """With a larger least cosine bodies cross without a word; with a smaller one a node that slips off a side
+    ends the run.
+    """
     sheet = np.array([[-0.5, 0.0], [0.4, 0.0], [0.5, 0.5], [-0.5, 0.5]])  # its right side leans out by 11°
     below = join([sheet, np.array([[0.0, -0.1], [0.5, 0.9], [-0.5, 0.9]])])
     top = 2
@@ -246,7 +260,9 @@ def test_a_node_that_comes_out_by_the_far_side_has_gone_through_and_one_by_a_sid
 
 
 def on_shared_nodes(monkeypatch, least_mass):
-    """Least stable step over that of the bulk, and the deepest gap [cells], of an impact with springs at shared nodes."""
+    """Least stable step over that of the bulk, and the deepest gap [cells], of an impact with springs at
+    shared nodes.
+    """
     monkeypatch.setattr(nodes, "LEAST_MASS", least_mass)
     mapping = impact(gap=0.0481, speed=0.1 * wave_speed("soft"), slide=0.0, friction=0.0)
     for each in mapping["bodies"].values():  # to where splines reach some nodes by next to nothing
@@ -277,7 +293,9 @@ def test_blocks_of_facets_spare_comparisons_and_change_no_gap():
 
 
 def test_a_node_that_passes_the_middle_of_a_thin_body_in_a_step_is_seen():
-    """Of a sheet of a tenth of a cell; with a larger least travel it is not looked for, a smaller one only costs time."""
+    """Of a sheet of a tenth of a cell; with a larger least travel it is not looked for, a smaller one only
+    costs time.
+    """
     loops = join([block(-0.5, -0.05 * H, 0.5, 0.05 * H), block(-0.3, -0.02 * H, 0.3, 0.4)])
     loops.displacement[loops.body == 1] = (0.0, -0.1 * H)
 

@@ -1,4 +1,6 @@
-"""Constants that decide which facets another body covers, each varied: kernels are compiled anew with them."""
+"""Constants that decide which facets another body covers, each varied: kernels are compiled anew with
+them.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Cubic B-splines: the table against the published formulas, written down a second time, and a body at the grid's end."""
+"""Cubic B-splines: the table against the published formulas, written down a second time, and a body at the
+grid's end.
+"""
 
 from __future__ import annotations
 
@@ -111,7 +113,9 @@ RUBBER = {"model": "neo_hookean", "density": 1000.0, "bulk_modulus": 1e5, "shear
 
 @pytest.mark.parametrize("where", ["modified", "refuse"])
 def test_a_body_in_the_grids_last_cell(where):
-    """A square at the grid's first corner flies inwards; unless the end is modified, its points are refused."""
+    """A square at the grid's first corner flies inwards; unless the end is modified, its points are
+    refused.
+    """
     scene = {
         "grid": {"cell_size": 0.1, "lower": [0.0, 0.0], "upper": [1.0, 1.0]},
         "time": {"end": 0.05, "output_interval": 0.05},

@@ -90,10 +90,13 @@ def test_what_is_empty_may_have_any_length(tmp_path):
 @pytest.mark.parametrize(
     ("saved", "built"),
     [
-        (1.0, 1), (1, 1.0), (True, 1), ("1", 1.0), (None, 1.0), ([], 1.0), ({"a": 1.0}, {"b": 1.0}), ("x", None),
+        (1.0, 1), (1, 1.0), (True, 1), ("1", 1.0), (None, 1.0), ([], 1.0), ({"a": 1.0}, {"b": 1.0}), ("x",
+        None),
         ({"a": 1.0}, 2.0),
-        (np.zeros(2), np.zeros(3)), (np.zeros(2), np.zeros((0, 2))), (np.zeros(2), np.zeros(2, dtype="i8")), (1.0, np.zeros(1)),
-        (np.zeros(1), 1.0), ({"a": np.zeros(1)}, {"b": np.zeros(1)}), ({"a": np.zeros(1)}, {"a": np.zeros(1), "b": np.zeros(1)}),
+        (np.zeros(2), np.zeros(3)), (np.zeros(2), np.zeros((0, 2))), (np.zeros(2), np.zeros(2, dtype="i8")),
+        (1.0, np.zeros(1)),
+        (np.zeros(1), 1.0), ({"a": np.zeros(1)}, {"b": np.zeros(1)}), ({"a": np.zeros(1)},
+        {"a": np.zeros(1), "b": np.zeros(1)}),
     ],
 )  # fmt: skip
 def test_what_does_not_fit_is_refused_with_its_place(tmp_path, saved, built):
@@ -107,7 +110,8 @@ def test_parts_of_other_names_are_refused():
 
 
 @pytest.mark.parametrize(
-    "value", [object(), 2**63, [1], {"a": "b"}, {1: 2.0}, np.array([object()]), np.zeros(1, dtype="c16"), (1, 2)],
+    "value", [object(), 2**63, [1], {"a": "b"}, {1: 2.0}, np.array([object()]), np.zeros(1, dtype="c16"),
+    (1, 2)],
     ids=lambda value: type(value).__name__,
 )  # fmt: skip
 def test_what_cannot_be_saved_is_named_with_its_place(value):
@@ -150,11 +154,13 @@ CRAFTED: dict[str, bytes] = {
     "no entry": content(header(NOTHING, a=None)),
     "a list": content(b'{"__metadata__": {"mpmfw": "checkpoint 2"' + b"[" * 100_000),
     "nothing said": content({"__metadata__": {"mpmfw": "checkpoint 2"}, **LAST}),
-    "other facts": content({"__metadata__": {"mpmfw": "checkpoint 2", "said": '{"parts": 1, "values": 2}'}, **LAST}),
+    "other facts": content({"__metadata__": {"mpmfw": "checkpoint 2", "said": '{"parts": 1, "values": 2}'},
+    **LAST}),
     "a header longer than the file": content(header(NOTHING, **LAST), longer=10**6),
     "a header of 2**64 bytes": b"\xff" * 8 + content(header(NOTHING, **LAST))[8:],
     "another checksum": content(header(NOTHING, **LAST), check=1),
-    "a number of a million digits": content(b'{"__metadata__": {"mpmfw": "checkpoint 2", "said": ' + b"9" * 10**6 + b"}}"),
+    "a number of a million "
+    "digits": content(b'{"__metadata__": {"mpmfw": "checkpoint 2", "said": ' + b"9" * 10**6 + b"}}"),
 }  # fmt: skip
 
 

@@ -13,7 +13,9 @@ H, HALF = 0.1, 0.025
 
 
 def table(f: FloatArray, at: FloatArray) -> tuple[Stencil, FloatArray, FloatArray]:
-    """The functions of one point at ``at`` with the deformation gradient ``f``; nodes' positions and the point's reach."""
+    """The functions of one point at ``at`` with the deformation gradient ``f``; nodes' positions and the
+    point's reach.
+    """
     dim = len(at)
     grid = make_test_grid([([0] * dim, [25] * dim)], cell_size=H, lower=np.zeros(dim))
     particles = make_particles(at[None], deformation_gradient=f[None].copy(), volume=(2.0 * HALF) ** dim)

@@ -73,7 +73,7 @@ def test_a_misspelt_group_is_reported(install):
     install("spring_law", {"spring": "spring_law:Spring"}, kind="contacts")
     said = CliRunner().invoke(app, ["plugins"])
     assert said.exit_code == 0
-    line = "mpmfw.contacts: no such group, so that nothing finds spring of spring_law; did you mean 'mpmfw.contact'?"
+    line = "mpmfw.contacts: no such group, so that nothing finds spring of spring_law; did you mean 'mpmfw.contact'?"  # noqa: E501
     assert line in said.output
 
 
@@ -96,7 +96,8 @@ def test_a_misspelt_group_is_reported(install):
             r"Law\(…\) must be made from its options alone, given as keywords \(it has none\): .*'stiffness'",
         ),
         (
-            f"{OPTIONS}class Law:\n    name = 'broken'\n    Options = Options\n    def __init__(self): pass\n",
+            f"{OPTIONS}class Law:\n    name = 'broken'\n    Options = Options\n    def __init__(self): "
+            "pass\n",
             r"Law\(…\) must be made from its options alone, given as keywords \(stiffness\): .*'stiffness'",
         ),
     ],

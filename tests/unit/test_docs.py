@@ -100,7 +100,8 @@ def test_links_and_names_of_the_documentation_resolve(capsys):
         ("`mpmfw.state.structs.Stencl`", "no name mpmfw.state.structs.Stencl"),
         ("`mpmfw.nothing`", "no name mpmfw.nothing"),
         (
-            "[a](#a-heading), `mpmfw.state.structs.Stencil.row`, `mpmfw.run(scene)`, [b](https://example.org)",
+            "[a](#a-heading), `mpmfw.state.structs.Stencil.row`, `mpmfw.run(scene)`, "
+            "[b](https://example.org)",
             None,
         ),
     ],

@@ -24,7 +24,9 @@ from sides_for_tests import upper_side
 
 # -- the map of the surface
 def weighed(kernel: Any, share: float, masses: list[float], **constants: float) -> np.ndarray:
-    """Weights of a surface node between two grid nodes of these masses, in cells full of 1 kg/m, ``share`` from the first."""
+    """Weights of a surface node between two grid nodes of these masses, in cells full of 1 kg/m, ``share``
+    from the first.
+    """
     weight = np.array([1.0 - share, share])
     interpreted(kernel, **constants)(np.array([0, 2]), np.array([0, 1]), weight, np.ones(1), np.array(masses))
     return weight
@@ -32,7 +34,9 @@ def weighed(kernel: Any, share: float, masses: list[float], **constants: float) 
 
 @pytest.mark.parametrize("share", [0.05, 0.3, 0.7, 1.0])
 def test_under_a_straight_boundary_the_outer_node_keeps_its_weight(share: float) -> None:
-    """It has N² / 2 of a cell's mass; with a larger share it would count as empty, and the surface follow the inner node."""
+    """It has N² / 2 of a cell's mass; with a larger share it would count as empty, and the surface follow the
+    inner node.
+    """
     boundary = [1.0, 0.5 * share**2]
     np.testing.assert_array_equal(weighed(weigh_plain, share, boundary, LIGHT=LIGHT), [1.0 - share, share])
     if share < 1.0:
@@ -54,7 +58,9 @@ def test_the_critical_mass_bounds_what_a_force_accelerates() -> None:
 
 
 def test_a_larger_critical_mass_ties_the_surface_to_the_inner_node() -> None:
-    """Half a cell out, where the outer node has an eighth of a cell's mass, it is read from this much farther inside [cells]."""
+    """Half a cell out, where the outer node has an eighth of a cell's mass, it is read from this much farther
+    inside [cells].
+    """
     boundary = [1.0, 0.125]
     near, far = (weighed(weigh_by_mass, 0.5, boundary, CRITICAL_MASS=m)[1] for m in (CRITICAL_MASS, 10.0))
     assert 0.5 - near < 0.13
@@ -63,7 +69,9 @@ def test_a_larger_critical_mass_ties_the_surface_to_the_inner_node() -> None:
 
 # -- prescribed sides
 def rows_at(place: float, mass: list[float], **constants: float) -> list[tuple[float, dict[int, float]]]:
-    """Target and weights of every row of the side y = ``place`` of a body below it, in one column of 8 nodes."""
+    """Target and weights of every row of the side y = ``place`` of a body below it, in one column of 8
+    nodes.
+    """
     position = np.column_stack([np.zeros(8), np.arange(8.0)])
     whole = {name: np.zeros(20, dtype=np.int64) for name in ("row", "side")}
     real = {name: np.zeros(20) for name in ("target", "compliance", "c", "distance")}
@@ -90,7 +98,9 @@ def impulse_on(node: int, weights: dict[int, float], mass: list[float]) -> float
 
 
 def test_an_empty_node_does_not_take_the_side_s_impulse() -> None:
-    """Without a share that counts as empty it takes all of it, and runs away at five times what is missing."""
+    """Without a share that counts as empty it takes all of it, and runs away at five times what is
+    missing.
+    """
     barely = [0.5, 1, 1, 1, 0.68, 1e-4, 0, 0]
     (_, weights) = rows_at(4.2, barely, LIGHT=side_rows.LIGHT)[-1]
     assert 5 not in weights
@@ -106,7 +116,9 @@ def test_a_node_under_a_straight_side_is_not_empty() -> None:
 
 
 def test_of_a_body_that_reaches_a_cell_by_next_to_nothing_that_node_is_held_in_line() -> None:
-    """Without the least weight nothing holds it; with a larger one that of an ordinary side is read from inside as well."""
+    """Without the least weight nothing holds it; with a larger one that of an ordinary side is read from
+    inside as well.
+    """
     thin, straight = [0.5, 1, 1, 1, 0.5, 1e-3, 0, 0], [0.5, 1, 1, 1, 0.82, 0.08, 0, 0]
     in_line = (0.0, {5: 1.0, 4: -2.0, 3: 1.0})
     assert in_line in rows_at(4.01, thin, THIN=side_rows.THIN)
@@ -137,7 +149,9 @@ def test_an_oblique_side_has_points_enough_for_its_weights(monkeypatch: pytest.M
 
 
 def test_facets_of_a_turned_side_lie_on_it_but_for_rounding(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without an allowance some are lost; with a large one those round the corner are taken for it as well."""
+    """Without an allowance some are lost; with a large one those round the corner are taken for it as
+    well.
+    """
 
     def loaded(flat: float) -> int:
         monkeypatch.setattr(side_loads, "FLAT", flat)
@@ -168,7 +182,9 @@ def missed(simulation: Simulation) -> float:
 
 
 def with_sides() -> Simulation:
-    """A block of B-splines that moves, whose left side and top, off the grid lines, share nodes and are fixed."""
+    """A block of B-splines that moves, whose left side and top, off the grid lines, share nodes and are
+    fixed.
+    """
     return Simulation(
         block(
             shape__method="bspline",

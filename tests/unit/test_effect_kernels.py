@@ -36,7 +36,9 @@ def dense(row, index, weight, nodes=NODES):
 
 @pytest.mark.parametrize("degree", [1, 2, 3])
 def test_weights_at_a_side_read_a_linear_velocity(degree):
-    """Σ share = 1 and Σ share · distance = 0, and β sums to 1 and to x over its nodes, so Σ c = 1 and Σ c d = 0."""
+    """Σ share = 1 and Σ share · distance = 0, and β sums to 1 and to x over its nodes, so Σ c = 1 and Σ c d =
+    0.
+    """
     normal = np.array([0.5, math.sqrt(0.75)])
     shift, share = quadrature(normal, 1, degree)
     assert len(shift) > 1

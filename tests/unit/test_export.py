@@ -127,7 +127,8 @@ def test_the_cells_are_the_domains_of_the_shape_function(exported):
         volume = np.concatenate([tree[f"particles/{body}/volume"].values[k] for body in BODIES])
         diagonals = corners[:, 2:] - corners[:, :2]
         area = 0.5 * np.linalg.det(diagonals)
-        # A point of CPDI2 integrates F, its quadrilateral moves by its corners: the two drift apart; stored are six digits
+        # A point of CPDI2 integrates F, its quadrilateral moves by its corners: the two drift apart; stored
+        # are six digits
         np.testing.assert_allclose(area, volume, rtol=1e-6 if shape == "cpdi" else 0.05)
         if shape == "cpdi":
             np.testing.assert_allclose(corners.mean(axis=1), position, atol=1e-6)

@@ -1,4 +1,6 @@
-"""No function is longer than a page: its body, without signature and docstring, which options and parameters make long."""
+"""No function is longer than a page: its body, without signature and docstring, which options and parameters
+make long.
+"""
 
 from __future__ import annotations
 

@@ -435,7 +435,9 @@ def test_geometry_round_trips_through_json():
 
 @pytest.mark.parametrize("layout", ["lattice", "fitted"])
 def test_bodies_that_are_alike_share_a_layout_and_others_keep_theirs(layout, monkeypatch):
-    """Four discs, of which three are alike, and a square twice at one place: each lies where it would lie by itself."""
+    """Four discs, of which three are alike, and a square twice at one place: each lies where it would lie by
+    itself.
+    """
     from mpmfw.runs import bodies
 
     calls = []

@@ -85,7 +85,7 @@ def test_bodies_that_are_alike_share_a_layout_that_is_moved() -> None:
     given = scene()
     given["contact"] = {"method": "separate"}
     given["bodies"]["other"] = {
-        **given["bodies"]["egg"], "geometry": {"type": f"{PLACE}:Sound", "centre": [-0.55, 0.1], "semi_axes": [0.5, 0.4]}
+        **given["bodies"]["egg"], "geometry": {"type": f"{PLACE}:Sound", "centre": [-0.55, 0.1], "semi_axes": [0.5, 0.4]}  # noqa: E501
     }  # fmt: skip
     given["bodies"]["egg"]["geometry"] |= {"centre": [0.75, 0.35], "semi_axes": [0.5, 0.4]}
     made = build(load_scene(given))

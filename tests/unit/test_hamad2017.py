@@ -25,7 +25,9 @@ class Surfaces:
         self.work = self.energy = 0.0
 
     def force(self):
-        """Forces on all nodes (n, 2), and the candidates; tangential forces along e_t of every node's rows are kept."""
+        """Forces on all nodes (n, 2), and the candidates; tangential forces along e_t of every node's rows
+        are kept.
+        """
         loops = self.loops
         found = find(loops, literal=True, slots=SLOTS)
         rows = rows_of(loops, found, ties=False, tilts=True)
@@ -139,7 +141,9 @@ def test_friction_is_carried_to_the_next_segment():
 
 
 def test_a_node_above_the_end_of_two_segments_shares_what_it_carried():
-    """0 ≤ ξ ≤ 1 holds on both: each repels it in full (eq. 10), what friction had built up is not counted twice."""
+    """0 ≤ ξ ≤ 1 holds on both: each repels it in full (eq. 10), what friction had built up is not counted
+    twice.
+    """
     tip = Tip(x=0.2499)
     tip.move(5e-5)
     before = tip.tangential[0].sum()

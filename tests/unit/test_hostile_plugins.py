@@ -1,4 +1,6 @@
-"""Plug-ins that fail or misbehave are named: plug-in, distribution, place and step; what was written stays."""
+"""Plug-ins that fail or misbehave are named: plug-in, distribution, place and step; what was written
+stays.
+"""
 
 import importlib
 import json
@@ -76,17 +78,20 @@ BEFORE = {
             @classmethod
             def check(cls, value): return {}[value]
         """,
-        "contact.oddity: Options of plug-in 'oddity' of distribution strange cannot judge them: KeyError: 2.0",
+        "contact.oddity: Options of plug-in 'oddity' of distribution strange cannot judge them: KeyError: "
+        "2.0",
     ),
     "options that are no model": (
         "Options = dict",
-        "contact.oddity: Options of plug-in 'oddity' of distribution strange: expected a pydantic model, found <class",
+        "contact.oddity: Options of plug-in 'oddity' of distribution strange: expected a pydantic model, "
+        "found <class",
     ),
     "exit in setup": (
         "@hookimpl\ndef setup(self, setup): sys.exit(0)",
         f"{WHO} failed in setup: SystemExit: 0 (strange_law.py, line 10)",
     ),
-    "error in parts": ("def parts(self): raise BaseException('no')", f"{WHO} failed in its planning: BaseException: no"),
+    "error in parts": ("def parts(self): raise "
+                       "BaseException('no')", f"{WHO} failed in its planning: BaseException: no"),
     "no list of fields": ("@hookimpl\ndef declare_fields(self): return 'x'", "has no attribute 'group'"),
     "a field of no group": (
         "@hookimpl\ndef declare_fields(self): return [Field('a', (), '1', 'a', 'nowhere')]",
@@ -101,7 +106,8 @@ BEFORE = {
         f"{WHO} and the core both declare a field 'mass'",
     ),
     "a series of another plug-in": (
-        "@hookimpl\ndef declare_fields(self): return [Field('kinetic_energy', ('body',), 'J', 'e', 'series')]",
+        "@hookimpl\ndef declare_fields(self): return [Field('kinetic_energy', ('body',), 'J', 'e', "
+        "'series')]",
         "both declare a field 'kinetic_energy'; expected another name",
     ),
     "the name of another plug-in": (
@@ -116,13 +122,16 @@ BEFORE = {
         "@hookimpl(hookwrapper=True)\ndef after_momentum_update(self): yield",
         "of a wrapper @hookimpl(wrapper=True)",
     ),
-    "a hook that there is not": ("@hookimpl\ndef after_momentum_updat(self, grid): pass", "unknown hook 'after_momentum_updat'"),
+    "a hook that there is "
+    "not": ("@hookimpl\ndef after_momentum_updat(self, grid): "
+                                 "pass", "unknown hook 'after_momentum_updat'"),
     "an argument that there is not": (
         "@hookimpl\ndef after_momentum_update(self, particle): pass",
         "Argument(s) {'particle'} are declared in the hookimpl but can not be found in the hookspec",
     ),
     "a part with the fault": (
-        "def parts(self):\n    class Part:\n        name = 'part'\n        def advect(self): pass\n    return [Part()]",
+        "def parts(self):\n    class Part:\n        name = 'part'\n        def advect(self): pass\n    "
+        "return [Part()]",
         "advect has the name of a hook",
     ),
 }  # fmt: skip

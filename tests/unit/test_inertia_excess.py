@@ -1,4 +1,6 @@
-"""By how much the inertia of the lumped grid body exceeds the true one, as docs/guide/rotation.md derives it."""
+"""By how much the inertia of the lumped grid body exceeds the true one, as docs/guide/rotation.md derives
+it.
+"""
 
 import numpy as np
 import pytest

@@ -120,7 +120,9 @@ def test_a_cycle_of_shear_dissipates_the_area_of_its_loop() -> None:
 
 
 def test_the_work_of_the_stress_is_stored_or_dissipated() -> None:
-    """Along a path of large strain and rotation: ∫ P : dF = ΔW + plastic work, to a part of the elastic strain."""
+    """Along a path of large strain and rotation: ∫ P : dF = ΔW + plastic work, to a part of the elastic
+    strain.
+    """
 
     def path(t: float) -> FloatArray:
         shear, turn = (

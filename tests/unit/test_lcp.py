@@ -18,7 +18,9 @@ from mpmfw_contact.lcp import Lcp
 
 
 def solved(p, *, tolerance=1e-13, sweeps=20000, recovery=0.0, work=None, begin=None):
-    """Impulses J (n, dim), final row velocities u (n, dim), what is allowed b (n,), and the sweeps that it took."""
+    """Impulses J (n, dim), final row velocities u (n, dim), what is allowed b (n,), and the sweeps that it
+    took.
+    """
     rows, own, velocity = p.rows, p.rows.own, np.zeros_like(p.momentum)
     rows.force[:] = 0.0 if begin is None else begin
     fastest = state_problem(
@@ -128,7 +130,9 @@ def test_friction_takes_work_and_gives_none():
 
 
 def test_nodes_of_hardly_any_mass_do_no_harm():
-    """Light nodes take a large share of the velocity, and nothing else changes; those without mass take no part."""
+    """Light nodes take a large share of the velocity, and nothing else changes; those without mass take no
+    part.
+    """
     p = problem(4, 2, friction=0.3)
     p.mass[:5] *= 1e-12
     p.momentum[:5] *= 1e-12
@@ -179,7 +183,9 @@ def test_solutions_are_bitwise_the_same():
 
 
 def cut_short(monkeypatch, missed):
-    """What is said of one sweep over a stiff problem, which misses the tolerance of 1e-3 some hundred times."""
+    """What is said of one sweep over a stiff problem, which misses the tolerance of 1e-3 some hundred
+    times.
+    """
     p = problem(3, 2, friction=0.5)
     monkeypatch.setattr(lcp, "MISSED", missed)
     law = Lcp(sweeps=1)
@@ -192,7 +198,9 @@ def cut_short(monkeypatch, missed):
 
 
 def test_what_misses_the_tolerance_by_more_than_missed_is_told(monkeypatch):
-    """MISSED too large: nothing is ever said; too small: every solution that ends with its sweeps is complained of."""
+    """MISSED too large: nothing is ever said; too small: every solution that ends with its sweeps is
+    complained of.
+    """
     assert cut_short(monkeypatch, lcp.MISSED) != []
     assert cut_short(monkeypatch, 1e6) == []
 
@@ -216,7 +224,9 @@ def test_rounding_is_no_reason_to_sweep_on_and_more_than_that_is(monkeypatch):
 
 
 def meeting(other, steps, look):
-    """What ``look`` says of a frictionless body, the ``other``, after some steps of lcp against a plane y = 0 that is stiffer."""
+    """What ``look`` says of a frictionless body, the ``other``, after some steps of lcp against a plane y = 0
+    that is stiffer.
+    """
     plane = rectangle([-0.8, -0.4], [0.8, 0.0], kind="stiff")
     made = scene({"plane": plane, "other": other}, friction=0.0, allow_overlap=True)
     simulation, overlap = Simulation({**made, "contact": {"method": "lcp", "friction": 0.0}}), 0.0
@@ -240,7 +250,9 @@ def sliding(depth):
 
 
 def test_places_beside_a_corner_that_slides_would_stop_it(monkeypatch):
-    """Ahead of it, where they are open; just under it, where bodies overlap, the side that it passes faces none of them."""
+    """Ahead of it, where they are open; just under it, where bodies overlap, the side that it passes faces
+    none of them.
+    """
     assert sliding(0.0) > 0.98
     assert sliding(0.2 * CELL) > 0.98
     monkeypatch.setattr(lcp, "FACING", 0.0)

@@ -1,4 +1,6 @@
-"""The local spin correction against plain NumPy, and what its operator keeps whatever the nodal masses are."""
+"""The local spin correction against plain NumPy, and what its operator keeps whatever the nodal masses
+are.
+"""
 
 from __future__ import annotations
 
@@ -167,7 +169,9 @@ def test_the_operator_is_symmetric_and_adds_inertia_to_spin_alone(dim: int, seed
 
 @DIMENSIONS
 def test_a_body_that_turns_as_a_whole_has_the_inertia_of_its_material(dim: int) -> None:
-    """(1 + M⁻¹ K) takes the spin that a torque gives to the lumped body, I_grid⁻¹ τ, to the torque I_grid I⁻¹ τ."""
+    """(1 + M⁻¹ K) takes the spin that a torque gives to the lumped body, I_grid⁻¹ τ, to the torque I_grid I⁻¹
+    τ.
+    """
     w = window(dim, 8, 0.0)
     m, nodes = w.node_mass[FIRST:], w.node[FIRST:]
     r = full(nodes - m @ nodes / m.sum())
@@ -187,7 +191,9 @@ def test_a_body_that_turns_as_a_whole_has_the_inertia_of_its_material(dim: int) 
 def test_with_a_larger_least_share_a_body_keeps_the_lumped_nodes_inertia(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """A share below that of an ordinary body's cells changes nothing there (a film's: test_rotation_frequency)."""
+    """A share below that of an ordinary body's cells changes nothing there (a film's:
+    test_rotation_frequency).
+    """
     w = window(2, 8, 0.0)
     rng = np.random.default_rng(1)
     momentum = rng.normal(size=w.node.shape)

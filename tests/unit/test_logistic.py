@@ -1,4 +1,6 @@
-"""Logistic regression at shared nodes: points of a node, the plane between half-spaces, and the distance across it."""
+"""Logistic regression at shared nodes: points of a node, the plane between half-spaces, and the distance
+across it.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,9 @@ def basis_of(normal):
 
 
 def half_spaces(normal, gap, rng):
-    """Two bodies of square points in rows along the plane with this normal out of the first, through the middle of a grid."""
+    """Two bodies of square points in rows along the plane with this normal out of the first, through the
+    middle of a grid.
+    """
     dim = len(normal)
     turn, steps = basis_of(normal), np.arange(-10, 10) * 2 * HALF
     positions = []
@@ -44,7 +48,9 @@ def half_spaces(normal, gap, rng):
 
 
 def table_of(position, body, origin, count):
-    """Weights of GIMP's support: every node less than a cell and half a point away; flat windows of both bodies, one grid."""
+    """Weights of GIMP's support: every node less than a cell and half a point away; flat windows of both
+    bodies, one grid.
+    """
     dim = position.shape[1]
     first = np.floor((position - origin - HALF) / H).astype(int)
     index = first[:, None] + np.array(list(itertools.product(range(4), repeat=dim)))
@@ -63,7 +69,9 @@ def dim(request):
 
 
 def detected(normal, gap=0.0, *, seed=0, turn=1e-5, strain=None):
-    """Rows of two half-spaces, as write_regressed_rows finds them; with F = ``strain``, by which positions are not moved."""
+    """Rows of two half-spaces, as write_regressed_rows finds them; with F = ``strain``, by which positions
+    are not moved.
+    """
     rng, dim, count = np.random.default_rng(seed), len(normal), 9
     origin = -4.0 * H + rng.uniform(-0.5 * H, 0.5 * H, dim)
     position, body, edges = half_spaces(normal, gap, rng)
@@ -84,7 +92,7 @@ def detected(normal, gap=0.0, *, seed=0, turn=1e-5, strain=None):
     listed = shared.SharedNodes(**{name: np.zeros(size, dtype=np.int64) for name in names})
     n = shared.find_shared_nodes(pairs, grid, listed)
     clouds = regression.Clouds(
-        slot=np.zeros(2 * size, dtype=int), start=np.zeros(2 * n + 1, dtype=int), point=np.zeros(len(nodes), dtype=int)
+        slot=np.zeros(2 * size, dtype=int), start=np.zeros(2 * n + 1, dtype=int), point=np.zeros(len(nodes), dtype=int)  # noqa: E501
     )  # fmt: skip
     regression.list_points(n, listed, row, nodes, weight, clouds)
     deformation = np.broadcast_to(np.eye(dim) if strain is None else strain, edges.shape).copy()
@@ -92,11 +100,13 @@ def detected(normal, gap=0.0, *, seed=0, turn=1e-5, strain=None):
     rows = ContactRows(dim, couples=False, own=Impulse().row_arrays(friction=False))
     rows.make_room(n + 1, 2 * n)
     rows.count = regression.write_regressed_rows(
-        n, listed, pairs, grid, clouds, domains, np.tile(place, (2, 1)), 1e-7, turn, 0.0, 0.0, rows, (H,) * dim,
+        n, listed, pairs, grid, clouds, domains, np.tile(place, (2, 1)), 1e-7, turn, 0.0, 0.0, rows,
+        (H,) * dim,
         (1.0,) * (dim + 1),
     )  # fmt: skip
     return SimpleNamespace(
-        rows=rows, clouds=clouds, listed=listed, n=n, table=(row, nodes, weight), position=position, body=body,
+        rows=rows, clouds=clouds, listed=listed, n=n, table=(row, nodes, weight), position=position,
+        body=body,
         place=place, size=size,
     )  # fmt: skip
 
@@ -150,7 +160,9 @@ def test_points_of_a_node_are_those_with_a_weight_there(dim):
 
 
 def test_the_plane_between_half_spaces_is_found_to_half_a_degree(dim):
-    """At any angle: with the published turn at most nodes, with a finer one at three of four. Averaged volume gradients lean."""
+    """At any angle: with the published turn at most nodes, with a finer one at three of four. Averaged volume
+    gradients lean.
+    """
     published, finer, gradients = [], [], []
     for seed in range(8):
         normal = some_normal(dim, seed)
@@ -214,7 +226,9 @@ def test_a_node_whose_points_are_at_one_place_has_no_row():
 
 
 def plane_of(position, split, **constants):
-    """Normal of the plane between the first ``split`` points and the others, or None, with other constants."""
+    """Normal of the plane between the first ``split`` points and the others, or None, with other
+    constants.
+    """
     count = len(position)
     clouds = regression.Clouds(
         slot=np.array([0, 1]), start=np.array([0, split, count]), point=np.arange(count)
@@ -226,7 +240,9 @@ def plane_of(position, split, **constants):
 
 
 def test_one_iteration_is_a_linear_fit_and_leans():
-    """ITERATIONS too small: points far from the plane count as much as those beside it. More than are used cost nothing."""
+    """ITERATIONS too small: points far from the plane count as much as those beside it. More than are used
+    cost nothing.
+    """
     rng = np.random.default_rng(5)
     position = rng.uniform(-1.0, 1.0, (60, 2))
     side = position @ [0.8, 0.6]
@@ -239,7 +255,9 @@ def test_one_iteration_is_a_linear_fit_and_leans():
 
 
 def test_a_pivot_too_large_loses_planes():
-    """SINGULAR too large: a thin row of points on each side of a plane that lies across no axis has none any more."""
+    """SINGULAR too large: a thin row of points on each side of a plane that lies across no axis has none any
+    more.
+    """
     along, across = np.array([0.8, 0.6]), np.array([-0.6, 0.8])
     position = np.array([x * along + y * across for y in (-0.01, 0.01) for x in np.linspace(-1.0, 1.0, 9)])
     np.testing.assert_allclose(plane_of(position, 9, SINGULAR=regression.SINGULAR), across, atol=1e-3)

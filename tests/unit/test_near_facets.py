@@ -56,7 +56,9 @@ def searched(detection, grid):
 
 @pytest.fixture(params=[1, 2], ids=["two bodies", "three"])
 def ready(request):
-    """A detection whose lists were just made, the places of its nodes, and a random motion of each body of length 1."""
+    """A detection whose lists were just made, the places of its nodes, and a random motion of each body of
+    length 1.
+    """
     sim = bodies(request.param)
     sim.advance(3)
     detection, grid = sim.contact.detection, sim.state.grid

@@ -94,7 +94,8 @@ def test_what_is_called_as_a_checkpoint_and_is_none_stays(folder, force):
     output = said("run", "s.toml", "-o", "new.nc", *force, status=2)
     assert (
         output
-        == "new.nc.checkpoint: is no checkpoint of a run, and would be replaced by that of new.nc; give another name\n"
+        == "new.nc.checkpoint: is no checkpoint of a run, and would be replaced by that of new.nc; give "
+        "another name\n"
     )
     mpmfw.run(SCENE, output="new.nc", checkpoint=float("inf"))
     assert mine.read_text() == MINE

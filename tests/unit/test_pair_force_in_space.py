@@ -23,7 +23,9 @@ FACETS = np.array([[1, 2, 3], [1, 4, 2], [2, 4, 3], [3, 4, 1], [0, 0, 0]])
 
 
 def contact(place, seed):
-    """Positions (5, 3) of a slave node and of a tetrahedron's, the node in front of the place or behind the face."""
+    """Positions (5, 3) of a slave node and of a tetrahedron's, the node in front of the place or behind the
+    face.
+    """
     rng = np.random.default_rng(seed)
     while True:
         master = rng.normal(size=(4, 3))
@@ -63,7 +65,8 @@ def row_of(position, displacement=None, *, tilts=False):
     facet = np.full((5, 1), -1)
     facet[0] = 0
     candidates = Candidates(
-        master=np.ones((5, 1), dtype=int), facet=facet, share=np.tile(share, (5, 1, 1)), gap=np.full((5, 1), gap),
+        master=np.ones((5, 1), dtype=int), facet=facet, share=np.tile(share, (5, 1, 1)), gap=np.full((5, 1),
+        gap),
         normal=np.tile(normal, (5, 1, 1)), inside=facet[:0], inside_facet=facet[:0],
     )  # fmt: skip
     moved = np.zeros_like(position) if displacement is None else displacement
@@ -180,7 +183,9 @@ def turned_by(angle):
 
 
 def carried(position, rotation, force):
-    """A tangential force after both bodies turned as one, in their frame; without the turn it would be ``force``."""
+    """A tangential force after both bodies turned as one, in their frame; without the turn it would be
+    ``force``.
+    """
     after = position @ rotation.T
     old, rows = row_of(position), row_of(after, after - position)
     out = np.zeros((1, 3))
@@ -215,7 +220,8 @@ def test_of_surfaces_that_turn_apart_it_is_the_mean(of_table, of_body):
     first, star = stars_of(facets, 8)
     outline = Outline(
         position=np.concatenate([table, body]), displacement=np.concatenate(moved), tributary=np.ones(8),
-        body=np.repeat([0, 1], 4), body_first=np.array([0, 4, 8]), facet_first=np.array([0, 4, 8]), facets=facets,
+        body=np.repeat([0, 1], 4), body_first=np.array([0, 4, 8]), facet_first=np.array([0, 4, 8]),
+        facets=facets,
         neighbours=neighbours_of(facets), star_first=first, star=star, covered=np.zeros(0, dtype=np.int64),
     )  # fmt: skip
     rows = SurfaceRows(3, couples=True, spins=True, own={})

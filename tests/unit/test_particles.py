@@ -1,4 +1,6 @@
-"""Points that push each other apart within a step, as de Vaucorbeil & Nguyen (2021) have it, in closed form."""
+"""Points that push each other apart within a step, as de Vaucorbeil & Nguyen (2021) have it, in closed
+form.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,9 @@ OVERLAP, MU = 0.01, 0.3
 
 
 def overlapping(dim: int, slide: float = 0.0, friction: float = 0.0) -> Simulation:
-    """Two squares or cubes of 0.5 m that overlap by 0.01 m, lattices of 4 points along an edge that face each other."""
+    """Two squares or cubes of 0.5 m that overlap by 0.01 m, lattices of 4 points along an edge that face each
+    other.
+    """
     bodies = {}
     for name, left, speed in (("left", -0.5, slide), ("right", -OVERLAP, 0.0)):
         bodies[name] = {

@@ -48,7 +48,9 @@ def outward(loops, s, e):
 
 
 def faces(loops, s, m):
-    """Whether the normals of a node, the sum of its two segments', and of a segment are against each other."""
+    """Whether the normals of a node, the sum of its two segments', and of a segment are against each
+    other.
+    """
     node = outward(loops, loops.previous[s], s) + outward(loops, s, loops.following[s])
     return node @ outward(loops, m, loops.following[m]) < 0.0
 

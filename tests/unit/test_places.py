@@ -88,7 +88,8 @@ def test_a_class_stands_for_an_object_of_it() -> None:
         (Linear, r"contact plug-in mpmfw_shape.linear.Linear .*derived from mpmfw.api.ContactStrategy"),
         (
             3,
-            "contact: found 3; expected a name, module:Class, or a class derived from mpmfw.api.ContactStrategy",
+            "contact: found 3; expected a name, module:Class, or a class derived from "
+            "mpmfw.api.ContactStrategy",
         ),
         (Linear(), "contact: found .*; expected a name"),
     ],

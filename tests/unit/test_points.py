@@ -59,7 +59,9 @@ def test_who_is_near_is_what_every_distance_says(dim, seed, buckets):
 
 
 def blocks(dim: int, gap: float, offset: float = 0.0) -> Simulation:
-    """Two squares or cubes of 0.5 m at rest, lattices of 4 points along an edge; the second ``offset`` sideways."""
+    """Two squares or cubes of 0.5 m at rest, lattices of 4 points along an edge; the second ``offset``
+    sideways.
+    """
     upper = np.full(dim, 0.25)
     bodies = {}
     for name, left, aside in (("left", -0.5, 0.0), ("right", gap, offset)):
@@ -92,7 +94,9 @@ def test_of_aligned_lattices_gap_and_area_are_those_of_the_faces(dim, gap):
 
 
 def test_between_lattices_that_are_offset_the_surface_is_a_row_of_bumps():
-    """Half a point aside spheres lie in the hollows: 0.134 of a diameter deeper, and no normal is that of the face."""
+    """Half a point aside spheres lie in the hollows: 0.134 of a diameter deeper, and no normal is that of the
+    face.
+    """
     simulation = blocks(2, 0.0, offset=0.0625)
     simulation.start()
     simulation.step()
@@ -119,7 +123,9 @@ def test_the_impulses_of_a_step_have_one_line_of_action(friction):
 
 
 def test_rows_lie_ahead_of_the_touch():
-    """NEAR: they bound the step in which it comes, so that springs begin shallow; with NEAR = 1 there would be none."""
+    """NEAR: they bound the step in which it comes, so that springs begin shallow; with NEAR = 1 there would
+    be none.
+    """
     simulation = blocks(2, 0.02)
     simulation.start()
     simulation.step()

@@ -1,4 +1,6 @@
-"""Functions at the centres of a box's rectangles: the mean of the corners', as CPDI's domains have it on their faces."""
+"""Functions at the centres of a box's rectangles: the mean of the corners', as CPDI's domains have it on
+their faces.
+"""
 
 from __future__ import annotations
 

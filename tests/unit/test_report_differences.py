@@ -1,4 +1,6 @@
-"""The report of a scene without a reference: what its methods differ in, largest first, and where its bodies went."""
+"""The report of a scene without a reference: what its methods differ in, largest first, and where its bodies
+went.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,8 @@ BODIES, PAIRS = ["floor", "block", "stone"], ["floor-block", "floor-stone"]
 
 
 def comparison() -> xr.Dataset:
-    """Two methods at two cell sizes: the block goes 1 or 2 m (1.5 at the coarse cells), the stone falls out of the second run.
+    """Two methods at two cell sizes: the block goes 1 or 2 m (1.5 at the coarse cells), the stone falls out
+    of the second run.
 
     Impulses of floor and block are 3 and 6 N s/m, of floor and stone none.
     """

@@ -228,7 +228,9 @@ def test_material_points_have_times_of_their_own(tmp_path, in_memory):
 
 
 def test_outputs_that_follow_each_other_fast_are_written_together(tmp_path, monkeypatch):
-    """The first at once, others when the oldest has waited long enough, or somebody asks; complete ones alone are read."""
+    """The first at once, others when the oldest has waited long enough, or somebody asks; complete ones alone
+    are read.
+    """
     path, count = tmp_path / "run.nc", 70
     monkeypatch.setattr("mpmfw.results.writing.WRITTEN_EVERY", 1000.0)
     with RunWriter(path, header()) as writer:
@@ -285,7 +287,9 @@ def test_an_output_of_other_arrays_is_in_its_own_variables(tmp_path):
 
 @pytest.mark.parametrize("interval", [1, 3])
 def test_plain_xarray_opens_every_run(tmp_path, interval):
-    """With and without points at every output, surfaces and contact, also while it is written; the tree is the same."""
+    """With and without points at every output, surfaces and contact, also while it is written; the tree is
+    the same.
+    """
     path = tmp_path / "run.nc"
     with RunWriter(path, header(surface_count={"ball": 3, "floor": 5})) as writer:
         for k in range(7):

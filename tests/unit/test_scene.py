@@ -133,67 +133,100 @@ def test_shipped_scenes_are_valid(name):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("radius = 1", "raduis = 1", "s.toml:31: bodies.block.geometry.raduis: unknown key; did you mean 'radius'?"),
-        ("cell_size = 0.5", "cell_size = '2 s'", "s.toml:4: grid.cell_size: '2 s' is not convertible to m; expected a "
+        ("radius = 1", "raduis = 1", "s.toml:31: bodies.block.geometry.raduis: unknown key; did you mean "
+                                     "'radius'?"),
+        ("cell_size = 0.5", "cell_size = '2 s'", "s.toml:4: grid.cell_size: '2 s' is not convertible to m; "
+                                                 "expected a "
          "length in m, a number or a string such as '2 mm'"),
-        ("cell_size = 0.5", "cell_size = 'x'", "s.toml:4: grid.cell_size: 'x' is not a quantity; expected a length in m, "
+        ("cell_size = 0.5", "cell_size = 'x'", "s.toml:4: grid.cell_size: 'x' is not a quantity; expected a "
+                                               "length in m, "
          "a number or a string such as '2 mm'"),
-        ("cell_size = 0.5", "cell_size = true", "s.toml:4: grid.cell_size: true is a boolean; expected a length in m, "
+        ("cell_size = 0.5", "cell_size = true", "s.toml:4: grid.cell_size: true is a boolean; expected a "
+                                                "length in m, "
          "a number or a string such as '2 mm'"),
         ("cell_size = 0.5", "cell_size = -1", "s.toml:4: grid.cell_size: must be greater than 0, not -1; expected a "
          "length in m, a number or a string such as '2 mm'"),
-        ("lower = [0, 0]\nupper = [10, 5]", "lower = [0, 'b']\nupper = [10, 5]", "s.toml:5: grid.lower[1]: 'b' is not "
+        ("lower = [0, 0]\nupper = [10, "
+         "5]", "lower = [0, 'b']\nupper = [10, 5]", "s.toml:5: grid.lower[1]: 'b' is not "
          "a quantity; expected a length in m, a number or a string such as '2 mm'"),
         ("end = 1\n", "", "s.toml:8: time.end: missing; expected a time in s, a number or a string such as '5 us'"),
-        ('method = "linear"', 'method = "liner"', "s.toml:13: shape.method: no such shape plug-in: 'liner' is unknown; "
+        ('method = "linear"', 'method = "liner"', "s.toml:13: shape.method: no such shape plug-in: 'liner' "
+                                                  "is unknown; "
          "did you mean 'linear'? (one of bspline, ck, cpdi, cpdi2, cubic_bspline, gimp, linear)"),
-        ('method = "linear"', 'metod = "linear"', "s.toml:13: shape.metod: unknown key; did you mean 'method'?"),
-        ('"block", "floor"', '"block", "flor"', "s.toml:20: contact.pairs[0].bodies[1]: no body 'flor'; did you mean "
+        ('method = "linear"', 'metod = "linear"', "s.toml:13: shape.metod: unknown key; did you mean "
+                                                  "'method'?"),
+        ('"block", "floor"', '"block", "flor"', "s.toml:20: contact.pairs[0].bodies[1]: no body 'flor'; did "
+                                                "you mean "
          "'floor'?"),
-        ('"block", "floor"', '"block", "block"', "s.toml:20: contact.pairs[0].bodies: a pair is two bodies, not 'block' "
+        ('"block", "floor"', '"block", "block"', "s.toml:20: contact.pairs[0].bodies: a pair is two bodies, "
+                                                 "not 'block' "
          "twice"),
-        ("density = 7850", "densty = 7850", "s.toml:25: materials.steel.densty: unknown key; did you mean 'density'?"),
-        ('"160 GPa"', '"160 m"', "s.toml:26: materials.steel.bulk_modulus: '160 m' is not convertible to Pa; expected a "
+        ("density = 7850", "densty = 7850", "s.toml:25: materials.steel.densty: unknown key; did you mean "
+                                            "'density'?"),
+        ('"160 GPa"', '"160 m"', "s.toml:26: materials.steel.bulk_modulus: '160 m' is not convertible to Pa; "
+                                 "expected a "
          "pressure or modulus in Pa, a number or a string such as '6 MPa'"),
         ('material = "steel"\ngeometry = { type = "disc"', 'material = "stel"\ngeometry = { type = "disc"',
          "s.toml:30: bodies.block.material: no material 'stel'; did you mean 'steel'?"),
-        ('type = "disc"', 'type = "disk"', "s.toml:31: bodies.block.geometry.type: 'disk' is unknown; did you mean "
-         "'disc'? (one of disc, ring, rectangle, polygon, mesh, box, ball, cylinder, torus, extrusion, revolution, surface_mesh)"),
-        ("radius = 1", "radius = 1, x = 2", "s.toml:31: bodies.block.geometry.x: unknown key; valid keys: type, centre, "
+        ('type = "disc"', 'type = "disk"', "s.toml:31: bodies.block.geometry.type: 'disk' is unknown; did "
+                                           "you mean "
+         "'disc'? (one of disc, ring, rectangle, polygon, mesh, box, ball, cylinder, torus, extrusion, "
+         "revolution, surface_mesh)"),
+        ("radius = 1", "radius = 1, x = 2", "s.toml:31: bodies.block.geometry.x: unknown key; valid keys: "
+                                            "type, centre, "
          "radius"),
-        ("velocity = [1, 0]", "velocity = [1, 0, 0]", "s.toml:33: bodies.block.velocity: has 3 entries; expected 2, "
+        ("velocity = [1, 0]", "velocity = [1, 0, 0]", "s.toml:33: bodies.block.velocity: has 3 entries; "
+                                                      "expected 2, "
          "because the grid is 2D"),
-        ("velocity = [1, 0]", "angular_velocity = [0, 0, 1]", "s.toml:33: bodies.block.angular_velocity: expected a number "
+        ("velocity = [1, 0]", "angular_velocity = [0, 0, "
+                              "1]", "s.toml:33: bodies.block.angular_velocity: "
+                                                              "expected a number "
          "in rad/s, because the grid is 2D"),
-        ("velocity = [1, 0]", 'rotation = "exakt"', "s.toml:33: bodies.block.rotation: 'exakt' is unknown; did you mean "
+        ("velocity = [1, 0]", 'rotation = "exakt"', "s.toml:33: bodies.block.rotation: 'exakt' is unknown; "
+                                                    "did you mean "
          "'exact'? (one of spin, exact, lumped)"),
-        ("fixed = true", "fixed = false", "s.toml:43: bodies.floor.sides[0].fixed: false is a boolean; expected true, or an array of 1 to 3 of 'x', 'y', 'z'"),
-        ("fixed = true", 'fixed = "xy"', "s.toml:43: bodies.floor.sides[0].fixed: 'xy' is a string; expected true, or an array of 1 to 3 of 'x', 'y', 'z'"),
-        ("fixed = true", 'fixed = ["w"]', "s.toml:43: bodies.floor.sides[0].fixed[0]: 'w' is unknown; expected one of x, "
+        ("fixed = true", "fixed = false", "s.toml:43: bodies.floor.sides[0].fixed: false is a boolean; "
+                                          "expected true, or an array of 1 to 3 of 'x', 'y', 'z'"),
+        ("fixed = true", 'fixed = "xy"', "s.toml:43: bodies.floor.sides[0].fixed: 'xy' is a string; expected "
+                                         "true, or an array of 1 to 3 of 'x', 'y', 'z'"),
+        ("fixed = true", 'fixed = ["w"]', "s.toml:43: bodies.floor.sides[0].fixed[0]: 'w' is unknown; "
+                                          "expected one of x, "
          "y, z"),
-        ("fixed = true", "pressure = 1\nfixed = true", "s.toml:41: bodies.floor.sides[0]: has fixed and pressure; "
+        ("fixed = true", "pressure = 1\nfixed = "
+                         "true", "s.toml:41: bodies.floor.sides[0]: has fixed and pressure; "
          "expected exactly one of: fixed, velocity, pressure, traction, force"),
-        ("fixed = true", 'velocity = ["free", "free"]', "s.toml:43: bodies.floor.sides[0].velocity: has no effect: every "
+        ("fixed = true", 'velocity = ["free", "free"]', "s.toml:43: bodies.floor.sides[0].velocity: has no "
+                                                        "effect: every "
          "component is free"),
         ("magnitude = 10", "vector = [0, -10]", "s.toml:45: gravity: has tilt and vector; expected exactly one of: vector, "
          "or magnitude and tilt, or table"),
-        ('output_interval = "10 ms"', "output_interval = 2", "s.toml:10: time.output_interval: must not be longer than "
+        ('output_interval = "10 '
+         'ms"', "output_interval = 2", "s.toml:10: time.output_interval: must not be "
+                                                             "longer than "
          "time.end, which is 1 s"),
         ("end = 1\n", "end = 1\nstep = 1e-5\nsafety = 0.4\n", "s.toml:11: time.safety: has no effect with a fixed "
          "time.step; leave one of them out"),
-        ("[shape]", '[stepping]\ntransfer = "pic"\ntransported = true\n[shape]', "s.toml:14: stepping.transported: has no "
+        ("[shape]", '[stepping]\ntransfer = "pic"\ntransported = '
+                    'true\n[shape]', "s.toml:14: stepping.transported: has no "
          "effect with transfer pic, only with aflip, apic and tpic"),
-        ("[shape]", "[stepping]\ntransported = true\n[shape]", "s.toml:13: stepping.transported: has no effect with "
+        ("[shape]", "[stepping]\ntransported = "
+                    "true\n[shape]", "s.toml:13: stepping.transported: has no effect with "
          "transfer flip (auto with linear), only with aflip, apic and tpic"),
-        ("[shape]", '[stepping]\ntransfer = "apic"\npic_fraction = 0.1\n[shape]', "s.toml:14: stepping.pic_fraction: has "
+        ("[shape]", '[stepping]\ntransfer = "apic"\npic_fraction = '
+                    '0.1\n[shape]', "s.toml:14: stepping.pic_fraction: has "
          "no effect with transfer apic, only with flip"),
-        ("friction = 0.2", "[contact.penlty]\nstiffness = 1", "s.toml:17: contact.penlty: no such contact plug-in: "
-         "'penlty' is unknown; did you mean 'penalty'? (one of adhesion, bardenhagen, barrier, hamad2017, hybrid, impulse, lcp, midplane, nairn, none, particles, penalty, separate, "
-         "logistic, nodes, points, surfaces, coulomb, mohr_coulomb, stribeck, method, detection, law, friction, friction_law, pairs)"),
-        ("friction = 0.2", "[contact.none]\nstiffness = 1", "s.toml:18: contact.none.stiffness: unknown key; no key is "
+        ("friction = 0.2", "[contact.penlty]\nstiffness = "
+                           "1", "s.toml:17: contact.penlty: no such contact plug-in: "
+         "'penlty' is unknown; did you mean 'penalty'? (one of adhesion, bardenhagen, barrier, hamad2017, "
+         "hybrid, impulse, lcp, midplane, nairn, none, particles, penalty, separate, "
+         "logistic, nodes, points, surfaces, coulomb, mohr_coulomb, stribeck, method, detection, law, "
+         "friction, friction_law, pairs)"),
+        ("friction = 0.2", "[contact.none]\nstiffness = "
+                           "1", "s.toml:18: contact.none.stiffness: unknown key; no key is "
          "valid here"),
         ("[bodies.block]", '[bodies."a-b"]', "s.toml:20: contact.pairs[0].bodies[0]: no body 'block'; the scene has a-b, "
-         "floor\ns.toml:29: bodies.a-b: a name has letters, digits and '_' only ('-' joins the names of a pair)"),
+         "floor\ns.toml:29: bodies.a-b: a name has letters, digits and '_' only ('-' joins the names of a "
+         "pair)"),
         ("cell_size = 0.5", "cell_size = 5e-324", "s.toml:4: grid.cell_size: 5e-324 is out of range: a magnitude is 0 or "
          "from 1e-60 to 1e+60 in SI units"),
         ('method = "linear"', 'method = "lin\\u0000ear"', "s.toml:13: shape.method: has the character NUL; expected text"),
@@ -201,7 +234,8 @@ def test_shipped_scenes_are_valid(name):
         ("[grid]", f"a = {500 * '['}{500 * ']'}\n[grid]", "s.toml: tables and arrays are nested too deeply to be read; "
          "no scene needs more than 32 levels"),
         ("[grid]", f"{'a.' * 2000}a = 1\n[grid]", "s.toml:3: a.a.a: is nested more than 32 tables and arrays deep"),
-        ("[gravity]", "[gravity", "s.toml:45: not valid TOML: Expected ']' at the end of a table declaration"),
+        ("[gravity]", "[gravity", "s.toml:45: not valid TOML: Expected ']' at the end of a table "
+                                  "declaration"),
     ],
 )  # fmt: skip
 def test_one_problem_is_one_message(scene_file, old, new, message):

@@ -55,19 +55,20 @@ def test_a_scene_written_again_is_the_same():
         ),
         (
             {"law": "penalty"},
-            "contact.detection: missing beside law = 'penalty'; expected one of logistic, midplane, nodes, points, surfaces",
+            "contact.detection: missing beside law = 'penalty'; expected one of logistic, midplane, nodes, "
+            "points, surfaces",
         ),
         ({"detecton": "nodes", "law": "penalty"}, "contact.detecton: unknown key; did you mean 'detection'?"),
-        ({"detection": "nods", "law": "penalty"}, "contact.detection: no such detection: 'nods' is unknown; did you"),
+        ({"detection": "nods", "law": "penalty"}, "contact.detection: no such detection: 'nods' is unknown; did you"),  # noqa: E501
         ({"detection": 3, "law": "penalty"}, "contact.detection: expected the name of a detection, not 3"),
         ({**PARTS, "nodes": 3}, "contact.nodes: expected a table of options of detection 'nodes', not 3"),
         ({**PARTS, "nodes": {"cutoff": 1}}, "contact.nodes.cutoff: unknown key; did you mean 'cut_off'?"),
-        ({**PARTS, "penalty": {"kappa": -1}}, "contact.penalty.kappa: must be greater than 0, not -1; expected a number"),
+        ({**PARTS, "penalty": {"kappa": -1}}, "contact.penalty.kappa: must be greater than 0, not -1; expected a number"),  # noqa: E501
         (
             {**PARTS, "nodes+penalty": {"kappa": 3}},
             'contact.penalty.kappa: [contact."nodes+penalty"] gives it too; leave one of them out',
         ),
-        ({"detection": "nodes", "law": "hamad2017"}, "contact.law: contact 'nodes+hamad2017': law 'hamad2017' acts on"),
+        ({"detection": "nodes", "law": "hamad2017"}, "contact.law: contact 'nodes+hamad2017': law 'hamad2017' acts on"),  # noqa: E501
     ],
 )  # fmt: skip
 def test_what_is_wrong_gets_one_message(contact, said):

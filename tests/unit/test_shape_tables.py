@@ -151,7 +151,9 @@ def test_surface_table_has_no_gradient(name, dim):
 
 
 def with_the_zeros(table, grid, particles):
-    """The same with every row of 3**dim entries, in the order of the nodes: what the leaner rows leave out is zero."""
+    """The same with every row of 3**dim entries, in the order of the nodes: what the leaner rows leave out is
+    zero.
+    """
     dim, nodes, weight, gradient = particles.dim, [], [], []
     for p in range(particles.count):
         own, field = slice(table.row[p], table.row[p + 1]), int(p >= particles.first[1])

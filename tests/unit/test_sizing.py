@@ -43,26 +43,28 @@ def refusal(**overrides):
 @pytest.mark.parametrize(
     ("overrides", "message"),
     [
-        ({"bodies.a.geometry.radius": 400}, "bodies.a: the body from (-400, -400) to (400, 400) m is not inside the grid"),
+        ({"bodies.a.geometry.radius": 400}, "bodies.a: the body from (-400, -400) to (400, 400) m is not inside the grid"),  # noqa: E501
         (
             {"bodies.a.geometry.radius": 4e6, "grid.lower": [-1e7, -1e7], "grid.upper": [1e7, 1e7]},
-            "bodies.a.particles.size: the body 'a' of 8e+06 by 8e+06 m has up to 1.02e+15 material points of 0.25 m; the "
+            "bodies.a.particles.size: the body 'a' of 8e+06 by 8e+06 m has up to 1.02e+15 material points of "
+            "0.25 m; the "
             "scene needs up to",
         ),
-        ({"grid.cell_size": 1e-8}, "grid.cell_size: the body 'a' of 2 by 2 m has up to 4e+16 nodes of the grid"),
-        ({"bodies.a.particles.size": 1e-9}, "bodies.a.particles.size: the body 'a' of 2 by 2 m has up to 4e+18 material"),
+        ({"grid.cell_size": 1e-8}, "grid.cell_size: the body 'a' of 2 by 2 m has up to 4e+16 nodes of the grid"),  # noqa: E501
+        ({"bodies.a.particles.size": 1e-9}, "bodies.a.particles.size: the body 'a' of 2 by 2 m has up to 4e+18 material"),  # noqa: E501
         ({"bodies.a.segment": 1e-12}, "bodies.a.segment: the body 'a' of 2 by 2 m has up to"),
-        ({"grid.cell_size": 1e-12}, "grid.cell_size: 1e-12 m is less than 1e-09 of the grid's largest coordinate, 3 m"),
+        ({"grid.cell_size": 1e-12}, "grid.cell_size: 1e-12 m is less than 1e-09 of the grid's largest coordinate, 3 m"),  # noqa: E501
         ({"grid.cell_size": 10**400}, "grid.cell_size: is an integer past 1e+60, out of range"),
-        ({"materials.m.density": 1e-300}, "materials.m.density: 1e-300 is out of range: a magnitude is 0 or from 1e-60"),
+        ({"materials.m.density": 1e-300}, "materials.m.density: 1e-300 is out of range: a magnitude is 0 or from 1e-60"),  # noqa: E501
         ({"bodies": {}}, "bodies: is empty; expected at least one table in it, named as you like"),
         ({"title": "a\0b"}, "title: has the character NUL; expected text"),
         ({"title": "\ud800"}, "title: has the character '\\ud800', which is none of Unicode; expected text"),
         (
             {"time.step": 1e-50},
-            "time.end: 0.01 s in steps of 1e-50 s, set by time.step, takes 1e+48 steps, more than 10000000; --force",
+            "time.end: 0.01 s in steps of 1e-50 s, set by time.step, takes 1e+48 steps, more than 10000000; "
+            "--force",
         ),
-        ({"materials.m.bulk_modulus": 1e30}, "time.end: 0.01 s in steps of 7.91e-15 s, set by bulk wave speed (h / c)"),
+        ({"materials.m.bulk_modulus": 1e30}, "time.end: 0.01 s in steps of 7.91e-15 s, set by bulk wave speed (h / c)"),  # noqa: E501
         ({"time.output_interval": 1e-12}, "1e-12 s in 0.01 s makes 1e+10 frames, more than 100000; --force"),
     ],
 )  # fmt: skip
@@ -195,9 +197,10 @@ def _plate(**sides):
 
 def test_sides_that_contradict_each_other_are_refused():
     cases = [
-        (_plate(left={"fixed": True}, bottom={"velocity": [1.0, 0.0]}), "bodies.a.sides[1]: prescribes 1 m/s along x, but "
-         "side 'left', with which it shares a corner, prescribes 0 m/s; expected the same value, or 'x' free on one of them"),
-        (_plate(left={"velocity": [300.0, "free"]}, right={"fixed": True}), "bodies.a.sides[1]: meets side 'left' at "
+        (_plate(left={"fixed": True}, bottom={"velocity": [1.0, 0.0]}), "bodies.a.sides[1]: prescribes 1 m/s along x, but "  # noqa: E501
+         "side 'left', with which it shares a corner, prescribes 0 m/s; expected the same value, or 'x' free "
+         "on one of them"),
+        (_plate(left={"velocity": [300.0, "free"]}, right={"fixed": True}), "bodies.a.sides[1]: meets side 'left' at "  # noqa: E501
          "0.006667 s, before time.end"),
     ]  # fmt: skip
     both = _plate(left={"fixed": True})

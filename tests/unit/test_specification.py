@@ -40,7 +40,8 @@ STRONG = "bardenhagen(criterion=position, normal=master)"
         (" none() ", "none", {}, "none"),
         ("a(c=x,b=2)", "a", {"b": 2, "c": "x"}, "a(b=2, c=x)"),
         ("a(b=true, c=[1.0, 2])", "a", {"b": True, "c": [1.0, 2]}, "a(b=true, c=[1.0, 2])"),
-        ('a(b="2", c="x, y", d=2 mm)', "a", {"b": "2", "c": "x, y", "d": "2 mm"}, 'a(b="2", c="x, y", d=2 mm)'),
+        ('a(b="2", c="x, y", d=2 '
+         'mm)', "a", {"b": "2", "c": "x, y", "d": "2 mm"}, 'a(b="2", c="x, y", d=2 mm)'),
         ("a(b=-1e-3)", "a", {"b": -1e-3}, "a(b=-0.001)"),
         ("module.of:Law(b=1)", "module.of:Law", {"b": 1}, "module.of:Law(b=1)"),
     ],
@@ -86,7 +87,7 @@ def test_commas_in_brackets_and_quotes_do_not_separate():
     [
         ("bardenhagn(normal=master)", "no such contact plug-in; did you mean 'bardenhagen'?"),
         ("bardenhagen(critrion=position)", "critrion: unknown key; did you mean 'criterion'?"),
-        ("bardenhagen(normal=mastr)", "normal: 'mastr' is unknown; did you mean 'master'? (one of averaged, master, specified)"),
+        ("bardenhagen(normal=mastr)", "normal: 'mastr' is unknown; did you mean 'master'? (one of averaged, master, specified)"),  # noqa: E501
         ("bardenhagen(cut_off=-1)", "cut_off: must be greater than 0, not -1; expected a number"),
         ("none(a=1)", "a: unknown key; no key is valid here"),
     ],
@@ -175,10 +176,10 @@ def test_options_are_set_over_the_scene_s_own_and_the_last_choice_of_a_method_ho
 @pytest.mark.parametrize(
     ("overrides", "message"),
     [
-        ({"contact.method": "bardenhagen(normal=mastr)"}, "--set contact.method: contact.bardenhagen.normal: 'mastr' is unknown"),
-        ({"contact.method": "bardenhagen(cut_off=0.5)"}, "--set contact.method: contact.bardenhagen: 'cut_off' has no effect"),
-        ({"contact.method": "bardenhagn(normal=master)"}, "--set contact.method: no such contact plug-in: 'bardenhagn'"),
-        ({"contact.method": "bardenhagen(normal)"}, "--set contact.method: bardenhagen(normal): 'normal' is no option=value"),
+        ({"contact.method": "bardenhagen(normal=mastr)"}, "--set contact.method: contact.bardenhagen.normal: 'mastr' is unknown"),  # noqa: E501
+        ({"contact.method": "bardenhagen(cut_off=0.5)"}, "--set contact.method: contact.bardenhagen: 'cut_off' has no effect"),  # noqa: E501
+        ({"contact.method": "bardenhagn(normal=master)"}, "--set contact.method: no such contact plug-in: 'bardenhagn'"),  # noqa: E501
+        ({"contact.method": "bardenhagen(normal)"}, "--set contact.method: bardenhagen(normal): 'normal' is no option=value"),  # noqa: E501
         ({"contact.method": STRONG, "contact.bardenhagen.normal": "master"},
          f"--set contact.bardenhagen.normal: contact.method = '{STRONG}' sets it too; leave one of them out"),
         ({"contact.method": STRONG, "contact.bardenhagen": {"criterion": "position"}}, "sets it too"),
@@ -262,7 +263,8 @@ def test_a_study_varies_it(tmp_path):
     assert grid.coords["contact"] == ["bardenhagen", STRONG]
     assert grid.combinations[1, 0].scene.contact.options.normal == "master"
     for old, new, message in (
-        ("normal=master", "normal=mastr", "contact.bardenhagen.normal: 'mastr' is unknown; did you mean 'master'?"),
+        ("normal=master", "normal=mastr", "contact.bardenhagen.normal: 'mastr' is unknown; did you mean "
+                                          "'master'?"),
         ('"bardenhagen",', f'"{STRONG}",', f":4: vary.contact[1]: {STRONG} is given twice"),
         (",criterion=position)", "", "expected NAME or NAME(option=value, …)"),
     ):  # fmt: skip
@@ -301,7 +303,7 @@ def test_the_conformance_kit_takes_it():
         (["compare", SCENE, "--contact", "none,bardenhagen(normal=master"],
          "--contact none,bardenhagen(normal=master: ( is not closed"),
         (["compare", SCENE, "--contact", "penalty(kappa=1),penalty( kappa = 1 )"], "a name is given twice"),
-        (["stability", SCENE, "--contact", "penalty(kappa=2)"], "--set contact.method: has no effect on a map of stability"),
+        (["stability", SCENE, "--contact", "penalty(kappa=2)"], "--set contact.method: has no effect on a map of stability"),  # noqa: E501
         (["check", "bardenhagen(normal=mastr)"], "bardenhagen: normal: "),
     ],
 )  # fmt: skip

@@ -1,4 +1,6 @@
-"""Of the case sphere-impacts: its elastic sphere against what is known of it, its scenes, and its measures."""
+"""Of the case sphere-impacts: its elastic sphere against what is known of it, its scenes, and its
+measures.
+"""
 
 from __future__ import annotations
 
@@ -64,7 +66,9 @@ def test_hertz_brings_a_sphere_to_rest_and_back(case):
 
 
 def test_turning_sphere_comes_with_the_point_of_contact_that_its_table_names(case):
-    """Thrown or turned, against a slab, a cap or its twin: the point of contact moves along, and no other way."""
+    """Thrown or turned, against a slab, a cap or its twin: the point of contact moves along, and no other
+    way.
+    """
     spheres = case["spheres"]
     for given in ({"angle": 45.0}, {"spin": 3.0}, {"spin": 3.0, "partner": "twin"}):
         bodies = spheres.scene("6 nylon", 6, pace=8.0, **given)["bodies"]
@@ -81,7 +85,9 @@ def test_turning_sphere_comes_with_the_point_of_contact_that_its_table_names(cas
 
 
 def results(case, along: float, spin: float, back: float) -> xr.DataTree:
-    """A run whose sphere has v_t = v_n before and these velocities over v_n after it, on a slab that stays."""
+    """A run whose sphere has v_t = v_n before and these velocities over v_n after it, on a slab that
+    stays.
+    """
     spheres = case["spheres"]
     velocity = np.zeros((2, 2, 3))
     velocity[0, 0] = spheres.ALONG - spheres.NORMAL

@@ -30,7 +30,9 @@ def test_without_the_allowance_for_noise_a_spring_at_rest_lets_go(monkeypatch):
 
 
 def force_of_a_node_from_the_side(depth: float) -> float:
-    """Of one with a twentieth of its share by the side, when a face takes it: over the force of all of its share."""
+    """Of one with a twentieth of its share by the side, when a face takes it: over the force of all of its
+    share.
+    """
     share, rest = changed(1.0, 0.05, 0.0, -depth)
     return share * (rest + depth) / depth
 
@@ -60,7 +62,9 @@ def test_with_a_wider_exception_nodes_gain_energy(monkeypatch):
 
 
 def depth_that_stops(layers: float) -> float:
-    """Depth [cells] at which springs of kappa = 1 hold the energy of two bodies at their waves' speed, so many cells of each."""
+    """Depth [cells] at which springs of kappa = 1 hold the energy of two bodies at their waves' speed, so
+    many cells of each.
+    """
     limit = _springs.LINEAR_TO  # stiffness and modulus are 1, as are density, speed and cell
 
     def held(depth: float) -> float:

@@ -66,7 +66,9 @@ def test_a_node_that_comes_in_by_the_face_has_all_of_its_force():
 
 
 def test_the_step_of_the_first_touch_is_no_longer_than_that_of_equal_bodies_in_contact():
-    """With the depth that it leaves springs begin, and with its square grows the energy that nothing paid for."""
+    """With the depth that it leaves springs begin, and with its square grows the energy that nothing paid
+    for.
+    """
     simulation = Simulation(
         impact(gap=0.0481, speed=0.02 * wave_speed("soft"), slide=0.0), contact="penalty", shape="bspline"
     )

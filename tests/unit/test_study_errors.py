@@ -145,9 +145,9 @@ def test_a_key_that_a_measure_looks_at_changes_what_it_measures(quantity, key):
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ({"axis": "y"}, "error.axis: the scene 'scene' has a closed form of displacement, but none for axis = 'y'; "),
-        ({"body": "plane"}, "error.body: the scene 'scene' has a closed form of displacement, but none for body = 'plane'"),
-        ({"body": "plane", "axis": "y"}, "error.body: .* none for body = 'plane' and axis = 'y'; leave body and axis out"),
+        ({"axis": "y"}, "error.axis: the scene 'scene' has a closed form of displacement, but none for axis = 'y'; "),  # noqa: E501
+        ({"body": "plane"}, "error.body: the scene 'scene' has a closed form of displacement, but none for body = 'plane'"),  # noqa: E501
+        ({"body": "plane", "axis": "y"}, "error.body: .* none for body = 'plane' and axis = 'y'; leave body and axis out"),  # noqa: E501
         ({"axis": "z"}, "error.axis: 'z' is no axis of the scene; expected one of x, y"),
         ({"body": "blok"}, "error.body: 'blok' is no body of the scene; expected one of block, plane"),
     ],

@@ -1,4 +1,6 @@
-"""Bodies given by files of triangles: what is read, and one message for each thing that is wrong with a file."""
+"""Bodies given by files of triangles: what is read, and one message for each thing that is wrong with a
+file.
+"""
 
 from __future__ import annotations
 
@@ -117,11 +119,11 @@ def edge_to(x):
 
 
 BAD = {
-    r"not closed: 3 sides have a triangle on one side only: the surface has a hole, the first at \(.*\) m \(facets ": lambda: (
+    r"not closed: 3 sides have a triangle on one side only: the surface has a hole, the first at \(.*\) m \(facets ": lambda: (  # noqa: E501
         NODES,
         FACETS[1:],
     ),
-    r"flipped triangles: both neighbours run 3 sides in the same direction, the first at .* \(facets .*7": flipped,
+    r"flipped triangles: both neighbours run 3 sides in the same direction, the first at .* \(facets .*7": flipped,  # noqa: E501
     r"1 triangles have no area \(facets \d+\), the first at ": flat,
     r"the surface crosses itself: triangle \d+ goes through triangle \d+ at ": crossing,
     "are turned inside out; expected their normals to point outwards": lambda: (NODES, FACETS[:, ::-1]),

@@ -1,4 +1,6 @@
-"""Of a run that breaks down by a value that is no number the kit says which array had it first, and in which hook."""
+"""Of a run that breaks down by a value that is no number the kit says which array had it first, and in which
+hook.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,9 @@ class Divides(ForceLaw):
 
 
 class Forces(ContactStrategy):
-    """A force that is no number at a node of the fifth step, and at nodes without mass, which nothing reads, at once."""
+    """A force that is no number at a node of the fifth step, and at nodes without mass, which nothing reads,
+    at once.
+    """
 
     name = "forces"
 

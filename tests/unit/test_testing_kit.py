@@ -1,4 +1,6 @@
-"""The kit as a whole: imported lazily, every check with its property and bound, and the guide that names them."""
+"""The kit as a whole: imported lazily, every check with its property and bound, and the guide that names
+them.
+"""
 
 from __future__ import annotations
 

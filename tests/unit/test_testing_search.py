@@ -1,4 +1,6 @@
-"""The search for the smallest counterexample: simplest first, the same in every run, errors and refusals kept."""
+"""The search for the smallest counterexample: simplest first, the same in every run, errors and refusals
+kept.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""What is checked: classes, objects, functions and names, what is none of these, and values of their options."""
+"""What is checked: classes, objects, functions and names, what is none of these, and values of their
+options.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""The additions of Bardenhagen et al. (2001): contact under compression, and impulses whose strain is bounded."""
+"""The additions of Bardenhagen et al. (2001): contact under compression, and impulses whose strain is
+bounded.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Surfaces of solids: closed, oriented outwards, of the right volume, area and symmetry; and the cells that they cut."""
+"""Surfaces of solids: closed, oriented outwards, of the right volume, area and symmetry; and the cells that
+they cut.
+"""
 
 from __future__ import annotations
 
@@ -136,7 +138,9 @@ def moments_of(volume, position, half_edges):
 
 
 def inertia_by_fine_cells(solid, size):
-    """Principal moments of inertia for a density of 1, from fine triangles and cells, brought to the exact volume."""
+    """Principal moments of inertia for a density of 1, from fine triangles and cells, brought to the exact
+    volume.
+    """
     nodes, facets = joined(solid.surfaces(9.0 if solid.has_plane_faces else 0.25 * size))
     lower = nodes.min(axis=0)
     counts = np.ceil((nodes.max(axis=0) - lower) / (size / 3) - 1e-9).astype(int)

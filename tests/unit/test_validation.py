@@ -1,4 +1,6 @@
-"""The validation suite on cases of a few lines: verdicts, exit status, table, page, and cases that go wrong."""
+"""The validation suite on cases of a few lines: verdicts, exit status, table, page, and cases that go
+wrong.
+"""
 
 from __future__ import annotations
 

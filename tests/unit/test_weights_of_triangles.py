@@ -1,4 +1,6 @@
-"""Why stress at an interface of triangles depends on their size: what the nodes' shares of area make of the grid's functions."""
+"""Why stress at an interface of triangles depends on their size: what the nodes' shares of area make of the
+grid's functions.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,9 @@ def test_segments_that_divide_a_cell_integrate_its_functions_exactly(parts):
 
 
 def test_others_err_by_the_square_of_the_segment():
-    """Between nodes lie the kinks of the functions: of each axis at most e²/4 h² at the middle one, e²/8 h² at the outer two."""
+    """Between nodes lie the kinks of the functions: of each axis at most e²/4 h² at the middle one, e²/8 h²
+    at the outer two.
+    """
     found = weights(0.3)
     assert found.min() == pytest.approx(0.990, abs=1e-3)
     assert found.max() == pytest.approx(1.020, abs=1e-3)

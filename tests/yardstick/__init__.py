@@ -1,1 +1,3 @@
-"""A plain compiled loop of the same arithmetic, against which the stepper is measured on a block without contact."""
+"""A plain compiled loop of the same arithmetic, against which the stepper is measured on a block without
+contact.
+"""

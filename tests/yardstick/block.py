@@ -1,4 +1,6 @@
-"""One neo-Hookean body, stepped by the real stepper and plug-ins: a synthetic block, or the points of the colliding rings."""
+"""One neo-Hookean body, stepped by the real stepper and plug-ins: a synthetic block, or the points of the
+colliding rings.
+"""
 
 from __future__ import annotations
 
@@ -45,7 +47,9 @@ class Block:
 
 
 def make_block(shape: str, count: int, dim: int = 2) -> Block:
-    """A cube of about ``count`` points at slightly irregular positions, in the corner of a grid that fits it."""
+    """A cube of about ``count`` points at slightly irregular positions, in the corner of a grid that fits
+    it.
+    """
     cells = max(1, round((count / PER_CELL**dim) ** (1.0 / dim)))
     rng = np.random.default_rng(0)
     axis = MARGIN + (np.arange(PER_CELL * cells) + 0.5) / PER_CELL
@@ -56,7 +60,9 @@ def make_block(shape: str, count: int, dim: int = 2) -> Block:
 
 
 def make_rings(shape: str) -> Block:
-    """The points of the scene ``colliding-rings``, lengths in cells, as one block in the corner of a square grid."""
+    """The points of the scene ``colliding-rings``, lengths in cells, as one block in the corner of a square
+    grid.
+    """
     scene = load_scene("colliding-rings")
     layouts, h = lay_out(scene), scene.grid.cell_size
     corners = np.concatenate([layout.corners for layout in layouts if layout.corners is not None]) / h

@@ -30,8 +30,8 @@ def measure_kernels(
 ) -> list[dict[str, Any]]:
     """Cost of a step with affine transfer, update stress last, neo-Hookean material and no contact.
 
-    Samples of the kernels and of the plain loops alternate, so that all meet the same disturbances. The plain loop that counts is
-    the fastest of those of every compiler, with an interpolation table and without.
+    Samples of the kernels and of the plain loops alternate, so that all meet the same disturbances. The plain
+    loop that counts is the fastest of those of every compiler, with an interpolation table and without.
 
     Parameters
     ----------
@@ -48,11 +48,10 @@ def measure_kernels(
 
     Returns
     -------
-    One row for each shape and count: ``shape``, ``dim``, ``particles``; least CPU time over the repeats
-    [ns per point and step], ``ns_total``, its stages (``ns_gather``, …), and ``ns_plain`` of the fastest plain loop,
-    which ``loop`` describes; ``ratio``, the median over the repeats of total / plain, and its quartiles
-    ``ratio_low`` and ``ratio_high``.
-    """
+    One row for each shape and count: ``shape``, ``dim``, ``particles``; least CPU time over the repeats [ns
+    per point and step], ``ns_total``, its stages (``ns_gather``, …), and ``ns_plain`` of the fastest plain
+    loop, which ``loop`` describes; ``ratio``, the median over the repeats of total / plain, and its quartiles
+    ``ratio_low`` and ``ratio_high``."""
     blocks = ((shape, make_block(shape, count, dim)) for shape in shapes for count in counts)
     return [_measure(shape, block, repeats, compiler) for shape, block in blocks]
 
@@ -60,7 +59,8 @@ def measure_kernels(
 def measure_rings(
     shapes: Sequence[str] = SHAPES, repeats: int = 30, *, compiler: bool = True
 ) -> list[dict[str, Any]]:
-    """The same of the colliding rings' points, as one body without contact, in the order and between the grid lines of the scene.
+    """The same of the colliding rings' points, as one body without contact, in the order and between the grid
+    lines of the scene.
 
     Parameters and rows are those of :func:`measure_kernels`.
     """

@@ -45,7 +45,9 @@ class _Problem(ctypes.Structure):
 
 @functools.cache
 def compilers() -> tuple[str, ...]:
-    """Paths of the C++ compilers: the one that ``CXX`` names, g++ and clang++, or whatever is called c++; empty without any."""
+    """Paths of the C++ compilers: the one that ``CXX`` names, g++ and clang++, or whatever is called c++;
+    empty without any.
+    """
     named = os.environ.get("CXX")
     found = [shutil.which(name) for name in (*([named] if named else []), "g++", "clang++")]
     return tuple(dict.fromkeys(path for path in found if path)) or tuple(filter(None, [shutil.which("c++")]))
@@ -70,7 +72,8 @@ def compiled_library(path: str) -> ctypes.CDLL | None:
             return None
 
 
-#: Entries of a point along each axis in the plain loop, which gives every corner of a CPDI domain entries of its own.
+#: Entries of a point along each axis in the plain loop, which gives every corner of a CPDI domain entries of
+#: its own.
 ENTRIES = {"linear": 2, "gimp": 3, "bspline": 3, "cpdi": 4}
 
 
@@ -167,7 +170,9 @@ class PlainLoop:
 def _foreign_calls(
     library: ctypes.CDLL, prefix: str, problem: SimpleNamespace
 ) -> Callable[[str], Callable[[], object]]:
-    """The library's functions by the end of their name, bound to a problem whose arrays they read and write in place."""
+    """The library's functions by the end of their name, bound to a problem whose arrays they read and write
+    in place.
+    """
     numbers = [getattr(problem, name) for name in (*_INTEGERS, *_NUMBERS)]
     pointers = [getattr(problem, name).ctypes.data for name in _ARRAYS]
     struct = _Problem(*numbers, *pointers)

@@ -28,7 +28,9 @@ OTHERS = {
 
 
 def draw(runs: Sequence[CaseRun]) -> Figure:
-    """Penalty contact by its forces at both cell sizes, and all methods by the stress of points at the coarse ones."""
+    """Penalty contact by its forces at both cell sizes, and all methods by the stress of points at the coarse
+    ones.
+    """
     figure = new_figure(2, 1, 66.0)
     axes = figure.subplots(1, 2, sharey=True)
     penalty = [run for run in runs if str(run.method) == "penalty, cpdi"]

@@ -22,7 +22,8 @@ SHEAR_WAVE = float(np.sqrt(SHEAR / DENSITY))
 
 
 def scene(crossings: float = 24.0, drift: float = 0.036) -> dict[str, Any]:
-    """Pressed by P while it settles, then drawn sideways by ``drift`` [m] in so many crossings of the height by shear waves.
+    """Pressed by P while it settles, then drawn sideways by ``drift`` [m] in so many crossings of the height
+    by shear waves.
 
     It slides after about 0.8 of that.
     """

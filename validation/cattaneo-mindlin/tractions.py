@@ -1,4 +1,6 @@
-"""Pressure and shear along the contact, by the forces of surface nodes and by the stress of points, beside the closed form."""
+"""Pressure and shear along the contact, by the forces of surface nodes and by the stress of points, beside
+the closed form.
+"""
 
 from __future__ import annotations
 
@@ -83,7 +85,9 @@ def of_forces(tree: xr.DataTree, k: int) -> Tractions:
 
 
 def of_stress(tree: xr.DataTree, k: int) -> Tractions:
-    """At output ``k``, from the stress of the block's points within half a cell of its top, which every method has."""
+    """At output ``k``, from the stress of the block's points within half a cell of its top, which every
+    method has.
+    """
     h = float(tree.attrs["cell_size"])
     surface, points = (tree[f"{group}/block"].to_dataset().isel(time=k) for group in ("surface", "particles"))
     top = surface["position"].values[surface["position"].values[:, 1] > TOUCH[1] - 0.5 * HEIGHT]
@@ -107,7 +111,9 @@ def half_way(tree: xr.DataTree) -> int:
 
 
 def partial_slip(tree: xr.DataTree) -> dict[str, float]:
-    """At half of the load that slides: ``share`` and ``cone`` [1], error of ``stick`` [1], of ``pressure`` and ``shear`` [%]."""
+    """At half of the load that slides: ``share`` and ``cone`` [1], error of ``stick`` [1], of ``pressure``
+    and ``shear`` [%].
+    """
     found = of_forces(tree, half_way(tree))
     return {**_errors(found), "cone": _over_the_cone(tree, half_way(tree))}
 
@@ -145,7 +151,9 @@ def _errors(found: Tractions) -> dict[str, float]:
 
 
 def _over_the_cone(tree: xr.DataTree, k: int) -> float:
-    """Largest |T| over μ N of the nodes that bear, along a contact whose slope is half of the cylinder's: both bodies yield."""
+    """Largest |T| over μ N of the nodes that bear, along a contact whose slope is half of the cylinder's:
+    both bodies yield.
+    """
     position, force, length = _nodes(tree, k)
     middle = np.sum(position[:, 0] * force[:, 1]) / force[:, 1].sum()
     moved = tree["surface/cylinder"]["position"].isel(time=[0, k]).values[:, :, 0]
@@ -160,7 +168,9 @@ def _over_the_cone(tree: xr.DataTree, k: int) -> float:
 
 
 def _nodes(tree: xr.DataTree, k: int) -> tuple[Array, Array, Array]:
-    """Position (n, 2) [m], contact force (n, 2) [N/m] and length (n,) [m] of the nodes of the cylinder's underside."""
+    """Position (n, 2) [m], contact force (n, 2) [N/m] and length (n,) [m] of the nodes of the cylinder's
+    underside.
+    """
     surface = tree["surface/cylinder"].to_dataset().isel(time=k)
     position, after = surface["position"].values, surface["next"].values
     length = 0.5 * np.linalg.norm(position[after] - position, axis=1)

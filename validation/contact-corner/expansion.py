@@ -17,13 +17,16 @@ Array = npt.NDArray[np.float64]
 
 WIDTH, HEIGHT = 10e-3, 10e-3  #: of the block [m]
 POISSON = 0.3
-#: Free expansion in plane strain: σ_xx = 0, ε_zz = 0, hence ε_xx = −ν/(1 − ν) ε_yy; u of each side over the strain [m].
+#: Free expansion in plane strain: σ_xx = 0, ε_zz = 0, hence ε_xx = −ν/(1 − ν) ε_yy; u of each side over the
+#: strain [m].
 SLOPE = POISSON * WIDTH / (2.0 * (1.0 - POISSON))
 PLACES = {"mid-height": 0.5, "bottom corners": 0.0, "top corners": 1.0}  #: height over that of the block
 
 
 def slopes(run: xr.DataTree) -> dict[str, float]:
-    """Errors of the slope at :data:`PLACES` and the ``worst`` of them, and kinetic over strain ``energy``, at most [%]."""
+    """Errors of the slope at :data:`PLACES` and the ``worst`` of them, and kinetic over strain ``energy``, at
+    most [%].
+    """
     found = expansion_of(run)
     errors = {name: found.slope_error(height) for name, height in PLACES.items()}
     return {**errors, "worst": max(errors.values(), key=abs), "energy": 100.0 * found.energy_ratio}
@@ -37,8 +40,8 @@ def change(runs: Sequence[CaseRun]) -> dict[str, float]:
 
 
 def placed(cell_size: float, offset: float) -> dict[str, object]:
-    """Values of the scene for a cell size [m], with the left side at −5 mm + ``offset`` cells and the lower contact at
-    −5 mm + 0.13 cells."""
+    """Values of the scene for a cell size [m], with the left side at −5 mm + ``offset`` cells and the lower
+    contact at −5 mm + 0.13 cells."""
     left, bottom = -5e-3 + offset * cell_size, -5e-3 + 0.13 * cell_size
     top = bottom + HEIGHT
     return {
@@ -66,7 +69,9 @@ class Expansion:
         return np.array([np.interp(height, self.height, row) for row in self.lateral])
 
     def slope(self, height: float) -> float:
-        """Least-squares slope of the displacement over the strain, through zero, over the last 80 % of the strain [m]."""
+        """Least-squares slope of the displacement over the strain, through zero, over the last 80 % of the
+        strain [m].
+        """
         chosen = self.strain > 0.2 * self.strain[-1]
         strain, lateral = self.strain[chosen], self.at(height)[chosen]
         return float(strain @ lateral / (strain @ strain))
@@ -82,7 +87,9 @@ class Expansion:
 
 
 def expansion_of(tree: xr.DataTree) -> Expansion:
-    """Measure the block of a run; its strain is its own, since contact springs take a part of the sides' motion."""
+    """Measure the block of a run; its strain is its own, since contact springs take a part of the sides'
+    motion.
+    """
     position = tree["surface/block"]["position"].values
     moved = position - position[0]
     lower, upper = position[0].min(axis=0), position[0].max(axis=0)
@@ -100,6 +107,8 @@ def expansion_of(tree: xr.DataTree) -> Expansion:
 def _along(
     start: Array, moved: Array, side: npt.NDArray[np.bool_], lower: Array, upper: Array
 ) -> tuple[Array, Array]:
-    """Heights (k,) over the block's and x displacements (time, k) of the nodes of a side, from bottom to top."""
+    """Heights (k,) over the block's and x displacements (time, k) of the nodes of a side, from bottom to
+    top.
+    """
     order = np.flatnonzero(side)[np.argsort(start[side, 1])]
     return (start[order, 1] - lower[1]) / (upper[1] - lower[1]), moved[:, order, 0]

@@ -17,7 +17,9 @@ SLOWLY = {
 
 
 def place(at, offset, size=0.0005):
-    """Return cells of a size, the block's left side at −5 mm + so many cells, the lower contact at −5 mm + 0.13 cells."""
+    """Return cells of a size, the block's left side at −5 mm + so many cells, the lower contact at −5 mm +
+    0.13 cells.
+    """
     side, below = -0.005 + offset * size, -0.005 + 0.13 * size
     above = below + 0.01
     corners = {

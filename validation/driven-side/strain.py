@@ -38,8 +38,8 @@ def extremes(tree: DataTree) -> dict[str, float]:
 
 
 def turned(tree: DataTree) -> dict[str, float]:
-    """Errors of σ_yy in the turned block [%]: ``mean``, and the largest by the distance from sides at the start: ``far``,
-    within three cells of ``one`` side, within three of ``two``."""
+    """Errors of σ_yy in the turned block [%]: ``mean``, and the largest by the distance from sides at the
+    start: ``far``, within three cells of ``one`` side, within three of ``two``."""
     found = 100.0 * (stress(tree, TURN) - 1.0)
     begin = tree["particles/block"]["position"].isel(time=0).values - CENTRE
     c, s = math.cos(TURN), math.sin(TURN)

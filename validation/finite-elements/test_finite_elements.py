@@ -14,8 +14,9 @@ from mpmfw.results.analysis import contact_phases
 if TYPE_CHECKING:
     from mpmfw.validation import Case
 
-#: By element size [mm]: how far the reference's own coarser runs lie from its fine one, in the L2 norm of the force
-#: averaged over 100 µs and in the impulse curve (README of the reference), plus a quarter; a half where it gives one digit.
+#: By element size [mm]: how far the reference's own coarser runs lie from its fine one, in the L2 norm of the
+#: force averaged over 100 µs and in the impulse curve (README of the reference), plus a quarter; a half where
+#: it gives one digit.
 LIMITS = {2.0: (0.24, 0.030), 1.0: (0.15, 0.018), 0.5: (0.045, 0.006)}
 FIRST_CONTACT = 4e-3 / 60.0  #: exact [s]
 

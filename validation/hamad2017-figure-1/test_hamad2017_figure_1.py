@@ -1,4 +1,6 @@
-"""Rolling cylinder, figure 1 of [H17]: displacement, velocity and spin, with slip and without, with every method."""
+"""Rolling cylinder, figure 1 of [H17]: displacement, velocity and spin, with slip and without, with every
+method.
+"""
 # cost: 195
 
 from math import inf

@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 
 
 def counted(runs: Sequence[CaseRun]) -> dict[str, float]:
-    """``segments`` of both surfaces; of each body its material ``points`` and the longest ``edge`` of a domain [m]."""
+    """``segments`` of both surfaces; of each body its material ``points`` and the longest ``edge`` of a
+    domain [m].
+    """
     tree = next(run.results for run in runs if run.method.recommended)
     found = {
         "segments": float(sum(group.sizes["surface_node"] for group in tree["surface"].children.values()))
@@ -33,5 +35,7 @@ def _longest_edge(corners: FloatArray) -> float:
 
 
 def draw(runs: Sequence[CaseRun]) -> Figure:
-    """First and last position with penalty contact and with the classical one, in its plainest form and in its strongest."""
+    """First and last position with penalty contact and with the classical one, in its plainest form and in
+    its strongest.
+    """
     return positions({run.method: run.results for run in runs if not run.method.label})

@@ -77,7 +77,9 @@ def forces(curves: Mapping[Method, Curves], elements: Collision) -> Figure:
 
 
 def impulse_and_energy(curves: Mapping[Method, Curves], elements: Collision) -> Figure:
-    """Impulse and kinetic energy above, below their departures from the fine finite elements with the gates."""
+    """Impulse and kinetic energy above, below their departures from the fine finite elements with the
+    gates.
+    """
     figure = new_figure(2, 2, 55.0)
     (left, right), (below_left, below_right) = figure.subplots(2, 2, sharex=True)
     runs, energy = _of_penalty(curves), rings_table("energy")
@@ -107,7 +109,9 @@ def impulse_and_energy(curves: Mapping[Method, Curves], elements: Collision) -> 
 
 
 def methods_compared(curves: Mapping[Method, Curves]) -> Figure:
-    """Force over 100 µs: the strategies with CPDI, the shape functions with penalty contact; impulse of both."""
+    """Force over 100 µs: the strategies with CPDI, the shape functions with penalty contact; impulse of
+    both.
+    """
     figure = new_figure(2, 2, 55.0)
     panels = figure.subplots(2, 2, sharex=True, sharey="row")
     look = Look(xr.Dataset(coords={"contact": list(CONTACTS), "shape": list(SHAPES)}))

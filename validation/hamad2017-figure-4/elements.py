@@ -26,7 +26,9 @@ def collision() -> Collision:
 
 
 def apart() -> dict[str, float]:
-    """Distances of the elements from the fine ones: of ``total`` and ``impulse``, ``force`` and ``kinetic`` energy."""
+    """Distances of the elements from the fine ones: of ``total`` and ``impulse``, ``force`` and ``kinetic``
+    energy.
+    """
     found = distance(collision())
     return {name: float(getattr(found, name)) for name in ("total", "impulse", "force", "kinetic")}
 

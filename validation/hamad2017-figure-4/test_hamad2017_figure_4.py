@@ -45,7 +45,8 @@ scene = Runs(
 @known_red(
     "penalty, cpdi",
     "largest penetration",
-    "0.29 h with the shipped kappa = 0.25, 0.11 h with kappa = 1, with which impulse curve and force over 200 us do not hold",
+    "0.29 h with the shipped kappa = 0.25, 0.11 h with kappa = 1, with which impulse curve and force over "
+    "200 us do not hold",
 )
 @known_red(
     "penalty, cpdi2",

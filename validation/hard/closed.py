@@ -24,7 +24,9 @@ def stops(run: xr.DataTree) -> float:
 
 
 def slides(run: xr.DataTree) -> float | None:
-    """Acceleration of a block down an incline, against g (sin θ − μ cos θ) [% of it]; None if it must stick."""
+    """Acceleration of a block down an incline, against g (sin θ − μ cos θ) [% of it]; None if it must
+    stick.
+    """
     exact, along, time = _incline(run)
     return None if exact <= 0.0 else float(100.0 * (2.0 * np.polyfit(time, along, 2)[0] / exact - 1.0))
 
@@ -36,7 +38,9 @@ def creeps(run: xr.DataTree) -> float | None:
 
 
 def _incline(run: xr.DataTree) -> tuple[float, np.ndarray, np.ndarray]:
-    """Acceleration of a rigid block [m/s²], less than zero if it sticks, its way along the face, and time, of the judged part."""
+    """Acceleration of a rigid block [m/s²], less than zero if it sticks, its way along the face, and time, of
+    the judged part.
+    """
     scene = scene_of(run)
     given = scene["gravity"]
     first, last = (
@@ -51,7 +55,9 @@ def _incline(run: xr.DataTree) -> tuple[float, np.ndarray, np.ndarray]:
 
 
 def rolls(run: xr.DataTree) -> float:
-    """A disc that is thrown flat on a plane comes to roll with 2/3 of its speed: the larger error of v and ω R [%]."""
+    """A disc that is thrown flat on a plane comes to roll with 2/3 of its speed: the larger error of v and ω
+    R [%].
+    """
     disc = scene_of(run)["bodies"]["disc"]
     exact = 2.0 / 3.0 * np.linalg.norm(disc["velocity"])
     series = run["series"].to_dataset().sel(body="disc")
@@ -90,13 +96,17 @@ def bounces(run: xr.DataTree) -> float:
 
 
 def hands_over(run: xr.DataTree) -> float:
-    """A bar meets a longer one of the same section and solid and stays where it is: the momentum that it keeps [%]."""
+    """A bar meets a longer one of the same section and solid and stays where it is: the momentum that it
+    keeps [%].
+    """
     momentum = run["series"]["linear_momentum"].sel(body="short").values
     return float(100.0 * (momentum[-1] @ momentum[0]) / (momentum[0] @ momentum[0]))
 
 
 def reverses(run: xr.DataTree) -> float:
-    """Way of a block on a shaken plane at the end, against the rigid block's [% of the farthest that this goes]."""
+    """Way of a block on a shaken plane at the end, against the rigid block's [% of the farthest that this
+    goes].
+    """
     scene = scene_of(run)
     rows = np.array(scene["gravity"]["table"])
     down = rows[0, 1:] / np.linalg.norm(rows[0, 1:])
@@ -130,7 +140,9 @@ def pushed(run: xr.DataTree) -> float:
 
 
 def presses(run: xr.DataTree) -> float:
-    """Share of a flat punch's force that its middle half bears, against 1/3 from p = F/(π √(a² − x²)) [% of it]."""
+    """Share of a flat punch's force that its middle half bears, against 1/3 from p = F/(π √(a² − x²)) [% of
+    it].
+    """
     ground = run["surface"]["ground"].to_dataset().isel(time=-1)
     down = np.array(scene_of(run)["gravity"]["vector"])
     x = ground["position"].values @ [-down[1], down[0]] / np.linalg.norm(down)

@@ -66,7 +66,9 @@ def held(run: CaseRun) -> None:
 
 
 def scores(case: Case, runs: RunSet) -> None:
-    """Record of each method how many scenes, places and cells it holds, and at what cost; draw the matrices."""
+    """Record of each method how many scenes, places and cells it holds, and at what cost; draw the
+    matrices.
+    """
     for method, same in runs.by_method():
         for place in dict.fromkeys(run.place.at for run in same):
             here = [run for run in same if run.place.at == place]

@@ -17,10 +17,11 @@ Point = tuple[float, float]
 
 
 def chain(links: int, cell: float = 0.025) -> dict[str, Any]:
-    """A chain falls from the level at which it is held; the first socket is cut into a block that is fixed below.
+    """A chain falls from the level at which it is held; the first socket is cut into a block that is fixed
+    below.
 
-    In the plane closed links cannot be linked: these have a knob of 0.1 m in a socket that is 0.005 m wider, and are 0.4 m apart.
-    """
+    In the plane closed links cannot be linked: these have a knob of 0.1 m in a socket that is 0.005 m wider,
+    and are 0.4 m apart."""
     bodies: dict[str, dict[str, Any]] = {"block": {"points": _block(), "fixed": "bottom", "E": 1e7}}
     for k in range(links):
         points = [[x + PITCH * k, y] for x, y in _link()]

@@ -30,9 +30,9 @@ def scene(
     cell, end
         Edge of a cell [m], and the time that is run [s].
     bodies
-        By name: ``box`` (left, bottom, right, top) with ``angle``, ``points``, ``disc`` (x, y, radius) or ``ring`` (x, y,
-        radii) [m]; ``E`` [Pa], ``nu``, ``rho`` [kg/m³] as in :data:`SOLID` where they are left out; ``fixed``, a side;
-        everything else as a scene has it.
+        By name: ``box`` (left, bottom, right, top) with ``angle``, ``points``, ``disc`` (x, y, radius) or
+        ``ring`` (x, y, radii) [m]; ``E`` [Pa], ``nu``, ``rho`` [kg/m³] as in :data:`SOLID` where they are
+        left out; ``fixed``, a side; everything else as a scene has it.
     friction
         Coulomb's μ.
     gravity
@@ -120,7 +120,9 @@ def _body(name: str, body: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def incline(friction: float, tilt: float, cell: float = 0.1) -> dict[str, Any]:
-    """A block of 0.6 × 0.3 m settled on a level plane, which is then tilted by ``tilt`` [°], as a cosine, in 0.15 s."""
+    """A block of 0.6 × 0.3 m settled on a level plane, which is then tilted by ``tilt`` [°], as a cosine, in
+    0.15 s.
+    """
     solid = {"E": 15.4e6, "nu": 0.286}
     rows = []
     for k in range(31):
@@ -168,7 +170,9 @@ def arch(stones: int, radius: float = 1.0, thickness: float = 0.3, cell: float =
 
 
 def stack(plates: int, speed: float, cell: float = 0.02) -> dict[str, Any]:
-    """A square of steel hits a stack of loose plates of its width, 0.02 m thick and 0.002 m apart, in their middle."""
+    """A square of steel hits a stack of loose plates of its width, 0.02 m thick and 0.002 m apart, in their
+    middle.
+    """
     steel = {"E": 210e9, "nu": 0.3, "rho": 7850.0}
     bodies: Bodies = {"hammer": {"box": [-0.202, -0.1, -0.002, 0.1], "velocity": [speed, 0.0], **steel}}
     for k in range(plates):
@@ -194,7 +198,9 @@ def cogs(teeth: int, spin: float = 5.0, cell: float = 0.05) -> dict[str, Any]:
 
 
 def _wheel(x: float, y: float, teeth: int, phase: float) -> list[list[float]]:
-    """Trapezoidal teeth from a radius of 0.4 m to one of 0.5 m; a tooth (phase 0) or a gap (0.5) on the x axis."""
+    """Trapezoidal teeth from a radius of 0.4 m to one of 0.5 m; a tooth (phase 0) or a gap (0.5) on the x
+    axis.
+    """
     points = []
     for k in range(teeth):
         for along, radius in ((-0.22, 0.4), (-0.12, 0.5), (0.12, 0.5), (0.22, 0.4)):
@@ -204,7 +210,9 @@ def _wheel(x: float, y: float, teeth: int, phase: float) -> list[list[float]]:
 
 
 def piled(rows: Sequence[int], side: float = 0.2, cell: float = 0.05, settled: bool = True) -> dict[str, Any]:
-    """Layers of squares on a floor, as many in each as ``rows`` says, in touch: a tower of ones, a pyramid."""
+    """Layers of squares on a floor, as many in each as ``rows`` says, in touch: a tower of ones, a
+    pyramid.
+    """
     wide = max(rows) * 1.2 * side
     bodies: Bodies = {"floor": {"box": [-wide, -0.1, wide, 0.0], "fixed": "bottom"}}
     for k, many in enumerate(rows):
@@ -215,7 +223,9 @@ def piled(rows: Sequence[int], side: float = 0.2, cell: float = 0.05, settled: b
 
 
 def filling(discs: int, across: int, radius: float = 0.1, cell: float = 0.08) -> dict[str, Any]:
-    """A box is filled with discs that fall into it, ``across`` in a row, every other row by half of a gap aside."""
+    """A box is filled with discs that fall into it, ``across`` in a row, every other row by half of a gap
+    aside.
+    """
     pitch = 2.15 * radius
     half = 0.5 * pitch * across + 0.4 * radius
     bodies = _walls(half, 0.8 * pitch * discs / across)

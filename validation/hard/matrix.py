@@ -23,7 +23,8 @@ CLOSED = "C"
 #: All holds; energy alone does not; others; no result.
 COLOURS = ("#9BD1B5", "#F6D08A", "#E8998D", "#B0A8B9")
 SAID = (
-    "P penetration, E energy, M momentum, T friction, S symmetry, C closed form. Green: all that is asked holds,\n"
+    "P penetration, E energy, M momentum, T friction, S symmetry, C closed form. Green: all that is asked "
+    "holds,\n"
     "yellow: energy alone does not, red: more does not, grey: the run failed"
 )
 

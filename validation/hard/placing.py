@@ -14,11 +14,11 @@ from mpmfw.units import to_si
 def placed(
     scene: dict[str, Any], shift: tuple[float, float] = (0.0, 0.0), turn: float = 0.0, coarser: float = 1.0
 ) -> dict[str, Any]:
-    """The scene with cells ``coarser`` times as large, turned about the origin by ``turn`` [°], then shifted by so many cells.
+    """The scene with cells ``coarser`` times as large, turned about the origin by ``turn`` [°], then shifted
+    by so many cells.
 
-    Bodies, velocities, gravity and body forces turn, the grid does not; it grows round them. A polygon that is fixed
-    below goes on to a level side there.
-    """
+    Bodies, velocities, gravity and body forces turn, the grid does not; it grows round them. A polygon that
+    is fixed below goes on to a level side there."""
     cell = coarser * float(scene["grid"]["cell_size"])
     angle = math.radians(turn)
     rotation = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
@@ -75,7 +75,9 @@ def _moved(body: dict[str, Any], rotation: np.ndarray, offset: np.ndarray, angle
 
 
 def _to_level(points: np.ndarray, moved: np.ndarray) -> np.ndarray:
-    """The turned polygon with what was its lower side drawn down to a level one, at the depth of its lowest corner or below."""
+    """The turned polygon with what was its lower side drawn down to a level one, at the depth of its lowest
+    corner or below.
+    """
     low = points[:, 1].min()
     k = next(k for k in range(len(points)) if points[k, 1] == low and points[(k + 1) % len(points), 1] == low)
     ends = moved[[k, (k + 1) % len(points)]]

@@ -19,7 +19,8 @@ cells = Runs(
 @known_red(
     "penalty, cpdi, kappa 8",
     "radius by the second moment of the pressure, error, R/h = 5",
-    "5.8 %; 4.6 % before the criterion of settling and the default kappa changed; the cause was not separated",
+    "5.8 %; 4.6 % before the criterion of settling and the default kappa changed; the cause was not "
+    "separated",
 )
 @cells
 def test_cells(run):

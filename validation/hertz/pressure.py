@@ -1,4 +1,6 @@
-"""Contact pressure of the cylinder: from the forces of the surface nodes, and from the stress of the points."""
+"""Contact pressure of the cylinder: from the forces of the surface nodes, and from the stress of the
+points.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,8 @@ WEIGHT = 1000.0 * 10.0 * np.pi * RADIUS**2  #: F' [N/m]
 YOUNG, POISSON = 1.6e6, 0.3  #: of the cylinder; the plane's E is 1000 times that
 #: 1/E* = (1 − ν²)/E of the cylinder + (1 − ν²)/E of the plane [Pa]
 E_STAR = YOUNG / (1.0 - POISSON**2) / (1.0 + 1e-3)
-#: Hertz: half-width of the contact [m] and largest pressure [Pa]; K. L. Johnson, Contact Mechanics (1985), section 4.2(c)
+#: Hertz: half-width of the contact [m] and largest pressure [Pa]; K. L. Johnson, Contact Mechanics (1985),
+#: section 4.2(c)
 HALF_WIDTH = float(np.sqrt(4.0 * WEIGHT * RADIUS / (np.pi * E_STAR)))
 PEAK = float(np.sqrt(WEIGHT * E_STAR / (np.pi * RADIUS)))
 
@@ -42,7 +45,9 @@ class Profile:
 
     @property
     def fit(self) -> tuple[float, float]:
-        """(p0 [Pa], b [m]) of p² = p0² (1 − x²/b²), least squares over the windows above a fifth of the peak."""
+        """(p0 [Pa], b [m]) of p² = p0² (1 − x²/b²), least squares over the windows above a fifth of the
+        peak.
+        """
         chosen = self.pressure > 0.2 * self.pressure.max()
         if chosen.sum() < 3:
             return np.nan, np.nan
@@ -85,7 +90,9 @@ def from_forces(tree: xr.DataTree) -> Profile:
 
 
 def from_stress(tree: xr.DataTree) -> Profile:
-    """Pressure as −σ_yy of the points within half a cell of the cylinder's rim, weighted by volume: for every method."""
+    """Pressure as −σ_yy of the points within half a cell of the cylinder's rim, weighted by volume: for every
+    method.
+    """
     points = tree["particles/cylinder"].to_dataset()
     start, end = points.isel(time=0), points.isel(time=-1)
     h = float(tree.attrs["cell_size"])
@@ -100,7 +107,9 @@ def from_stress(tree: xr.DataTree) -> Profile:
 
 
 def of_forces(tree: xr.DataTree) -> dict[str, float]:
-    """Errors by the forces: ``peak``, ``fitted peak`` and ``load`` [%], ``width`` and ``touching`` [cells]."""
+    """Errors by the forces: ``peak``, ``fitted peak`` and ``load`` [%], ``width`` and ``touching``
+    [cells].
+    """
     profile = from_forces(tree)
     return {
         "peak": profile.peak_error,
@@ -118,7 +127,9 @@ def of_stress(tree: xr.DataTree) -> dict[str, float]:
 
 
 def orders(runs: Sequence[CaseRun]) -> dict[str, float]:
-    """Observed orders of the errors by the forces, and the ``most`` that one is over that of the coarser cells."""
+    """Observed orders of the errors by the forces, and the ``most`` that one is over that of the coarser
+    cells.
+    """
     profiles = sorted((from_forces(run.results) for run in runs), key=lambda one: -one.cell_size)
     sizes = np.array([one.cell_size for one in profiles])
     errors = {

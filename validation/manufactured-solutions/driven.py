@@ -52,8 +52,8 @@ def displaced(
 ) -> tuple[FloatArray, FloatArray]:
     """Positions (n, 2) [m] of the points at the end, and what they should be.
 
-    Velocities of the scheme belong to half steps (a leapfrog), so that points start with the velocity of t = −Δt/2.
-    """
+    Velocities of the scheme belong to half steps (a leapfrog), so that points start with the velocity of t =
+    −Δt/2."""
     sim = Simulation(load_scene(FOLDER / scene, set={"grid.cell_size": cell, "shape.method": shape}))
     sim.start()
     p = sim.state.particles

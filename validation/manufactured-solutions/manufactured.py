@@ -1,9 +1,9 @@
 """Two motions of a Neo-Hookean solid, and the body forces with which they satisfy the equation of motion.
 
-Kamojjala, Brannon, Sadeghirad & Guilkey (2015): Verification tests in solid mechanics. Engineering with Computers 31,
-193–213. Theirs are for another stored energy; the body forces here follow from W = K/2 [(J² − 1)/2 − ln J] + G/2
-[J^(−2/3) tr b − 3], plane strain, by hand: b = ü − Div P / ρ0. Nothing of the product's stress is used.
-"""
+Kamojjala, Brannon, Sadeghirad & Guilkey (2015): Verification tests in solid mechanics. Engineering with
+Computers 31, 193–213. Theirs are for another stored energy; the body forces here follow from W = K/2 [(J² −
+1)/2 − ln J] + G/2 [J^(−2/3) tr b − 3], plane strain, by hand: b = ü − Div P / ρ0. Nothing of the product's
+stress is used."""
 
 from __future__ import annotations
 
@@ -78,9 +78,8 @@ def stiffness(f: FloatArray, g: FloatArray) -> FloatArray:
 class Vortex(NamedTuple):
     """θ = Θ + α, r = R, α = A sin ωt (1 − 16 (R − 1)²)² in the ring 3/4 ≤ R ≤ 5/4.
 
-    J = 1 and b − 1 has only the shear γ = R ∂α/∂R: σ_rr = −G γ²/3, σ_θθ = 2 G γ²/3, σ_rθ = G γ. α and γ vanish on both
-    edges, which are free.
-    """
+    J = 1 and b − 1 has only the shear γ = R ∂α/∂R: σ_rr = −G γ²/3, σ_θθ = 2 G γ²/3, σ_rθ = G γ. α and γ
+    vanish on both edges, which are free."""
 
     amplitude: float = 0.1  #: A [rad]; γ up to 0.7
     rate: float = math.pi  #: ω [rad/s]

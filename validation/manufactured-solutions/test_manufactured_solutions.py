@@ -22,10 +22,11 @@ MOTIONS: dict[str, tuple[str, Motion]] = {
 
 #: Expected order in space (axis-aligned, vortex), at a fixed Courant number and with four points a cell.
 #: linear: ∇φ jumps where points cross cells, a quadrature error of the stress that no refinement lessens.
-#: gimp: domains that do not stretch leave gaps and overlaps in proportion to the strain, which refinement does not
+#: gimp: domains that do not stretch leave gaps and overlaps in proportion to the strain, which refinement
+#: does not
 #:   close: a part of the error stays, and shows sooner where volumes change.
-#: cpdi, cpdi2: bilinear interpolation, and domains that tile the body to second order in h.
-#: bspline: a wall that fixes single nodes of a quadratic basis holds the boundary to first order; without walls 2, until
+#: cpdi, cpdi2: bilinear interpolation, and domains that tile the body to second order in h. bspline: a wall
+#: that fixes single nodes of a quadratic basis holds the boundary to first order; without walls 2, until
 #:   the quadrature by points that lie anyhow among the knots is all that is left.
 ORDER = {
     "linear": ("≤ 0", "≤ 0"),
@@ -40,8 +41,8 @@ LEAST = 1.8  # of the recommended methods, where 2 is expected
 COURANT, CELLS = 0.3, (8, 16, 32, 64)  # 1; 1/h [1/m]
 STEPS = (0.4, 0.2, 0.1)  # Courant numbers of the order in time, against one of
 FINEST = 0.0125
-#: What the transfer between points and grid does depends on the number of steps, and not on their length; at h = 1/16 it
-#: hides the truncation in time of the motion above. That of one eight times as fast stands out.
+#: What the transfer between points and grid does depends on the number of steps, and not on their length; at
+#: h = 1/16 it hides the truncation in time of the motion above. That of one eight times as fast stands out.
 FAST = AxisAligned(rate=8.0 * math.pi * WAVE, end=2.75 * 2.0 / (8.0 * WAVE))
 COLOURS = dict(zip(SHAPES, ("#D55E00", "#E69F00", "#0072B2", "#56B4E9", "#009E73"), strict=True))
 MARKERS = dict(zip(SHAPES, "s^oDv", strict=True))

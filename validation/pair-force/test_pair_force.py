@@ -1,4 +1,6 @@
-"""Pair force: what the penalty contact's kernel puts on a slave node and a segment, against finite differences."""
+"""Pair force: what the penalty contact's kernel puts on a slave node and a segment, against finite
+differences.
+"""
 
 # cost: 3
 
@@ -20,7 +22,8 @@ from mpmfw.state.fields import FloatArray
 from mpmfw.validation import Case
 from mpmfw_contact.penalty import PenaltyLaw, spring_forces
 
-# Only an error of the closed form is left: the step's truncation is h² / l² ~ 1e-12, its rounding 1e-16 / h ~ 1e-10.
+# Only an error of the closed form is left: the step's truncation is h² / l² ~ 1e-12, its rounding 1e-16 / h ~
+# 1e-10.
 STEP = 1e-6  # of the central differences, in segment lengths
 VARIATION, BALANCE = 1e-8, 1e-14
 STIFFNESS, FRICTION = 1e4, 0.3  # N/m², 1: of the kernel's own call
@@ -142,7 +145,9 @@ def balance(points: FloatArray, force: FloatArray) -> tuple[float, float]:
 
 
 def kernel_balance(pairs: list[FloatArray], rng: np.random.Generator) -> tuple[float, float]:
-    """Balance of the forces that the compiled kernel puts on a touching pair that slides, friction included."""
+    """Balance of the forces that the compiled kernel puts on a touching pair that slides, friction
+    included.
+    """
     worst = np.zeros(2)
     for points in pairs:
         gap, _ = gap_and_coordinate(points)
@@ -168,7 +173,9 @@ def kernel_force(points: FloatArray, moved: FloatArray) -> FloatArray:
 
 
 def row_of(points: FloatArray, moved: FloatArray, *, tilts: bool = False) -> SurfaceRows:
-    """The row of one slave node of body 0 and one segment of body 1; its grid's nodes are the three points."""
+    """The row of one slave node of body 0 and one segment of body 1; its grid's nodes are the three
+    points.
+    """
     gap, xi = gap_and_coordinate(points)
     along = (points[2] - points[1]) / np.hypot(*(points[2] - points[1]))
     body, follow = np.array([0, 1, 1]), np.array([0, 2, 1])
@@ -177,7 +184,8 @@ def row_of(points: FloatArray, moved: FloatArray, *, tilts: bool = False) -> Sur
     normal[0, 0] = along[1], -along[0]
     none = np.zeros((0, 1), dtype=int)
     candidates = Candidates(
-        master=master, facet=facet, share=np.full((3, 1, 2), [1.0 - xi, xi]), gap=np.full((3, 1), gap), normal=normal,
+        master=master, facet=facet, share=np.full((3, 1, 2), [1.0 - xi, xi]), gap=np.full((3, 1), gap),
+        normal=normal,
         inside=none, inside_facet=none,
     )  # fmt: skip
     outline = Outline(
@@ -190,7 +198,8 @@ def row_of(points: FloatArray, moved: FloatArray, *, tilts: bool = False) -> Sur
     pair_of = pair_table(np.array([0]), np.array([1]))
     rows = SurfaceRows(2, couples=True, tilts=tilts, own=OWN)
     rows.count = assemble(
-        np.arange(2), False, False, candidates, outline, pair_of, np.array([0]), table, np.zeros(3, dtype=np.int64), rows,
+        np.arange(2), False, False, candidates, outline, pair_of, np.array([0]), table, np.zeros(3,
+        dtype=np.int64), rows,
         rows.places, (1.0, 1.0),
     )  # fmt: skip
     return rows

@@ -23,7 +23,9 @@ MODULUS, CELL, SEGMENT = 10e6, 0.4, 0.1  #: M of the cylinder [Pa], h [m], lengt
 
 
 def viscous(run: xr.DataTree, roll: str) -> dict[str, float]:
-    """Error of the displacement under a ``viscous`` friction of the same size, and how far the run is ``apart`` from it [%]."""
+    """Error of the displacement under a ``viscous`` friction of the same size, and how far the run is
+    ``apart`` from it [%].
+    """
     series = run["series"].to_dataset()
     width = float(series["contact_count"][1:].mean()) * SEGMENT
     drag = viscosity(MODULUS, width, CELL, time_step_of(run))
@@ -39,8 +41,8 @@ def time_step_of(run: xr.DataTree) -> float:
 
 
 def on_slope(run: xr.DataTree) -> dict[str, float]:
-    """Fitted acceleration at 60° [m/s²], and that of a ``rigid`` cylinder: g (sin θ − μ cos θ) if it slips, tan θ > 3 μ, else
-    2 g sin θ / 3."""
+    """Fitted acceleration at 60° [m/s²], and that of a ``rigid`` cylinder: g (sin θ − μ cos θ) if it slips,
+    tan θ > 3 μ, else 2 g sin θ / 3."""
     friction = float(scene_of(run.attrs)["contact"]["pairs"][0]["friction"])
     fitted = SLIP.solution.acceleration * (1.0 + errors(run, "slip")["acceleration"] / 100.0)
     tilt = TILTS["slip"]

@@ -96,7 +96,9 @@ def test_steps_with_slip(case, runs):
 
 
 def over_steps(case, runs, roll):
-    """Record that the return map's answer stands, and that the literal law's moves with the step and does not settle."""
+    """Record that the return map's answer stands, and that the literal law's moves with the step and does not
+    settle.
+    """
     scatter = runs.of(increments.scatter)
     case.gate(f"{roll}: return map, displacement, range over time steps", scatter, "", (0.0, 0.1), "%")
     if not case.quick:

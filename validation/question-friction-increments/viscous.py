@@ -1,7 +1,7 @@
 """Rolling under a viscous friction: what [H17]'s increments of one step amount to.
 
-f_t = −k_t Δg_t of one step is −k_t Δt v for a slip velocity v: a dashpot with c = k_t Δt at every slave node. Over a
-contact of width w the slave nodes' k_t = κ M l_trib / h add up to κ M w / h.
+f_t = −k_t Δg_t of one step is −k_t Δt v for a slip velocity v: a dashpot with c = k_t Δt at every slave node.
+Over a contact of width w the slave nodes' k_t = κ M l_trib / h add up to κ M w / h.
 
 A rigid cylinder, I = m R²/2, under F = c v: m ẍ = m g sin θ − F and I ω̇ = F R, so that v = ẋ − R ω obeys
 v̇ = g sin θ − 3 c v / m, and ẍ = (2/3) g sin θ + v̇/3. From rest, with τ = m/(3c),

@@ -1,4 +1,6 @@
-"""Detection at quadrature points of the segments, and springs without rules: the experiment that the case compares with."""
+"""Detection at quadrature points of the segments, and springs without rules: the experiment that the case
+compares with.
+"""
 
 from __future__ import annotations
 
@@ -55,13 +57,16 @@ def motion_between(c: int, s: int, share: Float, outline: Outline, rows: Rows, p
 
 @kernel
 def rows_of_points(
-    points: Floats, parts: Floats, radius: float, length: Floats, outline: Outline, rank: Ints, lists: SearchGrid,
-    pair_of: Ints, pair_first: Ints, table: SurfaceTable, place: Ints, rows: Rows, places: Places, spacing: tuple[float, ...],
+    points: Floats, parts: Floats, radius: float, length: Floats, outline: Outline, rank: Ints,
+    lists: SearchGrid,
+    pair_of: Ints, pair_first: Ints, table: SurfaceTable, place: Ints, rows: Rows, places: Places,
+    spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """A row for every point within ``radius`` of another body, against its closest segment; −1 where there is no room.
+    """A row for every point within ``radius`` of another body, against its closest segment; −1 where there is
+    no room.
 
-    ``points`` are ξ of the points of a segment, ``parts`` their share of its ``length`` (n_s,) [m] at the start: the area of a
-    row is constant, so that all forces are derivatives of Σ k g² / 2, g the distance.
+    ``points`` are ξ of the points of a segment, ``parts`` their share of its ``length`` (n_s,) [m] at the
+    start: the area of a row is constant, so that all forces are derivatives of Σ k g² / 2, g the distance.
     """
     c, top, n_bodies, body = 0, 0, len(outline.body_first) - 1, outline.body
     x, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
@@ -109,7 +114,9 @@ class QuadratureOptions(SurfacesOptions):
 
 
 class Quadrature(Surfaces):
-    """Gauss points of every segment against the closest segment of each other body: no rule for corners, ties or sides."""
+    """Gauss points of every segment against the closest segment of each other body: no rule for corners, ties
+    or sides.
+    """
 
     name = "quadrature"
     Options = QuadratureOptions
@@ -155,7 +162,9 @@ class Quadrature(Surfaces):
 
 
 class PlainSprings(PenaltyLaw):
-    """Penalty springs of the area that detection gives, without the rules for areas that change while loaded."""
+    """Penalty springs of the area that detection gives, without the rules for areas that change while
+    loaded.
+    """
 
     name = "plain"
 

@@ -1,4 +1,6 @@
-"""Surface nodes against quadrature points: stress, corners, sliding, rolling, impacts, Hertz, a stack and hard scenes."""
+"""Surface nodes against quadrature points: stress, corners, sliding, rolling, impacts, Hertz, a stack and
+hard scenes.
+"""
 
 # cost: 360
 

@@ -1,9 +1,8 @@
 """Question: what the rotational inertia of the grid costs.
 
-Rotational inertia by local spin, exact and lumped: rolling over offsets of the grid's origin and over cell sizes. Errors
-are of the rigid cylinder; where the converged elastic one is known, its departure is the reference, as in
-rolling-convergence.
-"""
+Rotational inertia by local spin, exact and lumped: rolling over offsets of the grid's origin and over cell
+sizes. Errors are of the rigid cylinder; where the converged elastic one is known, its departure is the
+reference, as in rolling-convergence."""
 # cost: 230
 
 import rolling

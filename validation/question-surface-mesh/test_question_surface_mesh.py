@@ -1,9 +1,8 @@
 """Question: refinement of the surface mesh.
 
-Both bodies of every scene with segments of h/8 to 2h, in rolling, static contact stress and an impact. Lengths between
-the powers of two put the blocks' nodes off the grid's: 34, 25, 15 and 8 segments over ten cells. Gates bind up to the
-longest that the guide recommends.
-"""
+Both bodies of every scene with segments of h/8 to 2h, in rolling, static contact stress and an impact.
+Lengths between the powers of two put the blocks' nodes off the grid's: 34, 25, 15 and 8 segments over ten
+cells. Gates bind up to the longest that the guide recommends."""
 # cost: 70
 
 import questions

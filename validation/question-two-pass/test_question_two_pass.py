@@ -1,4 +1,6 @@
-"""Question: balanced two-pass contact against master and slave: symmetry, noise, accuracy, contact stress, cost."""
+"""Question: balanced two-pass contact against master and slave: symmetry, noise, accuracy, contact stress,
+cost.
+"""
 # cost: 60
 
 import questions

@@ -15,8 +15,8 @@ SIZES = (0.8, 0.4, 0.2, 0.1)  #: h [m]; particles h/2, segments h/4
 PAPER, HALF = 0.4, 0.2
 PARTICLE = 0.5  #: size of a material point [h]
 WITHOUT = "rotation = lumped"
-#: The cylinder settles under the normal load that it will have on the tilted plane: g cos 60° [m/s²]. After a sudden
-#: tilt its spin oscillates, and at one time shows the oscillation's phase rather than an error.
+#: The cylinder settles under the normal load that it will have on the tilted plane: g cos 60° [m/s²]. After a
+#: sudden tilt its spin oscillates, and at one time shows the oscillation's phase rather than an error.
 NORMAL_LOAD = {"settle.gravity": {"vector": [0.0, -5.0]}}
 #: Departures of the converged elastic solution from the rigid cylinder [%]: see the README.
 ELASTIC = {
@@ -34,7 +34,9 @@ Errors = dict[float, dict[str, float]]  #: by cell size
 
 
 def test_rolling_convergence(case: Case) -> None:
-    """Refine both cases; the classical contact, in its plainest form and in its strongest, to h = 0.2 only."""
+    """Refine both cases; the classical contact, in its plainest form and in its strongest, to h = 0.2
+    only.
+    """
     sizes = SIZES[:2] if case.quick else SIZES
     mended, lumped = Method("penalty", "cpdi"), Method("penalty", "cpdi", LUMPED, WITHOUT)
     classical = [Method(contact, "cpdi") for contact in CLASSICAL]
@@ -96,7 +98,9 @@ def _limit(roll: Roll, method: Method, size: float, name: str) -> float:
 
 
 def _lumping(case: Case, mended: Errors, lumped: Errors) -> None:
-    """What lumping costs beside its closed form, the order of it, and how the lumped error approaches zero."""
+    """What lumping costs beside its closed form, the order of it, and how the lumped error approaches
+    zero.
+    """
     sizes = [size for size in mended if size in lumped]
     loss = {h: mended[h]["acceleration"] - lumped[h]["acceleration"] for h in sizes}
     for h in sizes:

@@ -21,9 +21,9 @@ def errors(
 ) -> dict[str, float]:
     """Errors [%], fitted to the last 80 % of the time, and the deepest penetration [h].
 
-    ``scene`` is the shipped one with the plane along the grid, where it is not the run's own; ``angles`` [deg] are those by which
-    it is turned; the columns of the turn are the axes along the plane, across it, and of the rolling.
-    """
+    ``scene`` is the shipped one with the plane along the grid, where it is not the run's own; ``angles``
+    [deg] are those by which it is turned; the columns of the turn are the axes along the plane, across it,
+    and of the rolling."""
     reference = reference_of(run.attrs if scene is None else {"scene": shipped_scenes()[scene]})
     assert isinstance(reference, RollingReference)
     series, solution, axes = (

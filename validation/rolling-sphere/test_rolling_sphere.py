@@ -1,4 +1,5 @@
-"""Rolling sphere in three dimensions: with slip and without, on a plane along the grid, a turned one and a long one.
+"""Rolling sphere in three dimensions: with slip and without, on a plane along the grid, a turned one and a
+long one.
 
 0.5 % of the acceleration is what is asked for; the other limits are what is reached, see the README.
 """
@@ -20,8 +21,8 @@ TURNED = {
     "gravity.vector": [7.92163546, -0.89657206, -6.03687418],
     "settle.gravity.vector": [4.19842987, -5.33371569, -1.98107631],
 }
-#: The dimensions of the rolling sphere in Uintah's manual: 12 m long, 4.8 m high, cells of 0.2 m, 2.2 s. On 30 degrees the
-#: sphere stays on the plane so long.
+#: The dimensions of the rolling sphere in Uintah's manual: 12 m long, 4.8 m high, cells of 0.2 m, 2.2 s. On
+#: 30 degrees the sphere stays on the plane so long.
 LONG = {
     "time.end": 2.2,
     "grid.cell_size": 0.2,
@@ -33,7 +34,8 @@ LONG = {
     "gravity.vector": [5.0, -8.660254, 0.0],
     "settle.gravity.vector": [0.0, -8.660254, 0.0],
 }
-#: Nearer to the rigid sphere: less creep, and cells so small that rolling over them does not make the sphere bounce.
+#: Nearer to the rigid sphere: less creep, and cells so small that rolling over them does not make the sphere
+#: bounce.
 STIFF = {
     "grid.cell_size": 0.2,
     "materials.stiff.bulk_modulus": "600 MPa",

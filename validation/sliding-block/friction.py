@@ -18,8 +18,8 @@ FROM = 0.2
 
 
 def forces(run: xr.DataTree) -> dict[str, float | None]:
-    """``friction``, error of the mean T / (μ N), and ``normal``, mean N over the closed form's; none without a contact force:
-    what one velocity field exchanges is not told from internal force."""
+    """``friction``, error of the mean T / (μ N), and ``normal``, mean N over the closed form's; none without
+    a contact force: what one velocity field exchanges is not told from internal force."""
     series = run["series"].to_dataset()
     if "contact_force" not in series:
         return {"friction": None, "normal": None}

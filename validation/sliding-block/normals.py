@@ -1,9 +1,8 @@
 """Averaged normals of classical contact at the leading corner of a rectangle on a plane, integrated exactly.
 
-The nodal gradient g_i = Σ_p V_p ∇φ_ip = ∮ N_i n dS is that of the shape function's resolution of the body; with the
-bilinear N_i and an axis-parallel rectangle the integral is a product of two integrals along the axes. Coordinates are in
-cells, x along the plane.
-"""
+The nodal gradient g_i = Σ_p V_p ∇φ_ip = ∮ N_i n dS is that of the shape function's resolution of the body;
+with the bilinear N_i and an axis-parallel rectangle the integral is a product of two integrals along the
+axes. Coordinates are in cells, x along the plane."""
 
 from __future__ import annotations
 
@@ -13,8 +12,8 @@ import numpy as np
 
 
 def corner_tilt(corner: float, interface: float) -> float:
-    """Steepest tilt [°] of the averaged normal, out of the block and towards its front, at the shared nodes of the
-    leading corner.
+    """Steepest tilt [°] of the averaged normal, out of the block and towards its front, at the shared nodes
+    of the leading corner.
 
     Parameters
     ----------

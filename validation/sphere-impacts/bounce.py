@@ -1,4 +1,6 @@
-"""What the sphere has after the impact, against rigid spheres, Maw, Barber and Fawcett's elastic one, and Hertz."""
+"""What the sphere has after the impact, against rigid spheres, Maw, Barber and Fawcett's elastic one, and
+Hertz.
+"""
 
 from __future__ import annotations
 
@@ -25,11 +27,12 @@ TOUCHING = 2e-3
 
 
 def impact(tree: xr.DataTree) -> dict[str, float]:
-    """``restitution``; ``slope``, what the point of contact has along the plane over v_n; and over that ``along``, the change of
-    the sphere's velocity, ``across`` the same across, ``spin``, the change of ω R, and ``contact``, what the point has after it.
+    """``restitution``; ``slope``, what the point of contact has along the plane over v_n; and over that
+    ``along``, the change of the sphere's velocity, ``across`` the same across, ``spin``, the change of ω R,
+    and ``contact``, what the point has after it.
 
-    All as the slab or the larger sphere sees it, which moves a little; of two equal spheres as their common centre does.
-    """
+    All as the slab or the larger sphere sees it, which moves a little; of two equal spheres as their common
+    centre does."""
     series, radius = tree["series"].to_dataset(), _sphere(tree).radius
     before, after = (_seen(series, k, radius) for k in (0, -1))
     spins = series["angular_velocity"].sel(body="sphere").values @ ACROSS * radius
@@ -46,9 +49,9 @@ def impact(tree: xr.DataTree) -> dict[str, float]:
 
 
 def errors(tree: xr.DataTree) -> dict[str, float]:
-    """Errors [%] of the changes ``along`` and ``spin``, and of ``contact`` over what the point had, against Maw, Barber and
-    Fawcett's sphere; of both changes also against a rigid one, from which friction takes μ (1 + e) v_n where it slides
-    throughout, and which else rolls at the end."""
+    """Errors [%] of the changes ``along`` and ``spin``, and of ``contact`` over what the point had, against
+    Maw, Barber and Fawcett's sphere; of both changes also against a rigid one, from which friction takes μ (1
+    + e) v_n where it slides throughout, and which else rolls at the end."""
     found, sphere = impact(tree), _sphere(tree)
     left = rebound(found["slope"] / sphere.friction, sphere.poisson)
     sliding = sphere.friction * (1.0 + found["restitution"]) / found["slope"]
@@ -73,9 +76,9 @@ def against_hertz(tree: xr.DataTree) -> dict[str, float]:
 
 
 def kept(tree: xr.DataTree) -> dict[str, float]:
-    """Change of the whole ``momentum``, over what there is; ``moment`` of contact on both bodies about one point, times a step,
-    over their angular momentum, at its largest; largest ``energy`` with what was dissipated, over the start; and [%] of
-    ``angular`` momentum that both lose."""
+    """Change of the whole ``momentum``, over what there is; ``moment`` of contact on both bodies about one
+    point, times a step, over their angular momentum, at its largest; largest ``energy`` with what was
+    dissipated, over the start; and [%] of ``angular`` momentum that both lose."""
     series = tree["series"].to_dataset()
     momentum = series["linear_momentum"].values
     whole = momentum.sum(axis=1)
@@ -101,7 +104,9 @@ def largest(runs: Sequence[CaseRun], of: str) -> float:
 
 
 def _changes(found: dict[str, float], taken: float) -> dict[str, float]:
-    """Errors [%] of both changes if friction takes ``taken`` along the plane, over m and the velocity of the point of contact."""
+    """Errors [%] of both changes if friction takes ``taken`` along the plane, over m and the velocity of the
+    point of contact.
+    """
     return {
         "along": 100.0 * (-found["along"] / taken - 1.0),
         "spin": 100.0 * (found["spin"] / (2.5 * taken) - 1.0),

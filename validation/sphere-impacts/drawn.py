@@ -30,7 +30,9 @@ PANELS = {"5 steel": "thrown", "6 nylon": "turned"}
 
 
 def draw(runs: Sequence[CaseRun]) -> Figure:
-    """ψ2 over ψ1 of Maw, Barber and Fawcett, the rigid limits, and every run; coarse cells hollow, fine ones filled."""
+    """ψ2 over ψ1 of Maw, Barber and Fawcett, the rigid limits, and every run; coarse cells hollow, fine ones
+    filled.
+    """
     figure = new_figure(2, 1, 66.0)
     shown: dict[str, Line2D] = {}
     for axes, (test, done) in zip(figure.subplots(1, 2, sharey=True), PANELS.items(), strict=True):
@@ -59,7 +61,8 @@ def _mark(axes: Axes, run: CaseRun, shown: dict[str, Line2D]) -> None:
     found, sphere = impact(run.results), SPHERES[run.place.make["test"]]
     before = psi(found["slope"] / sphere.friction, sphere.poisson)
     (line,) = axes.plot(
-        before, before * found["contact"], color=colour, marker=marker, linestyle="", markersize=5, label=label,
+        before, before * found["contact"], color=colour, marker=marker, linestyle="", markersize=5,
+        label=label,
         fillstyle="full" if run.place.make["cells"] > 6 else "none",
     )  # fmt: skip
     shown.setdefault(label, line)

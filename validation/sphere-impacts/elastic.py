@@ -1,10 +1,10 @@
 """Maw, Barber and Fawcett's elastic sphere: tangential compliance and partial slip through the impact.
 
-The problem of Hertz and Mindlin is solved by the method of dimensionality reduction (V. L. Popov, M. Heß, *Method of
-Dimensionality Reduction in Contact Mechanics and Friction*, 2015): of a row of springs that do not see each other, E* dx along
-the normal and G* dx along the plane, under a parabola x² / R, force, approach and partial slip are those of the sphere,
-whatever the history. What is left does not depend on stiffness, mass or speed: R, m, E* and the approach are one here.
-"""
+The problem of Hertz and Mindlin is solved by the method of dimensionality reduction (V. L. Popov, M. Heß,
+*Method of Dimensionality Reduction in Contact Mechanics and Friction*, 2015): of a row of springs that do not
+see each other, E* dx along the normal and G* dx along the plane, under a parabola x² / R, force, approach and
+partial slip are those of the sphere, whatever the history. What is left does not depend on stiffness, mass or
+speed: R, m, E* and the approach are one here."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ import numpy as np
 
 #: Springs on each side of the middle, and steps of the time of contact.
 SPRINGS, STEPS = 400, 4000
-#: v_n and the time of contact with R, m, E* and the approach one: 8/15 E* R^½ δ^(5/2) = m v_n² / 2, t = 2.9432 δ / v_n
+#: v_n and the time of contact with R, m, E* and the approach one: 8/15 E* R^½ δ^(5/2) = m v_n² / 2, t =
+#: 2.9432 δ / v_n
 SPEED = math.sqrt(16.0 / 15.0)
 CONTACT_TIME = 2.9432 / SPEED
 #: 1 + m R² / I of a solid sphere: an impulse T at the contact changes its velocity there by 3.5 T / m.
@@ -39,7 +40,9 @@ def psi(slope: float, poisson: float) -> float:
 
 @functools.cache
 def rebound(slope: float, poisson: float, springs: int = SPRINGS, steps: int = STEPS) -> float:
-    """What is left of the velocity of the point of contact along the plane after the impact, of ``slope`` times μ v_n."""
+    """What is left of the velocity of the point of contact along the plane after the impact, of ``slope``
+    times μ v_n.
+    """
     x = (np.arange(springs) + 0.5) / springs * 1.02
     each, dt, stiff = 2.0 * (x[1] - x[0]), CONTACT_TIME / steps, ratio(poisson)
     depth, velocity, sliding = 0.0, SPEED, slope * SPEED
@@ -56,7 +59,9 @@ def rebound(slope: float, poisson: float, springs: int = SPRINGS, steps: int = S
 
 
 def sliding_limit(poisson: float = 0.3) -> float:
-    """Departure of the solution from that of sliding throughout, ψ2 = ψ1 − 4 χ, at ψ1 = 4 χ, beyond the limit."""
+    """Departure of the solution from that of sliding throughout, ψ2 = ψ1 − 4 χ, at ψ1 = 4 χ, beyond the
+    limit.
+    """
     slope = (sliding_from(poisson) + 1.0) / ratio(poisson)
     return psi(slope, poisson) * rebound(slope, poisson)
 

@@ -1,4 +1,5 @@
-"""The scenes: a sphere against a slab, the cap of a larger sphere, or another of its kind, with Chung and Ooi's numbers.
+"""The scenes: a sphere against a slab, the cap of a larger sphere, or another of its kind, with Chung and
+Ooi's numbers.
 
 Slab and cap are free, and so heavy and stiff that they hardly move.
 """
@@ -26,8 +27,8 @@ class Sphere:
 
     @property
     def approach(self) -> float:
-        """Hertz's largest approach to a rigid plane [m]; half of that of two spheres, K. L. Johnson, Contact Mechanics (1985),
-        section 11.4(a)."""
+        """Hertz's largest approach to a rigid plane [m]; half of that of two spheres, K. L. Johnson, Contact
+        Mechanics (1985), section 11.4(a)."""
         energy = 0.5 * self.mass * self.speed**2
         return (15.0 * energy * self.compliance / (8.0 * math.sqrt(self.radius))) ** 0.4
 
@@ -92,10 +93,9 @@ def scene(
 ) -> dict[str, Any]:
     """A sphere of ``SPHERES``, ``cells`` to the radius, until it has left its partner.
 
-    It is thrown at ``angle`` [°] to the normal, with v_n and v_t = v_n tan θ, and turns by ``spin`` [rad/s] so that its point of
-    contact goes the same way; the other one's goes the opposite way, or, for a ``sense`` of -1, the same. All velocities are
-    ``pace`` times those.
-    """
+    It is thrown at ``angle`` [°] to the normal, with v_n and v_t = v_n tan θ, and turns by ``spin`` [rad/s]
+    so that its point of contact goes the same way; the other one's goes the opposite way, or, for a ``sense``
+    of -1, the same. All velocities are ``pace`` times those."""
     sphere = SPHERES[test]
     sphere, spin = replace(sphere, speed=pace * sphere.speed), pace * spin
     radius, h, slope = sphere.radius, sphere.radius / cells, math.tan(math.radians(angle))

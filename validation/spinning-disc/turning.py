@@ -14,17 +14,18 @@ BULK, SHEAR, DENSITY, SPIN = 6e6, 3e6, 1000.0, 10.0  # Pa, Pa, kg/m³, rad/s, R 
 def centrifugal_growth() -> float:
     """Static change of the disc's radius of gyration over itself, plane strain [1].
 
-    u = A r − ρ ω² r³ / (8 M), A = ρ ω² R² (3 M + λ) / (8 M (M + λ)), M = λ + 2 G: the solution of M (u'' + u'/r − u/r²)
-    = −ρ ω² r with σ_rr(R) = 0 (Timoshenko & Goodier, Theory of Elasticity, rotating discs), weighed by r³.
-    """
+    u = A r − ρ ω² r³ / (8 M), A = ρ ω² R² (3 M + λ) / (8 M (M + λ)), M = λ + 2 G: the solution of M (u'' +
+    u'/r − u/r²) = −ρ ω² r with σ_rr(R) = 0 (Timoshenko & Goodier, Theory of Elasticity, rotating discs),
+    weighed by r³."""
     lame, modulus = BULK - 2.0 * SHEAR / 3.0, BULK + 4.0 * SHEAR / 3.0
     load = DENSITY * SPIN**2 / (8.0 * modulus)
     return load * ((3.0 * modulus + lame) / (modulus + lame) - 4.0 / 6.0)
 
 
 def change(tree: DataTree) -> dict[str, float]:
-    """Over one turn: change of angular ``momentum`` and ``energy`` [%], ``growth`` of the radius of gyration over the static
-    one, and ``strain`` energy over the kinetic, beside that of the ``static`` solution [%]."""
+    """Over one turn: change of angular ``momentum`` and ``energy`` [%], ``growth`` of the radius of gyration
+    over the static one, and ``strain`` energy over the kinetic, beside that of the ``static`` solution
+    [%]."""
     series = tree["series"].to_dataset()
     share = (series["strain_energy"] / series["kinetic_energy"]).isel(body=0).values
     return {

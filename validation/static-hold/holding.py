@@ -1,8 +1,7 @@
 """Displacement, drift and friction of a block that friction must hold.
 
-Closed form (Coulomb): a block at rest on an incline stays at rest if tan θ ≤ μ; friction then is T = m g sin θ, so
-T / N = tan θ, below μ.
-"""
+Closed form (Coulomb): a block at rest on an incline stays at rest if tan θ ≤ μ; friction then is T = m g sin
+θ, so T / N = tan θ, below μ."""
 
 from __future__ import annotations
 
@@ -22,8 +21,8 @@ def displacement(run: xr.DataTree) -> float:
 
 
 def creep(run: xr.DataTree) -> dict[str, float]:
-    """Largest distance of the block's centre from where it began, ``way``, and how far that changes after the first fifth of the
-    time, ``later``, both in cells."""
+    """Largest distance of the block's centre from where it began, ``way``, and how far that changes after the
+    first fifth of the time, ``later``, both in cells."""
     centre = run["series"].to_dataset()["centre_of_mass"].sel(body="block").values
     way = np.linalg.norm(centre - centre[0], axis=1) / float(run.attrs["cell_size"])
     return {"way": float(way.max()), "later": float(np.ptp(way[len(way) // 5 :]))}

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 
 GRAVITY = 10.0  #: [m/s²]
 MASS = 1000.0 * 0.6 * 0.3  #: of the block [kg/m]
-#: Time in which the growth of the lowest mode is read: after the tilt, and before the block begins to hop [s].
+#: Time in which the growth of the lowest mode is read: after the tilt, and before the block begins to hop
+#: [s].
 GROWING = (0.155, 0.2)
 
 
@@ -86,8 +87,8 @@ def _measured(
 def growth_of(time: np.ndarray, y: np.ndarray, near: float) -> tuple[float, float]:
     """Growth rate σ [1/s] and frequency f [Hz] of the block's bounce in :data:`GROWING`.
 
-    Least squares of y = a + b t + c t² + exp(σ t) (d cos 2πf t + e sin 2πf t); ``near`` is where f is looked for [Hz].
-    """
+    Least squares of y = a + b t + c t² + exp(σ t) (d cos 2πf t + e sin 2πf t); ``near`` is where f is looked
+    for [Hz]."""
     inside = (time >= GROWING[0]) & (time <= GROWING[1])
     t, y = time[inside] - GROWING[0], y[inside]
 
@@ -104,7 +105,9 @@ def growth_of(time: np.ndarray, y: np.ndarray, near: float) -> tuple[float, floa
 
 
 def onset(slides: list[Measured], limit: float = 1.0) -> float:
-    """Least μ from which on no error of the acceleration is within ``limit`` [%]; infinite if the last one is."""
+    """Least μ from which on no error of the acceleration is within ``limit`` [%]; infinite if the last one
+    is.
+    """
     found = math.inf
     for one in sorted(slides, key=lambda one: one.friction, reverse=True):
         if abs(one.error) <= limit:

@@ -1,7 +1,7 @@
 """Steep friction: is the chatter of an undamped elastic block a fault of the contact, or the motion itself?
 
-Closed form of the rigid block: a = g (sin θ - μ cos θ), or rest if tan θ < μ. Of the elastic one: eigenvalues of the
-finite elements about steady sliding, and their motion, with springs and with impulses in their place.
+Closed form of the rigid block: a = g (sin θ - μ cos θ), or rest if tan θ < μ. Of the elastic one: eigenvalues
+of the finite elements about steady sliding, and their motion, with springs and with impulses in their place.
 """
 
 # cost: 340
@@ -44,7 +44,9 @@ Row = tuple[Method | str, list[Measured]]
 
 
 def test_steep_friction(case: Case) -> None:
-    """Eigenvalues, then the growth of small motions, then the motion over friction and tilt, then what ends it."""
+    """Eigenvalues, then the growth of small motions, then the motion over friction and tilt, then what ends
+    it.
+    """
     check_modes(case)
     check_growth(case)
     check_onset(case)
@@ -54,7 +56,9 @@ def test_steep_friction(case: Case) -> None:
 
 
 def check_growth(case: Case) -> list[tuple[str, float, float]]:
-    """Growth of the bounce in motion against the eigenvalue: of the finite elements themselves, then of mpmfw."""
+    """Growth of the bounce in motion against the eigenvalue: of the finite elements themselves, then of
+    mpmfw.
+    """
     grown: list[tuple[str, float, float]] = []
     for contact, size, friction in (
         ("springs", 0.1, 0.3),
@@ -166,7 +170,9 @@ def check_onset(case: Case) -> list[Row]:
 
 
 def check_cures(case: Case) -> list[Row]:
-    """What ends the chatter: viscosity of the solid, PIC, the flat body's normal; and what does not: dashpots."""
+    """What ends the chatter: viscosity of the solid, PIC, the flat body's normal; and what does not:
+    dashpots.
+    """
     steep = [(0.7, STEEP), (0.9, 50.0)]
     for size in (0.1,) if case.quick else (0.1, 0.05):
         found = _elements(case, "springs", size, steep, viscosity=VISCOSITY)

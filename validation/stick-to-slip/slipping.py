@@ -1,8 +1,8 @@
 """How far a block has slid under a rising tangential load, and when.
 
-Closed form (Coulomb, rigid block): T = m r t sticks until T = μ N = μ m g, at t_s = μ g / r. From then on the block's
-acceleration is r (t − t_s), so it has slid r (t − t_s)³ / 6, and passes the distance s at t_s + (6 s / r)^(1/3).
-"""
+Closed form (Coulomb, rigid block): T = m r t sticks until T = μ N = μ m g, at t_s = μ g / r. From then on the
+block's acceleration is r (t − t_s), so it has slid r (t − t_s)³ / 6, and passes the distance s at t_s + (6 s
+/ r)^(1/3)."""
 
 from __future__ import annotations
 
@@ -35,7 +35,9 @@ def time_of_slip(run: xr.DataTree) -> float:
 
 
 def slid_before(run: xr.DataTree) -> float | None:
-    """Sliding at 0.9 of the time at which slip begins, over the threshold [%]; none of a run that ends before it does."""
+    """Sliding at 0.9 of the time at which slip begins, over the threshold [%]; none of a run that ends before
+    it does.
+    """
     time, start = run["series"]["time"].values, FRICTION * GRAVITY / rate_of(run)
     if time[-1] < start:
         return None
@@ -53,7 +55,9 @@ def friction_at_end(run: xr.DataTree) -> float | None:
 
 
 def sliding(run: xr.DataTree) -> np.ndarray:
-    """Mean tangential displacement of the block's lower face over that of the plane's face below it [m], (time,)."""
+    """Mean tangential displacement of the block's lower face over that of the plane's face below it [m],
+    (time,).
+    """
     block = run["surface/block"]["position"].values
     plane = run["surface/plane"]["position"].values
     lower = np.isclose(block[0, :, 1], block[0, :, 1].min(), atol=0.01 * LENGTH)

@@ -16,8 +16,9 @@ AXIS = turning(tuple(np.radians([20.0, 35.0, 50.0])))[:, 2]  #: of the stack, n
 
 
 def stress(run: xr.DataTree) -> dict[str, float]:
-    """−n·σ·n over the pressure, less one [%], at the points of all blocks: ``mean`` by volume, ``largest`` magnitude, and both
-    ``beside`` an interface, within a cell of it; and the root of the mean square, ``l2``."""
+    """−n·σ·n over the pressure, less one [%], at the points of all blocks: ``mean`` by volume, ``largest``
+    magnitude, and both ``beside`` an interface, within a cell of it; and the root of the mean square,
+    ``l2``."""
     bodies = list(run["particles"].children)
     ratio, along, volume, ends = [], [], [], []
     for name in bodies:

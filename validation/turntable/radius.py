@@ -17,9 +17,8 @@ STEPS = 20000
 def slid(radius: float, omega: float, friction: float, end: float) -> float:
     """Distance from the axis [m] at ``end`` [s] of a rigid block that begins to turn with the table.
 
-    It sticks while ω² r ≤ μ g; beyond, a = −μ g w/|w| with w its velocity over the table, outwards at first. Integrated by the
-    mid-point rule.
-    """
+    It sticks while ω² r ≤ μ g; beyond, a = −μ g w/|w| with w its velocity over the table, outwards at first.
+    Integrated by the mid-point rule."""
     if omega**2 * radius <= friction * GRAVITY:
         return radius
     place, velocity, dt = np.array([radius, 0.0]), np.array([0.0, omega * radius]), end / STEPS
@@ -38,8 +37,8 @@ def slid(radius: float, omega: float, friction: float, end: float) -> float:
 
 
 def judge(run: xr.DataTree) -> dict[str, float]:
-    """Mean speed ``creep`` away from the axis [mm/s], error ``way`` of the way outwards [%] where it slides, and the plate's
-    ``turning`` at the end over that at the start, less 1 [%]."""
+    """Mean speed ``creep`` away from the axis [mm/s], error ``way`` of the way outwards [%] where it slides,
+    and the plate's ``turning`` at the end over that at the start, less 1 [%]."""
     series, scene = run["series"].to_dataset(), tomllib.loads(run.attrs["scene"])
     centre = series["centre_of_mass"]
     apart = (centre.sel(body="block") - centre.sel(body="plate")).values

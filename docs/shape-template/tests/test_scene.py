@@ -42,7 +42,9 @@ def test_free_flight_is_exact():
 
 @pytest.mark.parametrize("where", ["modified", "refuse"])
 def test_a_body_in_the_grids_last_cell(where):
-    """A square at the grid's first corner flies inwards; unless the end is modified, its points are refused."""
+    """A square at the grid's first corner flies inwards; unless the end is modified, its points are
+    refused.
+    """
     square = {"type": "rectangle", "lower": [0.0, 0.0], "upper": [0.4, 0.4]}
     body = {**SCENE["bodies"]["disc"], "geometry": square, "velocity": [1.0, 1.0]}
     scene = {

@@ -1,4 +1,5 @@
-"""What plug-ins may import, together with :mod:`mpmfw.kernels` and :mod:`mpmfw_testing`: all names of the modules below.
+"""What plug-ins may import, together with :mod:`mpmfw.kernels` and :mod:`mpmfw_testing`: all names of the
+modules below.
 
 A plug-in is a class with an ``Options`` model (pydantic), a constructor that takes those options as keywords,
 a ``name``, and implementations of the hooks of :class:`mpmfw.plugin.hookspecs.HookSpecs`, marked with

@@ -1,8 +1,9 @@
-"""Base classes of contact: detections and laws, whose rows the core keeps, friction laws, and whole strategies.
+"""Base classes of contact: detections and laws, whose rows the core keeps, friction laws, and whole
+strategies.
 
 ``CONTACT_SERIES``
-    Declarations (:class:`mpmfw.api.types.Field`) of the series that contact strategies may record, one value a
-    pair: contact_force and friction_force [N/m], contact_count, frictional_work, contact_energy and
+    Declarations (:class:`mpmfw.api.types.Field`) of the series that contact strategies may record, one value
+    a pair: contact_force and friction_force [N/m], contact_count, frictional_work, contact_energy and
     damping_work [J/m].
 """
 

@@ -1,4 +1,6 @@
-"""Base classes of plug-ins that a scene names as often as it likes: loads, boundary conditions and outputs."""
+"""Base classes of plug-ins that a scene names as often as it likes: loads, boundary conditions and
+outputs.
+"""
 
 from __future__ import annotations
 

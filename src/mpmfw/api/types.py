@@ -1,7 +1,8 @@
 """What plug-ins of all kinds need: arrays and structs of a run, hooks and errors.
 
 ``hookimpl``
-    Marks a method as the implementation of the hook with its name; arguments that are not used may be left out.
+    Marks a method as the implementation of the hook with its name; arguments that are not used may be left
+    out.
 ``FloatArray``, ``IntArray``, ``IndexArray``, ``AnyArray``
     Types of NumPy arrays of float64, int64, int32 (node indices in a :class:`Stencil`) and any type. Shapes
     stand where the types are used.

@@ -94,9 +94,9 @@ def measure_threads(
 
     Returns
     -------
-    ``scene``, ``contact``, ``shape``, ``particles``, ``threads``; ``ns_one`` and ``ns_shared``, the least wall time of a step
-    with one thread and with all of them [ns per point], and their ``ratio``. What is recorded at outputs is left out.
-    """
+    ``scene``, ``contact``, ``shape``, ``particles``, ``threads``; ``ns_one`` and ``ns_shared``, the least
+    wall time of a step with one thread and with all of them [ns per point], and their ``ratio``. What is
+    recorded at outputs is left out."""
     both = [Simulation(scene, contact=contact, shape=shape, threads=each) for each in (1, threads)]
     for simulation in both:
         simulation.advance(max(start, WARM_UP))

@@ -24,7 +24,9 @@ def table(rows: Sequence[Mapping[str, Any]], title: str = "ns per material point
 
 
 def _heading(key: str) -> str:
-    """Column heading; the stage that fills the table of the shape function is no second column called shape."""
+    """Column heading; the stage that fills the table of the shape function is no second column called
+    shape.
+    """
     return "fill" if key == "ns_shape" else key.removeprefix("ns_").replace("_", " ")
 
 

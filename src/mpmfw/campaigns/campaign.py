@@ -36,13 +36,13 @@ def campaign(
     scene
         A file, the name of a shipped scene, or a mapping.
     vary
-        Values by key: ``contact`` and ``shape`` (names, names with options, configured strategy objects), short names such
-        as ``cell_size``, or dotted keys of the scene. A dimension each, in this order.
+        Values by key: ``contact`` and ``shape`` (names, names with options, configured strategy objects),
+        short names such as ``cell_size``, or dotted keys of the scene. A dimension each, in this order.
     measures
         Names of quantities to read off every run, see :data:`mpmfw.campaigns.measures.MEASURES`.
     reference
-        Keys of a study's table ``error`` without ``quantity``, such as ``{"kind": "finest"}``: what the measures are judged
-        by. By default the scene's own closed form or reference, where there is one.
+        Keys of a study's table ``error`` without ``quantity``, such as ``{"kind": "finest"}``: what the
+        measures are judged by. By default the scene's own closed form or reference, where there is one.
     set
         Values by key that all runs share.
     **running
@@ -52,8 +52,9 @@ def campaign(
     Returns
     -------
     xarray.Dataset
-        Over what varies: series (…, time, body | pair, axis), ``status``, costs (…[, stage]), ``cpu_time_repeat`` (…, repeat),
-        ``load``; of each measure ``NAME`` (numbers alone) and ``NAME_error`` (relative).
+        Over what varies: series (…, time, body | pair, axis), ``status``, costs (…[, stage]),
+        ``cpu_time_repeat`` (…, repeat), ``load``; of each measure ``NAME`` (numbers alone) and ``NAME_error``
+        (relative).
 
     Raises
     ------
@@ -86,7 +87,8 @@ def run_grid(
     measures, reference
         As :func:`campaign` takes them.
     threads
-        Of each run that takes place in this process, instead of the scene's; processes beside each other have one each.
+        Of each run that takes place in this process, instead of the scene's; processes beside each other have
+        one each.
     grown
         Called with the dataset so far after each run.
     """
@@ -121,7 +123,9 @@ def run_grid(
 
 
 def dataset_of(runs: GridRuns, *, fields: bool = True) -> xr.Dataset:
-    """Join what is known of a grid: series, status, costs and the conditions that they were measured under."""
+    """Join what is known of a grid: series, status, costs and the conditions that they were measured
+    under.
+    """
     grid, costs = runs.grid, runs.costs()
     results = {index: runs.results(index) for index, _, _ in runs.known()}
     trees = {index: tree for index, tree in results.items() if tree is not None}

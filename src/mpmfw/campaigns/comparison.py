@@ -45,21 +45,24 @@ def compare(
     scene
         A file, the name of a shipped scene, or a mapping.
     contact, shape
-        Methods: names of plug-ins, names with options such as ``"penalty(kappa=2)"``, ``"module:Class"``, strategy objects or
-        their classes, each once. Options beside a name are set over those of the scene's own table of the method; an object has
-        its own alone.
-        An object is labelled by its ``label``, else its ``name``; a label that occurs again gets ``#2``, ``#3`` …
+        Methods: names of plug-ins, names with options such as ``"penalty(kappa=2)"``, ``"module:Class"``,
+        strategy objects or their classes, each once. Options beside a name are set over those of the scene's
+        own table of the method; an object has its own alone. An object is labelled by its ``label``, else its
+        ``name``; a label that occurs again gets ``#2``, ``#3`` …
     vary
         Scene keys and their values, such as ``{"grid.cell_size": [0.4, 0.2]}``; the key's last part names the
         dimension. Values that are not all numbers or all texts, such as vectors, are labelled by their text.
     output
-        NetCDF file to write, brought up to date after every run; it replaces nothing but another comparison. Finished runs
-        are kept in the folder ``<output>.runs`` beside it: one that was broken off, or is changed, takes what still applies.
+        NetCDF file to write, brought up to date after every run; it replaces nothing but another comparison.
+        Finished runs are kept in the folder ``<output>.runs`` beside it: one that was broken off, or is
+        changed, takes what still applies.
     set
-        Scene keys that all runs share. A comparison keeps the series and the first and last outlines. It keeps the fields of
-        material points if ``output.particles`` is set here or in the scene and all runs have the same points.
+        Scene keys that all runs share. A comparison keeps the series and the first and last outlines. It
+        keeps the fields of material points if ``output.particles`` is set here or in the scene and all runs
+        have the same points.
     measures
-        As :func:`mpmfw.campaign` takes them; left out, those of which the scene has a closed form or a reference.
+        As :func:`mpmfw.campaign` takes them; left out, those of which the scene has a closed form or a
+        reference.
     **running
         As :class:`mpmfw.campaigns.execution.Execution` takes them.
 
@@ -67,8 +70,8 @@ def compare(
     -------
     xarray.Dataset
         Series with dims (contact, shape, *vary, time, body | pair, axis), costs with dims (contact, shape,
-        *vary[, stage]), ``status`` ("ok", "suspect: …", "failed: …" or "refused: …"). A failing method does not stop the
-        others; what it did not reach is NaN.
+        *vary[, stage]), ``status`` ("ok", "suspect: …", "failed: …" or "refused: …"). A failing method does
+        not stop the others; what it did not reach is NaN.
 
     Raises
     ------
@@ -109,7 +112,9 @@ def compare(
 
 
 def _first(scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str, Any]) -> Scene | None:
-    """The scene with the first methods; None where it is refused, which the campaign says, if no combination can run."""
+    """The scene with the first methods; None where it is refused, which the campaign says, if no combination
+    can run.
+    """
     named = {f"{kind}.method": chosen[0] for kind, chosen in methods.items() if isinstance(chosen[0], str)}
     try:
         return load_scene(scene, set={**shared, **named})
@@ -118,7 +123,9 @@ def _first(scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str
 
 
 def _applicable_measures(scene: Scene | None) -> list[str]:
-    """Return the measures that the scene can be judged by, but for those that a report reads off the series itself."""
+    """Return the measures that the scene can be judged by, but for those that a report reads off the series
+    itself.
+    """
     if scene is None:
         return []
     try:
@@ -146,7 +153,9 @@ def _write(dataset: xr.Dataset, path: str) -> None:
 
 
 def _methods(kind: Kind, chosen: Sequence[Any]) -> list[Any]:
-    """Methods, names in the one way of writing that labels have; a name that is not installed is an error at once."""
+    """Methods, names in the one way of writing that labels have; a name that is not installed is an error at
+    once.
+    """
     if isinstance(chosen, str) or len(chosen) == 0:
         raise SceneError(f"{kind}: expected a list of at least one method, got {chosen!r}")
     methods = [written(kind, one, kind) if isinstance(one, str) else object_of(one) for one in chosen]

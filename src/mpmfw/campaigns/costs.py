@@ -24,8 +24,8 @@ def costs_of(coords: Mapping[str, Sequence[Any]], costs: Mapping[Index, Sequence
     Returns
     -------
     xarray.Dataset
-        The names of :data:`mpmfw.campaigns.outcome.COSTS` and ``load`` (…, repeat); ``stages`` and ``settling``
-        (…, repeat, stage) [s].
+        The names of :data:`mpmfw.campaigns.outcome.COSTS` and ``load`` (…, repeat); ``stages`` and
+        ``settling`` (…, repeat, stage) [s].
     """
     shape = tuple(len(labels) for labels in coords.values())
     most = max((1, *(len(many) for many in costs.values())))
@@ -54,7 +54,9 @@ def least(each: xr.Dataset) -> xr.Dataset:
 
 
 def over_repeats(each: xr.Dataset) -> dict[str, xr.DataArray]:
-    """Spread of the CPU time (half the range, NaN of a single one), number of repeats, and load in the mean."""
+    """Spread of the CPU time (half the range, NaN of a single one), number of repeats, and load in the
+    mean.
+    """
     times = each["cpu_time"]
     count = times.count("repeat")
     spread = 0.5 * (times.max("repeat") - times.min("repeat"))
@@ -66,7 +68,9 @@ def over_repeats(each: xr.Dataset) -> dict[str, xr.DataArray]:
 
 
 def timing_of(costs: Sequence[Cost]) -> str:
-    """``exclusive`` if nothing else ran beside any of them; marked where the machine was loaded by others all the same."""
+    """``exclusive`` if nothing else ran beside any of them; marked where the machine was loaded by others all
+    the same.
+    """
     if not costs:
         return ""
     if any(cost.timing != "exclusive" for cost in costs):

@@ -13,7 +13,9 @@ from mpmfw.campaigns.store import Store, store_of
 
 
 class Running(TypedDict, total=False):
-    """Keywords of :func:`mpmfw.campaign`, :func:`mpmfw.compare` and the like, as :class:`Execution` takes them."""
+    """Keywords of :func:`mpmfw.campaign`, :func:`mpmfw.compare` and the like, as :class:`Execution` takes
+    them.
+    """
 
     executor: Any
     jobs: int | None
@@ -31,11 +33,12 @@ class Execution:
     Attributes
     ----------
     executor, jobs
-        What runs them: an executor of ``concurrent.futures``, a ``Client`` or cluster of ``dask.distributed``, or the address
-        of its scheduler; or so many processes of one thread each, where 1 is this process itself and None one for each core.
+        What runs them: an executor of ``concurrent.futures``, a ``Client`` or cluster of
+        ``dask.distributed``, or the address of its scheduler; or so many processes of one thread each, where
+        1 is this process itself and None one for each core.
     store
-        Folder of finished runs, from which a campaign that was broken off, or changed, takes what still applies. Without
-        it nothing is kept.
+        Folder of finished runs, from which a campaign that was broken off, or changed, takes what still
+        applies. Without it nothing is kept.
     repeats
         Runs of each point, for the spread of its cost; ``auto`` repeats short ones.
     force
@@ -74,5 +77,7 @@ class Execution:
         return executor_of(self.executor, self.jobs)
 
     def kept(self, output: str | os.PathLike[str] | None = None) -> Store:
-        """Return where finished runs are kept: in the store, else in ``<output>.runs``; without both nowhere."""
+        """Return where finished runs are kept: in the store, else in ``<output>.runs``; without both
+        nowhere.
+        """
         return Store(self.store if self.store is not None else store_of(output))

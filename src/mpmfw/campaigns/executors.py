@@ -1,4 +1,6 @@
-"""Where runs take place: here, in a pool of processes, in anybody's ``concurrent.futures.Executor``, or on a Dask cluster."""
+"""Where runs take place: here, in a pool of processes, in anybody's ``concurrent.futures.Executor``, or on a
+Dask cluster.
+"""
 
 from __future__ import annotations
 
@@ -76,7 +78,8 @@ class InProcess:
 
 
 class Pool:
-    """Processes of one thread each, started afresh; one that dies takes nothing with it but what it was doing.
+    """Processes of one thread each, started afresh; one that dies takes nothing with it but what it was
+    doing.
 
     Parameters
     ----------
@@ -173,7 +176,9 @@ class Futures:
         self.opened, self.cores = opened, cores
 
     def outcomes(self, work: Callable[[T], R], tasks: Sequence[T]) -> Iterator[tuple[T, R | None]]:
-        """Do all tasks; those that are left when the executor breaks are done in new processes, each alone."""
+        """Do all tasks; those that are left when the executor breaks are done in new processes, each
+        alone.
+        """
         waiting = deque(tasks)
         under_way: dict[Future[R], T] = {}
         with self.opened() as executor:
@@ -205,13 +210,15 @@ class Futures:
 
 
 def dask_cluster(place: Any) -> Futures:
-    """Return the workers of a Dask cluster, which share no files with this process; needs the extra ``mpmfw[dask]``.
+    """Return the workers of a Dask cluster, which share no files with this process; needs the extra
+    ``mpmfw[dask]``.
 
     Parameters
     ----------
     place
-        A ``distributed.Client``, which is left open; a cluster's object such as a ``LocalCluster``; or the scheduler's
-        address, such as ``tcp://127.0.0.1:8786``. For ``tls://`` Dask's own configuration names the certificates.
+        A ``distributed.Client``, which is left open; a cluster's object such as a ``LocalCluster``; or the
+        scheduler's address, such as ``tcp://127.0.0.1:8786``. For ``tls://`` Dask's own configuration names
+        the certificates.
 
     Raises
     ------
@@ -267,7 +274,9 @@ def _knock(comm: Any, address: str) -> None:
 
 
 def _begin_worker() -> None:
-    """Leave Ctrl-C to the parent, and end this worker when its parent dies: nobody would take what it is doing."""
+    """Leave Ctrl-C to the parent, and end this worker when its parent dies: nobody would take what it is
+    doing.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
 
@@ -300,15 +309,16 @@ def executor_of(executor: Any = None, jobs: int | None = None) -> Executor:
     Parameters
     ----------
     executor
-        An :class:`Executor`, a ``concurrent.futures.Executor``, a ``Client`` or cluster of ``dask.distributed``, or the
-        address of its scheduler, such as ``tcp://127.0.0.1:8786``.
+        An :class:`Executor`, a ``concurrent.futures.Executor``, a ``Client`` or cluster of
+        ``dask.distributed``, or the address of its scheduler, such as ``tcp://127.0.0.1:8786``.
     jobs
         Processes at a time without an executor: 1 is this process itself, None one for each core.
 
     Raises
     ------
     SceneError
-        It is none of these, or both are given; 1 is the default of most requests, and says nothing beside an executor.
+        It is none of these, or both are given; 1 is the default of most requests, and says nothing beside an
+        executor.
     """
     if executor is not None and jobs not in (None, 1):
         raise SceneError("jobs: has no effect with an executor, whose workers are as many as they are")
@@ -323,6 +333,7 @@ def executor_of(executor: Any = None, jobs: int | None = None) -> Executor:
     if hasattr(executor, "outcomes"):
         return executor  # type: ignore[no-any-return]
     raise SceneError(
-        f"executor: {executor!r} is none; expected a concurrent.futures.Executor, a Client or cluster of dask.distributed, "
+        f"executor: {executor!r} is none; expected a concurrent.futures.Executor, a Client or cluster of "
+        "dask.distributed, "
         "or the address of its scheduler"
     )

@@ -78,7 +78,9 @@ class Combination:
 
     @property
     def why(self) -> str:
-        """Why it is refused, without the option that a study does not have; of an option's problems the first."""
+        """Why it is refused, without the option that a study does not have; of an option's problems the
+        first.
+        """
         first, *others = self.problems
         return "\n".join([first.plain] if first.override else [str(one) for one in (first, *others)])
 
@@ -112,7 +114,9 @@ class RunGrid:
     def array(
         self, values: Mapping[Index, Any], meaning: str, unit: str | None = None, **attributes: str
     ) -> xr.DataArray:
-        """A variable over all combinations: numbers with a unit, NaN where there is none, or words without one."""
+        """A variable over all combinations: numbers with a unit, NaN where there is none, or words without
+        one.
+        """
         kind, empty = (object, "") if unit is None else (float, np.nan)
         filled = np.full([len(labels) for labels in self.coords.values()], empty, dtype=kind)
         for index, value in values.items():
@@ -203,7 +207,9 @@ def _of_bodies(scene: Any, shared: Mapping[str, Any], key: str, value: Any) -> d
 def _of_contact(
     scene: Any, objects: dict[str, Any], methods: Mapping[str, Any], value: Any
 ) -> dict[str, Any]:
-    """The stiffness factor κ of whatever contact runs, a subclass of penalty's as well; of one that has none, nothing."""
+    """The stiffness factor κ of whatever contact runs, a subclass of penalty's as well; of one that has none,
+    nothing.
+    """
     own = objects.get("contact")
     if own is not None:
         if has_option("contact", own, "kappa"):
@@ -230,7 +236,9 @@ def has_option(kind: Any, method: Any, name: str) -> bool:
 
 
 def _without_twins(combinations: Mapping[Index, Combination]) -> dict[Index, Combination]:
-    """Of settings that make one and the same run of a method the first: one that changes nothing would label it twice."""
+    """Of settings that make one and the same run of a method the first: one that changes nothing would label
+    it twice.
+    """
     first: dict[tuple[str, ...], Combination] = {}
     kept = {}
     for index, one in combinations.items():

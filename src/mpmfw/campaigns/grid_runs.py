@@ -61,7 +61,8 @@ class GridRuns:
         return isinstance(self.executor, InProcess)
 
     def complete(self, only: Collection[Index] | None = None, progress: Progress | None = None) -> None:
-        """Run what is missing, repeats for the cost included, as :func:`mpmfw.campaigns.running.complete` does.
+        """Run what is missing, repeats for the cost included, as :func:`mpmfw.campaigns.running.complete`
+        does.
 
         Parameters
         ----------

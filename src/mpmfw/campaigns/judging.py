@@ -22,7 +22,8 @@ from mpmfw.scene.base import Axis, Table
 from mpmfw.state.fields import FloatArray
 from mpmfw.units import Number
 
-#: Share of a motion below which its part along an axis counts as nothing: a relative error of it says nothing.
+#: Share of a motion below which its part along an axis counts as nothing: a relative error of it says
+#: nothing.
 NEAR_ZERO = 1e-3
 
 #: Results of a combination; None where there are none.
@@ -41,19 +42,20 @@ class ErrorTable(Table):
     quantity
         Name of a measure, see :data:`mpmfw.campaigns.measures.MEASURES`.
     kind
-        ``closed-form``: what the scene's own closed form says; ``reference``: a file, a value, or the solution that
-        ships with mpmfw for the scene; ``finest``: the finest run of the study.
+        ``closed-form``: what the scene's own closed form says; ``reference``: a file, a value, or the
+        solution that ships with mpmfw for the scene; ``finest``: the finest run of the study.
     body, pair, axis
         What the quantity is of; the motion decides where they are left out.
     norm
-        Of the difference of two curves or fields: ``largest`` or ``l2``; the measure decides where it is left out.
+        Of the difference of two curves or fields: ``largest`` or ``l2``; the measure decides where it is left
+        out.
     file, column
         CSV file with a column ``time`` [s] and one of the quantity [SI]: by name, or the only other one.
     value
         The quantity itself, where it is a number.
     finest
-        Labels that choose the finest run; a numeric dimension that is not named takes its finest value, one of names
-        its own.
+        Labels that choose the finest run; a numeric dimension that is not named takes its finest value, one
+        of names its own.
     """
 
     quantity: str
@@ -221,7 +223,8 @@ class Judge:
         if sizes[self.about.axis or "x"] < NEAR_ZERO * sizes[largest]:
             raise self.at(
                 ("error", "axis"),
-                f"{self.says()} is nothing beside that along {largest}, and a relative error of it says nothing; "
+                f"{self.says()} is nothing beside that along {largest}, and a relative error of it says "
+                "nothing; "
                 f"expected '{largest}'",
             )
 
@@ -260,7 +263,9 @@ class Judge:
         return labels.index(target)
 
     def compare(self, measured: Measured, expected: FloatArray) -> Judgement:
-        """Return the error of one run against what is expected at its times; NaN where either is not known."""
+        """Return the error of one run against what is expected at its times; NaN where either is not
+        known.
+        """
         values = measured.values
         if not np.isfinite(values).all() or not np.isfinite(expected).all() or not values.size:
             return Judgement()

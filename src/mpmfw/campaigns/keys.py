@@ -1,4 +1,6 @@
-"""Keys of a campaign: short names, the keys of the scene that they stand for, and what each of them changes."""
+"""Keys of a campaign: short names, the keys of the scene that they stand for, and what each of them
+changes.
+"""
 
 from __future__ import annotations
 
@@ -66,7 +68,9 @@ def is_numerical(key: str) -> bool:
 
 
 def _of_friction_law(key: str) -> bool:
-    """Whether it is an option of a friction law, which stands in a table of ``[contact]`` like those of methods."""
+    """Whether it is an option of a friction law, which stands in a table of ``[contact]`` like those of
+    methods.
+    """
     return key.startswith("contact.") and key.split(".")[1] in available("friction")
 
 

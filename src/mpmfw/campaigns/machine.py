@@ -30,7 +30,9 @@ class Load:
         self._busy, self._own, self._wall = _busy(), _own(), time.perf_counter()
 
     def others(self) -> float:
-        """Cores that other processes kept busy since then, in the mean; NaN where the system does not say it."""
+        """Cores that other processes kept busy since then, in the mean; NaN where the system does not say
+        it.
+        """
         wall = time.perf_counter() - self._wall
         busy = _busy() - self._busy - (_own() - self._own)
         # The system counts in hundredths of a second: of shorter spans it says nothing

@@ -1,9 +1,9 @@
 """Measures by name: what a campaign reads off a run, and what is known of it beforehand.
 
-A measure is a class derived from :class:`mpmfw.api.Measure`, which an installed distribution announces, or a function
-``(run, scene, about) -> Measured`` under ``@measure(name, unit, kind, keys, exact)``. A script may register its own in this way
-before it calls ``mpmfw.study``: measures are read here, not by the workers, off the runs' stored series.
-"""
+A measure is a class derived from :class:`mpmfw.api.results.Measure`, which an installed distribution
+announces, or a function ``(run, scene, about) -> Measured`` under ``@measure(name, unit, kind, keys,
+exact)``. A script may register its own in this way before it calls ``mpmfw.study``: measures are read here,
+not by the workers, off the runs' stored series."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def measure(
     Parameters
     ----------
     name, unit, kind, keys, exact, norm, particles
-        As of a :class:`mpmfw.api.Measure`.
+        As of a :class:`mpmfw.api.results.Measure`.
     """
 
     def register(function: Extract) -> Extract:
@@ -56,7 +56,8 @@ def measure(
         made = {
             "name": name, "unit": unit, "kind": kind, "keys": keys, "norm": norm, "particles": particles,
             "of": of, "exact": staticmethod(exact), "__doc__": function.__doc__,
-            "__reduce__": lambda self: (measure_of, (self.name,)),  # pickle looks for the function under the class's name
+            # pickle looks for the function under the class's name
+            "__reduce__": lambda self: (measure_of, (self.name,)),
         }  # fmt: skip
         MEASURES[name] = type(function.__name__, (Measure,), made)()
         return function
@@ -65,7 +66,8 @@ def measure(
 
 
 def measure_of(name: str) -> Measure:
-    """The measure of a name: registered here, announced by an installed plug-in under ``mpmfw.measure``, or ``module:Class``.
+    """The measure of a name: registered here, announced by an installed plug-in under ``mpmfw.measure``, or
+    ``module:Class``.
 
     Raises
     ------
@@ -104,7 +106,8 @@ def exact_of(measure: Measure, scene: Scene, about: About) -> Exact | None:
     """Return what a quantity must be in a scene; None where nobody knows.
 
     A scene declares what its motion is known to be by ``[reference] kind = …``: a bundled kind, or a
-    :class:`mpmfw.api.Reference` that a distribution announces. Nothing is recognised in a scene without it.
+    :class:`mpmfw.api.results.Reference` that a distribution announces. Nothing is recognised in a scene
+    without it.
 
     Raises
     ------
@@ -116,7 +119,9 @@ def exact_of(measure: Measure, scene: Scene, about: About) -> Exact | None:
 
 
 def known_axis(measure: Measure, scene: Scene, about: About) -> About:
-    """Return what a measure is of, with the first axis along which its exact value is known, where nobody names one."""
+    """Return what a measure is of, with the first axis along which its exact value is known, where nobody
+    names one.
+    """
     if "axis" not in measure.keys or about.axis is not None:
         return about
     every = (replace(about, axis=axis) for axis in "xyz"[: scene.dim])
@@ -131,7 +136,9 @@ def _exact_along(measure: Measure, scene: Scene, about: About) -> Exact | None:
 
 
 def _incline(scene: Scene) -> Incline | None:
-    """Return the motion down a plane that a scene declares; None of another scene, or where it does not apply."""
+    """Return the motion down a plane that a scene declares; None of another scene, or where it does not
+    apply.
+    """
     try:
         known = declared(scene)
     except SceneError:
@@ -146,9 +153,8 @@ def _incline(scene: Scene) -> Incline | None:
 def inferred(measure: Measure, run: xr.DataTree, scene: Scene, about: About) -> About:
     """Return what a measure is of, with what nobody named taken from the closed form, else from the motion.
 
-    The pair is that of the largest impulse, the body the one whose centre moves farthest, the axis the one along which it
-    moves or the impulse acts.
-    """
+    The pair is that of the largest impulse, the body the one whose centre moves farthest, the axis the one
+    along which it moves or the impulse acts."""
     series, keys, known = run["series"].to_dataset(), measure.keys, _incline(scene)
     if known is not None:
         sure = {"body": known.body, "axis": "x"}
@@ -232,7 +238,9 @@ def _until(scene: Scene) -> float:
     _down_the_plane(lambda one: 0.5 * one.solution.acceleration * one.until * one.until),
 )
 def end_displacement(run: xr.DataTree, scene: Scene, about: About) -> Measured:
-    """Displacement of a body's centre at the end, or when the closed form of a rolling one has moved by 10 m."""
+    """Displacement of a body's centre at the end, or when the closed form of a rolling one has moved by 10
+    m.
+    """
     moved = _displacement(run, about)
     return _number(value_at(moved.time, moved.values, _until(scene)))
 
@@ -245,7 +253,9 @@ def end_displacement(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     _down_the_plane(lambda one: one.solution.acceleration),
 )
 def acceleration(run: xr.DataTree, scene: Scene, about: About) -> Measured:
-    """Acceleration of a body's centre, least-squares fit of d0 + v0 t + a t²/2 over the last 80 % of the time."""
+    """Acceleration of a body's centre, least-squares fit of d0 + v0 t + a t²/2 over the last 80 % of the
+    time.
+    """
     moved, end = _displacement(run, about), _until(scene)
     return _number(fitted_acceleration(moved.time, moved.values, 0.2 * end, end))
 
@@ -266,7 +276,9 @@ def spin(run: xr.DataTree, scene: Scene, about: About) -> Measured:
 
 @measure("force-noise", "1", "number", ("pair",))
 def noise_of_force(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
-    """Noise of the contact force of a pair: what its mean over 20 output intervals leaves out, of that mean, by rms."""
+    """Noise of the contact force of a pair: what its mean over 20 output intervals leaves out, of that mean,
+    by rms.
+    """
     force = _of_pair("contact_force", run, about)
     if force is None:
         return _number(np.nan)
@@ -284,7 +296,9 @@ def deepest_penetration(run: xr.DataTree, scene: Scene, about: About) -> Measure
 
 @measure("energy-error", "1", "number")
 def error_of_energy(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
-    """Largest error in time of the energies of strain and contact, over the energy put in (``output.ledger``)."""
+    """Largest error in time of the energies of strain and contact, over the energy put in
+    (``output.ledger``).
+    """
     return _number(energy_error(run, scene))
 
 
@@ -296,7 +310,9 @@ def dissipated_energy(run: xr.DataTree, scene: Scene, about: About) -> Measured:
 
 @measure("momentum-change", "1", "number")
 def change_of_momentum(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
-    """Largest change of the whole linear momentum, over what the bodies bring; of scenes on which nothing acts."""
+    """Largest change of the whole linear momentum, over what the bodies bring; of scenes on which nothing
+    acts.
+    """
     return _number(momentum_change(run, scene))
 
 
@@ -377,7 +393,9 @@ def _uniform(scene: Scene, about: About) -> Exact | None:  # noqa: ARG001
 
 @measure("interface-stress", "Pa", "field", (), _uniform, norm="l2", particles=True)
 def interface_stress(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
-    """Vertical stress, at rest after settling, of the material points within a cell of two blocks' interface."""
+    """Vertical stress, at rest after settling, of the material points within a cell of two blocks'
+    interface.
+    """
     known = declared(scene)
     names = (known.lower, known.upper) if isinstance(known, PressedBlocks) else tuple(scene.bodies)[:2]
     found = [run[f"particles/{name}"].to_dataset().isel(time=0) for name in names]

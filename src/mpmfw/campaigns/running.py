@@ -15,7 +15,8 @@ from mpmfw.campaigns.work import Task, run_once, time_once
 from mpmfw.errors import Interrupted, is_complete, status_code
 from mpmfw.runs.interruption import interruptible
 
-#: CPU seconds below which a run is short: it is repeated where nobody says how often, since its time is noisy.
+#: CPU seconds below which a run is short: it is repeated where nobody says how often, since its time is
+#: noisy.
 SHORT = 1.0
 #: Runs of a short one, of which the cheapest is its cost.
 REPEATS = 3
@@ -89,7 +90,8 @@ def complete(
     executor
         Where results are made, and costs if they need not be exclusive.
     repeats
-        Costs that each run is to have; ``auto`` is :data:`REPEATS` of a run shorter than :data:`SHORT`, else 1.
+        Costs that each run is to have; ``auto`` is :data:`REPEATS` of a run shorter than :data:`SHORT`, else
+        1.
     exclusive
         Whether costs have to be measured one at a time, in this process, after all results are there.
     progress
@@ -130,7 +132,9 @@ def complete(
 
 
 def _rounds(times: Mapping[str, tuple[Task, int]]) -> list[Task]:
-    """Tasks as often as each is named, in rounds of all, so that an hour in which the machine is slow is shared by all."""
+    """Tasks as often as each is named, in rounds of all, so that an hour in which the machine is slow is
+    shared by all.
+    """
     last = max((n for _, n in times.values()), default=0)
     return [task for k in range(last) for task, n in times.values() if n > k]
 

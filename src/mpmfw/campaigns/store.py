@@ -31,9 +31,9 @@ _ABANDONED = 3600.0
 class Store:
     """A folder of finished runs: ``<key>.nc`` with the results, then ``<key>.json`` with the rest.
 
-    The second file says that the run is complete. Both get their names only when they are whole, so that several
-    campaigns may share a folder and a kill at any moment leaves none half written. Files and folder have the rights that
-    the umask leaves, so that colleagues may read what the user lets them.
+    The second file says that the run is complete. Both get their names only when they are whole, so that
+    several campaigns may share a folder and a kill at any moment leaves none half written. Files and folder
+    have the rights that the umask leaves, so that colleagues may read what the user lets them.
 
     Parameters
     ----------
@@ -66,7 +66,9 @@ class Store:
         return read_run(path) if path.is_file() else None
 
     def put(self, outcome: Outcome, results: bytes | None = None) -> None:
-        """Keep an outcome, and the file that the run wrote if it is new; what would not last is kept in memory."""
+        """Keep an outcome, and the file that the run wrote if it is new; what would not last is kept in
+        memory.
+        """
         self._known[outcome.key] = outcome
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
@@ -88,7 +90,8 @@ class Store:
     def prune(
         self, takes: Callable[[Mapping[str, str]], bool], days: float | None = None
     ) -> tuple[int, int, int]:
-        """Forget outcomes that no run of today would take; files that no store wrote stay, whatever they are called.
+        """Forget outcomes that no run of today would take; files that no store wrote stay, whatever they are
+        called.
 
         Parameters
         ----------
@@ -100,8 +103,8 @@ class Store:
         Returns
         -------
         tuple of int
-            Runs that were forgotten, those that are kept, and bytes that became free; files that a killed process left are
-            among these.
+            Runs that were forgotten, those that are kept, and bytes that became free; files that a killed
+            process left are among these.
 
         Raises
         ------
@@ -114,7 +117,8 @@ class Store:
             own = own_files(self.folder)
             if not own and any(self.folder.iterdir()):
                 raise SceneError(
-                    f"{self.folder}: holds no finished runs, and nothing was removed; expected a folder such as FILE.nc.runs"
+                    f"{self.folder}: holds no finished runs, and nothing was removed; expected a folder such "
+                    "as FILE.nc.runs"
                 )
             known = {key for path in own if (key := key_in(path, "json"))}
             keep = self._current(known, takes, days)

@@ -34,7 +34,8 @@ app = typer.Typer(
 )
 
 _COMMANDS = (
-    run, resume, compare, study, rank, choose, stability, plot, animate, export, explain, schema, plugins, benchmark,
+    run, resume, compare, study, rank, choose, stability, plot, animate, export, explain, schema, plugins,
+    benchmark,
     validate, check, new,
 )  # fmt: skip
 

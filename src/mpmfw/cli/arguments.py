@@ -62,7 +62,8 @@ CheckpointOption: TypeAlias = Annotated[
     str | None,
     typer.Option(
         metavar="TIME",
-        help="Wall time between two checkpoints, from which 'mpmfw resume' goes on; '10 min' by default, inf for "
+        help="Wall time between two checkpoints, from which 'mpmfw resume' goes on; '10 min' by default, inf "
+        "for "
         "none.",
     ),
 ]

@@ -48,7 +48,8 @@ def choose(
         str | None,
         typer.Option(
             metavar="NAME",
-            help="Quantity whose error it is; the first that the scene's closed form or reference knows if left out.",
+            help="Quantity whose error it is; the first that the scene's closed form or reference knows if "
+            "left out.",
         ),
     ] = None,
     body: BodyOption = None,

@@ -118,7 +118,8 @@ def _check_beside(path: Path, kind: str, force: bool) -> None:
         )
     if not force and not (path.is_file() and path.stat().st_size):
         raise SceneError(
-            f"{beside}: is the checkpoint of a run whose results are not there; give another name, or --force to replace it"
+            f"{beside}: is the checkpoint of a run whose results are not there; give another name, or "
+            "--force to replace it"
         )
 
 

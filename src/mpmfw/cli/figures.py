@@ -50,7 +50,8 @@ def plot(
         str | None,
         typer.Option(
             metavar="AXIS[=AT]",
-            help="Of a field in 3D: axis across the plane that is drawn, and its place [m]; the middle along z by "
+            help="Of a field in 3D: axis across the plane that is drawn, and its place [m]; the middle along "
+            "z by "
             "default.",
         ),
     ] = None,

@@ -62,7 +62,8 @@ def new(
         str,
         typer.Argument(
             metavar="KIND",
-            help="contact, law, detection, shape, material, load, boundary, output, friction, geometry, measure or "
+            help="contact, law, detection, shape, material, load, boundary, output, friction, geometry, "
+            "measure or "
             "reference.",
         ),
     ],

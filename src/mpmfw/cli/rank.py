@@ -52,7 +52,8 @@ def rank(
     else:
         for quantity in known:
             title = (
-                f"Problems, of {found.sizes['problem']} at most, whose {quantity} ({ranking.QUANTITIES[quantity]}) falls "
+                f"Problems, of {found.sizes['problem']} at most, whose {quantity} "
+                f"({ranking.QUANTITIES[quantity]}) falls "
                 "to each level; median cost over the cheapest method's"
             )
             print_table(ranking.summary(found, quantity), labels=("method",), title=title)

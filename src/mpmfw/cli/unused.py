@@ -78,9 +78,15 @@ def _diagnostics(simulation: Simulation) -> Iterator[str]:
     if _asked(scene, "particle_interval") and not scene.output.particles:
         yield "output.particle_interval: no material points are stored: output.particles = false"
     elif _asked(scene, "particle_interval") and scene.output.particle_interval <= scene.time.output_interval:
-        yield "output.particle_interval: material points are stored at every output: time.output_interval is no shorter"
+        yield (
+            "output.particle_interval: material points are stored at every output: "
+            "time.output_interval is no shorter"
+        )
     if _asked(scene, "stability") and contact is not None and not contact.monitors():
-        yield f"output.stability: of the time step alone: contact '{contact.name}' has no series of its own stability"
+        yield (
+            "output.stability: of the time step alone: "
+            f"contact '{contact.name}' has no series of its own stability"
+        )
 
 
 def _asked(scene: Any, diagnostic: str) -> bool:

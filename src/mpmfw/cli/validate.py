@@ -26,7 +26,8 @@ def validate(
         Path | None,
         typer.Option(
             metavar="FOLDER",
-            help="Folder of the cases, or 'hard', the hard scenes of other fields; mpmfw's own cases if left out.",
+            help="Folder of the cases, or 'hard', the hard scenes of other fields; mpmfw's own cases if left "
+            "out.",
             show_default=False,
         ),
     ] = None,

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from mpmfw.scene.tables import Settle, Side
     from mpmfw.state.numbers import Numbers
 
-#: Largest number of passes over rows that share nodes; two sides may ask for different velocities at their corner.
+#: Largest number of passes over rows that share nodes; two sides may ask for different velocities at their
+#: corner.
 PASSES = 100
 
 #: Change of a side's velocity that ends the passes, as a share of the bodies' wave speed.
@@ -53,7 +54,9 @@ class PrescribedSide:
         return float(along[own] * self.velocity[own])
 
     def box(self, cell_size: float) -> tuple[FloatArray, FloatArray]:
-        """Where its columns may lie: everywhere in a field of the body's own, else a cell round the body at the start."""
+        """Where its columns may lie: everywhere in a field of the body's own, else a cell round the body at
+        the start.
+        """
         lower, upper = np.array(self.body.lower), np.array(self.body.upper)
         rim = np.inf if self.alone else 1.01 * cell_size
         return lower - rim, upper + rim
@@ -67,7 +70,7 @@ class Constraint:
     sides
         In the scene's order.
     degree, staggered
-        Of the shape function's boundary basis (:class:`mpmfw.api.ShapeFunction`).
+        Of the shape function's boundary basis (:class:`mpmfw.api.shape.ShapeFunction`).
     calls
         Calls in each step that move the body; that of MUSL after the second projection moves nothing.
 
@@ -114,7 +117,9 @@ class Constraint:
         self.planes.place[ours] = other.planes.place[theirs]
 
     def held_momentum(self, grid: Grid) -> FloatArray:
-        """Nodal momenta as :meth:`constrain_momentum` would leave them, (n_nodes, dim) [kg/s]; those of ``grid`` stay."""
+        """Nodal momenta as :meth:`constrain_momentum` would leave them, (n_nodes, dim) [kg/s]; those of
+        ``grid`` stay.
+        """
         held = dataclasses.replace(grid, momentum=grid.momentum.copy())
         self._meet(held)
         return held.momentum
@@ -132,7 +137,8 @@ class Constraint:
         self.rows = list_rows(self.degree, self.planes, grid.position, grid.mass, self.table, grid.spacing)
         velocity = 0.0 * self.velocity if self.at_rest else self.velocity
         self.passes = meet(
-            self.rows, self.table, self.directions, velocity, PASSES, self.agreed, grid.mass, grid.momentum, grid.spacing
+            self.rows, self.table, self.directions, velocity, PASSES, self.agreed, grid.mass, grid.momentum,
+            grid.spacing
         )  # fmt: skip
         return float(self.table.work[0])
 
@@ -168,7 +174,9 @@ class Constraint:
 
     @hookimpl
     def advect(self, grid: Grid, dt: float) -> None:
-        """How far each side moves: as prescribed along its normal, or with the mean of the body's velocity there."""
+        """How far each side moves: as prescribed along its normal, or with the mean of the body's velocity
+        there.
+        """
         self.motions[:] = 0.0 if self.at_rest else dt * self.speeds
         for index in self.free:
             self.motions[index] = dt * self._mean_speed(index, grid.velocity)

@@ -1,7 +1,8 @@
-"""Moment of contact on every body: what contact gives the grid's nodes, times their arms, summed over every step.
+"""Moment of contact on every body: what contact gives the grid's nodes, times their arms, summed over every
+step.
 
-Forces and momenta are compared just before the contact's hooks and just after, so that every method is measured alike.
-"""
+Forces and momenta are compared just before the contact's hooks and just after, so that every method is
+measured alike."""
 
 from __future__ import annotations
 
@@ -34,7 +35,8 @@ CONTACT_MOMENT = Field(
 def add_moments(
     first: Ints, position: Floats, centre: Floats, before: Floats, now: Floats, scale: float, out: Floats
 ) -> None:
-    """M_b += Σ (x_i − c_b) × (``now`` − ``before``)_i times ``scale``, ``out`` (B, 1) in 2D and (B, 3) in 3D [N s].
+    """M_b += Σ (x_i − c_b) × (``now`` − ``before``)_i times ``scale``, ``out`` (B, 1) in 2D and (B, 3) in 3D
+    [N s].
 
     Nodes ``first[b]:first[b + 1]`` belong to body b; ``centre`` is (B, dim) [m].
     """

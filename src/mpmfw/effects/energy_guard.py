@@ -15,7 +15,8 @@ GROWTH_LIMIT = 0.5
 #: Energy per stiffness and volume that counts as nothing: rounding in bodies at rest is no growth.
 NOTHING = 1e-12
 
-#: Where energy may come from: its name, and what helps, by the names of :mod:`mpmfw.effects.remedies` or in words.
+#: Where energy may come from: its name, and what helps, by the names of :mod:`mpmfw.effects.remedies` or in
+#: words.
 CAUSES = {
     "contact": ("contact", ("step", "contact")),
     "inertia": ("the inertia correction", ("step", "rotation = 'lumped'")),
@@ -59,16 +60,16 @@ class EnergyGuard:
         self.fallen = self.depth = 0.0
 
     def give(self, work: float) -> None:
-        """Say what gravity and external loads have done since the start [J/m]; the most that they had done stays
-        allowed."""
+        """Say what gravity and external loads have done since the start [J/m]; the most that they had done
+        stays allowed."""
         self.given, self.input = work, max(self.input, work)
 
     def hold(self, energy: float, last_work: float) -> None:
-        """Say what contact holds [J/m], which is less than nothing where bodies stick together; call it after every step.
+        """Say what contact holds [J/m], which is less than nothing where bodies stick together; call it after
+        every step.
 
-        ``energy`` is that where the step began, ``last_work`` [J/m] what contact did in it. Springs that only push hold no less
-        than nothing, and what they hold may as well have been given back.
-        """
+        ``energy`` is that where the step began, ``last_work`` [J/m] what contact did in it. Springs that only
+        push hold no less than nothing, and what they hold may as well have been given back."""
         self.fallen = max(last_work - energy, -energy) if energy < 0.0 else 0.0
         self.depth = max(self.depth, -energy)
 
@@ -79,11 +80,15 @@ class EnergyGuard:
 
     @property
     def allowed(self) -> float:
-        """Energy at the start, that of contact springs included, what was put in, and the most that adhesion gave [J/m]."""
+        """Energy at the start, that of contact springs included, what was put in, and the most that adhesion
+        gave [J/m].
+        """
         return self.start + max(self.loaded or 0.0, 0.0) + self.depth + self.input + self.nothing
 
     def growth(self, energy: float) -> float:
-        """Energy of the bodies beyond what they had, springs could give, adhesion gave, and loads gave [J/m]."""
+        """Energy of the bodies beyond what they had, springs could give, adhesion gave, and loads gave
+        [J/m].
+        """
         return energy - self.start - self.released - self.given
 
     def grown(self, energy: float) -> bool:

@@ -1,8 +1,8 @@
 """A note on bodies that flutter near the limit of friction: they slide although friction could hold them.
 
-The normal force between them swings, and they slip whenever it is low. At most outputs the friction force is then less than μ
-times the normal force, though the bodies slide as a whole. Bodies that begin to slide hold for a moment, which is one output.
-"""
+The normal force between them swings, and they slip whenever it is low. At most outputs the friction force is
+then less than μ times the normal force, though the bodies slide as a whole. Bodies that begin to slide hold
+for a moment, which is one output."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from mpmfw.state.structs import State
 #: Successive outputs over which bodies slide.
 OUTPUTS = 6
 
-#: Friction over μ times the normal force below which they flutter, and least swing of the normal force, as a share of its mean.
+#: Friction over μ times the normal force below which they flutter, and least swing of the normal force, as a
+#: share of its mean.
 SHARE, SPREAD = 0.98, 0.01
 
 #: Times that the normal force turns among these outputs; in an impact it turns once.
@@ -98,8 +99,10 @@ class Flutter:
     def concerns(self) -> list[str]:
         """Pairs that fluttered."""
         return [
-            f"{label}: the bodies flutter at the limit of friction at {self.found_at[label]:.4g} s: the normal force swings by "
-            f"{100.0 * self.spread[label]:.2g} %, and they slide although friction is {share:.2g} of its limit; damping stops it"
+            f"{label}: the bodies flutter at the limit of friction at {self.found_at[label]:.4g} s: the "
+            "normal force swings by "
+            f"{100.0 * self.spread[label]:.2g} %, and they slide although friction is {share:.2g} of its "
+            "limit; damping stops it"
             for label, share in self.found.items()
         ]
 

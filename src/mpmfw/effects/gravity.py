@@ -35,7 +35,9 @@ class Gravity:
         self.override: FloatArray | None = None
 
     def while_settling(self, asked: Settle | None) -> None:
-        """Take the gravity of the settling, if it has one, and the scene's own again after it, when ``asked`` is None."""
+        """Take the gravity of the settling, if it has one, and the scene's own again after it, when ``asked``
+        is None.
+        """
         gravity = None if asked is None else asked.gravity
         self.override = None if gravity is None else np.array(gravity.at(0.0))
 

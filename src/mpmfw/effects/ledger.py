@@ -1,13 +1,13 @@
 """Energy ledger: where every joule comes from and goes to, measured where it changes hands.
 
-Between the projection and the gather a node's momentum changes from m v⁰ to m v¹ by impulses: of gravity, loads on sides,
-contact, inertia corrections, prescribed sides, and of the internal forces. The work of an impulse is its product with
-(v⁰ + v¹) / 2; the works of all add up to the change of the grid's kinetic energy exactly. What the transfer loses is
-measured across it: the kinetic and affine energy of the material points less the grid's energy at the projection, and
-the reverse at the gather. Of the sum over the steps there is left what the points had at the start and have now, and what the
-grid gained in between. What is left over against kinetic, affine and strain energy, the residual, is the difference
-between the work of the internal forces and the strain energy: the error of the strain's integration in time.
-"""
+Between the projection and the gather a node's momentum changes from m v⁰ to m v¹ by impulses: of gravity,
+loads on sides, contact, inertia corrections, prescribed sides, and of the internal forces. The work of an
+impulse is its product with (v⁰ + v¹) / 2; the works of all add up to the change of the grid's kinetic energy
+exactly. What the transfer loses is measured across it: the kinetic and affine energy of the material points
+less the grid's energy at the projection, and the reverse at the gather. Of the sum over the steps there is
+left what the points had at the start and have now, and what the grid gained in between. What is left over
+against kinetic, affine and strain energy, the residual, is the difference between the work of the internal
+forces and the strain energy: the error of the strain's integration in time."""
 
 from __future__ import annotations
 
@@ -69,13 +69,15 @@ CONTACT_RESIDUAL = _series(
 
 HALF_STEP = _series(
     "half_step_work",
-    "part of energy_residual that is no error in time: work of the internal forces on what the transfer takes from the "
+    "part of energy_residual that is no error in time: work of the internal forces on what the transfer "
+    "takes from the "
     "velocity half a step on, negative where it is lost",
 )
 
 CONTACT_HALF_STEP = _series(
     "contact_half_step_work",
-    "part of contact_residual that is no error in time: work of contact on what the transfer takes from the velocity",
+    "part of contact_residual that is no error in time: work of contact on what the transfer takes from the "
+    "velocity",
 )
 
 #: What a contact with springs tells of its work, as ``State.arrays`` of each pair [J/m].
@@ -85,16 +87,19 @@ SPRING_RECORDS = ("energy", "frictional_work", "damping_work", "spring_work")
 class EnergyLedger(Observer):
     """Terms of the energy balance as series, and the end of a run whose energy grows without reason.
 
-    Impulses are measured after each implementation of a hook, from the first output on, and not while a scene settles.
+    Impulses are measured after each implementation of a hook, from the first output on, and not while a scene
+    settles.
 
     Parameters
     ----------
     strain, state
         Energies of the strain; what they are of.
     terms
-        Works that something in the scene does: of ``gravity``, ``external``, ``contact``, ``inertia``. Others have no series.
+        Works that something in the scene does: of ``gravity``, ``external``, ``contact``, ``inertia``. Others
+        have no series.
     contact
-        The strategy, whose energy in springs is in ``State.arrays``, (pair,) [J/m]; one without springs has none.
+        The strategy, whose energy in springs is in ``State.arrays``, (pair,) [J/m]; one without springs has
+        none.
     accounted
         Whether the contact tells all of :data:`SPRING_RECORDS`, so that its work has a residual.
     half_steps
@@ -107,7 +112,8 @@ class EnergyLedger(Observer):
     stage = "output"
     observes = tuple(TERMS)
     history = (
-        "running", "work", "gained", "dissipated", "contact_before", "loaded", "motion", "start", "lost", "half_step", "guard",
+        "running", "work", "gained", "dissipated", "contact_before", "loaded", "motion", "start", "lost",
+        "half_step", "guard",
     )  # fmt: skip
     force: FloatArray  #: (n_nodes, dim) [N/m], as it was at the last look
     internal: FloatArray  #: (n_nodes, dim) [N/m], the internal forces
@@ -180,9 +186,8 @@ class EnergyLedger(Observer):
     def after(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:  # noqa: ARG002
         """Count the change that an implementation made; after the last one, balance the grid.
 
-        USF calls ``constrain_momentum`` before there are forces as well, for the velocity of the strain. MUSL calls it once
-        more after the points have moved, which moves nothing.
-        """
+        USF calls ``constrain_momentum`` before there are forces as well, for the velocity of the strain. MUSL
+        calls it once more after the points have moved, which moves nothing."""
         if plugin is not None:
             self._count(hook, plugin, grid)
         elif hook == "add_nodal_force":
@@ -191,7 +196,9 @@ class EnergyLedger(Observer):
             self._balance_grid(grid)
 
     def _count(self, hook: str, plugin: Any, grid: Grid) -> None:
-        """Add the change of momenta or forces since the last look to the impulses of its term, (n_nodes, dim) [N s/m]."""
+        """Add the change of momenta or forces since the last look to the impulses of its term, (n_nodes, dim)
+        [N s/m].
+        """
         term = TERMS[hook]
         if hook == "add_nodal_force":
             term = getattr(plugin, "ledger_term", (term,))[0]
@@ -264,7 +271,9 @@ class EnergyLedger(Observer):
         return {name: np.asarray(value) for name, value in {**series, **last}.items()}
 
     def _contact_residual(self, state: State) -> float:
-        """Work of contact up to the positions that the springs have seen, which are a step old, and what became of it."""
+        """Work of contact up to the positions that the springs have seen, which are a step old, and what
+        became of it.
+        """
         if self.loaded is None:
             return 0.0
         accounted = sum(float(state.arrays[f"{self.contact}/{name}"].sum()) for name in SPRING_RECORDS)
@@ -273,7 +282,8 @@ class EnergyLedger(Observer):
     def _balance(self, state: State) -> float:
         """What no term accounts for [J/m]; the guard looks at the whole energy."""
         motion = motion_energy(state.particles)
-        # What the points had at a projection is what they had after the gather before: of all that there is left
+        # What the points had at a projection is what they had after the gather before: of all that there is
+        # left
         self.dissipated = self.motion + self.gained - motion
         energy = motion + float(self.strain.of(state).sum())
         lost = float(self.strain.dissipated(state).sum()) - self.lost if self.strain.dissipates else 0.0

@@ -22,7 +22,9 @@ def grid_energy(mass: Floats, momentum: Floats) -> float:
 
 @kernel
 def add_change(momentum: Floats, last: Floats, impulse: Floats) -> bool:
-    """I_i += m v − ``last``, the change of the momenta since the last look, which is now; whether there is one."""
+    """I_i += m v − ``last``, the change of the momenta since the last look, which is now; whether there is
+    one.
+    """
     changed = False
     for i in range(len(momentum)):
         for d in range(momentum.shape[1]):
@@ -58,7 +60,9 @@ def kinetic_energy(mass: Floats, velocity: Floats) -> float:
 
 @kernel
 def affine_energy(mass: Floats, volume: Floats, affine: Floats) -> float:
-    """Σ m l² C:C / 24 over material points, squares of edge l = V^(1/dim) that move within themselves by C."""
+    """Σ m l² C:C / 24 over material points, squares of edge l = V^(1/dim) that move within themselves by
+    C.
+    """
     total, dim = 0.0, affine.shape[1]
     for p in range(len(mass)):
         square = 0.0

@@ -1,20 +1,22 @@
 """Work that forces do half a step apart from the velocity, where velocities are half a step behind positions.
 
-With update stress last a step is a leapfrog: a force f^n at the positions x^n takes the velocity from half a step before to
-half a step after, and the positions move with the latter. Over the displacement Δt v^n of a step the mean of the forces at both
-of its ends does the work that springs and strain take up (Belytschko, Liu & Moran, Nonlinear finite elements, box 6.1), and the
-ledger's impulse times mean velocity, which is that of the grid's kinetic energy, does not. Summed over the steps they differ by
+With update stress last a step is a leapfrog: a force f^n at the positions x^n takes the velocity from half a
+step before to half a step after, and the positions move with the latter. Over the displacement Δt v^n of a
+step the mean of the forces at both of its ends does the work that springs and strain take up (Belytschko, Liu
+& Moran, Nonlinear finite elements, box 6.1), and the ledger's impulse times mean velocity, which is that of
+the grid's kinetic energy, does not. Summed over the steps they differ by
 
     Σ Δt f^n·(v0^n − v^(n−1)) / 2 − Δt f^N·v^(N−1) / 2.
 
-The last term is of the half step that positions are ahead. The sum is of what the transfer took from the velocity between two
-steps: as the transfer loses kinetic energy, so it loses this work, and both are dissipation and no error in time. What is
-left of a residual is of the step's second order, and of steps that change their length.
+The last term is of the half step that positions are ahead. The sum is of what the transfer took from the
+velocity between two steps: as the transfer loses kinetic energy, so it loses this work, and both are
+dissipation and no error in time. What is left of a residual is of the step's second order, and of steps that
+change their length.
 
 v^(n−1) is the field with which the material moved, where that is now. The nodes of the grid stay behind, and
-their velocities of the last step, taken at the nodes of this one, would be off by Δt v·∇v, which the transfer did not take. Of
-strain it is the points' gradient, whose field moved with them has L (1 + Δt L)⁻¹; of contact, how far the rows came.
-"""
+their velocities of the last step, taken at the nodes of this one, would be off by Δt v·∇v, which the transfer
+did not take. Of strain it is the points' gradient, whose field moved with them has L (1 + Δt L)⁻¹; of
+contact, how far the rows came."""
 
 from __future__ import annotations
 
@@ -38,9 +40,9 @@ def power_at_start(force: Floats, mass: Floats, start_velocity: Floats) -> float
 def stress_power(
     volume: Floats, stress: Floats, gradient: Floats, dt: float, spacing: tuple[float, ...]
 ) -> float:
-    """−Σ V σ:(L − Δt L²) over material points, the power of the internal forces on the field of the ``gradient`` L with which
-    they moved in their last step, of ``dt`` [s]; what it leaves out of L (1 + Δt L)⁻¹ is of the step's second order. V has the
-    thickness."""
+    """−Σ V σ:(L − Δt L²) over material points, the power of the internal forces on the field of the
+    ``gradient`` L with which they moved in their last step, of ``dt`` [s]; what it leaves out of L (1 + Δt
+    L)⁻¹ is of the step's second order. V has the thickness."""
     dim = len(spacing)
     total = 0.0
     for p in range(len(volume)):
@@ -76,7 +78,9 @@ class HalfStep:
         )
 
     def add(self, grid: Grid, particles: Particles, dt: float, internal: Floats) -> None:
-        """A step of ``dt`` [s], whose momentum is integrated, and its internal forces, (n_nodes, dim) [N/m]."""
+        """A step of ``dt`` [s], whose momentum is integrated, and its internal forces, (n_nodes, dim)
+        [N/m].
+        """
         if self.dt > 0.0:
             taken = power_at_start(internal, grid.mass, grid.start_velocity)
             self._strain += 0.5 * dt * (taken - self._power_of_motion(grid, particles))

@@ -1,10 +1,10 @@
 """Local spin correction: every cell of the grid answers a couple with the inertia of the material in it.
 
-The lumped nodes have more rotational inertia than the material, X in all of a body. The correction gives every cell a
-share of X in proportion to the mass that its nodes hold in common, and adds to the momenta of the nodes what the cell's
-own spin lacks. Nothing but the nodes of a cell is asked, so that no signal outruns the wave that carries it; the sum over
-all cells gives a body that turns as a whole the inertia of its material. docs/guide/rotation.md derives it.
-"""
+The lumped nodes have more rotational inertia than the material, X in all of a body. The correction gives
+every cell a share of X in proportion to the mass that its nodes hold in common, and adds to the momenta of
+the nodes what the cell's own spin lacks. Nothing but the nodes of a cell is asked, so that no signal outruns
+the wave that carries it; the sum over all cells gives a body that turns as a whole the inertia of its
+material. docs/guide/rotation.md derives it."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ from mpmfw.state.structs import Body, Grid, Particles
 if TYPE_CHECKING:
     from mpmfw.effects.constraint import Constraint
 
-#: Cells that hold less than this share of a body's mass are given the excess inertia of no more than so much mass each:
-#: a film that barely reaches its outer nodes would have all of X on nodes that weigh nothing.
+#: Cells that hold less than this share of a body's mass are given the excess inertia of no more than so much
+#: mass each: a film that barely reaches its outer nodes would have all of X on nodes that weigh nothing.
 LEAST_SHARE = 0.1
 
 NODAL_FIELDS = [
@@ -37,8 +37,8 @@ NODAL_FIELDS = [
 
 @device
 def excess_inertia(true: Floats, lumped: Floats, out: Floats, spacing: tuple[float, ...]) -> bool:
-    """X = I_grid I⁻¹ I_grid − I_grid of two second moments to ``out`` (3, 3), in 2D to its last element alone; whether it
-    is positive definite."""
+    """X = I_grid I⁻¹ I_grid − I_grid of two second moments to ``out`` (3, 3), in 2D to its last element
+    alone; whether it is positive definite."""
     dim = len(spacing)
     material = scratch.matrix(spacing, spacing)
     grid = scratch.matrix(spacing, spacing)
@@ -61,7 +61,9 @@ def excess_inertia(true: Floats, lumped: Floats, out: Floats, spacing: tuple[flo
 
 @device
 def corner_node(first: int, c: int, stride: Ints, spacing: tuple[float, ...]) -> int:
-    """Node at corner ``c`` of the cell whose lowest node is ``first``; bit d of c is the side along axis d."""
+    """Node at corner ``c`` of the cell whose lowest node is ``first``; bit d of c is the side along axis
+    d.
+    """
     node = first
     for d in range(len(spacing)):
         node += stride[d] * (c >> d & 1)
@@ -74,9 +76,9 @@ def common_masses(
 ) -> Float:
     """Replace 1/m_i in ``common`` by H_c of the cell whose lowest node is i, and return Σ H_c.
 
-    H_c is the harmonic mean of the masses of the cell's nodes, 0 if one has none, whose 1/m_i is infinite. The last nodes along
-    an axis are no cell's lowest, and have 0. A cell's other nodes come later, so that their 1/m_i is still there.
-    """
+    H_c is the harmonic mean of the masses of the cell's nodes, 0 if one has none, whose 1/m_i is infinite.
+    The last nodes along an axis are no cell's lowest, and have 0. A cell's other nodes come later, so that
+    their 1/m_i is still there."""
     dim = len(spacing)
     index = scratch.integers(spacing)
     for d in range(dim):
@@ -118,8 +120,8 @@ def turn_cell(
     node_momentum: Floats,
     spacing: tuple[float, ...],
 ) -> None:
-    """(m v)_j += share (X w) × s_j on the nodes j of the cell whose lowest node is ``i``, w = Σ_j s_j × Δv_j, and s_j = (±1, …)
-    the side of the cell that node j is on.
+    """(m v)_j += share (X w) × s_j on the nodes j of the cell whose lowest node is ``i``, w = Σ_j s_j × Δv_j,
+    and s_j = (±1, …) the side of the cell that node j is on.
 
     About axis a turn the axes d and e that follow it in the cycle x, y, z; in 2D there is z alone, a = 2.
     """
@@ -151,10 +153,13 @@ def turn_cell(
 @kernel
 def find_excess(
     first_particle: int, last_particle: int, first_node: int, last_node: int, mass: Floats, position: Floats,
-    deformation_gradient: Floats, half_edges: Floats, node_position: Floats, node_mass: Floats, excess: Floats,
+    deformation_gradient: Floats, half_edges: Floats, node_position: Floats, node_mass: Floats,
+    excess: Floats,
     spacing: tuple[float, ...],
 ) -> float:  # fmt: skip
-    """:func:`excess_inertia` of a body to ``excess`` (3, 3); return its mass [kg/m], or 0 where it is not positive definite."""
+    """:func:`excess_inertia` of a body to ``excess`` (3, 3); return its mass [kg/m], or 0 where it is not
+    positive definite.
+    """
     centre = scratch.vector(spacing)
     lumped = scratch.matrix(spacing, spacing)
     true = scratch.matrix(spacing, spacing)
@@ -167,16 +172,16 @@ def find_excess(
 
 @kernel
 def correct_spin(
-    first_node: int, last_node: int, shape: Ints, total: float, excess: Floats, node_mass: Floats, node_start_velocity: Floats,
+    first_node: int, last_node: int, shape: Ints, total: float, excess: Floats, node_mass: Floats,
+    node_start_velocity: Floats,
     held_momentum: Floats, node_momentum: Floats, change: Floats, common: Floats, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """(m v)_i += Σ_c (H_c / H) (X w_c) × q_i / (n A), over the cells c of node i.
 
-    q_i is the place of a node about the middle of the cell, n = 2^dim, A = h²/2, and w_c = Σ_i q_i × Δv_i / (n A) the spin
-    that the step has given to the cell. H_c is the harmonic mean of the masses of its nodes and H the sum of all H_c, at
-    least :data:`LEAST_SHARE` of the body's mass ``total``. Δv_i is that of ``held_momentum``, in which boundary conditions
-    are met.
-    """
+    q_i is the place of a node about the middle of the cell, n = 2^dim, A = h²/2, and w_c = Σ_i q_i × Δv_i /
+    (n A) the spin that the step has given to the cell. H_c is the harmonic mean of the masses of its nodes
+    and H the sum of all H_c, at least :data:`LEAST_SHARE` of the body's mass ``total``. Δv_i is that of
+    ``held_momentum``, in which boundary conditions are met."""
     dim = len(spacing)
     extent = scratch.integers(spacing)
     stride = scratch.integers(spacing)
@@ -255,7 +260,8 @@ class LocalSpin:
             nodes, points = grid.field_nodes(body.field), body.particles
             total = find_excess(
                 points.start, points.stop, nodes.start, nodes.stop, particles.mass, particles.position,
-                particles.deformation_gradient, self.half_edges, grid.position, grid.mass, excess, grid.spacing,
+                particles.deformation_gradient, self.half_edges, grid.position, grid.mass, excess,
+                grid.spacing,
             )  # fmt: skip
             if total > 0.0:
                 correct_spin(

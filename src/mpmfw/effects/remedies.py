@@ -9,11 +9,11 @@ if TYPE_CHECKING:
 
 
 def remedies(made: Build) -> dict[str, str]:
-    """Return what may help, by the part of the run that it changes: ``step``, ``scheme``, ``contact`` and ``shape``.
+    """Return what may help, by the part of the run that it changes: ``step``, ``scheme``, ``contact`` and
+    ``shape``.
 
-    A part is left out where nothing else can be recommended: ``contact`` without a contact, ``scheme`` under USL and under
-    linear shape functions, which need MUSL.
-    """
+    A part is left out where nothing else can be recommended: ``contact`` without a contact, ``scheme`` under
+    USL and under linear shape functions, which need MUSL."""
     contact = made.contact
     found = {"step": f"a smaller {'time.safety' if made.scene.time.step is None else 'time.step'}"}
     if made.scheme != "usl" and made.shape.name != "linear":

@@ -6,9 +6,9 @@ acceleration is given the missing part, a_i += (1/I − 1/I_grid) τ × (x_i −
 step's whole momentum change about c. That is the inverse of a symmetric positive-definite rank-one change of
 the lumped mass matrix; it holds linear momentum exactly since Σ m_i (x_i − c) = 0.
 
-In 3D a body whose inertia differs from axis to axis changes its spin without a torque, I ω' = τ − ω × I ω, and the lumped one
-with I_grid in place of I: what is added is the difference of both. Else the body would keep I_grid ω, and not I ω.
-"""
+In 3D a body whose inertia differs from axis to axis changes its spin without a torque, I ω' = τ − ω × I ω,
+and the lumped one with I_grid in place of I: what is added is the difference of both. Else the body would
+keep I_grid ω, and not I ω."""
 
 from __future__ import annotations
 
@@ -31,9 +31,12 @@ def moment_of(arms: Floats, out: Floats) -> None:
 
 @device
 def answer_of(
-    inertia: Floats, inverse: Floats, impulse: Floats, spin: Floats, dt: float, out: Floats, spacing: tuple[float, ...]
+    inertia: Floats, inverse: Floats, impulse: Floats, spin: Floats, dt: float, out: Floats,
+    spacing: tuple[float, ...]
 ) -> None:  # fmt: skip
-    """Δω = I⁻¹ (τ Δt − Δt ω × I ω), into ``out`` (3,), of a body that spins by ``spin``; ``impulse`` is τ Δt."""
+    """Δω = I⁻¹ (τ Δt − Δt ω × I ω), into ``out`` (3,), of a body that spins by ``spin``; ``impulse`` is τ
+    Δt.
+    """
     momentum, left = scratch.vector(spacing), scratch.vector(spacing)
     for i in range(3):
         momentum[i] = 0.0
@@ -50,13 +53,14 @@ def answer_of(
 
 @device
 def spin_change(
-    true: Floats, lumped: Floats, torque: Floats, momentum: Floats, dt: float, spin: Floats, spacing: tuple[float, ...]
+    true: Floats, lumped: Floats, torque: Floats, momentum: Floats, dt: float, spin: Floats,
+    spacing: tuple[float, ...]
 ) -> None:  # fmt: skip
     """Antisymmetric W = Δω×, Δω what the material answers to the step's torque less what the nodes do.
 
-    ``torque`` is Σ r ⊗ Δp and ``momentum`` Σ r ⊗ m v⁰, of which the antisymmetric parts are τ Δt and L. In 2D Δω is
-    (1/I − 1/I_grid) τ Δt. In 3D both bodies have a gyroscopic couple as well (:func:`answer_of`), at the spin half a step on.
-    """
+    ``torque`` is Σ r ⊗ Δp and ``momentum`` Σ r ⊗ m v⁰, of which the antisymmetric parts are τ Δt and L. In 2D
+    Δω is (1/I − 1/I_grid) τ Δt. In 3D both bodies have a gyroscopic couple as well (:func:`answer_of`), at
+    the spin half a step on."""
     a, b = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
     inertia_of(true, a, spacing)
     inertia_of(lumped, b, spacing)
@@ -89,7 +93,8 @@ def spin_change(
 @kernel
 def correct_rotation(
     first_particle: int, last_particle: int, first_node: int, last_node: int, mass: Floats, position: Floats,
-    deformation_gradient: Floats, half_edges: Floats, node_position: Floats, node_mass: Floats, node_start_velocity: Floats,
+    deformation_gradient: Floats, half_edges: Floats, node_position: Floats, node_mass: Floats,
+    node_start_velocity: Floats,
     node_momentum: Floats, dt: float, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """(m v)_i += m_i W (x_i − c), W from the torque of this step's momentum change (times Δt) about the

@@ -1,8 +1,8 @@
-"""Second moments of mass of a body: of its material's deformed domains, and of the nodal masses that stand for it.
+"""Second moments of mass of a body: of its material's deformed domains, and of the nodal masses that stand
+for it.
 
-Sums are kept in scratch of each function's own: what a caller hands in may be indexed at run time elsewhere, and then stays in
-memory, where each addition waits for the one before.
-"""
+Sums are kept in scratch of each function's own: what a caller hands in may be indexed at run time elsewhere,
+and then stays in memory, where each addition waits for the one before."""
 
 from __future__ import annotations
 
@@ -81,8 +81,8 @@ def moments_of_domains(
     second: Floats,
     spacing: tuple[float, ...],
 ) -> None:
-    """Σ_p m_p ((x_p − c)(x_p − c)ᵀ + Σ_a r_a r_aᵀ / 3) to ``second``, r_a the half-edge vectors of the deformed
-    domain F R_0; the same elements as :func:`moments_of_nodes`."""
+    """Σ_p m_p ((x_p − c)(x_p − c)ᵀ + Σ_a r_a r_aᵀ / 3) to ``second``, r_a the half-edge vectors of the
+    deformed domain F R_0; the same elements as :func:`moments_of_nodes`."""
     dim = len(spacing)
     r = scratch.vector(spacing)
     c = scratch.vector(spacing)

@@ -29,7 +29,7 @@ class StrainEnergies:
     Parameters
     ----------
     materials
-        For each body, its material (:class:`mpmfw.api.Material`).
+        For each body, its material (:class:`mpmfw.api.material.Material`).
     """
 
     def __init__(self, materials: tuple[Any, ...]) -> None:
@@ -84,8 +84,8 @@ class BodySeries:
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """The series that the scene wants; the affine energy if the transfer has an affine field, what materials dissipate if one
-        does."""
+        """The series that the scene wants; the affine energy if the transfer has an affine field, what
+        materials dissipate if one does."""
         if not self.energy:
             return [field for field in SERIES_FIELDS if not field.name.endswith("_energy")]
         affine, lost = (

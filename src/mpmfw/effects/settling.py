@@ -30,15 +30,16 @@ DAMPING = 0.8
 #: see and so not damp.
 FLIP_SHARE = 0.9
 
-#: Kinetic over strain energy above which a scene that should be at rest moves: 3 % of the static displacement.
+#: Kinetic over strain energy above which a scene that should be at rest moves: 3 % of the static
+#: displacement.
 MOTION_LEFT = 1e-3
 
 #: Crossings of the longest body by its elastic wave after which settling gives up, unless the scene says
 #: otherwise.
 CROSSINGS = 100
 
-#: The residual is the mean over the last so many steps: a moment of balance in an oscillation does not count, nor does a
-#: point of linear shape functions that crosses a grid line.
+#: The residual is the mean over the last so many steps: a moment of balance in an oscillation does not count,
+#: nor does a point of linear shape functions that crosses a grid line.
 STEPS_OF_MEAN = 50
 
 
@@ -72,7 +73,9 @@ def called_for(asked: Settle | None) -> tuple[bool, str]:
 
 
 def is_settled_for_good(scene: Scene) -> bool:
-    """Return whether the scene should stay at rest: what it settles under goes on, and nothing sets it in motion."""
+    """Return whether the scene should stay at rest: what it settles under goes on, and nothing sets it in
+    motion.
+    """
     constant = scene.gravity is None or scene.gravity.is_constant
     return (
         scene.settle is not None
@@ -83,12 +86,15 @@ def is_settled_for_good(scene: Scene) -> bool:
 
 
 def concern(settled: Mapping[str, float]) -> list[str]:
-    """Return a sentence if the kinetic energy at the first output after settling is too large a share of the strain energy."""
+    """Return a sentence if the kinetic energy at the first output after settling is too large a share of the
+    strain energy.
+    """
     share = settled.get("settle_motion", 0.0)
     if share <= MOTION_LEFT:
         return []
     return [
-        f"the scene still moved at the first output after settling, with {100 * share:.2g} % of the strain energy as "
+        f"the scene still moved at the first output after settling, with {100 * share:.2g} % of the strain "
+        "energy as "
         "kinetic energy; try a smaller settle.tolerance, or a longer settle.max_time"
     ]
 
@@ -166,7 +172,8 @@ class Settling:
     ) -> dict[str, float]:
         """Step until the residual force is below the tolerance times the present internal forces.
 
-        Both are sums over all nodes and axes of magnitudes, as the ratio of unbalanced forces of Cundall's codes is.
+        Both are sums over all nodes and axes of magnitudes, as the ratio of unbalanced forces of Cundall's
+        codes is.
 
         Parameters
         ----------
@@ -177,9 +184,8 @@ class Settling:
 
         Returns
         -------
-        ``settle_residual``, ``settle_steps`` and ``settle_simulated_time`` [s] for the results' file. If the limit of time
-        is reached first, a warning says so and the residual tells how far it got.
-        """
+        ``settle_residual``, ``settle_steps`` and ``settle_simulated_time`` [s] for the results' file. If the
+        limit of time is reached first, a warning says so and the residual tells how far it got."""
         while self.residual > self.tolerance and self.elapsed < self.limit:
             state.time = 0.0  # loads that change in time stand still at their start
             step()
@@ -192,7 +198,8 @@ class Settling:
                 after_step()
         if self.residual > self.tolerance:
             warnings.warn(
-                f"settling stopped after {self.elapsed:.3g} s with a residual force of {self.residual:.2g} of the internal "
+                f"settling stopped after {self.elapsed:.3g} s with a residual force of {self.residual:.2g} "
+                "of the internal "
                 f"forces (asked for: {self.tolerance:.2g})",
                 ResultsWarning,
                 stacklevel=3,

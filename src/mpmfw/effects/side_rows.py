@@ -1,11 +1,11 @@
 """Conditions on the grid for a plane side that lies anywhere within its cells.
 
-A column is a line of nodes along the axis to which the side's normal is nearest. Where it crosses the side, the velocity
-of the body is Σ c_k v_k, with the weights c_k of the boundary basis, and that is one condition, a row of A v = V. Rows of a
-second kind, v_k − 2 v_{k'} + v_{k''} = 0 with k' and k'' the two nodes next inwards, hold what has no motion of its own: the
-last node where next to nothing of the body reaches it, and beside an oblique side, which several nodes of a column reach,
-all of these. :func:`meet` brings the momentum to the rows.
-"""
+A column is a line of nodes along the axis to which the side's normal is nearest. Where it crosses the side,
+the velocity of the body is Σ c_k v_k, with the weights c_k of the boundary basis, and that is one condition,
+a row of A v = V. Rows of a second kind, v_k − 2 v_{k'} + v_{k''} = 0 with k' and k'' the two nodes next
+inwards, hold what has no motion of its own: the last node where next to nothing of the body reaches it, and
+beside an oblique side, which several nodes of a column reach, all of these. :func:`meet` brings the momentum
+to the rows."""
 
 from __future__ import annotations
 
@@ -15,11 +15,12 @@ from mpmfw.kernels import Struct, device, kernel
 from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw.state.fields import FloatArray
 
-#: Share of c² m, m the mass of a full cell, below which a node counts as empty: under a straight side it has c² m / 2.
+#: Share of c² m, m the mass of a full cell, below which a node counts as empty: under a straight side it has
+#: c² m / 2.
 LIGHT = 0.05
 
-#: Weight below which a node outside of the side counts as empty as well: the little of the body that lies there is of the size
-#: of its domains' own errors, and on a node of its own it would run away.
+#: Weight below which a node outside of the side counts as empty as well: the little of the body that lies
+#: there is of the size of its domains' own errors, and on a node of its own it would run away.
 THIN = 0.05
 
 #: Points of quadrature in a cell along an oblique side.
@@ -40,7 +41,8 @@ class PlaneSides(Struct):
     point: Ints  #: points of side s are ``point[s]:point[s + 1]``, (n_sides + 1,)
     shift: Floats  #: of their :func:`quadrature`, (n_points,) [cells]
     share: Floats  #: (n_points,)
-    column: Ints  #: first node of the velocity field and the one after its last, step along a column, its nodes, its axis
+    #: first node of the velocity field and the one after its last, step along a column, its nodes, its axis
+    column: Ints
     lower: Floats  #: the grid's first node (dim,) [m]
     grids: Ints  #: 1, or 2 where nodes of all even and of all odd indices are two grids, (1,)
 
@@ -50,7 +52,9 @@ START, STOP, STRIDE, COUNT, AXIS = range(5)
 
 
 class SideTable(Struct):
-    """Rows of all sides: entries of row r are ``row[r]:row[r + 1]``, and V is ``target[r]`` times the side's velocity."""
+    """Rows of all sides: entries of row r are ``row[r]:row[r + 1]``, and V is ``target[r]`` times the side's
+    velocity.
+    """
 
     row: Ints  #: (n_rows + 1,)
     nodes: Ints  #: (n_entries,)
@@ -65,7 +69,9 @@ class SideTable(Struct):
 
 @device
 def cardinal_spline(x: Float, degree: int) -> Float:
-    """B-spline β of a degree p at x cells from its node, Σ_j (−1)^j C(p+1, j) ((p+1)/2 − abs(x) − j)₊^p / p!."""
+    """B-spline β of a degree p at x cells from its node, Σ_j (−1)^j C(p+1, j) ((p+1)/2 − abs(x) − j)₊^p /
+    p!.
+    """
     near = 0.5 * (degree + 1) - abs(x)
     total = 0.0
     factor = 1.0  # (−1)^j C(p + 1, j) / p!
@@ -123,10 +129,9 @@ def quadrature(normal: FloatArray, axis: int, degree: int) -> tuple[FloatArray, 
 
     Returns
     -------
-    Distances of the points from that place along the column [cells], and shares ∝ Π β(ξ_d) of the sum 1, ξ the
-    distances across. With them Σ c_k = 1 and Σ c_k d_k = 0: a linear velocity is read exactly. A side along the grid has one
-    point.
-    """
+    Distances of the points from that place along the column [cells], and shares ∝ Π β(ξ_d) of the sum 1, ξ
+    the distances across. With them Σ c_k = 1 and Σ c_k d_k = 0: a linear velocity is read exactly. A side
+    along the grid has one point."""
     half = 0.5 * (degree + 1)
     across = (np.arange(int(QUADRATURE * 2 * half)) + 0.5) / QUADRATURE - half
     value = np.empty_like(across)
@@ -143,10 +148,13 @@ def quadrature(normal: FloatArray, axis: int, degree: int) -> tuple[FloatArray, 
 
 @device
 def weigh_column(
-    first: int, stride: int, count: int, axis: int, inward: int, crossing: Float, reach: Float, degree: int, s: int,
+    first: int, stride: int, count: int, axis: int, inward: int, crossing: Float, reach: Float, degree: int,
+    s: int,
     sides: PlaneSides, node_position: Floats, node_mass: Floats, table: SideTable, h: Float,
 ) -> Float:  # fmt: skip
-    """Weights c_k of a column and distances of its nodes, outwards [cells]; return the heaviest mass that has a weight."""
+    """Weights c_k of a column and distances of its nodes, outwards [cells]; return the heaviest mass that has
+    a weight.
+    """
     heaviest = 0.0
     for k in range(count):
         i = first + k * stride
@@ -163,14 +171,15 @@ def weigh_column(
 
 @device
 def add_column(
-    rows: int, first: int, stride: int, count: int, inward: int, reach: Float, oblique: bool, alone: bool, light: Float,
+    rows: int, first: int, stride: int, count: int, inward: int, reach: Float, oblique: bool, alone: bool,
+    light: Float,
     node_mass: Floats, table: SideTable,
 ) -> int:  # fmt: skip
-    """Add the rows of one column, none if the body does not reach the side there; return the number of rows then.
+    """Add the rows of one column, none if the body does not reach the side there; return the number of rows
+    then.
 
-    An empty node outside is read by linear extrapolation, which keeps Σ c_k = 1 and Σ c_k d_k = 0. So is, outwards, a node
-    without mass inside of an oblique side, at whose ends columns leave the body.
-    """
+    An empty node outside is read by linear extrapolation, which keeps Σ c_k = 1 and Σ c_k d_k = 0. So is,
+    outwards, a node without mass inside of an oblique side, at whose ends columns leave the body."""
     begin = rows
     c, distance, row = table.c, table.distance, table.row
     for step in range(2, count):
@@ -215,7 +224,8 @@ def add_column(
 
 @device
 def add_side(
-    rows: int, s: int, degree: int, sides: PlaneSides, node_position: Floats, node_mass: Floats, table: SideTable,
+    rows: int, s: int, degree: int, sides: PlaneSides, node_position: Floats, node_mass: Floats,
+    table: SideTable,
     spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """Add the rows of side s to the table, which has ``rows`` so far; return the number of rows then."""
@@ -246,19 +256,22 @@ def add_side(
         high = min(count, int(np.ceil(middle + reach + (1.0 if inward < 0 else 3.0))) + 1)
         first += low * stride
         heaviest = weigh_column(
-            first, stride, high - low, axis, inward, crossing, reach, degree, s, sides, node_position, node_mass, table, h
+            first, stride, high - low, axis, inward, crossing, reach, degree, s, sides, node_position,
+            node_mass, table, h
         )  # fmt: skip
         if heaviest > 0.0:
             light, oblique = LIGHT * min(sides.cell_mass[s], 4.0 * heaviest), len(shift) > 1
             rows = add_column(
-                rows, first, stride, high - low, inward, reach, oblique, sides.alone[s] == 1, light, node_mass, table
+                rows, first, stride, high - low, inward, reach, oblique, sides.alone[s] == 1, light,
+                node_mass, table
             )  # fmt: skip
     return rows
 
 
 @kernel
 def list_rows(
-    degree: int, sides: PlaneSides, node_position: Floats, node_mass: Floats, table: SideTable, spacing: tuple[float, ...]
+    degree: int, sides: PlaneSides, node_position: Floats, node_mass: Floats, table: SideTable,
+    spacing: tuple[float, ...]
 ) -> int:  # fmt: skip
     """Fill the table with the rows of all sides, one side after the other; return their number.
 
@@ -275,15 +288,18 @@ def list_rows(
 
 @kernel
 def meet(
-    rows: int, table: SideTable, directions: Floats, velocity: Floats, passes: int, agreed: float, node_mass: Floats,
+    rows: int, table: SideTable, directions: Floats, velocity: Floats, passes: int, agreed: float,
+    node_mass: Floats,
     node_momentum: Floats, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """Give every row in turn the impulse that meets it, again and again until all are met; return the number of passes.
+    """Give every row in turn the impulse that meets it, again and again until all are met; return the number
+    of passes.
 
-    (m v)_k += λ A_rk e with λ = (V − Σ A_rk v_k·e) / Σ (A_rk² / m_k), along each prescribed direction e of the row's side. It is
-    the least change of the momentum, in the norm of the masses, that meets the row, and together they end at the least that meets
-    all (Kaczmarz 1937). So a velocity that is linear from the side inwards keeps its gradient, an impulse acts where a
-    traction on the side would, and no frequency of the body rises: the step needs no new limit.
+    (m v)_k += λ A_rk e with λ = (V − Σ A_rk v_k·e) / Σ (A_rk² / m_k), along each prescribed direction e of
+    the row's side. It is the least change of the momentum, in the norm of the masses, that meets the row, and
+    together they end at the least that meets all (Kaczmarz 1937). So a velocity that is linear from the side
+    inwards keeps its gradient, an impulse acts where a traction on the side would, and no frequency of the
+    body rises: the step needs no new limit.
 
     Parameters
     ----------

@@ -34,11 +34,10 @@ CRITICAL_MASS = 0.1
 def weigh_plain(row: Ints, nodes: Indices, weight: Floats, cell_mass: Floats, node_mass: Floats) -> None:
     """Nodes with next to no mass get no weight, and the others' sum stays 1; untouched where all carry mass.
 
-    Under a straight boundary that reaches into a cell by the share N, the node beyond has the mass N² ρ h² / 2 (CPDI). A
-    node with less than a tenth of that belongs to points that have barely arrived: a force on it would be all acceleration.
-    ``cell_mass`` is ρ h² of the surface node's body; of a body thinner than a cell no node has that much, and four times the
-    heaviest takes its place.
-    """
+    Under a straight boundary that reaches into a cell by the share N, the node beyond has the mass N² ρ h² /
+    2 (CPDI). A node with less than a tenth of that belongs to points that have barely arrived: a force on it
+    would be all acceleration. ``cell_mass`` is ρ h² of the surface node's body; of a body thinner than a cell
+    no node has that much, and four times the heaviest takes its place."""
     for s in range(len(row) - 1):
         lost, kept, heaviest, lightest = 0.0, 0.0, 0.0, math.inf
         for k in entries(row, s):
@@ -113,8 +112,8 @@ class SurfaceTracker:
     ----------
     surface_map
         ``plain`` keeps N_i, which matches the boundary basis of CPDI and B-splines, renormalised only where a
-        touched node carries next to no mass; ``mass_weighted`` keeps the surface with linear and GIMP particles,
-        whose boundary nodes may be empty, at the price of boundary stress.
+        touched node carries next to no mass; ``mass_weighted`` keeps the surface with linear and GIMP
+        particles, whose boundary nodes may be empty, at the price of boundary stress.
     """
 
     name = "surface"

@@ -1,9 +1,9 @@
-"""The verdict on a run: ``ok``, or ``suspect`` with the reasons, whatever its contact and whether or not it has a ledger.
+"""The verdict on a run: ``ok``, or ``suspect`` with the reasons, whatever its contact and whether or not it
+has a ledger.
 
-Energy is judged at outputs. Surfaces are judged at outputs, and in between as often as bodies can move a cell, or through half
-a thin body, towards each other: two thin bodies may pass through each other between two outputs. Nothing is judged while a
-scene settles.
-"""
+Energy is judged at outputs. Surfaces are judged at outputs, and in between as often as bodies can move a
+cell, or through half a thin body, towards each other: two thin bodies may pass through each other between two
+outputs. Nothing is judged while a scene settles."""
 
 from __future__ import annotations
 
@@ -24,17 +24,20 @@ if TYPE_CHECKING:
     from mpmfw.plugin.effect import Plan
     from mpmfw.runs.build import Build
 
-#: Penetration beyond that of the start, over the cell size, past which results carry a warning, and are suspect.
+#: Penetration beyond that of the start, over the cell size, past which results carry a warning, and are
+#: suspect.
 DEEP, TOO_DEEP = 0.15, 0.5
 
-#: Growth of the energy, as a share of the energy at the start and the most that was put in, past which a run is suspect.
+#: Growth of the energy, as a share of the energy at the start and the most that was put in, past which a run
+#: is suspect.
 GROWTH = 0.1
 
 #: Energy over stiffness and volume that counts as zero: rounding in bodies at rest.
 NOTHING = 1e-12
 
-#: Fewest steps between two outputs at which energy is judged, and bodies' surfaces are compared with each other and with
-#: themselves: with these the verdict takes less than 1 % of the CPU time of a few hundred points, however dense outputs are.
+#: Fewest steps between two outputs at which energy is judged, and bodies' surfaces are compared with each
+#: other and with themselves: with these the verdict takes less than 1 % of the CPU time of a few hundred
+#: points, however dense outputs are.
 ENERGY_EVERY, SIDES_EVERY, OWN_EVERY = 100, 50, 200
 
 
@@ -56,8 +59,10 @@ class Verdict:
     name = "verdict"
     stage = "output"
     history = (
-        "inside", "running", "due", "next_energy", "next_sides", "next_own", "nothing", "start", "first_work", "gravity_work",
-        "most", "loaded", "released", "moment", "pull", "deepest", "deepest_at", "passed", "grown", "grown_share", "grown_at",
+        "inside", "running", "due", "next_energy", "next_sides", "next_own", "nothing", "start",
+        "first_work", "gravity_work",
+        "most", "loaded", "released", "moment", "pull", "deepest", "deepest_at", "passed", "grown",
+        "grown_share", "grown_at",
         "closed", "closed_at",
     )  # fmt: skip
 
@@ -115,7 +120,9 @@ class Verdict:
         return np.zeros(state.grid.dim) if self.gravity is None else self.gravity.at(state.time)
 
     def _add_gravity_work(self, state: State, share: float) -> None:
-        """Add the work since the last call; ``share`` is that of gravity now, the rest that of gravity then."""
+        """Add the work since the last call; ``share`` is that of gravity now, the rest that of gravity
+        then.
+        """
         moment, pull = state.particles.mass @ state.particles.position, self._gravity(state)
         self.gravity_work += float((share * pull + (1.0 - share) * self.pull) @ (moment - self.moment))
         self.moment, self.pull = moment, pull
@@ -146,9 +153,9 @@ class Verdict:
     def _energy(self, state: State) -> float:
         """Kinetic and strain energy [J/m], both of the middle of a step.
 
-        Velocities are half a step behind the strain, or ahead of it where the stress is updated first. The strain
-        energy changes by Δt Σ V σ:L in a step. In bodies two cells wide half of this is a fifth of all energy.
-        """
+        Velocities are half a step behind the strain, or ahead of it where the stress is updated first. The
+        strain energy changes by Δt Σ V σ:L in a step. In bodies two cells wide half of this is a fifth of all
+        energy."""
         p = state.particles
         power = p.through(p.volume) @ np.einsum("pij,pij->p", p.stress, p.velocity_gradient)
         strain = float(self.strain.of(state).sum()) + self.half_step * state.dt * float(power)
@@ -171,7 +178,9 @@ class Verdict:
             self.grown_share = float(excess / there) if there > 0.0 else np.inf
 
     def _depths(self, state: State) -> tuple[FloatArray, AnyArray]:
-        """Deepest node [m] and number of nodes that have gone through, (pair,), beyond the overlap of the start."""
+        """Deepest node [m] and number of nodes that have gone through, (pair,), beyond the overlap of the
+        start.
+        """
         depth, passed = self.outlines.inside(state, self.inside)
         depth[: len(self.overlap)] -= self.overlap
         return depth, passed
@@ -200,7 +209,8 @@ class Verdict:
         ]
         if self.grown > 0.0:
             found.append(
-                f"energy of {self.grown:.3g} J/m without a source at {self.grown_at:.4g} s, {self.grown_share:.2g} of what there "
+                f"energy of {self.grown:.3g} J/m without a source at {self.grown_at:.4g} s, "
+                f"{self.grown_share:.2g} of what there "
                 "was and was put in"
             )
         return found
@@ -219,7 +229,9 @@ class Verdict:
 
     @hookimpl
     def concerns(self) -> list[str]:
-        """The reasons, penetration that is deep but not suspect, and surfaces that came close to themselves."""
+        """The reasons, penetration that is deep but not suspect, and surfaces that came close to
+        themselves.
+        """
         reasons = self.reasons
         found = (
             [f"suspect: {'; '.join(reasons)}; try smaller steps, smaller cells or a stiffer contact"]
@@ -227,13 +239,15 @@ class Verdict:
             else []
         )
         found += [
-            f"{label}: the bodies penetrate by {cells:.2g} cells at time {self.deepest_at[label]:.4g} s, more than {DEEP:g}; "
+            f"{label}: the bodies penetrate by {cells:.2g} cells at time {self.deepest_at[label]:.4g} s, "
+            f"more than {DEEP:g}; "
             "try a stiffer contact, or smaller cells"
             for label, cells in self.deepest.items()
             if cells <= TOO_DEEP
         ]
         found += [
-            f"{name}: parts of its own surface are {cells:.2g} cells apart at time {self.closed_at[name]:.4g} s; within a cell "
+            f"{name}: parts of its own surface are {cells:.2g} cells apart at time "
+            f"{self.closed_at[name]:.4g} s; within a cell "
             "they stick together, since a body has no contact with itself"
             for name, cells in self.closed.items()
         ]
@@ -241,7 +255,9 @@ class Verdict:
 
 
 class VerdictOfSteps(Verdict):
-    """A verdict on surfaces that may meet, or on the work of gravity that changes: it looks at steps as well."""
+    """A verdict on surfaces that may meet, or on the work of gravity that changes: it looks at steps as
+    well.
+    """
 
     @hookimpl
     def end_step(self, state: State) -> None:
@@ -257,7 +273,9 @@ class VerdictOfSteps(Verdict):
 
 
 class Outlines:
-    """The bodies' surfaces: those that are tracked, else nodes that follow the nearest material point, x_p + F_p (X_s − X_p)."""
+    """The bodies' surfaces: those that are tracked, else nodes that follow the nearest material point, x_p +
+    F_p (X_s − X_p).
+    """
 
     def __init__(self, state: State) -> None:
         self.tracked = state.surface is not None
@@ -285,25 +303,31 @@ class Outlines:
         return normal
 
     def inside(self, state: State, inside: AnyArray) -> tuple[FloatArray, AnyArray]:
-        """Deepest node [m] and number of nodes that went through, of every pair, as :func:`find_inside` finds them."""
+        """Deepest node [m] and number of nodes that went through, of every pair, as :func:`find_inside` finds
+        them.
+        """
         surface, pairs = self._now(state), state.pairs
         if len(self.ends) != len(pairs):
             self.ends = np.array([(pair.first, pair.second) for pair in pairs], dtype=np.int64)
         first, second = self.ends[:, 0], self.ends[:, 1]
         depth, passed = np.zeros(len(pairs)), np.zeros(len(pairs), dtype=np.int64)
         find_inside(
-            first, second, surface.body_first, surface.facet_first, self._facets(surface), inside, depth, passed,
+            first, second, surface.body_first, surface.facet_first, self._facets(surface), inside, depth,
+            passed,
             state.grid.spacing,
         )  # fmt: skip
         return depth, passed
 
     def own_gaps(self, state: State) -> FloatArray:
-        """Least gap (body,) [m] between parts of a body's own surface that have come close, as :func:`least_own_gaps`."""
+        """Least gap (body,) [m] between parts of a body's own surface that have come close, as
+        :func:`least_own_gaps`.
+        """
         surface, gaps = self._now(state), np.zeros(len(state.bodies))
         x = surface.position
         order = np.lexsort((x[:, 0], surface.body))
         least_own_gaps(
-            surface.body_first, order, self.start, self.start_normal, x, self._normals(state), gaps, state.grid.spacing
+            surface.body_first, order, self.start, self.start_normal, x, self._normals(state), gaps,
+            state.grid.spacing
         )  # fmt: skip
         return gaps
 

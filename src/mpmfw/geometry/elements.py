@@ -74,7 +74,8 @@ def read_elements(path: Path) -> Elements:
     wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if len(wrong):
         raise ValueError(
-            f"{path} has coordinates that are no finite numbers: {len(wrong)} nodes, the first number {wrong[0]}, counted from 0"
+            f"{path} has coordinates that are no finite numbers: {len(wrong)} nodes, the first number "
+            f"{wrong[0]}, counted from 0"
         )
     if len(points) and np.ptp(points[:, 2:]) > 1e-9 * np.ptp(points):
         raise ValueError(f"{path} is not in a plane z = constant")
@@ -96,7 +97,8 @@ def _counter_clockwise(nodes: FloatArray, elements: IntArray, path: Path) -> Int
     if not convex.all():
         first = corner[~convex][0].mean(axis=0)
         raise ValueError(
-            f"{path} has {np.count_nonzero(~convex)} degenerate or non-convex elements, the first at ({first[0]:.4g}, "
+            f"{path} has {np.count_nonzero(~convex)} degenerate or non-convex elements, the first at "
+            f"({first[0]:.4g}, "
             f"{first[1]:.4g}) m"
         )
     return np.where(turn[:, :1] > 0, elements, elements[:, ::-1])

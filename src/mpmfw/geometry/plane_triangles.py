@@ -45,7 +45,8 @@ def plane_triangles(loops: tuple[FloatArray, ...], edge: float) -> tuple[FloatAr
     covered = float(triangle_areas(nodes[triangles]).sum())
     if abs(covered - region.area) > 1e-9 * region.area or not _has_outline(loops, triangles):
         raise ValueError(
-            f"the outline cannot be filled with triangles of {edge:.3g} m: parts of it are nearer to each other than its nodes; "
+            f"the outline cannot be filled with triangles of {edge:.3g} m: parts of it are nearer to each "
+            "other than its nodes; "
             "expected a smaller segment of the body"
         )
     return nodes, triangles

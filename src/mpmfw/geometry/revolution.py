@@ -34,7 +34,8 @@ class Revolution(AxialSolid):
         lowest, extent = self.outline.bounds[0, 0], float(np.ptp(self.outline.bounds))
         if lowest < -ON_AXIS * extent:
             raise ValueError(
-                f"the outline reaches {-lowest:.4g} m beyond the axis; expected a first coordinate, the distance from the axis, "
+                f"the outline reaches {-lowest:.4g} m beyond the axis; expected a first coordinate, the "
+                "distance from the axis, "
                 "of 0 or more"
             )
         return self

@@ -45,8 +45,10 @@ def check_surface(nodes: FloatArray, facets: IntArray, merging: str = "") -> Non
     within = overlapping(nodes, facets)
     if len(within):
         raise ValueError(
-            f"parts of the surface overlap: triangles lie within another part, or bound no body (facets {_listed(within)}), the "
-            f"first at {_at(nodes[facets[within[0]]].mean(axis=0))}; expected parts that are apart, or joined to one surface"
+            "parts of the surface overlap: triangles lie within another part, or bound no body (facets "
+            f"{_listed(within)}), the "
+            f"first at {_at(nodes[facets[within[0]]].mean(axis=0))}; expected parts that are apart, or "
+            "joined to one surface"
         )
 
 
@@ -80,7 +82,8 @@ def _check_areas(nodes: FloatArray, facets: IntArray) -> None:
     flat = np.flatnonzero(twice <= FLAT * sides**2)
     if len(flat):
         raise ValueError(
-            f"{len(flat)} triangles have no area (facets {_listed(flat)}), the first at {_at(corners[flat[0]].mean(axis=0))}"
+            f"{len(flat)} triangles have no area (facets {_listed(flat)}), the first at "
+            f"{_at(corners[flat[0]].mean(axis=0))}"
         )
 
 
@@ -90,7 +93,8 @@ def _check_copies(nodes: FloatArray, facets: IntArray) -> None:
     more = np.flatnonzero(count[which.ravel()] > 1)
     if len(more):
         raise ValueError(
-            f"{np.count_nonzero(count > 1)} triangles are there more than once (facets {_listed(more)}), the first at "
+            f"{np.count_nonzero(count > 1)} triangles are there more than once (facets {_listed(more)}), the "
+            "first at "
             f"{_at(nodes[facets[more[0]]].mean(axis=0))}"
         )
 
@@ -117,8 +121,10 @@ def _check_sides(nodes: FloatArray, facets: IntArray, merging: str) -> None:
     if alike.any():
         own = np.unique(facet[alike[which]])
         raise ValueError(
-            f"flipped triangles: both neighbours run {np.count_nonzero(alike)} sides in the same direction, the first at "
-            f"{_at(middle[alike][0])} (facets {_listed(own)}); expected all counter-clockwise as seen from outside"
+            f"flipped triangles: both neighbours run {np.count_nonzero(alike)} sides in the same direction, "
+            "the first at "
+            f"{_at(middle[alike][0])} (facets {_listed(own)}); expected all counter-clockwise as seen from "
+            "outside"
         )
 
 
@@ -132,7 +138,8 @@ def _check_outward(nodes: FloatArray, facets: IntArray, shell: IntArray) -> None
     if (volume_of(nodes, own) > 0.0) == inside:
         expected = "inwards, being a cavity" if inside else "outwards"
         raise ValueError(
-            f"the {len(own)} triangles of the part at {_at(nodes[own].mean(axis=(0, 1)))} are turned inside out; "
+            f"the {len(own)} triangles of the part at {_at(nodes[own].mean(axis=(0, 1)))} are turned inside "
+            "out; "
             f"expected their normals to point {expected}"
         )
 

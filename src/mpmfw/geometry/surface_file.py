@@ -47,12 +47,14 @@ def read_surface(path: Path) -> tuple[FloatArray, IntArray]:
     wrong = np.flatnonzero(~(np.abs(corners) <= LARGEST).all(axis=1))
     if len(wrong):
         raise ValueError(
-            f"{path} has coordinates that are no finite numbers: {len(wrong)} nodes, the first number {wrong[0]}, counted from 0"
+            f"{path} has coordinates that are no finite numbers: {len(wrong)} nodes, the first number "
+            f"{wrong[0]}, counted from 0"
         )
     if facets.min() < 0 or facets.max() >= len(corners):
         wrong = np.flatnonzero(((facets < 0) | (facets >= len(corners))).any(axis=1))
         raise ValueError(
-            f"{path} has {len(wrong)} triangles with nodes that are not among its {len(corners)}, the first is triangle "
+            f"{path} has {len(wrong)} triangles with nodes that are not among its {len(corners)}, the first "
+            "is triangle "
             f"{wrong[0]}, counted from 0"
         )
     used, facets = np.unique(facets, return_inverse=True)

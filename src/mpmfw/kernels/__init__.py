@@ -7,31 +7,38 @@ call with :func:`device`, and takes scratch memory from :mod:`mpmfw.kernels.scra
 - **Compilation**: :func:`kernel` (called from Python, kept on disk), :func:`device` (called from kernels).
 - **Projection** from points to the grid: :func:`project_mass_momentum`, :func:`project_momentum`,
   :func:`add_internal_force`, :func:`affine_from_moment`; on nodes alone: :func:`velocity_of_momentum`,
-  :func:`integrate_momentum`, :func:`add_body_force`. The grid's answer to the points is in ``mpmfw.kernels.gather``.
-- **Point stencils**, to fill tables (:class:`mpmfw.api.Stencil`): :func:`fill_linear` is a whole shape function;
-  :func:`read_window`, :func:`cell_coordinate`, :func:`linear_weights`, :func:`fits`, :func:`fill_tensor_product`
-  are its parts; :func:`fill_domain` writes a row of varying length for the corners of a particle's domain, or returns
-  ``OUTSIDE`` (−1) or ``FULL`` (−2). To read them: :func:`entries`.
-- **Geometry** of facets, segments in the plane and triangles in space (:class:`Facets`, ``mpmfw.kernels.facets``):
-  :func:`closest_point`, :func:`signed_distance` (with its direction, inside or outside), :func:`squared_distance`,
-  :func:`minimum_gap`, :func:`bounding_boxes`; :func:`segment_coordinate` (foot of a point on a segment of the plane, gap,
+  :func:`integrate_momentum`, :func:`add_body_force`. The grid's answer to the points is in
+  ``mpmfw.kernels.gather``.
+- **Point stencils**, to fill tables (:class:`mpmfw.api.types.Stencil`): :func:`fill_linear` is a whole shape
+  function;
+  :func:`read_window`, :func:`cell_coordinate`, :func:`linear_weights`, :func:`fits`,
+  :func:`fill_tensor_product`
+  are its parts; :func:`fill_domain` writes a row of varying length for the corners of a particle's domain, or
+  returns ``OUTSIDE`` (−1) or ``FULL`` (−2). To read them: :func:`entries`.
+- **Geometry** of facets, segments in the plane and triangles in space (:class:`Facets`,
+  ``mpmfw.kernels.facets``):
+  :func:`closest_point`, :func:`signed_distance` (with its direction, inside or outside),
+  :func:`squared_distance`,
+  :func:`minimum_gap`, :func:`bounding_boxes`; :func:`segment_coordinate` (foot of a point on a segment of the
+  plane, gap,
   length, tangent; the outward unit normal is (t_y, −t_x)).
-- **Types** of arguments: ``Floats``, ``Ints``, ``Indices`` are arrays of float64, int64 and int32, ``Float`` a compiled scalar.
-- **Structs**: a class derived from :class:`Struct` has arrays that kernels take as one argument, ``rows.gap[c]``; :func:`struct`
-  makes one of named arrays.
+- **Types** of arguments: ``Floats``, ``Ints``, ``Indices`` are arrays of float64, int64 and int32, ``Float``
+  a compiled scalar.
+- **Structs**: a class derived from :class:`Struct` has arrays that kernels take as one argument,
+  ``rows.gap[c]``; :func:`struct` makes one of named arrays.
 - **Small arithmetic**: :func:`determinant`, :func:`invert`, :func:`add_scaled_row`, :func:`set_scaled_row`.
 
-Kernels check nothing: an index out of range or an array of another shape is not an error but undefined. Those that can
-fail return an index, and say so. Arrays are C-contiguous; results are written to the array named for them, or added to it
-where the formula has ``+=``.
+Kernels check nothing: an index out of range or an array of another shape is not an error but undefined. Those
+that can fail return an index, and say so. Arrays are C-contiguous; results are written to the array named for
+them, or added to it where the formula has ``+=``.
 
-Arguments of the same name mean the same everywhere. Points are material points or surface nodes, n of them, with m
-entries in their table; N nodes of the grid, F velocity fields, B bodies. Extensive quantities are per metre of thickness
-in 2D.
+Arguments of the same name mean the same everywhere. Points are material points or surface nodes, n of them,
+with m entries in their table; N nodes of the grid, F velocity fields, B bodies. Extensive quantities are per
+metre of thickness in 2D.
 
-=========================== ======================== ==================================================================
+=========================== ======================== =========================================================
 argument                    shape [unit]             meaning
-=========================== ======================== ==================================================================
+=========================== ======================== =========================================================
 ``points``                                           material points, an ``mpmfw.api.Particles``
 ``table``                                            their interpolation table, an ``mpmfw.api.Stencil``
 ``grid``                                             nodes of all velocity fields, an ``mpmfw.api.Grid``
@@ -39,13 +46,16 @@ argument                    shape [unit]             meaning
 ``flip``                    [1]                      from 0 (PIC) to 1 (FLIP)
 ``least_squares``                                    whether the affine field is B_p D_p⁻¹, else B_p
 ``row``                     (n + 1,)                 entries of point p are ``row[p]:row[p + 1]``
-``nodes``                   (m,) int32               flat index of the entry's node, the offset of its field included
-``weight``, ``values``      (m,)                     φ_ip; in ``linear_weights`` (dim, 2), w_d of the two nodes
+``nodes``                   (m,) int32               flat index of the entry's node, the offset of its field
+                                                     included
+``weight``, ``values``      (m,)                     φ_ip; in ``linear_weights`` (dim, 2), w_d of the two
+                                                     nodes
 ``gradient``, ``gradients`` (m, dim) [1/m]           ∇φ_ip; of length 0 where it is not wanted
 ``spacing``                 dim numbers [m]          the cell size h, once for each dimension
 ``dt``                      [s]                      length of the step
 ``h``, ``inverse_h``        [m], [1/m]               cell size, and its inverse
-``own_nodes``               2 integers               first node that is added to, and the one after the last; None for all.
+``own_nodes``               2 integers               first node that is added to, and the one after the last;
+                                                     None for all.
                                                      With them, the nodes of a row must ascend
 ``p``, ``k``                                         index of a point, of an entry in the table
 ``mass``                    (n,) or (N,) [kg/m]      m_p; in kernels on nodes alone m_i
@@ -69,11 +79,16 @@ argument                    shape [unit]             meaning
 ``offset``                  (F + 1,) int64           flat index of the first node of a field's window
 ``origin``                  (dim,) [m]               position of the first node of one window
 ``shape``                   (dim,) int64             number of nodes of one window
-``base``                    (dim,)                   index of the first node that a point touches, within its window
-``slope``                   (dim, width) [1/m]       derivatives of the weights; in ``fill_domain`` (2**dim, dim), of corners
-``share``                   (2**dim,) or (dim,)      weights of the corners of a particle's domain; barycentric coordinates
-``corner``                  (2**dim, dim)            the corners in cells, counted from the window's first node
-``x``, ``y``                [m]                      a point, (dim,); in ``segment_coordinate`` its coordinates; along one axis
+``base``                    (dim,)                   index of the first node that a point touches, within its
+                                                     window
+``slope``                   (dim, width) [1/m]       derivatives of the weights; in ``fill_domain`` (2**dim,
+                                                     dim), of corners
+``share``                   (2**dim,) or (dim,)      weights of the corners of a particle's domain;
+                                                     barycentric coordinates
+``corner``                  (2**dim, dim)            the corners in cells, counted from the window's first
+                                                     node
+``x``, ``y``                [m]                      a point, (dim,); in ``segment_coordinate`` its
+                                                     coordinates; along one axis
 ``x1``, ``y1``              [m]                      first end of a segment
 ``x2``, ``y2``              [m]                      second end of a segment
 ``surface``                                          facets (``mpmfw.kernels.Facets``)
@@ -81,7 +96,8 @@ argument                    shape [unit]             meaning
 ``facets``                  (n, dim) int64           surface nodes at the corners of every facet
 ``corners``                 (dim, dim) [m]           corners of a facet, one a row
 ``normal``                  (dim,)                   e_n
-``rows``, ``old``                                    rows of contact (``mpmfw.kernels.contact.Rows``), of this and the last step
+``rows``, ``old``                                    rows of contact (``mpmfw.kernels.contact.Rows``), of this
+                                                     and the last step
 ``begin``, ``end``                                   rows that are worked on
 ``count``, ``old_count``                             number of rows in ``rows`` and ``old``
 ``o``, ``c``                                         a row of the last step, a row of this step
@@ -90,8 +106,9 @@ argument                    shape [unit]             meaning
 ``records``                                          sums of every pair (``mpmfw.kernels.contact.Records``)
 ``node_sum``, ``out``                                scratch (N,); where the result is written
 ``first``, ``second``       (pair,) int64            bodies of every pair
-``pair_of``, ``a``, ``b``                            table of ``mpmfw.kernels.pair_table.pair_table``, two bodies
-=========================== ======================== ==================================================================
+``pair_of``, ``a``, ``b``                            table of ``mpmfw.kernels.pair_table.pair_table``, two
+                                                     bodies
+=========================== ======================== =========================================================
 """
 
 from mpmfw.kernels import scratch

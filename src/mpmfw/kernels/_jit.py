@@ -3,9 +3,8 @@
 numba's cache is keyed by the file that holds the kernel and misses an edit in a file that it imports (stale
 callers), and its key leaves out options such as ``nogil``. The cache folder is therefore named by a hash of
 the options and of all sources that a kernel can be made of: those of ``mpmfw.kernels``, of the kernel's own
-package, and of the kernels of other packages that its module has imported. (A number that is imported by value
-from another package is not seen.)
-"""
+package, and of the kernels of other packages that its module has imported. (A number that is imported by
+value from another package is not seen.)"""
 
 from __future__ import annotations
 
@@ -44,7 +43,8 @@ _types: Any = types
 _CacheFile: Any = caching.IndexDataCacheFile
 
 
-#: Of every module with kernels, the sources beside ``mpmfw.kernels`` that they are made of: folders, and lone files.
+#: Of every module with kernels, the sources beside ``mpmfw.kernels`` that they are made of: folders, and lone
+#: files.
 _sources: dict[str, set[Path]] = {}
 
 
@@ -59,7 +59,8 @@ def _hash_of(source: Path) -> str:
 
 
 def _own_sources(module: str) -> Path | None:
-    """Folder of the sources that ``module`` may build its kernels of, or its lone file; None where it has no file.
+    """Folder of the sources that ``module`` may build its kernels of, or its lone file; None where it has no
+    file.
 
     That is the plug-in's whole package, and within ``mpmfw`` the module's own folder: an edit elsewhere in
     the core cannot reach a kernel.
@@ -105,7 +106,8 @@ def _usable(root: Path) -> bool:
     if os.name == "nt" or (folder.st_uid == os.getuid() and not folder.st_mode & 0o002):
         return True
     text = (
-        f"kernels are compiled again in each process: {root} belongs to another user, or anybody may write to it; "
+        f"kernels are compiled again in each process: {root} belongs to another user, or anybody may write "
+        "to it; "
         "make it yours alone, or set NUMBA_CACHE_DIR to a folder that is"
     )
     warnings.warn(text, stacklevel=2)
@@ -115,9 +117,8 @@ def _usable(root: Path) -> bool:
 def cache_folder(module: str) -> Path:
     """Folder of the compiled kernels of ``module``; ``NUMBA_CACHE_DIR``, if set, is its parent.
 
-    Where that cannot be written (a read-only home), or not by this user alone, kernels are compiled once per process, into
-    a temporary folder.
-    """
+    Where that cannot be written (a read-only home), or not by this user alone, kernels are compiled once per
+    process, into a temporary folder."""
     given = os.environ.get("NUMBA_CACHE_DIR")
     root = Path(given) if given else platformdirs.user_cache_path("mpmfw") / "kernels"
     if not _usable(root):
@@ -136,10 +137,9 @@ def _token(process: int) -> str:  # noqa: ARG001
 class _KernelFiles(_CacheFile):  # type: ignore[misc]
     """The files of one kernel in the cache; a damaged one counts as absent, and is written anew.
 
-    numba numbers the files of code by what it finds in its index: of two processes that compile different signatures at
-    the same time both take the same number, and later ones load the code of the wrong signature. Here names have a part that
-    no other process chooses.
-    """
+    numba numbers the files of code by what it finds in its index: of two processes that compile different
+    signatures at the same time both take the same number, and later ones load the code of the wrong
+    signature. Here names have a part that no other process chooses."""
 
     def _data_name(self, number: int) -> str:
         return f"{self._index_name.removesuffix('.nbi')}.{number}-{_token(os.getpid())}.nbc"
@@ -206,9 +206,9 @@ def device(function: Callable[Params, Result]) -> Callable[Params, Result]:
 def _leave_python_out(compiled: Any) -> None:
     """Let a call from Python compile the device once more, for Python.
 
-    What Python calls unpacks every array of every struct, which takes a quarter of the time of compilation. A device is compiled
-    without that, so that numba must not hand its code to Python; the few that are called from there have a twin with it.
-    """
+    What Python calls unpacks every array of every struct, which takes a quarter of the time of compilation. A
+    device is compiled without that, so that numba must not hand its code to Python; the few that are called
+    from there have a twin with it."""
 
     @functools.cache
     def twin() -> Any:
@@ -219,7 +219,9 @@ def _leave_python_out(compiled: Any) -> None:
 
 
 def _take_integers_alike(compiled: Any) -> None:
-    """Compile once for all integers: numba would do it again for each number that a caller writes out and for short ones."""
+    """Compile once for all integers: numba would do it again for each number that a caller writes out and for
+    short ones.
+    """
     template_for = compiled.get_call_template
 
     def widened(kind: Any) -> Any:

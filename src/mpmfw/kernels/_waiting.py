@@ -1,8 +1,8 @@
 """Threads wait for each other in compiled code, without the interpreter's lock.
 
-A thread that sleeps is awake 15 to 30 µs after it is called, and so is one that asks for the interpreter's lock while another
-has it: as long as a small kernel. So they look, for a while, at a number that another thread writes.
-"""
+A thread that sleeps is awake 15 to 30 µs after it is called, and so is one that asks for the interpreter's
+lock while another has it: as long as a small kernel. So they look, for a while, at a number that another
+thread writes."""
 
 from __future__ import annotations
 
@@ -51,7 +51,9 @@ def write(_typing: Any, numbers: Any, t: Any, value: Any) -> Any:  # noqa: ARG00
 
 @kernel
 def wait(numbers: Ints, t: int, value: int, looks: int) -> bool:
-    """Look at number ``t`` of ``numbers`` (n * APART,) until it is ``value``, at most ``looks`` times; whether it is."""
+    """Look at number ``t`` of ``numbers`` (n * APART,) until it is ``value``, at most ``looks`` times;
+    whether it is.
+    """
     for _ in range(looks):  # noqa: SIM110
         if read(numbers, t) == value:
             return True
@@ -60,7 +62,9 @@ def wait(numbers: Ints, t: int, value: int, looks: int) -> bool:
 
 @kernel
 def begin(numbers: Ints, value: int, looks: int) -> None:
-    """Write number 0, which all threads look at, and give them time to take the interpreter's lock one after the other."""
+    """Write number 0, which all threads look at, and give them time to take the interpreter's lock one after
+    the other.
+    """
     write(numbers, 0, value)
     for _ in range(looks):
         read(numbers, 0)
@@ -68,7 +72,9 @@ def begin(numbers: Ints, value: int, looks: int) -> None:
 
 @kernel
 def end(numbers: Ints, t: int, value: int, looks: int) -> bool:
-    """Write number ``t``, that of a thread that is done, and wait until number 0 is another; whether it is."""
+    """Write number ``t``, that of a thread that is done, and wait until number 0 is another; whether it
+    is.
+    """
     write(numbers, t, value)
     for _ in range(looks):  # noqa: SIM110
         if read(numbers, 0) != value:

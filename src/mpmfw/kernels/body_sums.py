@@ -23,10 +23,10 @@ def sum_motion(
 ) -> None:
     """Mass, centre, mean velocity, spin, second moment and kinetic energy of every body.
 
-    ``total`` is m = Σ m_p, (B,) [kg/m]; ``centre`` c = Σ m_p x_p / m and ``mean`` v = Σ m_p v_p / m, (B, dim) [m, m/s]; ``spin``
-    Σ m_p r × w with r = x_p − c and w = v_p − v, (B, 1) in 2D and (B, 3) in 3D [kg m/s]; ``second`` Σ m_p r rᵀ [kg m],
-    (B, dim, dim); ``kinetic`` Σ m_p |v_p|² / 2, (B,) [J/m]. Points ``first[b]:first[b + 1]`` belong to body b.
-    """
+    ``total`` is m = Σ m_p, (B,) [kg/m]; ``centre`` c = Σ m_p x_p / m and ``mean`` v = Σ m_p v_p / m, (B, dim)
+    [m, m/s]; ``spin`` Σ m_p r × w with r = x_p − c and w = v_p − v, (B, 1) in 2D and (B, 3) in 3D [kg m/s];
+    ``second`` Σ m_p r rᵀ [kg m], (B, dim, dim); ``kinetic`` Σ m_p |v_p|² / 2, (B,) [J/m]. Points
+    ``first[b]:first[b + 1]`` belong to body b."""
     dim = len(spacing)
     r = scratch.vector(spacing)
     w = scratch.vector(spacing)
@@ -78,7 +78,8 @@ def sum_motion(
 def sum_affine_energy(
     first: Ints, mass: Floats, volume: Floats, affine: Floats, energy: Floats, spacing: tuple[float, ...]
 ) -> None:
-    """Σ m_p l² C:C / 24 of every body to ``energy``, (B,) [J/m]: squares of edge l = V^(1/dim) that move within themselves by C.
+    """Σ m_p l² C:C / 24 of every body to ``energy``, (B,) [J/m]: squares of edge l = V^(1/dim) that move
+    within themselves by C.
 
     Points ``first[b]:first[b + 1]`` belong to body b.
     """

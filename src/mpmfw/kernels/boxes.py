@@ -12,9 +12,9 @@ def sweep_strips(
 ) -> tuple[int, int]:
     """List the boxes that have a point in common, each two once.
 
-    Entries (e,) are boxes in strips, ordered by the strip and, within it, by the box's lower end along ``axis``: a box is
-    compared with those that follow until one begins beyond its end. ``lowest`` (n,) is the first strip of each box, so that
-    two that meet in several strips are listed in one.
+    Entries (e,) are boxes in strips, ordered by the strip and, within it, by the box's lower end along
+    ``axis``: a box is compared with those that follow until one begins beyond its end. ``lowest`` (n,) is the
+    first strip of each box, so that two that meet in several strips are listed in one.
 
     Returns
     -------

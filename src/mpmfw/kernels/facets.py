@@ -1,9 +1,9 @@
 """Geometry of facets: segments of closed polylines in the plane, triangles of closed surfaces in space.
 
-A facet is given by its ``corners``, one a row. In the plane the material lies on the left of the direction of travel, so that
-the outward unit normal of a segment with unit tangent e_t is e_n = (e_t,y, −e_t,x); in space the corners run counter-clockwise
-as seen from outside. What depends on the dimension stands in this module; the dimension is the length of ``spacing``.
-"""
+A facet is given by its ``corners``, one a row. In the plane the material lies on the left of the direction of
+travel, so that the outward unit normal of a segment with unit tangent e_t is e_n = (e_t,y, −e_t,x); in space
+the corners run counter-clockwise as seen from outside. What depends on the dimension stands in this module;
+the dimension is the length of ``spacing``."""
 
 from __future__ import annotations
 
@@ -100,8 +100,8 @@ def project(x: Floats, corners: Floats, share: Floats, normal: Floats, spacing: 
 
     Returns
     -------
-    The gap g_n [m]. Barycentric coordinates, not limited to 0 … 1, are written to ``share``, and e_n to ``normal``.
-    """
+    The gap g_n [m]. Barycentric coordinates, not limited to 0 … 1, are written to ``share``, and e_n to
+    ``normal``."""
     if len(spacing) == 2:
         xi, gap, _, tx, ty = segment_coordinate(
             x[0], x[1], corners[0, 0], corners[0, 1], corners[1, 0], corners[1, 1]
@@ -128,7 +128,9 @@ def closest_point(x: Floats, corners: Floats, share: Floats, spacing: tuple[floa
 
 @device
 def at_rim(share: Floats, spacing: tuple[float, ...]) -> bool:
-    """Whether a point of a facet lies on its rim: on an end of a segment, on an edge or a corner of a triangle."""
+    """Whether a point of a facet lies on its rim: on an end of a segment, on an edge or a corner of a
+    triangle.
+    """
     rim = False
     for a in range(len(spacing)):
         if share[a] == 0.0:
@@ -155,7 +157,9 @@ def squared_distance(x: Floats, corners: Floats, spacing: tuple[float, ...]) -> 
 
 @device
 def angle_at(a: int, corners: Floats, spacing: tuple[float, ...]) -> Float:
-    """Angle of a triangle at its corner ``a`` [rad]; 1 of a segment: the weight of a facet's normal in that of its node."""
+    """Angle of a triangle at its corner ``a`` [rad]; 1 of a segment: the weight of a facet's normal in that
+    of its node.
+    """
     if len(spacing) == 2:
         return 1.0
     b, c = (a + 1) % 3, (a + 2) % 3
@@ -174,9 +178,8 @@ def way_across(
 ) -> Float:
     """Way [m] from the point ``start`` to the side of a facet that is opposite corner ``a``.
 
-    In the plane it is measured along the polyline: ``so_far`` to this segment, and then this ``part`` of its length. In space
-    it is the distance of the edge.
-    """
+    In the plane it is measured along the polyline: ``so_far`` to this segment, and then this ``part`` of its
+    length. In space it is the distance of the edge."""
     if len(spacing) == 2:
         return so_far + part * math.hypot(corners[1, 0] - corners[0, 0], corners[1, 1] - corners[0, 1])
     b, c = (a + 1) % 3, (a + 2) % 3
@@ -210,7 +213,9 @@ def add_normal(s: int, m: int, surface: Faceted, out: Floats, spacing: tuple[flo
 
 @device
 def node_normal(s: int, surface: Faceted, out: Floats, spacing: tuple[float, ...]) -> None:
-    """Sum of the outward unit normals of a surface node's facets, in space weighted by their angles, into ``out``."""
+    """Sum of the outward unit normals of a surface node's facets, in space weighted by their angles, into
+    ``out``.
+    """
     for d in range(len(spacing)):
         out[d] = 0.0
     for k in range(surface.star_first[s], surface.star_first[s + 1]):
@@ -221,9 +226,11 @@ def node_normal(s: int, surface: Faceted, out: Floats, spacing: tuple[float, ...
 def rim_normal(
     m: int, share: Floats, surface: Faceted, normal: Floats, out: Floats, spacing: tuple[float, ...]
 ) -> Float:
-    """Pseudo-normal where the closest point lies on the rim of facet m, whose own unit ``normal`` is, into ``out``.
+    """Pseudo-normal where the closest point lies on the rim of facet m, whose own unit ``normal`` is, into
+    ``out``.
 
-    On the side that two facets have in common it is the sum of their normals; on the corner of a triangle that of the node.
+    On the side that two facets have in common it is the sum of their normals; on the corner of a triangle
+    that of the node.
 
     Returns
     -------
@@ -257,15 +264,14 @@ def signed_distance(
 ) -> Float:
     """Distance of a point from facet ``m`` of a closed surface, negative inside the material.
 
-    Where the closest point lies on the facet's rim, the pseudo-normal there decides inside or outside, and nothing else (in
-    space: J. A. Bærentzen, H. Aanæs, 2005); the direction is that of x − x_closest, along which an action and its reaction
-    leave no moment.
+    Where the closest point lies on the facet's rim, the pseudo-normal there decides inside or outside, and
+    nothing else (in space: J. A. Bærentzen, H. Aanæs, 2005); the direction is that of x − x_closest, along
+    which an action and its reaction leave no moment.
 
     Returns
     -------
-    Signed distance g [m]. Barycentric coordinates of the closest point are written to ``share``, and the unit direction e_n
-    to ``normal``: x = x_closest + g e_n.
-    """
+    Signed distance g [m]. Barycentric coordinates of the closest point are written to ``share``, and the unit
+    direction e_n to ``normal``: x = x_closest + g e_n."""
     dim = len(spacing)
     corners = scratch.matrix(spacing, spacing)
     read_corners(m, surface.position, surface.facets, corners, spacing)
@@ -311,9 +317,8 @@ def write_gradients(
 ) -> None:
     """``scale`` ∇ξ_a of every corner of a facet as seen along ``normal``, (dim, dim), into ``out``.
 
-    The gradient is that in the plane across the normal, on to which the facet is projected; none where it does not face
-    along the normal.
-    """
+    The gradient is that in the plane across the normal, on to which the facet is projected; none where it
+    does not face along the normal."""
     if len(spacing) == 2:
         lever = -normal[1] * (corners[1, 0] - corners[0, 0]) + normal[0] * (corners[1, 1] - corners[0, 1])
         over = scale / lever if lever > 0.0 else 0.0

@@ -19,8 +19,8 @@ BLOCK = 8
 def block_boxes(
     first: int, last: int, start: int, surface: Faceted, boxes: Floats, spacing: tuple[float, ...]
 ) -> None:
-    """Bounding boxes of each ``BLOCK`` of the facets ``first:last``, lower and upper corner, into the rows of ``boxes`` from
-    ``start`` on."""
+    """Bounding boxes of each ``BLOCK`` of the facets ``first:last``, lower and upper corner, into the rows of
+    ``boxes`` from ``start`` on."""
     for m in range(first, last):
         row = start + (m - first) // BLOCK
         if (m - first) % BLOCK == 0:
@@ -35,7 +35,9 @@ def block_boxes(
 
 @device
 def box_distance(x: Floats, row: int, boxes: Floats, spacing: tuple[float, ...]) -> Float:
-    """Squared distance of a point from a box, lower corner ``boxes[row, 0]`` and upper ``boxes[row, 1]`` [m²], 0 inside."""
+    """Squared distance of a point from a box, lower corner ``boxes[row, 0]`` and upper ``boxes[row, 1]``
+    [m²], 0 inside.
+    """
     square = 0.0
     for d in range(len(spacing)):
         beyond = max(boxes[row, 0, d] - x[d], x[d] - boxes[row, 1, d], 0.0)
@@ -48,12 +50,12 @@ def closest_facet(
     x: Floats, within: Float, guess: int, first: int, last: int, start: int, surface: Faceted, boxes: Floats,
     spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """Of the facets ``first:last`` that closest to a point, of equally close ones the first; −1 if none is near.
+    """Of the facets ``first:last`` that closest to a point, of equally close ones the first; −1 if none is
+    near.
 
-    ``boxes`` are from row ``start`` on those of the facets' blocks (:func:`block_boxes`), ``within`` is the square of the
-    distance from which on they are of no interest [m²]. Only blocks are looked through whose box is not farther than that, or
-    than what was found; the block of ``guess`` is the first.
-    """
+    ``boxes`` are from row ``start`` on those of the facets' blocks (:func:`block_boxes`), ``within`` is the
+    square of the distance from which on they are of no interest [m²]. Only blocks are looked through whose
+    box is not farther than that, or than what was found; the block of ``guess`` is the first."""
     corners = scratch.matrix(spacing, spacing)
     nearest, closest, size = within, -1, 0.0
     for d in range(len(spacing)):
@@ -75,7 +77,8 @@ def closest_facet(
 
 @device
 def turns_round(x: Floats, first: int, last: int, surface: Faceted) -> int:
-    """How often the closed polyline of segments ``first:last`` goes round a point of the plane, counter-clockwise.
+    """How often the closed polyline of segments ``first:last`` goes round a point of the plane,
+    counter-clockwise.
 
     That is 1 inside a body and 0 outside, whatever its corners do.
     """
@@ -96,14 +99,16 @@ def turns_round(x: Floats, first: int, last: int, surface: Faceted) -> int:
 
 @device
 def least_gap(
-    first_a: int, last_a: int, first_b: int, last_b: int, start: int, least: Float, surface: Faceted, boxes: Floats,
+    first_a: int, last_a: int, first_b: int, last_b: int, start: int, least: Float, surface: Faceted,
+    boxes: Floats,
     spacing: tuple[float, ...],
 ) -> Float:  # fmt: skip
-    """``least``, or the least signed distance of nodes ``first_a:last_a`` from the facets ``first_b:last_b`` [m] if less.
+    """``least``, or the least signed distance of nodes ``first_a:last_a`` from the facets ``first_b:last_b``
+    [m] if less.
 
-    ``boxes`` are from row ``start`` on those of the facets' blocks, and behind them is room for one more. The node that is
-    closest to the box round them all goes first: most others turn out to be farther from that box than the distance then found.
-    """
+    ``boxes`` are from row ``start`` on those of the facets' blocks, and behind them is room for one more. The
+    node that is closest to the box round them all goes first: most others turn out to be farther from that
+    box than the distance then found."""
     dim = len(spacing)
     x, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
     blocks = (last_b - first_b + BLOCK - 1) // BLOCK
@@ -127,7 +132,8 @@ def least_gap(
         box = box_distance(x, whole, boxes, spacing)
         square = max(least, 0.0) * max(least, 0.0)
         if box > square:
-            continue  # farther from the whole surface's box than the least distance, or outside where another is inside
+            # farther from the whole surface's box than the least distance, or outside where another is inside
+            continue
         # What is within the box may be inside, and deeper than the least distance found.
         within = square * (1.0 + 1e-9) if box > 0.0 else math.inf
         m = closest_facet(x, within, closest, first_b, last_b, start, surface, boxes, spacing)
@@ -167,9 +173,9 @@ def minimum_gaps(
 ) -> None:
     """Least distance of the surfaces of every two bodies ``first`` and ``second``, into ``gaps`` [m].
 
-    The lesser of both ways of :func:`mpmfw.kernels.minimum_gap`, of the nodes of one from the facets of the other. The nodes of
-    body b are ``body_first[b]:body_first[b + 1]``, its facets ``facet_first[b]:facet_first[b + 1]``.
-    """
+    The lesser of both ways of :func:`mpmfw.kernels.minimum_gap`, of the nodes of one from the facets of the
+    other. The nodes of body b are ``body_first[b]:body_first[b + 1]``, its facets
+    ``facet_first[b]:facet_first[b + 1]``."""
     n_bodies = len(body_first) - 1
     boxes = np.empty((facet_first[n_bodies] // BLOCK + 2 * n_bodies, 2, len(spacing)))
     for b in range(n_bodies):
@@ -180,7 +186,8 @@ def minimum_gaps(
         for way in range(2):
             a, b = (first[c], second[c]) if way == 0 else (second[c], first[c])
             least = least_gap(
-                body_first[a], body_first[a + 1], facet_first[b], facet_first[b + 1], facet_first[b] // BLOCK + 2 * b,
+                body_first[a], body_first[a + 1], facet_first[b], facet_first[b + 1],
+                facet_first[b] // BLOCK + 2 * b,
                 least, surface, boxes, spacing,
             )  # fmt: skip
         gaps[c] = least

@@ -31,14 +31,15 @@ def fill_domain(
     gradients: Floats,
     spacing: tuple[float, ...],
 ) -> int:
-    """Write φ_i = Σ_c share_c N_i(x_c) and ∇φ_i = Σ_c slope_c N_i(x_c) from entry ``k`` on; return the entry after the last.
+    """Write φ_i = Σ_c share_c N_i(x_c) and ∇φ_i = Σ_c slope_c N_i(x_c) from entry ``k`` on; return the entry
+    after the last.
 
-    N_i(x) = Π_d max(0, 1 − abs(x_d − i_d)), all in cells. The entries are the nodes of the smallest box that holds all that
-    the corners touch: neighbouring corners share most of their nodes, and a row of 4**dim entries would be 3 times (2D) or
-    4 times (3D) as long. ``corner`` (2**dim, dim) is counted from the window's first node, ``share`` (2**dim,), ``slope``
-    (2**dim, dim) [1/m]. Returns ``OUTSIDE`` if a corner lies outside the window of ``shape`` nodes or is NaN,
-    ``FULL`` if the row does not fit into the table; then nothing is written.
-    """
+    N_i(x) = Π_d max(0, 1 − abs(x_d − i_d)), all in cells. The entries are the nodes of the smallest box that
+    holds all that the corners touch: neighbouring corners share most of their nodes, and a row of 4**dim
+    entries would be 3 times (2D) or 4 times (3D) as long. ``corner`` (2**dim, dim) is counted from the
+    window's first node, ``share`` (2**dim,), ``slope`` (2**dim, dim) [1/m]. Returns ``OUTSIDE`` if a corner
+    lies outside the window of ``shape`` nodes or is NaN, ``FULL`` if the row does not fit into the table;
+    then nothing is written."""
     dim = len(spacing)
     low = scratch.integers(spacing)
     extent = scratch.integers(spacing)
@@ -60,7 +61,8 @@ def fill_domain(
 
 @device
 def _write_box(
-    k: int, corner: Floats, share: Floats, slope: Floats, low: Ints, extent: Ints, shape: Ints, offset: int, nodes: Indices,
+    k: int, corner: Floats, share: Floats, slope: Floats, low: Ints, extent: Ints, shape: Ints, offset: int,
+    nodes: Indices,
     values: Floats, gradients: Floats, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Write the entries of :func:`fill_domain`, those of the box of ``extent`` nodes from ``low`` on.
@@ -105,5 +107,7 @@ def _write_box(
 
 @device
 def _hat(x: Float) -> Float:
-    """Linear function of a node, ``x`` cells away from it; a corner on a grid line has its whole weight on that line."""
+    """Linear function of a node, ``x`` cells away from it; a corner on a grid line has its whole weight on
+    that line.
+    """
     return max(1.0 - abs(x), 0.0)

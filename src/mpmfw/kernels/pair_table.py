@@ -9,7 +9,8 @@ from mpmfw.kernels.types import Ints
 
 
 def pair_table(first: Ints, second: Ints) -> Ints:
-    """Table that :func:`pair_index` reads: (n_pairs, 2), a key of the two bodies that ascends, and the pair's index.
+    """Table that :func:`pair_index` reads: (n_pairs, 2), a key of the two bodies that ascends, and the pair's
+    index.
 
     Parameters
     ----------

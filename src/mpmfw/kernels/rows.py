@@ -3,8 +3,9 @@
 Written as a loop over ``range(dim)``, the same sum costs 1.3 to 2 times as much: numba multiplies by a row
 length that is known at run time alone, asks of every index whether it counts from the end, and leaves
 neighbouring components in separate registers. Here the row length is that of a tuple and therefore known to
-the compiler, indices are taken as they are (no negative ones), and a row is one vector: of two components a register, of
-three what the compiler makes of it, in space half the time of three scalars, whose sums do not all fit into registers.
+the compiler, indices are taken as they are (no negative ones), and a row is one vector: of two components a
+register, of three what the compiler makes of it, in space half the time of three scalars, whose sums do not
+all fit into registers.
 
 ``out`` and ``other`` are C-contiguous, of shape ``(n, len(spacing))``.
 """
@@ -65,9 +66,8 @@ def _check(out: Any, other: Any) -> None:
 def add_scaled_row(_typing: Any, out: Any, i: Any, factor: Any, other: Any, j: Any, spacing: Any) -> Any:
     """``out[i, :] += factor * other[j, :]``; the length of ``spacing`` is that of a row.
 
-    ``out`` and ``other`` are of shape (n, dim), ``i`` and ``j`` not negative. An array that is not C-contiguous or not of
-    float64 is a ``TypeError`` at compilation.
-    """
+    ``out`` and ``other`` are of shape (n, dim), ``i`` and ``j`` not negative. An array that is not
+    C-contiguous or not of float64 is a ``TypeError`` at compilation."""
     _check(out, other)
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
@@ -80,9 +80,8 @@ def add_scaled_row(_typing: Any, out: Any, i: Any, factor: Any, other: Any, j: A
 def set_scaled_row(_typing: Any, out: Any, i: Any, factor: Any, other: Any, j: Any, spacing: Any) -> Any:
     """``out[i, :] = factor * other[j, :]``; the length of ``spacing`` is that of a row.
 
-    ``out`` and ``other`` are of shape (n, dim), ``i`` and ``j`` not negative. An array that is not C-contiguous or not of
-    float64 is a ``TypeError`` at compilation.
-    """
+    ``out`` and ``other`` are of shape (n, dim), ``i`` and ``j`` not negative. An array that is not
+    C-contiguous or not of float64 is a ``TypeError`` at compilation."""
     _check(out, other)
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:

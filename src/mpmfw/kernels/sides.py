@@ -1,4 +1,6 @@
-"""Nodes of one body's surface that are inside another, or have gone through it, and facing nodes of one surface."""
+"""Nodes of one body's surface that are inside another, or have gone through it, and facing nodes of one
+surface.
+"""
 
 from __future__ import annotations
 
@@ -12,8 +14,9 @@ from mpmfw.kernels.facets import Faceted, length_of, node_normal, read_point, si
 from mpmfw.kernels.gaps import BLOCK, block_boxes, bounding_boxes, closest_facet, turns_round
 from mpmfw.kernels.types import Float, Floats, Ints
 
-#: Largest cosine between the normals of a node and of the facet by which it enters a body, and least cosine where it leaves
-#: a body that it has gone through. A node that slides off round a right angle, such as a spike's tip, cannot have both.
+#: Largest cosine between the normals of a node and of the facet by which it enters a body, and least cosine
+#: where it leaves a body that it has gone through. A node that slides off round a right angle, such as a
+#: spike's tip, cannot have both.
 FACING, THROUGH = -0.7, 0.8
 
 
@@ -28,23 +31,27 @@ def apart(a: int, b: int, margin: Float, lower: Floats, upper: Floats, spacing: 
 
 @kernel
 def find_inside(
-    first: Ints, second: Ints, body_first: Ints, facet_first: Ints, surface: Faceted, inside: Ints, depth: Floats,
+    first: Ints, second: Ints, body_first: Ints, facet_first: Ints, surface: Faceted, inside: Ints,
+    depth: Floats,
     passed: Ints, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """Find how deep nodes of two bodies are inside each other, and how many have gone through since the last call.
+    """Find how deep nodes of two bodies are inside each other, and how many have gone through since the last
+    call.
 
     Parameters
     ----------
     first, second
         The bodies of every pair.
     body_first, facet_first
-        Nodes of body b are ``body_first[b]:body_first[b + 1]``, its facets ``facet_first[b]:facet_first[b + 1]``.
+        Nodes of body b are ``body_first[b]:body_first[b + 1]``, its facets ``facet_first[b]:facet_first[b +
+        1]``.
     inside
         (n_s,) body that a node has entered by a facet that faces it, −1 of none. Updated.
     depth
         (n_pairs,) deepest node [m], 0 of none. Filled.
     passed
-        (n_pairs,) nodes that have come out of the other body by a facet that has the node's own direction. Filled.
+        (n_pairs,) nodes that have come out of the other body by a facet that has the node's own direction.
+        Filled.
     """
     n_bodies, h = len(body_first) - 1, spacing[0]
     lower, upper = np.empty((n_bodies, len(spacing))), np.empty((n_bodies, len(spacing)))
@@ -97,7 +104,9 @@ def find_inside(
 
 @kernel
 def fastest_approach(velocity: Floats) -> float:
-    """Bound of the speed at which two points approach each other, the diagonal of the range of ``velocity`` (n, dim) [m/s]."""
+    """Bound of the speed at which two points approach each other, the diagonal of the range of ``velocity``
+    (n, dim) [m/s].
+    """
     square = 0.0
     for d in range(velocity.shape[1]):
         least, largest = math.inf, -math.inf
@@ -139,13 +148,14 @@ def faces(
 
 @kernel
 def least_own_gaps(
-    body_first: Ints, order: Ints, start: Floats, start_normal: Floats, position: Floats, normal: Floats, gaps: Floats,
+    body_first: Ints, order: Ints, start: Floats, start_normal: Floats, position: Floats, normal: Floats,
+    gaps: Floats,
     spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Least gap between parts of each body's own surface that have come within a cell of each other [m].
 
-    Two nodes count that face each other within a cell and have come closer by a tenth of a cell. At the start they faced each
-    other across a gap, or were more than three cells apart: a wrinkle of a surface is no gap.
+    Two nodes count that face each other within a cell and have come closer by a tenth of a cell. At the start
+    they faced each other across a gap, or were more than three cells apart: a wrinkle of a surface is no gap.
 
     Parameters
     ----------

@@ -100,9 +100,9 @@ LEAST_SHARE = 1e-13
 def linear_weights(xi: Float, inverse_h: Float, d: int, base: Floats, weight: Floats, slope: Floats) -> None:
     """Linear hat functions of the two nodes round ``xi`` [cells] along axis ``d``.
 
-    A point exactly on a grid line keeps a share of 1e-13 in the next node: its gradient acts there, and a node at the edge of
-    a body would otherwise have a gradient but neither mass nor velocity, which reads as strain in free flight.
-    """
+    A point exactly on a grid line keeps a share of 1e-13 in the next node: its gradient acts there, and a
+    node at the edge of a body would otherwise have a gradient but neither mass nor velocity, which reads as
+    strain in free flight."""
     base[d] = math.floor(xi)
     fraction = max(xi - base[d], LEAST_SHARE)
     weight[d, 0] = 1.0 - fraction

@@ -29,7 +29,9 @@ def is_apart(row: Ints, nodes: Indices, p: int, own_nodes: NodeRange) -> bool:
 
 @device
 def own_entries(row: Ints, nodes: Indices, p: int, own_nodes: NodeRange | None) -> range:
-    """Entries of point ``p`` whose nodes are among ``own_nodes``, all of them without one; the nodes of a row ascend."""
+    """Entries of point ``p`` whose nodes are among ``own_nodes``, all of them without one; the nodes of a row
+    ascend.
+    """
     one, begin, end = np.uint64(1), np.uint64(row[p]), np.uint64(row[p + 1])
     if own_nodes is not None:
         while begin < end and nodes[begin] < own_nodes[0]:

@@ -1,4 +1,6 @@
-"""Points and triangles in space: projection on the plane, and the closest point by the region that the point lies in."""
+"""Points and triangles in space: projection on the plane, and the closest point by the region that the point
+lies in.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,8 @@ def product_along(x: Floats, a: int, b: int, c: int, corners: Floats) -> Float:
 
 @device
 def coordinates_on_triangle(x: Floats, corners: Floats, share: Floats, normal: Floats) -> Float:
-    """Gap g_n [m] of a point from the plane of a triangle, and the barycentric coordinates of its foot, into ``share``.
+    """Gap g_n [m] of a point from the plane of a triangle, and the barycentric coordinates of its foot, into
+    ``share``.
 
     ``normal`` is e_n times twice the area on entry, and e_n on return.
     """
@@ -45,10 +48,10 @@ def coordinates_on_triangle(x: Floats, corners: Floats, share: Floats, normal: F
 def closest_on_triangle(x: Floats, corners: Floats, share: Floats) -> None:
     """Barycentric coordinates of the point of a triangle that is closest to x, into ``share``.
 
-    The regions of the plane, told by products of the edges with x − corner: those of the corners, where x lies behind both edges'
-    starts; of the edges, on the far side of one and between its ends; of the face, the rest (C. Ericson, Real-Time Collision
-    Detection, 2005, section 5.1.5). Coordinates that a region has none of are exactly 0.
-    """
+    The regions of the plane, told by products of the edges with x − corner: those of the corners, where x
+    lies behind both edges' starts; of the edges, on the far side of one and between its ends; of the face,
+    the rest (C. Ericson, Real-Time Collision Detection, 2005, section 5.1.5). Coordinates that a region has
+    none of are exactly 0."""
     # of corner i: along the edge to the second corner, and along that to the third
     to_b_a, to_c_a = product_along(x, 0, 0, 1, corners), product_along(x, 0, 0, 2, corners)
     to_b_b, to_c_b = product_along(x, 1, 0, 1, corners), product_along(x, 1, 0, 2, corners)

@@ -190,7 +190,8 @@ def facets_of(tree: xr.DataTree, body: str) -> IntArray:
     made = triangles_of(tree, body)
     if made is None or made.max(initial=-1) + 1 != surface.sizes["surface_node"]:
         raise MpmfwError(
-            f"surface of '{body}': its triangles are not in the file, and those of the file's scene do not fit "
+            f"surface of '{body}': its triangles are not in the file, and those of the file's scene do not "
+            "fit "
             "the stored nodes; is a mesh file that it names another one?"
         )
     return made

@@ -122,7 +122,8 @@ class FieldPanel:
         known = {str(name) for body in self.outlined for name in self.tree[f"surface/{body}"].data_vars}
         if "force" not in known:
             raise SceneError(
-                "the run stored no contact force of surface nodes, which contacts between surfaces do; leave the arrows out"
+                "the run stored no contact force of surface nodes, which contacts between surfaces do; leave "
+                "the arrows out"
             )
 
     def show(self, axes: Any, frame: int, scales: Scales, title: str = "") -> Any:

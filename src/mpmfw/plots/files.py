@@ -101,7 +101,8 @@ def _any_scene(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     if "outline" in dataset and np.isfinite(at_last(dataset)["outline"].values).any():
         figures["positions"] = (
             start_and_end(dataset),
-            "Outlines at the first output (dashed) and at the last, at one scale; bodies that stand still are grey.",
+            "Outlines at the first output (dashed) and at the last, at one scale; bodies that stand still "
+            "are grey.",
         )
     if "centre_of_mass" in dataset and moving_bodies(dataset):
         figures["motion"] = (
@@ -111,7 +112,8 @@ def _any_scene(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     if "contact_force" in dataset and touching_pairs(dataset):
         figures["forces"] = (
             pair_forces(dataset),
-            "Contact force of every pair that touches, mean over the output interval: across the surface and along it.",
+            "Contact force of every pair that touches, mean over the output interval: across the surface and "
+            "along it.",
         )
     if "min_gap" in dataset and near_pairs(dataset):
         figures["gaps"] = (
@@ -139,7 +141,8 @@ def _rolling(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     if "outline" in dataset and np.isfinite(at_last(dataset)["outline"].values).any():
         figures["positions"] = (
             positions(dataset),
-            "First (dashed) and last position of the outlines; beside them the contact at the end, over the cells.",
+            "First (dashed) and last position of the outlines; beside them the contact at the end, over the "
+            "cells.",
         )
     return figures
 

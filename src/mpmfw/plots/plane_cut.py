@@ -90,7 +90,8 @@ def plane_cut(
         if not met.any():
             low, high = position[:, across].min(), position[:, across].max()
             raise SceneError(
-                f"no material point is on the plane {normal} = {place:g} m; expected {low:.4g} to {high:.4g} m"
+                f"no material point is on the plane {normal} = {place:g} m; expected {low:.4g} to {high:.4g} "
+                "m"
             )
         lines = [
             cut_lines(
@@ -120,7 +121,8 @@ def _drawn(
     figure = Figure(figsize=(7.0, 5.0), layout="constrained")
     panel = figure.add_subplot()
     discs = EllipseCollection(
-        size, size, np.zeros(len(size)), units="x", offsets=place, offset_transform=panel.transData, array=values
+        size, size, np.zeros(len(size)), units="x", offsets=place, offset_transform=panel.transData,
+        array=values
     )  # fmt: skip
     panel.add_collection(discs)
     for each in lines:

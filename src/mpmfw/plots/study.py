@@ -30,8 +30,10 @@ def study_figures(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     if (np.isfinite(dataset["error"]) & (dataset["error"] > 0) & np.isfinite(dataset["cpu_time"])).any():
         figures["front"] = (
             front(dataset),
-            "Error over CPU time; bars are the range of the repeats. The line joins the runs that no other one beats "
-            "in both, and these are filled. Markers that would cover each other are moved up or down; a dot is their place. "
+            "Error over CPU time; bars are the range of the repeats. The line joins the runs that no other "
+            "one beats "
+            "in both, and these are filled. Markers that would cover each other are moved up or down; a dot "
+            "is their place. "
             f"Timing: {timing}.{_failed(dataset)}",
         )
     if np.isfinite(dataset["stage_time"]).any():

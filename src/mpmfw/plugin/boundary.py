@@ -61,7 +61,8 @@ class Boundary(NamedPlugIn):
         found = []
         if state.grid.n_fields < len(state.bodies):
             raise SceneError(
-                f"boundaries.{self.title}: the bodies share one velocity field, in which none can be held by itself"
+                f"boundaries.{self.title}: the bodies share one velocity field, in which none can be held by "
+                "itself"
             )
         for body in self.bodies:
             position = state.particles.position[body.particles]

@@ -118,7 +118,8 @@ def declared_fields(answers: Iterable[tuple[Any, Iterable[Field]]]) -> tuple[Fie
             for field in answer:
                 if field.group not in get_args(Group) or np.dtype(field.dtype).kind not in "fiub":
                     raise ValueError(
-                        f"field '{field.name}' of group '{field.group}' and type {field.dtype!r}; expected one of "
+                        f"field '{field.name}' of group '{field.group}' and type {field.dtype!r}; expected "
+                        "one of "
                         f"{', '.join(get_args(Group))}, and a type of numbers"
                     )
         for field in answer:
@@ -127,13 +128,15 @@ def declared_fields(answers: Iterable[tuple[Any, Iterable[Field]]]) -> tuple[Fie
             if not shared or known != field or (field.group, field.name) in core:
                 owner = "the core" if shared and known == field else described(first)
                 raise SceneError(
-                    f"{described(plugin)} and {owner} both declare a field '{field.name}'; expected another name"
+                    f"{described(plugin)} and {owner} both declare a field '{field.name}'; expected another "
+                    "name"
                 )
     return tuple(field for _, field in owners.values())
 
 
 def of_points(method: str, material: Any, state: State, own: slice) -> FloatArray:
-    """Return the values that a method of a material gives for the points ``own``: a number each, of stress a tensor (3, 3).
+    """Return the values that a method of a material gives for the points ``own``: a number each, of stress a
+    tensor (3, 3).
 
     Raises
     ------

@@ -237,7 +237,8 @@ def refuse_class(plugin: type[Any]) -> None:
     refuse_nameless(plugin)
     if (version := getattr(plugin, "interface", 1)) != INTERFACE:
         raise SceneError(
-            f"{full_name(plugin)} is written for version {version} of the plug-in interface; expected {INTERFACE}, "
+            f"{full_name(plugin)} is written for version {version} of the plug-in interface; expected "
+            f"{INTERFACE}, "
             "that of this mpmfw"
         )
     options = options_of(plugin)
@@ -286,7 +287,8 @@ def refuse_nameless(plugin: type[Any]) -> None:
     name = getattr(plugin, "name", None)
     if not isinstance(name, str) or not name:
         raise SceneError(
-            f"{full_name(plugin)}: expected a class attribute 'name', which is what scenes call it; found {name!r}"
+            f"{full_name(plugin)}: expected a class attribute 'name', which is what scenes call it; found "
+            f"{name!r}"
         )
 
 

@@ -44,8 +44,8 @@ def register(manager: pluggy.PluginManager, plugin: Any, name: str) -> None:
     Raises
     ------
     SceneError
-        Another plug-in has the name, or a method asks for arguments or a hook that there are not, is a wrapper of the old
-        style, or has a hook's name and no mark.
+        Another plug-in has the name, or a method asks for arguments or a hook that there are not, is a
+        wrapper of the old style, or has a hook's name and no mark.
     """
     other = manager.get_plugin(name)
     if other is not None:
@@ -62,20 +62,24 @@ def register(manager: pluggy.PluginManager, plugin: Any, name: str) -> None:
         mark = manager.parse_hookimpl_opts(plugin, hook)
         if inspect.isroutine(method) and (mark is None or mark["hookwrapper"]):
             raise SceneError(
-                f"{described(plugin)}: {hook} has the name of a hook; expected @hookimpl above it, of a wrapper "
+                f"{described(plugin)}: {hook} has the name of a hook; expected @hookimpl above it, of a "
+                "wrapper "
                 "@hookimpl(wrapper=True), or another name"
             )
 
 
 class Observer:
-    """Base of plug-ins that measure what hooks do to the grid while they are ``running``; they change nothing."""
+    """Base of plug-ins that measure what hooks do to the grid while they are ``running``; they change
+    nothing.
+    """
 
     #: Hooks that are observed; they have an argument ``grid``.
     observes: ClassVar[tuple[str, ...]] = ()
     running = False
 
     def before(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:
-        """Look at the grid before a plug-in's implementation of a hook, or before all of them: ``plugin`` is None.
+        """Look at the grid before a plug-in's implementation of a hook, or before all of them: ``plugin`` is
+        None.
 
         ``dt`` is the length of the step [s], 0 where the hook does not know it.
         """
@@ -87,7 +91,8 @@ class Observer:
 class BoundHooks:
     """The hooks of one simulation as plain callables: ``hook.advect(grid=…, dt=…)``.
 
-    A hook that nobody implements costs one empty call. An error that leaves a hook names plug-in, hook and step.
+    A hook that nobody implements costs one empty call. An error that leaves a hook names plug-in, hook and
+    step.
 
     Parameters
     ----------
@@ -134,7 +139,8 @@ def _written_out(
     state: State | None,
     observers: Sequence[Observer],
 ) -> Callable[..., Any]:
-    """Return a function made for these implementations; with one that is timed, and takes not all that is offered::
+    """Return a function made for these implementations; with one that is timed, and takes not all that is
+    offered::
 
         def advect(*, grid, dt):
             results = []
@@ -153,9 +159,8 @@ def _written_out(
                 raise failed(error, plugin) from error
             return results
 
-    Between two kernels over many points the interpreter's own data has left the caches: a general function, which asks
-    what there is to call with what, takes twice as long as this.
-    """
+    Between two kernels over many points the interpreter's own data has left the caches: a general function,
+    which asks what there is to call with what, takes twice as long as this."""
     assert caller.spec is not None
     name, given = caller.name, caller.spec.argnames
     first_result = bool(caller.spec.opts.get("firstresult"))
@@ -240,7 +245,9 @@ def _compiled(text: str, name: str) -> CodeType:
 def _around(
     impl: pluggy.HookImpl, name: str, inner: Callable[..., Any], state: State | None
 ) -> Callable[..., Any]:
-    """Return a hook with a wrapper: the part before its ``yield``, the hook, and the part that gets the result."""
+    """Return a hook with a wrapper: the part before its ``yield``, the hook, and the part that gets the
+    result.
+    """
 
     def hook(**arguments: Any) -> Any:
         with naming(impl.plugin, name, state):

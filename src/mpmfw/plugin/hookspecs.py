@@ -1,9 +1,8 @@
 """Hook specifications: every place in the algorithm where a plug-in may act.
 
 Hooks are named by their place, not by a method. None of them receives the simulation: what a plug-in needs
-beyond the arguments it takes from :class:`mpmfw.api.Setup`, once, and keeps itself. An implementation may
-leave out arguments that it does not use (pluggy passes those it names).
-"""
+beyond the arguments it takes from :class:`mpmfw.api.types.Setup`, once, and keeps itself. An implementation
+may leave out arguments that it does not use (pluggy passes those it names)."""
 
 from __future__ import annotations
 
@@ -32,7 +31,8 @@ class HookSpecs:
 
         Returns
         -------
-        Declarations; arrays are then allocated with :meth:`mpmfw.api.Setup.allocate`, and series filled by
+        Declarations; arrays are then allocated with :meth:`mpmfw.api.types.Setup.allocate`, and series filled
+        by
         :meth:`diagnostics`.
         """
         raise NotImplementedError
@@ -57,11 +57,11 @@ class HookSpecs:
     def add_pairs(self, state: State) -> None:
         """When bodies have come near that were apart: ``state.pairs`` has more pairs, at its end.
 
-        Who implements it is given, in a scene of many bodies, pairs only as they come near, before anything can act
-        between them; it then lengthens what it has for each pair (:meth:`mpmfw.api.State.lengthen`). Who does not is given
-        all pairs from the start, whose number grows with the square of that of the bodies. Called after windows were laid,
-        and before outputs. May change the plug-in's own arrays alone.
-        """
+        Who implements it is given, in a scene of many bodies, pairs only as they come near, before anything
+        can act between them; it then lengthens what it has for each pair
+        (:meth:`mpmfw.api.types.State.lengthen`). Who does not is given all pairs from the start, whose number
+        grows with the square of that of the bodies. Called after windows were laid, and before outputs. May
+        change the plug-in's own arrays alone."""
 
     @hookspec(firstresult=True)
     def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
@@ -78,11 +78,12 @@ class HookSpecs:
 
     @hookspec(firstresult=True)
     def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
-        """Step 1, after :meth:`interpolate`: N_i at points on the boundary. Implemented by the shape function.
+        """Step 1, after :meth:`interpolate`: N_i at points on the boundary. Implemented by the shape
+        function.
 
         The basis is the one that matches the particles', Σ V ∇S = ∮ N n dS. Asked only where a surface is
-        tracked. Parameters: ``position`` (n, dim) [m]; ``first`` (n_fields + 1,), the points of velocity field
-        f are ``first[f]:first[f + 1]``. May change nothing but its own table.
+        tracked. Parameters: ``position`` (n, dim) [m]; ``first`` (n_fields + 1,), the points of velocity
+        field f are ``first[f]:first[f + 1]``. May change nothing but its own table.
 
         Raises
         ------
@@ -96,8 +97,8 @@ class HookSpecs:
         """After step 2, before the length of the step is chosen: detect contacts.
 
         The points' m_i and (m v)_i are on the grid; what is found here is that of this step, so that
-        :meth:`stable_timestep` speaks of it. May change the plug-in's own arrays alone; called again before the step goes
-        on it finds the same.
+        :meth:`stable_timestep` speaks of it. May change the plug-in's own arrays alone; called again before
+        the step goes on it finds the same.
         """
 
     @hookspec
@@ -175,18 +176,16 @@ class HookSpecs:
     def stable_timestep(self, state: State) -> tuple[float, str] | None:
         """After :meth:`detect`: the largest stable step [s] and its owner, or None if nothing limits it now.
 
-        The least of all answers rules. Asked in every step, after :meth:`detect`, and once before the first: what has not
-        been detected yet is then taken for granted. May change nothing.
-        """
+        The least of all answers rules. Asked in every step, after :meth:`detect`, and once before the first:
+        what has not been detected yet is then taken for granted. May change nothing."""
 
     @hookspec
     def diagnostics(self, state: State, interval: float, points: bool) -> dict[str, AnyArray]:
         """At outputs only: values of the plug-in's declared series and output fields.
 
-        Parameters: ``interval`` [s] since the last output (0 at the first); ``points`` whether this output stores fields
-        of material points, which need not be answered otherwise. May change nothing but accumulators that restart at
-        outputs.
-        """
+        Parameters: ``interval`` [s] since the last output (0 at the first); ``points`` whether this output
+        stores fields of material points, which need not be answered otherwise. May change nothing but
+        accumulators that restart at outputs."""
         raise NotImplementedError
 
     @hookspec

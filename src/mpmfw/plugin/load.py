@@ -33,7 +33,8 @@ def add_point_forces(
 
 @kernel
 def measure_facets(
-    which: Ints, facets: Ints, position: Floats, centre: Floats, normal: Floats, area: Floats, spacing: tuple[float, ...]
+    which: Ints, facets: Ints, position: Floats, centre: Floats, normal: Floats, area: Floats,
+    spacing: tuple[float, ...]
 ) -> None:  # fmt: skip
     """Centre (n, dim) [m], outward unit normal (n, dim) and area (n,) [m^(dim−1)] of some facets."""
     dim = len(spacing)

@@ -18,7 +18,7 @@ class Material(PlugIn):
     Subclasses implement the hook ``update_stress``, the moduli, and :meth:`energy_density` and
     :meth:`cauchy_stress` where F says all. One whose points have a history implements
     :meth:`energy_of_points` and :meth:`stress_of_points` instead, and allocates the history in ``setup``
-    (:meth:`Setup.allocate`), so that it is saved with the run.
+    (``Setup.allocate``), so that it is saved with the run.
     """
 
     #: Whether its points lose energy, which :meth:`dissipated_by_points` says.

@@ -28,7 +28,8 @@ class About:
 class Measured:
     """A quantity of one run; NaN where it is not known."""
 
-    values: FloatArray  #: (1,) for a number, (time,) for a curve, (points,) for a field, in the measure's unit, such as [m]
+    #: (1,) for a number, (time,) for a curve, (points,) for a field, in the measure's unit, such as [m]
+    values: FloatArray
     time: FloatArray  #: of a curve (time,) [s]; empty for others
 
 

@@ -66,6 +66,9 @@ class OutputSeries(NamedPlugIn):
         given = set(dict(values))
         if given != declared:
             found, expected = (", ".join(sorted(names)) for names in (given, declared))
-            message = f"'{self.title}' ({self.name}) answered with values of {found or 'nothing'}; expected {expected}"
+            message = (
+                f"'{self.title}' ({self.name}) answered with values of {found or 'nothing'}; "
+                f"expected {expected}"
+            )
             raise PluginError(message, step=state.steps, time=state.time)
         return {f"{self.title}_{name}": value for name, value in values.items()}

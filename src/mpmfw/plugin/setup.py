@@ -43,9 +43,8 @@ class Setup:
     def pairs(self) -> tuple[Pair, ...]:
         """All pairs of bodies, in the scene's order.
 
-        To a strategy that implements the hook ``add_pairs`` more than a few bodies are given no pair at first but those
-        that the scene names, and the others as they come near.
-        """
+        To a strategy that implements the hook ``add_pairs`` more than a few bodies are given no pair at first
+        but those that the scene names, and the others as they come near."""
         return self.state.pairs
 
     @property

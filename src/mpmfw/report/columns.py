@@ -70,12 +70,14 @@ COLUMNS: dict[str, Column] = {
     "force_error_200us": Column("Force, 200 µs", "L2 200", "1", "the same, averaged over 200 µs"),
     "force_noise": Column(
         "Force noise", "noise", "%",
-        "rms of the contact force of the pair that pushes most, less its mean over 20 output intervals, of the rms of that mean; "
+        "rms of the contact force of the pair that pushes most, less its mean over 20 output intervals, of "
+        "the rms of that mean; "
         "a force that changes within that time has it without an error"
     ),
     "dissipation": Column(
         "Dissipation", "lost", "%",
-        "energy put in that is neither kinetic, strain, friction nor plastic work at the end: mostly losses of the transfer; "
+        "energy put in that is neither kinetic, strain, friction nor plastic work at the end: mostly losses "
+        "of the transfer; "
         "under gravity, loads and moving sides it needs output.ledger = true", True,
     ),
     "first_contact": Column(
@@ -84,7 +86,8 @@ COLUMNS: dict[str, Column] = {
     "separation": Column("Separation", "last", "ms", "end of the last output interval with a contact force"),
     "gap": Column(
         "End gap / h", "gap", "h",
-        "least distance between the outlines of any two bodies at the last output; negative where they overlap",
+        "least distance between the outlines of any two bodies at the last output; negative where they "
+        "overlap",
         True,
     ),
     "penetration": Column(

@@ -78,8 +78,10 @@ def _reference(dataset: xr.Dataset) -> str:
     if text:
         return f"<p>Reference: {escape(text)}.</p>"
     return (
-        "<p>No reference is known for this scene: its methods are compared with each other. What each of them tends to is seen "
-        "with smaller cells, <code>--vary grid.cell_size=…</code>; a closed form is named by the scene's table "
+        "<p>No reference is known for this scene: its methods are compared with each other. What each of "
+        "them tends to is seen "
+        "with smaller cells, <code>--vary grid.cell_size=…</code>; a closed form is named by the scene's "
+        "table "
         "<code>[reference]</code>.</p>" + _nothing_touches(dataset)
     )
 
@@ -108,7 +110,8 @@ def _differences(dataset: xr.Dataset) -> str:
         rows += f'<td class="text">{escape(one.against)}, {_number(one.scale)}</td></tr>'
     shown = f", the first {_MOST_DIFFERENCES} of {len(ranked)}" if len(ranked) > _MOST_DIFFERENCES else ""
     table = (
-        f"<h2>What the methods differ in</h2><p>At the end of the runs, the largest difference first{shown}. A difference is "
+        f"<h2>What the methods differ in</h2><p>At the end of the runs, the largest difference first{shown}. "
+        "A difference is "
         "the largest value less the least, over what stands beside it.</p>"
         f'<div class="wide"><table><tr><th class="text">Quantity</th>{heads}<th>difference [%]</th>'
         f'<th class="text">of</th></tr>{rows}</table></div>'

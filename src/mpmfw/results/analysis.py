@@ -59,8 +59,8 @@ def rolling_solution(
 
     Notes
     -----
-    With slip (tan θ > (1 + 1/β) μ): a = g (sin θ - μ cos θ), α = μ g cos θ / (β R). Without: a = g sin θ / (1 + β), α = a / R.
-    """
+    With slip (tan θ > (1 + 1/β) μ): a = g (sin θ - μ cos θ), α = μ g cos θ / (β R). Without: a = g sin θ / (1
+    + β), α = a / R."""
     slips = bool(np.tan(tilt) > (1.0 + 1.0 / inertia) * friction)
     if slips:
         acceleration = g * (np.sin(tilt) - friction * np.cos(tilt))

@@ -1,4 +1,6 @@
-"""The exact motions of the bundled kinds of scenes, which a scene declares by ``[reference] kind``, and its results carry."""
+"""The exact motions of the bundled kinds of scenes, which a scene declares by ``[reference] kind``, and its
+results carry.
+"""
 
 from __future__ import annotations
 
@@ -86,7 +88,8 @@ class RingsReference:
             "explicit total-Lagrangian plane-strain finite elements, nine-node quadrilaterals of 0.5 mm, one "
             "ring against a frictionless wall on the plane of symmetry; honest solutions differ by 2.4 % in "
             "impulse and by 0.19 in the L2 norm of the force averaged over 100 µs (four-node quadrilaterals "
-            "of 2 mm); an impact's force changes as fast as noise, and theirs has 79 % of it with outputs every 10 µs"
+            "of 2 mm); an impact's force changes as fast as noise, and theirs has 79 % of it with outputs "
+            "every 10 µs"
         )
 
 
@@ -207,7 +210,8 @@ def scene_of_results(attributes: Mapping[str, Any]) -> Scene | None:
 
 @functools.lru_cache(maxsize=64)
 def _loaded(text: str) -> Scene | None:
-    """The scene of a result without its methods, which no reference depends on; None where it cannot be read here.
+    """The scene of a result without its methods, which no reference depends on; None where it cannot be read
+    here.
 
     Code that a result names is not imported.
     """
@@ -232,7 +236,8 @@ def _loaded(text: str) -> Scene | None:
 
 
 def declared(scene: Scene) -> Reference | None:
-    """Return the bundled reference that a scene declares by ``[reference] kind``; None where it declares none of these.
+    """Return the bundled reference that a scene declares by ``[reference] kind``; None where it declares none
+    of these.
 
     Raises
     ------
@@ -265,7 +270,9 @@ def _one(names: Sequence[str], what: str) -> str:
 def _on_incline(
     scene: Scene, shapes: type[Any] | tuple[type[Any], ...], what: str
 ) -> tuple[str, float, float, float]:
-    """Return the free body on one fixed plane along x, its friction, and gravity's magnitude [m/s²] and tilt [rad]."""
+    """Return the free body on one fixed plane along x, its friction, and gravity's magnitude [m/s²] and tilt
+    [rad].
+    """
     free = [
         name for name, body in scene.bodies.items() if isinstance(body.geometry, shapes) and not body.sides
     ]
@@ -295,8 +302,10 @@ def _rolling(scene: Scene, kind: type[Any], rigid: str, inertia: float) -> Rolli
     distance = 10.0 if kind is Disc else float(solution.displacement(end))
     says = (
         f"a rigid {rigid} that {'slips' if solution.slips else 'rolls without slip'}, from rest"
-        f"{EQUATION if kind is Disc else ''}: acceleration {solution.acceleration:.4g} m/s², angular acceleration "
-        f"{abs(solution.angular_acceleration):.4g} rad/s², {distance:g} m after {solution.time_to(distance):.4g} s"
+        f"{EQUATION if kind is Disc else ''}: acceleration {solution.acceleration:.4g} m/s², angular "
+        "acceleration "
+        f"{abs(solution.angular_acceleration):.4g} rad/s², {distance:g} m after "
+        f"{solution.time_to(distance):.4g} s"
     )
     return RollingReference(body, solution, distance, end, says)
 

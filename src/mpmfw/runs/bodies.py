@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 
 
 def lay_out(scene: Scene) -> tuple[Layout, ...]:
-    """Of bodies that are alike but for their centres one is discretised, about the origin, and moved to each centre."""
+    """Of bodies that are alike but for their centres one is discretised, about the origin, and moved to each
+    centre.
+    """
     asked = [_alike(body, scene) for body in scene.bodies.values()]
     made, times, about_the_origin = [], Counter(asked), functools.cache(discretise)
     for (name, body), alike in zip(scene.bodies.items(), asked, strict=True):
@@ -41,8 +43,8 @@ def lay_out(scene: Scene) -> tuple[Layout, ...]:
 
 
 def _alike(body: Any, scene: Scene) -> tuple[Any, Any, float]:
-    """What bodies that differ by their centres alone have in common: the geometry about the origin, None if it has no
-    centre, the division into points, and the length of a segment."""
+    """What bodies that differ by their centres alone have in common: the geometry about the origin, None if
+    it has no centre, the division into points, and the length of a segment."""
     centre, geometry = getattr(body.geometry, "centre", None), None
     if centre is not None:  # made anew: a copy would have what the original has worked out
         geometry = type(body.geometry)(**{**dict(body.geometry), "centre": (0.0,) * len(centre)})
@@ -97,7 +99,8 @@ def _modulus(name: str, material: Material) -> float:
     least = 0.0 if name == "shear_modulus" else np.nextafter(0.0, 1.0)
     if not isinstance(value, int | float | np.number) or not least <= value < np.inf:
         raise SceneError(
-            f"{described(material)} has {name} {value!r}; expected a number {'from' if least == 0.0 else 'above'} 0 in Pa"
+            f"{described(material)} has {name} {value!r}; expected a number "
+            f"{'from' if least == 0.0 else 'above'} 0 in Pa"
         )
     return float(value)
 
@@ -128,13 +131,16 @@ def check_overlap(bodies: tuple[Body, ...]) -> None:
     too_much = np.flatnonzero(common > 1e-6 * np.minimum(shapely.area(one), shapely.area(other)))
     for pair in too_much[:1]:
         raise SceneError(
-            f"bodies.{bodies[first[pair]].name} and bodies.{bodies[second[pair]].name} overlap by {common[pair]:.3g} m² at "
+            f"bodies.{bodies[first[pair]].name} and bodies.{bodies[second[pair]].name} overlap by "
+            f"{common[pair]:.3g} m² at "
             "the start; move them apart, or say allow_overlap = true"
         )
 
 
 def _check_depth(bodies: tuple[Body, ...], first: IntArray, second: IntArray) -> None:
-    """Refuse bodies in space that have nodes inside each other, by more than 1e-6 of the smaller body's size."""
+    """Refuse bodies in space that have nodes inside each other, by more than 1e-6 of the smaller body's
+    size.
+    """
     from mpmfw.state.surface import least_gaps, make_surface
 
     gaps = least_gaps(make_surface(bodies, 1, "gap"), first, second, (1.0, 1.0, 1.0))
@@ -142,7 +148,8 @@ def _check_depth(bodies: tuple[Body, ...], first: IntArray, second: IntArray) ->
     for a, b, gap in zip(first.tolist(), second.tolist(), gaps, strict=True):
         if gap < -1e-6 * min(size[a], size[b]):
             raise SceneError(
-                f"bodies.{bodies[a].name} and bodies.{bodies[b].name} overlap at the start, by {-gap:.3g} m at one node; "
+                f"bodies.{bodies[a].name} and bodies.{bodies[b].name} overlap at the start, by {-gap:.3g} m "
+                "at one node; "
                 "move them apart, or say allow_overlap = true"
             )
 
@@ -190,9 +197,8 @@ def make_particles(
 def initial_velocity(scene: Scene, state: State, interpolate: Callable[[], Stencil]) -> None:
     """Set v = v_0 + ω × (x − c), and the affine field that goes with it, on every body.
 
-    ``interpolate`` makes the table φ of the points where they are, if it is needed: a stored moment is B = W D with
-    D = Σ φ q qᵀ.
-    """
+    ``interpolate`` makes the table φ of the points where they are, if it is needed: a stored moment is B = W
+    D with D = Σ φ q qᵀ."""
     p = state.particles
     spread = _spread(state, interpolate()) if p.moment is not None else None
     for body in state.bodies:

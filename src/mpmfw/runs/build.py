@@ -67,7 +67,8 @@ def build(
     shape: ShapeFunction | None = None,
     loads: Mapping[str, Load] | None = None,
 ) -> Build:
-    """Discretise the bodies and make the plug-ins that the scene names; objects take their place, ``loads`` stand beside.
+    """Discretise the bodies and make the plug-ins that the scene names; objects take their place, ``loads``
+    stand beside.
 
     Raises
     ------
@@ -99,9 +100,8 @@ def build(
 def build_some(made: Build, which: Sequence[int]) -> Build:
     """Some of the bodies as they were at the start, by themselves; methods are made anew of the same options.
 
-    One body alone has no contact.
-    What all bodies together decide stays: the largest wave speed, whether there is friction, and whether surfaces are tracked.
-    """
+    One body alone has no contact. What all bodies together decide stays: the largest wave speed, whether
+    there is friction, and whether surfaces are tracked."""
 
     def again(plugin: Any) -> Any:
         return None if plugin is None else type(plugin).from_options(plugin.options)
@@ -166,7 +166,9 @@ def _put_together(
 def _named(
     scene: Scene, bodies: tuple[Body, ...], loads: Mapping[str, Load]
 ) -> dict[str, dict[str, NamedPlugIn]]:
-    """The plug-ins with tables that the scene names, told what they are called and which bodies they concern."""
+    """The plug-ins with tables that the scene names, told what they are called and which bodies they
+    concern.
+    """
     made: dict[str, dict[str, NamedPlugIn]] = {}
     for group in ("loads", "boundaries", "outputs"):
         made[group] = {}
@@ -206,13 +208,16 @@ def _plugin(kind: Any, name: str, options: Any) -> Any:
 
 #: Base classes of what a scene names.
 BASES: dict[Kind, type[Any]] = {
-    "contact": ContactStrategy, "friction": FrictionLaw, "shape": ShapeFunction, "material": Material, "load": Load,
-    "boundary": Boundary, "output": OutputSeries, "geometry": BodyGeometry, "measure": Measure, "reference": Reference,
+    "contact": ContactStrategy, "friction": FrictionLaw, "shape": ShapeFunction, "material": Material,
+    "load": Load,
+    "boundary": Boundary, "output": OutputSeries, "geometry": BodyGeometry, "measure": Measure,
+    "reference": Reference,
 }  # fmt: skip
 
 
 def strategy(kind: Kind, given: Any) -> Any:
-    """What was given for a method: None, a name or a strategy object as it is, of a class an object without options.
+    """What was given for a method: None, a name or a strategy object as it is, of a class an object without
+    options.
 
     Raises
     ------
@@ -235,13 +240,16 @@ def _check_base(kind: Kind, plugin: type[Any]) -> None:
     base = BASES[kind]
     if not issubclass(plugin, base):
         raise SceneError(
-            f"{kind} plug-in {full_name(plugin)} of {distribution_text(plugin)}: expected a class derived from "
+            f"{kind} plug-in {full_name(plugin)} of {distribution_text(plugin)}: expected a class derived "
+            "from "
             f"mpmfw.api.{base.__name__}"
         )
 
 
 def _list_pairs(scene: Scene, state: State, contact: ContactStrategy | None, law: FrictionLaw | None) -> None:
-    """All pairs of bodies; of more than a few those that the scene names, if the strategy takes the others as they come."""
+    """All pairs of bodies; of more than a few those that the scene names, if the strategy takes the others as
+    they come.
+    """
     index = {body.name: body.index for body in state.bodies}
     friction = 0.0 if scene.contact is None else scene.contact.friction
     named = () if scene.contact is None else scene.contact.pairs
@@ -259,7 +267,9 @@ def _list_pairs(scene: Scene, state: State, contact: ContactStrategy | None, law
 
 
 def _check_unused_contact(scene: Scene, contact: ContactStrategy | None) -> None:
-    """Refuse options of the scene's contact, and a friction law, where there is one body and so nothing to touch."""
+    """Refuse options of the scene's contact, and a friction law, where there is one body and so nothing to
+    touch.
+    """
     given = scene.contact
     if contact is not None or given is None:
         return

@@ -20,11 +20,11 @@ _LOCK = "numba:compiler_lock"
 
 
 def import_numba_without_scipy() -> None:
-    """Import numba's functions of arrays before numba does so with the first kernel, and without ``scipy.linalg``.
+    """Import numba's functions of arrays before numba does so with the first kernel, and without
+    ``scipy.linalg``.
 
-    numba asks whether there is a BLAS as it imports them, which loads scipy and a dozen of its and NumPy's packages. No kernel
-    of ours calls BLAS, and numba asks once more as it compiles one that does.
-    """
+    numba asks whether there is a BLAS as it imports them, which loads scipy and a dozen of its and NumPy's
+    packages. No kernel of ours calls BLAS, and numba asks once more as it compiles one that does."""
     if "numba.np.arraymath" in sys.modules:
         return
     linalg: Any = importlib.import_module("numba.np.linalg")

@@ -125,7 +125,8 @@ class Recorder:
         )
 
     def points_are_due(self, time: float) -> bool:
-        """Whether the output asked for at ``time`` [s] is the nearest to a multiple of the material points' interval.
+        """Whether the output asked for at ``time`` [s] is the nearest to a multiple of the material points'
+        interval.
 
         To be asked once for each output after the first.
         """
@@ -136,7 +137,9 @@ class Recorder:
         return self._intervals > before
 
     def _checked(self, plugin: Any, name: str, given: Any) -> AnyArray:
-        """Return the values of a field as declared; NaN is allowed where the declaration gives it a meaning."""
+        """Return the values of a field as declared; NaN is allowed where the declaration gives it a
+        meaning.
+        """
         field = self._by_name[name]
         values = np.asarray(given, dtype=field.dtype)
         if values.ndim != len(field.dims):
@@ -150,7 +153,10 @@ class Recorder:
     def _check_constant(self) -> None:
         """Refuse masses or initial volumes that are not those of the start: no hook may change them."""
         if self._sums() != self._constant:
-            text = "a plug-in changed the material points' masses or initial volumes, which docs/hooks.md forbids"
+            text = (
+                "a plug-in changed the material points' masses or initial volumes, "
+                "which docs/hooks.md forbids"
+            )
             raise PluginError(text, step=self.state.steps, time=self.state.time)
 
     def _sums(self) -> tuple[float, float]:

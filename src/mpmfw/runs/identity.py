@@ -1,4 +1,6 @@
-"""What makes two runs the same: the scene's meaning, the code that reads it, and the libraries that it computes with."""
+"""What makes two runs the same: the scene's meaning, the code that reads it, and the libraries that it
+computes with.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,8 @@ from mpmfw.scene.options import NAMED
 
 #: Parts of the core that the numbers of a run depend on; the values of a scene are in its key themselves.
 _COUNTED = (
-    "contact", "effects", "geometry", "kernels", "plugin", "runs", "state", "step", "scene/gravity.py", "scene/scene.py",
+    "contact", "effects", "geometry", "kernels", "plugin", "runs", "state", "step", "scene/gravity.py",
+    "scene/scene.py",
     "scene/tables.py",
 )  # fmt: skip
 _LIBRARIES = ("numpy", "numba", "scipy", "shapely")
@@ -33,8 +36,8 @@ def key_of(scene: Scene, contact: Any = None, shape: Any = None, what: str = "")
     scene
         What runs; how its values are written, and whether a default is written at all, makes no difference.
     contact, shape
-        Strategy objects in place of the scene's methods. One whose class or state cannot be known again in another process
-        has a key of its own each time.
+        Strategy objects in place of the scene's methods. One whose class or state cannot be known again in
+        another process has a key of its own each time.
     what
         What is done with the scene, where it is not simply run.
     """
@@ -121,8 +124,8 @@ def _rounded(value: Any) -> Any:
 
 
 def _of_object(plugin: Any, known: frozenset[int] = frozenset()) -> list[str]:
-    """Class, options and state of a strategy object, and of the objects that it holds; something new where they say nothing
-    that lasts. ``known`` are those that hold it."""
+    """Class, options and state of a strategy object, and of the objects that it holds; something new where
+    they say nothing that lasts. ``known`` are those that hold it."""
     kind, state = type(plugin), dict(vars(plugin)) if hasattr(plugin, "__dict__") else {}
     options = state.pop("options", None)
     given = options.model_dump() if hasattr(options, "model_dump") else repr(options)

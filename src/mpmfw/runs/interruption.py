@@ -27,7 +27,9 @@ class Interruption:
         self._deferred = False
 
     def __call__(self, number: int, frame: FrameType | None) -> None:  # noqa: ARG002
-        """Take a signal; one that waits already is not asked to wait longer by a second, but where a call must be whole."""
+        """Take a signal; one that waits already is not asked to wait longer by a second, but where a call
+        must be whole.
+        """
         if self._held or (self._deferred and self.waiting is None):
             self.waiting = number
         else:
@@ -35,7 +37,9 @@ class Interruption:
 
     @contextmanager
     def deferred(self) -> Iterator[None]:
-        """Context in which the first signal waits until :meth:`check` is called; a second takes effect at once."""
+        """Context in which the first signal waits until :meth:`check` is called; a second takes effect at
+        once.
+        """
         self._deferred = True
         try:
             yield

@@ -1,8 +1,7 @@
 """What a run may take before it is asked whether it is meant: steps and frames.
 
-A misplaced power of ten makes a run that never ends. Both limits are far beyond what runs of this kind take, and a run past
-them begins if it is forced.
-"""
+A misplaced power of ten makes a run that never ends. Both limits are far beyond what runs of this kind take,
+and a run past them begins if it is forced."""
 
 from __future__ import annotations
 
@@ -46,7 +45,9 @@ def particle_frames_of(simulation: Simulation) -> float:
 
 
 def steps_of(simulation: Simulation) -> float:
-    """Steps that the run will take, settling left out, if the stability limit stays what it is at the start."""
+    """Steps that the run will take, settling left out, if the stability limit stays what it is at the
+    start.
+    """
     time, step = simulation.scene.time, simulation.stable_step()
     if time.outputs == "nearest":
         return float(math.ceil(time.end / step - 1e-9))
@@ -65,7 +66,8 @@ def check_length(simulation: Simulation) -> None:
     frames = frames_of(simulation)
     if frames > MOST_FRAMES:
         raise SceneError(
-            f"time.output_interval: {time.output_interval:g} s in {time.end:g} s makes {frames:.3g} frames, more than "
+            f"time.output_interval: {time.output_interval:g} s in {time.end:g} s makes {frames:.3g} frames, "
+            "more than "
             f"{MOST_FRAMES}{forced}"
         )
     step = simulation.stable_step()
@@ -79,7 +81,9 @@ def check_length(simulation: Simulation) -> None:
 
 
 def _too_many(simulation: Simulation, span: str, steps: float, step: float) -> str:
-    """``time.end: 1 s in steps of 1e-300 s, which time.step sets, takes 1e+300 steps, more than 10000000``."""
+    """``time.end: 1 s in steps of 1e-300 s, which time.step sets, takes 1e+300 steps, more than
+    10000000``.
+    """
     owner = "time.step" if simulation.scene.time.step is not None else min(simulation.limits())[1]
     return f"{span} in steps of {step:.3g} s, set by {owner}, takes {steps:.3g} steps, more than {MOST_STEPS}"
 
@@ -100,7 +104,8 @@ def remark_on_threads(threads: int) -> str:
     if threads <= cores():
         return ""
     return (
-        f"threads: {threads} are more than the {cores()} cores that this process may use; they wait for each other, and the run "
+        f"threads: {threads} are more than the {cores()} cores that this process may use; they wait for each "
+        "other, and the run "
         "takes longer than with fewer"
     )
 
@@ -112,7 +117,9 @@ def cores() -> int:
 
 
 def results_size(simulation: Simulation, header: RunHeader) -> tuple[float, float, float]:
-    """Number of the frames with material points, bytes of each, and of all results, outputs without points included."""
+    """Number of the frames with material points, bytes of each, and of all results, outputs without points
+    included.
+    """
     frames, groups = particle_frames_of(simulation), bytes_of_groups(header)
     points, others = groups.pop("particles", 0.0), sum(groups.values())
     return frames, points + others, frames * points + frames_of(simulation) * others

@@ -127,7 +127,9 @@ def _sides(made: Build, plan: Plan) -> None:
 
 
 def _named(made: Build, plan: Plan) -> None:
-    """Loads, boundary conditions and outputs that the scene names; loads on surfaces act on all facets of their bodies."""
+    """Loads, boundary conditions and outputs that the scene names; loads on surfaces act on all facets of
+    their bodies.
+    """
     for group, plugins in made.named.items():
         acting = [f"{name} ({plugin.label})" for name, plugin in plugins.items()]
         plan.note(group, bool(acting), ", ".join(acting) or f"no [{group}]")
@@ -139,7 +141,9 @@ def _named(made: Build, plan: Plan) -> None:
 
 
 def _rotation(made: Build, plan: Plan) -> None:
-    """Local spin for a free body with a velocity field of its own, unless the shape function or the scene says otherwise."""
+    """Local spin for a free body with a velocity field of its own, unless the shape function or the scene
+    says otherwise.
+    """
     treated: dict[str, list[Body]] = {"spin": [], "exact": [], "lumped": []}
     for body in made.state.bodies:
         how, reason = _rotation_of(made, body)

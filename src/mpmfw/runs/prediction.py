@@ -1,8 +1,7 @@
 """The cost of a run before it runs: a trial of a few steps, counted up to the end.
 
-A trial takes the steps that the run begins with, those of settling in a scene that settles. Contacts that come later are not in
-it. What it takes includes all effects that the scene has.
-"""
+A trial takes the steps that the run begins with, those of settling in a scene that settles. Contacts that
+come later are not in it. What it takes includes all effects that the scene has."""
 
 from __future__ import annotations
 
@@ -134,7 +133,9 @@ def _start(simulation: Simulation, stack: ExitStack) -> Callable[[], None]:
 
 
 def _tables(simulation: Simulation) -> int:
-    """Bytes of the tables of interpolation, which are filled with the first step, and of the rows of contact."""
+    """Bytes of the tables of interpolation, which are filled with the first step, and of the rows of
+    contact.
+    """
     state, shape = simulation.state, simulation.shape.name
     dim, surface = state.grid.dim, state.surface
     at_points = {"linear": 2**dim, "bspline": 3**dim, "cubic_bspline": 4**dim, "ck": 2 ** (dim + 1)}
@@ -149,7 +150,9 @@ def _tables(simulation: Simulation) -> int:
 
 
 def _steps(simulation: Simulation, step: float) -> int:
-    """Outputs times the steps between two, which are of equal length, or all steps where outputs shorten none."""
+    """Outputs times the steps between two, which are of equal length, or all steps where outputs shorten
+    none.
+    """
     time = simulation.scene.time
     if time.outputs == "nearest":
         steps: int = math.ceil(time.end / step - 1e-9)

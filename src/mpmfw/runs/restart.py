@@ -1,9 +1,9 @@
-"""Restart: now and then the values that a run keeps, in a file beside its results, from which a run that was killed goes on.
+"""Restart: now and then the values that a run keeps, in a file beside its results, from which a run that was
+killed goes on.
 
-The file is one of safetensors, a header in JSON before bare numbers, which any reader of that format opens. It holds values by
-place and names no class and no function. Its sizes are compared with its length, and its checksum is computed, before anything
-is used.
-"""
+The file is one of safetensors, a header in JSON before bare numbers, which any reader of that format opens.
+It holds values by place and names no class and no function. Its sizes are compared with its length, and its
+checksum is computed, before anything is used."""
 
 from __future__ import annotations
 
@@ -42,8 +42,8 @@ from mpmfw.units import to_si
 #: Seconds of wall time between two checkpoints.
 EVERY = 600.0
 
-#: Age of a run [s] from which its code is hashed, which takes the time of a few dozen small steps. Sources that are edited later
-#: are another version.
+#: Age of a run [s] from which its code is hashed, which takes the time of a few dozen small steps. Sources
+#: that are edited later are another version.
 ASKED_AFTER = 1.0
 
 #: How a file begins, after eight bytes that hold the length of the header.
@@ -96,7 +96,8 @@ def checkpoint_path(path: str | os.PathLike[str]) -> str:
 
 
 def dependencies_of(scene: Any, objects: Mapping[str, Any]) -> dict[str, str]:
-    """What the bits of a run depend on beside the ``scene``: code, libraries, interpreter and processor, by name.
+    """What the bits of a run depend on beside the ``scene``: code, libraries, interpreter and processor, by
+    name.
 
     ``objects`` are strategy objects in place of the scene's methods, by kind.
     """
@@ -155,7 +156,9 @@ def _blocks(snapshot: Snapshot, facts: Facts | None, results: str | None) -> Ite
 
 
 def is_foreign(path: str) -> bool:
-    """Return whether something is there that is no checkpoint, whatever it is called; an empty file is nothing."""
+    """Return whether something is there that is no checkpoint, whatever it is called; an empty file is
+    nothing.
+    """
     try:
         if not os.path.isfile(path):
             return os.path.lexists(path)
@@ -269,7 +272,9 @@ class Checkpoints:
         self._due = self._next
 
     def write(self) -> None:
-        """Write one in place of the last; where that cannot be, a warning says so once and the run goes on without."""
+        """Write one in place of the last; where that cannot be, a warning says so once and the run goes on
+        without.
+        """
         if self.path is None or not self._wanted:
             return
         if not self._code:
@@ -321,13 +326,15 @@ def read_checkpoint(path: str, trust: bool) -> tuple[Snapshot, Facts, Scene]:
     Raises
     ------
     SceneError
-        There is no run that goes on, or no checkpoint; it is damaged, of another run, or names code that is not trusted.
+        There is no run that goes on, or no checkpoint; it is damaged, of another run, or names code that is
+        not trusted.
     """
     file = checkpoint_path(path)
     text = _unfinished_scene(path)
     if not os.path.isfile(file):
         raise SceneError(
-            f"{path}: there is no checkpoint beside it ({os.path.basename(file)}); a run writes one every ten minutes "
+            f"{path}: there is no checkpoint beside it ({os.path.basename(file)}); a run writes one every "
+            "ten minutes "
             "(--checkpoint) and when it is interrupted; run it again"
         )
     try:
@@ -345,7 +352,9 @@ def read_checkpoint(path: str, trust: bool) -> tuple[Snapshot, Facts, Scene]:
 
 
 def _unfinished_scene(path: str) -> str | None:
-    """Return the scene's text in the file of a run that has not come to its end; None in a file that is damaged."""
+    """Return the scene's text in the file of a run that has not come to its end; None in a file that is
+    damaged.
+    """
     if not os.path.isfile(path):
         raise SceneError(f"{path}: there is no such file; expected the results of a run")
     try:
@@ -366,7 +375,8 @@ def _unfinished_scene(path: str) -> str | None:
 
 
 def check_same(facts: Facts, scene: Scene, objects: Mapping[str, Any], force: bool) -> None:
-    """Refuse other strategy objects than the run was given, and other code, libraries or processor unless ``force``.
+    """Refuse other strategy objects than the run was given, and other code, libraries or processor unless
+    ``force``.
 
     Raises
     ------
@@ -388,7 +398,8 @@ def check_same(facts: Facts, scene: Scene, objects: Mapping[str, Any], force: bo
     ]
     if changed and not force:
         raise SceneError(
-            f"another version would go on than began: {', '.join(changed)}; --force (force=True) goes on all the same, to "
+            f"another version would go on than began: {', '.join(changed)}; --force (force=True) goes on all "
+            "the same, to "
             "other numbers"
         )
 

@@ -53,7 +53,8 @@ def run(
     contact, shape
         A plug-in's name or a configured strategy object, in place of the scene's.
     output
-        NetCDF file to write, frame by frame, in place of no file but another run's; None keeps the results in memory.
+        NetCDF file to write, frame by frame, in place of no file but another run's; None keeps the results in
+        memory.
     progress
         Called now and then with the simulated time [s] and the number of steps.
     set
@@ -61,7 +62,8 @@ def run(
     force
         Begin a run that has more steps or frames than the limits in ``mpmfw.runs.limits``.
     checkpoint
-        Wall time, [s] or as ``"10 min"``, between two checkpoints beside the file, ``OUTPUT.checkpoint``, from which
+        Wall time, [s] or as ``"10 min"``, between two checkpoints beside the file, ``OUTPUT.checkpoint``,
+        from which
         :func:`mpmfw.resume` goes on; ten minutes by default, ``math.inf`` for none.
     threads
         That share the work of each step, in place of the scene's; the results are the same to the bit.
@@ -77,7 +79,8 @@ def run(
     SimulationError
         The run failed; what it reached is in the file, and in the error's attribute ``results``.
     Interrupted
-        Ctrl-C or SIGTERM; the outputs before are in the file, whose status is ``interrupted``, and a checkpoint beside it.
+        Ctrl-C or SIGTERM; the outputs before are in the file, whose status is ``interrupted``, and a
+        checkpoint beside it.
     """
     if checkpoint is not None and output is None:
         raise SceneError("checkpoint: has no effect on results that are kept in memory; give an output")
@@ -149,7 +152,8 @@ def resume(
     threads: int | None = None,
     trust: bool = False,
 ) -> xr.DataTree:
-    """Go on with a run from its last checkpoint; it ends as it would have without the interruption, to the bit.
+    """Go on with a run from its last checkpoint; it ends as it would have without the interruption, to the
+    bit.
 
     Parameters
     ----------
@@ -175,7 +179,8 @@ def resume(
     Raises
     ------
     SceneError
-        There is no checkpoint, it is damaged or of another run, the run is finished, or something else than then would run it.
+        There is no checkpoint, it is damaged or of another run, the run is finished, or something else than
+        then would run it.
     SimulationError, Interrupted
         As :func:`mpmfw.run`.
     """
@@ -194,7 +199,9 @@ def resuming(
     threads: int | None = None,
     trust: bool = False,
 ) -> Iterator[RunWriter]:
-    """Context of the writer of a run that was taken up and has come to its end; the rest is as :func:`resume` says."""
+    """Context of the writer of a run that was taken up and has come to its end; the rest is as :func:`resume`
+    says.
+    """
     every = None if checkpoint is None else seconds_between(checkpoint)
     restart_peak_memory()
     path = os.path.abspath(results)

@@ -25,9 +25,9 @@ def driven_speed(simulation: Simulation) -> FloatArray:
 def share_of_springs(simulation: Simulation, axis: int | None) -> float:
     """Estimate the part of a given displacement that contact springs take, in series with the bodies.
 
-    Under a unit of pressure springs give by h / (κ M), and a body by its length over M. A pair counts if its bodies' boxes
-    are less than a cell apart and, with an ``axis``, lie one after the other along it. 0 where contact has no springs.
-    """
+    Under a unit of pressure springs give by h / (κ M), and a body by its length over M. A pair counts if its
+    bodies' boxes are less than a cell apart and, with an ``axis``, lie one after the other along it. 0 where
+    contact has no springs."""
     state, h = simulation.state, simulation.scene.grid.cell_size
     law: Any = getattr(simulation.contact, "law", None)
     springs = law.compliance() if hasattr(law, "compliance") else None

@@ -70,7 +70,8 @@ class Simulation:
     """
 
     history = (
-        "started", "_next_output", "_last_output", "_settled", "compile_time", "clock", "_recorder", "_settling", "_sleep",
+        "started", "_next_output", "_last_output", "_settled", "compile_time", "clock", "_recorder",
+        "_settling", "_sleep",
     )  # fmt: skip
 
     def __init__(
@@ -180,14 +181,14 @@ class Simulation:
         return self._time_step.limits(self.hook)
 
     def stable_step(self) -> float:
-        """Length of a step as the limits are [s], with the contacts that were detected last; before the first step, with
-        those that contact takes for granted. See :meth:`mpmfw.runs.timestep.TimeStep.next`."""
+        """Length of a step as the limits are [s], with the contacts that were detected last; before the first
+        step, with those that contact takes for granted. See :meth:`mpmfw.runs.timestep.TimeStep.next`."""
         running = self if self._sleep is None else self._sleep.running
         return running._time_step.next(running.hook)
 
     def _check_supports(self) -> None:
-        """Refuse a body whose shape functions reach beyond the grid before it has moved; the bundled ones stay in a window that
-        the grid's edge has not cut off."""
+        """Refuse a body whose shape functions reach beyond the grid before it has moved; the bundled ones
+        stay in a window that the grid's edge has not cut off."""
         if bundled(type(self.shape)) and not is_cut_off(self.state.grid):
             return
         try:
@@ -196,7 +197,8 @@ class Simulation:
             raise
         except SimulationError as error:
             raise SceneError(
-                f"bodies.{error.body}: the shape function '{self.shape.name}' reaches beyond the grid at the start; "
+                f"bodies.{error.body}: the shape function '{self.shape.name}' reaches beyond the grid at the "
+                "start; "
                 "expected grid.lower and grid.upper two cells farther out"
             ) from error
 
@@ -204,7 +206,9 @@ class Simulation:
     # --------------------------------------------------------------------------------------------------
 
     def step(self, dt: float | None = None) -> None:
-        """One time step of length ``dt`` [s]; without it the stable one, chosen when the step's contacts are detected."""
+        """One time step of length ``dt`` [s]; without it the stable one, chosen when the step's contacts are
+        detected.
+        """
         self._take_step(self.stable_step if dt is None else lambda: dt)
 
     def _take_step(self, length: Callable[[], float]) -> None:
@@ -218,7 +222,9 @@ class Simulation:
         state.time, state.steps = time + state.dt, steps + 1
 
     def detect(self) -> None:
-        """Detect the contacts where the bodies are now, without a step: :meth:`limits` speaks of them then."""
+        """Detect the contacts where the bodies are now, without a step: :meth:`limits` speaks of them
+        then.
+        """
         phi = interpolate(self.state, self.hook, self.clock)
         particles, grid = self.state.particles, self.state.grid
         project(particles, phi, grid)
@@ -249,7 +255,9 @@ class Simulation:
         self.clock.restart()
 
     def begin_settling(self) -> Settling:
-        """Return the settling that the scene asks for; loads, sides and transfer are those of settling from now on."""
+        """Return the settling that the scene asks for; loads, sides and transfer are those of settling from
+        now on.
+        """
         asked = self.scene.settle
         assert asked is not None
         if self._settling is None:
@@ -273,13 +281,17 @@ class Simulation:
         self._settled |= {f"settle_cpu_{stage}": seconds for stage, seconds in cpu.items()}
 
     def _tell_settling(self, asked: Settle | None) -> None:
-        """Tell effects that are different while a scene settles when it begins, and with None when it ends."""
+        """Tell effects that are different while a scene settles when it begins, and with None when it
+        ends.
+        """
         for _, plugin in self.manager.list_name_plugin():
             if hasattr(plugin, "while_settling"):
                 plugin.while_settling(asked)
 
     def advance(self, steps: int, write: Callable[[Frame], None] | None = None) -> None:
-        """Run a number of stable steps; hand a frame to ``write``, if there is one, at first and after every step."""
+        """Run a number of stable steps; hand a frame to ``write``, if there is one, at first and after every
+        step.
+        """
         with CompileTimer(self.clock):
             self.start()
         if write is not None:
@@ -299,8 +311,8 @@ class Simulation:
     ) -> None:
         """Run to the end; hand a frame to ``write`` at time zero and at every output.
 
-        A simulation that was loaded goes on from where it was saved. ``after_step`` is called when a step is complete, those of
-        settling as well: there, and before the run, it may be saved.
+        A simulation that was loaded goes on from where it was saved. ``after_step`` is called when a step is
+        complete, those of settling as well: there, and before the run, it may be saved.
 
         Raises
         ------
@@ -345,14 +357,18 @@ class Simulation:
             watch()
 
     def _advance_near(self, target: float, watch: Callable[[], None]) -> None:
-        """Step until no end of a step is nearer to ``target`` [s], if the next step is as long as the last, or to the end."""
+        """Step until no end of a step is nearer to ``target`` [s], if the next step is as long as the last,
+        or to the end.
+        """
         state, end = self.state, self.scene.time.end
         while state.time + 0.5 * state.dt <= target and state.time < end:
             self.step_towards(end)
             watch()
 
     def step_towards(self, target: float) -> None:
-        """Take one of the equal steps that lead to ``target`` [s] if the limit stays as it is; the last ends there exactly."""
+        """Take one of the equal steps that lead to ``target`` [s] if the limit stays as it is; the last ends
+        there exactly.
+        """
         state, last = self.state, False
 
         def length() -> float:
@@ -402,7 +418,8 @@ class Simulation:
         return take(self._parts())
 
     def restore(self, snapshot: Snapshot) -> None:
-        """Take the values of a simulation of the same scene and methods: this one goes on as that one does, to the bit.
+        """Take the values of a simulation of the same scene and methods: this one goes on as that one does,
+        to the bit.
 
         Raises
         ------
@@ -451,7 +468,8 @@ class Simulation:
         write_snapshot(os.fspath(path), self.snapshot())
 
     def load(self, path: str | os.PathLike[str]) -> None:
-        """Take the values that :meth:`save` wrote, of a simulation of the same scene and methods; this one is new.
+        """Take the values that :meth:`save` wrote, of a simulation of the same scene and methods; this one is
+        new.
 
         Raises
         ------
@@ -519,7 +537,9 @@ class Simulation:
         return {"warnings": self.concerns(), **owners}
 
     def costs(self) -> dict[str, float]:
-        """Steps, material points, and seconds in all and by stage, of the steps after time zero and of settling."""
+        """Steps, material points, and seconds in all and by stage, of the steps after time zero and of
+        settling.
+        """
         clock = self.clock
         return {
             "steps": self.state.steps,
@@ -556,7 +576,9 @@ class _Watch:
 
 
 def _registered_names(made: Build) -> dict[int, str]:
-    """Return the unique names of materials, loads and the like, which the scene names, by the identity of the plug-in."""
+    """Return the unique names of materials, loads and the like, which the scene names, by the identity of the
+    plug-in.
+    """
     groups: list[Mapping[str, Any]] = [made.materials, *made.named.values()]
     return {id(plugin): f"{plugin.name} {name}" for group in groups for name, plugin in group.items()}
 

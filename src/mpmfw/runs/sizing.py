@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from mpmfw.scene import Scene
     from mpmfw.scene.tables import Body
 
-#: Bytes that a material point takes at most by dimension: layout, state, table of interpolation, and what is made on the
-#: way to them. Measured: 1500 in 2D and 4500 in 3D, CPDI on a disc and a ball.
+#: Bytes that a material point takes at most by dimension: layout, state, table of interpolation, and what is
+#: made on the way to them. Measured: 1500 in 2D and 4500 in 3D, CPDI on a disc and a ball.
 POINT_BYTES = {2: 2_000, 3: 6_000}
 
 #: Bytes that a node of a window takes at most: nodal arrays, and those of contact and inertia correction.
@@ -92,8 +92,8 @@ def check_memory(scene: Scene) -> None:
     Raises
     ------
     SceneError
-        It does, or it needs more nodes than can be counted; the body that takes most is named, and the key. Or a body is far
-        thinner than a cell.
+        It does, or it needs more nodes than can be counted; the body that takes most is named, and the key.
+        Or a body is far thinner than a cell.
     """
     cell = scene.grid.cell_size
     for name, body in scene.bodies.items():  # far outside: nothing needs to be made to see it
@@ -101,7 +101,8 @@ def check_memory(scene: Scene) -> None:
         check_box_inside(scene, name, lower, upper, slack=cell)
         if not (least := float(np.subtract(upper, lower).min())) > THINNEST * cell:
             raise SceneError(
-                f"bodies.{name}.geometry: the body is {least:.3g} m across at its thinnest, less than {THINNEST:g} of a cell of "
+                f"bodies.{name}.geometry: the body is {least:.3g} m across at its thinnest, less than "
+                f"{THINNEST:g} of a cell of "
                 f"{cell:g} m; expected a larger body, or smaller cells"
             )
     sizes = {name: size_of(body, cell) for name, body in scene.bodies.items()}
@@ -112,13 +113,16 @@ def check_memory(scene: Scene) -> None:
     if needed > limit:
         key, what = _greediest(scene.bodies[largest], size, cell, largest)
         raise SceneError(
-            f"{key}: the body '{largest}' of {box} m has {what}; the scene needs up to {shown_bytes(needed)} of memory, "
-            f"and the limit is {shown_bytes(limit)}, the memory of this machine; expected a larger {key}, or are lengths "
+            f"{key}: the body '{largest}' of {box} m has {what}; the scene needs up to {shown_bytes(needed)} "
+            "of memory, "
+            f"and the limit is {shown_bytes(limit)}, the memory of this machine; expected a larger {key}, or "
+            "are lengths "
             "in millimetres?"
         )
     if sum(size.nodes for size in sizes.values()) > MOST_NODES:
         raise SceneError(
-            f"grid.cell_size: {sum(size.nodes for size in sizes.values()):.3g} nodes round the bodies are more than "
+            f"grid.cell_size: {sum(size.nodes for size in sizes.values()):.3g} nodes round the bodies are "
+            "more than "
             f"{MOST_NODES}, the most that can be counted; expected a larger grid.cell_size"
         )
 
@@ -126,7 +130,8 @@ def check_memory(scene: Scene) -> None:
 def check_box_inside(
     scene: Scene, name: str, lower: FloatArray, upper: FloatArray, slack: float = 0.0
 ) -> None:
-    """Refuse a body whose bounding box from ``lower`` to ``upper`` [m] is out of the grid by more than ``slack`` [m].
+    """Refuse a body whose bounding box from ``lower`` to ``upper`` [m] is out of the grid by more than
+    ``slack`` [m].
 
     Raises
     ------
@@ -185,7 +190,9 @@ def _greediest(body: Body, size: Size, cell_size: float, name: str) -> tuple[str
 
 
 def memory_limit() -> float:
-    """Memory of this machine, or of the group of processes that this one is in, if that may have less [bytes]."""
+    """Memory of this machine, or of the group of processes that this one is in, if that may have less
+    [bytes].
+    """
     return min(_limits(), default=float("inf"))
 
 

@@ -1,9 +1,9 @@
-"""Bodies at rest sleep: the steps are those of the bodies awake, a simulation of their own, until something disturbs the others.
+"""Bodies at rest sleep: the steps are those of the bodies awake, a simulation of their own, until something
+disturbs the others.
 
-Whoever is near sleeps and wakes together, so that what sleeps acts on nobody: near are bodies whose windows of the grid share
-a node, as between two layings of the windows nobody leaves its own. A body asleep stays as it is, its velocity and its springs
-included, and goes on from there: nothing is lost when it wakes.
-"""
+Whoever is near sleeps and wakes together, so that what sleeps acts on nobody: near are bodies whose windows
+of the grid share a node, as between two layings of the windows nobody leaves its own. A body asleep stays as
+it is, its velocity and its springs included, and goes on from there: nothing is lost when it wakes."""
 
 from __future__ import annotations
 
@@ -29,11 +29,12 @@ from mpmfw.step.transfer import Transfer
 #: Steps between two looks at who is at rest.
 LOOK_EVERY = 20
 
-#: Times that a body which nothing holds takes to fall past the bound, after which it is at rest: one at the top of its flight is
-#: slower than the bound for two of them.
+#: Times that a body which nothing holds takes to fall past the bound, after which it is at rest: one at the
+#: top of its flight is slower than the bound for two of them.
 FALLS = 4.0
 
-#: How many times the nodes that windows have now those of a saved part may have: bodies may have drawn together since.
+#: How many times the nodes that windows have now those of a saved part may have: bodies may have drawn
+#: together since.
 SPARE = 16.0
 
 #: Records of pairs that grow with time while bodies rest on each other.
@@ -51,11 +52,13 @@ def check(made: Build, plugins: list[Any]) -> None:
     contact, output = made.contact, made.scene.output
     if contact is None or contact.velocity_fields != "per_body":
         raise SceneError(
-            "sleep: expected a contact with a velocity field for each body, in which one of them can be left out"
+            "sleep: expected a contact with a velocity field for each body, in which one of them can be left "
+            "out"
         )
     if not contact.leaves_bodies_out:
         raise SceneError(
-            f"sleep: contact '{contact.label}' cannot leave bodies out; expected one that can, such as bardenhagen, or penalty "
+            f"sleep: contact '{contact.label}' cannot leave bodies out; expected one that can, such as "
+            "bardenhagen, or penalty "
             "without master and interface_thickness"
         )
     for key in ("ledger", "stability"):
@@ -121,8 +124,8 @@ class Sleep:
     def step(
         self, state: State, hook: Any, transfer: Transfer, clock: Clock, length: Callable[[], float]
     ) -> float:
-        """One time step of the bodies awake, called as those of :data:`mpmfw.step.SCHEMES`; of all while the scene
-        settles."""
+        """One time step of the bodies awake, called as those of :data:`mpmfw.step.SCHEMES`; of all while the
+        scene settles."""
         if not self.whole.started:
             return self.scheme(state, hook, transfer, clock, length)
         if self.sleepers:
@@ -158,7 +161,9 @@ class Sleep:
             self._fall_asleep(which, time, last)
 
     def _would_have_moved(self, body: int, time: float) -> bool:
-        """Whether gravity and loads had the time to move a body past the bound if nothing held it, or there are none."""
+        """Whether gravity and loads had the time to move a body past the bound if nothing held it, or there
+        are none.
+        """
         acceleration = self._pull(body, time)[1]
         rest = time - self.moved[body]
         return bool(acceleration == 0.0 or rest * acceleration >= FALLS * self.bound[body])
@@ -174,7 +179,9 @@ class Sleep:
     # -------------------------------------------------------------------------------------
 
     def _fall_asleep(self, which: IntArray, time: float, last: tuple[float, dict[str, FloatArray]]) -> None:
-        """Leave bodies out from now on; ``last`` are impulses some steps ago, from which their forces on each other follow."""
+        """Leave bodies out from now on; ``last`` are impulses some steps ago, from which their forces on each
+        other follow.
+        """
         whole, now = self.whole.state, self._impulses()
         number = Numbers.between(self.running.state, whole).pair
         self.asleep[which] = True
@@ -222,7 +229,9 @@ class Sleep:
         self._divide()
 
     def _pull(self, body: int, time: float) -> tuple[list[AnyArray], float]:
-        """Gravity [m/s²] and every load's forces [N] or tractions [Pa] on a body, and the acceleration of all of them [m/s²]."""
+        """Gravity [m/s²] and every load's forces [N] or tractions [Pa] on a body, and the acceleration of all
+        of them [m/s²].
+        """
         state = self.whole.state
         own = state.bodies[body]
         mass = float(state.particles.mass[own.particles].sum())
@@ -241,7 +250,9 @@ class Sleep:
     # ----------------------------------------------------------------------------------------
 
     def gather(self, time: float) -> None:
-        """Let the simulation of all bodies know where they are at ``time`` [s], and what has acted between them."""
+        """Let the simulation of all bodies know where they are at ``time`` [s], and what has acted between
+        them.
+        """
         whole = self.whole.state
         for name, rate in self.rates.items():
             self.whole.state.arrays[f"{self._contact}/{name}"][: len(rate)] += (time - self.counted) * rate
@@ -260,7 +271,9 @@ class Sleep:
         _hand_over(self.part, self.whole)
 
     def _divide(self, windows: tuple[IntArray, IntArray] | None = None) -> None:
-        """Make the simulation of the bodies awake; ``windows`` are those that it is to have, where it had them before."""
+        """Make the simulation of the bodies awake; ``windows`` are those that it is to have, where it had
+        them before.
+        """
         whole = self.whole
         awake = np.flatnonzero(~self.asleep)
         self.part, self.seen, self.sleepers = None, None, len(self.asleep) - len(awake)
@@ -293,7 +306,9 @@ class Sleep:
 
     @property
     def of_part(self) -> dict[str, AnyArray]:
-        """What is known of the part beside the values of its bodies, which are the whole's once they are gathered."""
+        """What is known of the part beside the values of its bodies, which are the whole's once they are
+        gathered.
+        """
         grid = self.running.state.grid
         fields = grid.n_fields if self.part is not None else 0
         time, impulses = self.seen or (None, {name: np.zeros((0, grid.dim)) for name in IMPULSES})
@@ -335,7 +350,9 @@ class Sleep:
 
 
 def _reached(start: AnyArray, first: IntArray, second: IntArray) -> AnyArray:
-    """Who is among ``start`` (n,), or joined to one who is by pairs of ``first`` and ``second``: (n,) of truth values."""
+    """Who is among ``start`` (n,), or joined to one who is by pairs of ``first`` and ``second``: (n,) of
+    truth values.
+    """
     found = np.array(start, dtype=bool)
     while True:
         either = found[first] | found[second]

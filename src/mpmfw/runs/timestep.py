@@ -1,4 +1,6 @@
-"""The length of a time step: a fraction of the least stability limit, or fixed, and never silently past a limit."""
+"""The length of a time step: a fraction of the least stability limit, or fixed, and never silently past a
+limit.
+"""
 
 from __future__ import annotations
 
@@ -20,11 +22,12 @@ COLLAPSED = 1e-4
 
 
 def stable_length(cell_size: float, width: float) -> float:
-    """What a wave passes in a stable step [m]: h, or √(h w) in a body whose ``width`` w [m] is less than ``cell_size`` h [m].
+    """What a wave passes in a stable step [m]: h, or √(h w) in a body whose ``width`` w [m] is less than
+    ``cell_size`` h [m].
 
-    Such a body reaches into rows of nodes by a part b of its width alone: a row then has the mass ρ b² / (2 h) and the stiffness
-    M b² / (w h²), so that ω² = 2 c² / (h w) for each direction in which the body is thin, beside the bulk's.
-    """
+    Such a body reaches into rows of nodes by a part b of its width alone: a row then has the mass ρ b² / (2
+    h) and the stiffness M b² / (w h²), so that ω² = 2 c² / (h w) for each direction in which the body is
+    thin, beside the bulk's."""
     thin = width < cell_size * (1.0 - 1e-9)
     return math.sqrt(cell_size * width) if thin else cell_size
 
@@ -79,7 +82,8 @@ class TimeStep:
             raise PastStabilityLimit(refusal, time=self.state.time, advice=advice)
         if limit < COLLAPSED * self.bulk_limit:
             raise SimulationError(
-                f"the stable time step fell to {limit:.3g} s, set by {owner}; that of the bulk is {self.bulk_limit:.3g} s",
+                f"the stable time step fell to {limit:.3g} s, set by {owner}; that of the bulk is "
+                f"{self.bulk_limit:.3g} s",
                 time=self.state.time,
                 advice=self._advice(owner),
             )
@@ -114,7 +118,10 @@ class TimeStep:
         answers = hook.stable_timestep(state=self.state) or ()
         for answer in answers:
             if not answer[0] > 0.0:
-                text = f"a plug-in answered stable_timestep with {answer!r:.80}; expected a time [s] above 0 and its owner"
+                text = (
+                    f"a plug-in answered stable_timestep with {answer!r:.80}; "
+                    "expected a time [s] above 0 and its owner"
+                )
                 raise PluginError(text, step=self.state.steps, time=self.state.time)
         return [self._bulk, *answers]
 

@@ -1,4 +1,6 @@
-"""Lengths in cells: ``size = "0.5 cells"`` follows the cell size, so that one override refines the whole scene."""
+"""Lengths in cells: ``size = "0.5 cells"`` follows the cell size, so that one override refines the whole
+scene.
+"""
 
 from __future__ import annotations
 
@@ -14,11 +16,11 @@ _CELLS = re.compile(r"\s*([0-9]*\.?[0-9]+(?:[eE][+-]?[0-9]+)?)\s*cells?\s*")
 
 
 def with_lengths(core: Mapping[str, Any]) -> dict[str, Any]:
-    """The tables with ``segment`` and ``particles.size`` of every body in metres, where they are given in cells.
+    """The tables with ``segment`` and ``particles.size`` of every body in metres, where they are given in
+    cells.
 
-    What is no such text stays as it is, for the models to judge. Where the cell size itself is wrong, a cell counts as
-    1 m, so that the cell size alone is complained of.
-    """
+    What is no such text stays as it is, for the models to judge. Where the cell size itself is wrong, a cell
+    counts as 1 m, so that the cell size alone is complained of."""
     grid, bodies = core.get("grid"), core.get("bodies")
     if not isinstance(bodies, Mapping):
         return dict(core)

@@ -39,7 +39,9 @@ _DIMENSIONS = frozenset({"time", "body", "pair", "axis", "axis2", "rotation"})
 
 
 def check(scene: Tables, plugins: Mapping[Path, type[Any]], options: Mapping[Path, Any]) -> Iterator[Problem]:
-    """All problems between keys that are valid by themselves; ``plugins`` and their ``options`` are by path."""
+    """All problems between keys that are valid by themselves; ``plugins`` and their ``options`` are by
+    path.
+    """
     yield from _grid(scene)
     yield from _time(scene)
     yield from _stepping(scene, plugins)
@@ -55,7 +57,9 @@ def check(scene: Tables, plugins: Mapping[Path, type[Any]], options: Mapping[Pat
 
 
 def _reference(scene: Tables) -> Iterator[Problem]:
-    """A kind that is neither bundled nor announced; whether the scene is one of it is asked where it is judged."""
+    """A kind that is neither bundled nor announced; whether the scene is one of it is asked where it is
+    judged.
+    """
     if scene.reference is not None:
         installed = available("reference")
         if scene.reference.kind not in REFERENCES and scene.reference.kind not in installed:
@@ -80,7 +84,8 @@ def _grid(scene: Tables) -> Iterator[Problem]:
     farthest = max(map(abs, (*grid.lower, *grid.upper)))
     if grid.cell_size < SMALLEST_CELL * farthest:
         message = (
-            f"{grid.cell_size:g} m is less than {SMALLEST_CELL:g} of the grid's largest coordinate, {farthest:g} m: "
+            f"{grid.cell_size:g} m is less than {SMALLEST_CELL:g} of the grid's largest coordinate, "
+            f"{farthest:g} m: "
             "positions would be rounded to a visible part of a cell"
         )
         yield Problem(("grid", "cell_size"), message)
@@ -181,7 +186,9 @@ def _loads(scene: Tables) -> Iterator[Problem]:
 def _named(
     scene: Tables, plugins: Mapping[Path, type[Any]], options: Mapping[Path, Any]
 ) -> Iterator[Problem]:
-    """Bodies that are not there or named twice, and what loads and the like themselves find wrong with their options."""
+    """Bodies that are not there or named twice, and what loads and the like themselves find wrong with their
+    options.
+    """
     tables = [((group, name), table) for group in NAMED for name, table in getattr(scene, group).items()]
     for path, table in tables:
         named = getattr(table, "bodies", None) or ()
@@ -246,7 +253,9 @@ def _body(scene: Tables, path: Path, body: Body) -> Iterator[Problem]:
 
 
 def _surface_mesh(scene: Tables, path: Path, geometry: SurfaceMesh) -> Iterator[Problem]:
-    """Lengths of a file that do not go with the grid: millimetres given as metres or the reverse, triangles far below a cell."""
+    """Lengths of a file that do not go with the grid: millimetres given as metres or the reverse, triangles
+    far below a cell.
+    """
     grid = scene.grid
     room, extent = (
         float(np.subtract(grid.upper, grid.lower).max()),
@@ -259,14 +268,16 @@ def _surface_mesh(scene: Tables, path: Path, geometry: SurfaceMesh) -> Iterator[
                 f"is the file in {usual[geometry.unit]}?" if geometry.unit in usual else "is the unit right?"
             )
             message = (
-                f"read in '{geometry.unit}' the body is {extent:.4g} m across, in a grid of {room:.4g} m with cells of "
+                f"read in '{geometry.unit}' the body is {extent:.4g} m across, in a grid of {room:.4g} m "
+                "with cells of "
                 f"{grid.cell_size:g} m; it would fit with a thousand times {relation}: {hint}"
             )
             yield Problem((*path, "unit"), message)
             return
     if geometry.mean_edge < FINEST * grid.cell_size:
         message = (
-            f"the sides of the triangles are {geometry.mean_edge / grid.cell_size:.2g} cells long on the mean; "
+            f"the sides of the triangles are {geometry.mean_edge / grid.cell_size:.2g} cells long on the "
+            "mean; "
             f"expected {FINEST:g} or more, best a quarter to a half: make the mesh coarser"
         )
         yield Problem((*path, "path"), message)
@@ -275,7 +286,8 @@ def _surface_mesh(scene: Tables, path: Path, geometry: SurfaceMesh) -> Iterator[
         nodes, facets = geometry.fine_surface
         place = ", ".join(f"{x:.4g}" for x in nodes[facets[facet]].mean(axis=0))
         message = (
-            f"a side of the triangles is {geometry.edges.min() / grid.cell_size:.2g} cells long (facet {facet}, at ({place}) m); "
+            f"a side of the triangles is {geometry.edges.min() / grid.cell_size:.2g} cells long (facet "
+            f"{facet}, at ({place}) m); "
             f"expected {SHORTEST:g} or more: join nodes that are at one place"
         )
         yield Problem((*path, "path"), message)

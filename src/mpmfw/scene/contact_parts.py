@@ -1,8 +1,8 @@
-"""``[contact] detection = "nodes"``, ``law = "penalty"``: the other way to write ``method = "nodes+penalty"``.
+"""``[contact] detection = "nodes"``, ``law = "penalty"``: the other way to write ``method =
+"nodes+penalty"``.
 
-Options stand in the tables of the parts, ``[contact.nodes]`` and ``[contact.penalty]``. The table is brought into the form with
-a method, so that nothing behind this module knows of two.
-"""
+Options stand in the tables of the parts, ``[contact.nodes]`` and ``[contact.penalty]``. The table is brought
+into the form with a method, so that nothing behind this module knows of two."""
 
 from __future__ import annotations
 
@@ -82,7 +82,10 @@ def parts_of(table: Mapping[str, Any]) -> tuple[Parts | None, list[Problem]]:
         problems.append(Problem(("contact", given[0]), message))
     elif len(given) == 1:
         (other,) = (part for part in PARTS if part not in given)
-        message = f"missing beside {given[0]} = {shown(table[given[0]])}; expected one of {', '.join(available(other))}"
+        message = (
+            f"missing beside {given[0]} = {shown(table[given[0]])}; "
+            f"expected one of {', '.join(available(other))}"
+        )
         problems.append(Problem(("contact", other), message, "missing"))
     if problems:
         return None, problems
@@ -145,7 +148,8 @@ def without_effect(overrides: Iterable[tuple[str, Path]], table: Any, tables: It
     return [
         Problem(
             (),
-            f"has no effect: the contact is not written with {alone[path[1]]} = '{path[1]}'; its options stand in "
+            f"has no effect: the contact is not written with {alone[path[1]]} = '{path[1]}'; its options "
+            "stand in "
             f'[contact."{table.get("method", "DETECTION+LAW")}"]',
             override=key,
         )

@@ -1,4 +1,6 @@
-"""What no scene may hold, whatever its keys: tables within tables without end, text that no file takes, a stranger's code."""
+"""What no scene may hold, whatever its keys: tables within tables without end, text that no file takes, a
+stranger's code.
+"""
 
 from __future__ import annotations
 

@@ -90,7 +90,9 @@ def _entry(data: Any, part: str | int) -> Any:
 
 
 def as_written(schemas: list[Schema]) -> str:
-    """`` such as { size = '2 mm' }`` of a table with so few keys that must be there that each has an example; else empty."""
+    """`` such as { size = '2 mm' }`` of a table with so few keys that must be there that each has an example;
+    else empty.
+    """
     if len(schemas) != 1 or schemas[0].get("type") != "object":
         return ""
     required = schemas[0].get("required", [])

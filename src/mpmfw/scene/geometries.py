@@ -12,7 +12,9 @@ from mpmfw.scene.expectation import Schema
 
 
 def with_geometries(schema: Schema, names: Iterable[str]) -> Schema:
-    """The schema of scenes with these geometries among the alternatives; what cannot be imported is left out."""
+    """The schema of scenes with these geometries among the alternatives; what cannot be imported is left
+    out.
+    """
     found = copy.deepcopy(schema)
     table = found["$defs"]["Body"]["properties"]["geometry"]
     for name in names:

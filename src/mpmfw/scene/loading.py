@@ -47,7 +47,8 @@ def load_scene(
     set
         Values by dotted key, set over the scene's own. Text is read as a TOML value where it is one.
     trust
-        Whether a file may name plug-ins as ``module:Class``, whose code is imported. Mappings and ``set`` always may.
+        Whether a file may name plug-ins as ``module:Class``, whose code is imported. Mappings and ``set``
+        always may.
     said
         What messages call a key of ``set``, where it is not ``--set KEY``.
 
@@ -155,8 +156,8 @@ def _with_resolved_paths(core: dict[str, Any], directory: Path | None) -> dict[s
 def _outside(core: Mapping[str, Any], source: Source, overrides: Mapping[str, Any]) -> Iterator[Problem]:
     """Mesh files that a scene's file, which may be a stranger's, names outside the folders that were given.
 
-    Those are the folder of the scene and the working folder. A program that makes a scene, and an override, may name any file.
-    """
+    Those are the folder of the scene and the working folder. A program that makes a scene, and an override,
+    may name any file."""
     bodies = core.get("bodies")
     if source.directory is None or not isinstance(bodies, Mapping):
         return
@@ -172,7 +173,8 @@ def _outside(core: Mapping[str, Any], source: Source, overrides: Mapping[str, An
             and not any(Path(path).resolve().is_relative_to(f) for f in folders)
         ):
             message = (
-                f"the file is neither in the scene's folder, {folders[0]}, nor in the working folder; expected it there, or "
+                f"the file is neither in the scene's folder, {folders[0]}, nor in the working folder; "
+                "expected it there, or "
                 f"give it on the command line: --set {dotted(at)}=FILE"
             )
             yield Problem(at, message)

@@ -38,7 +38,9 @@ class Locator:
 
     @functools.cached_property
     def lines(self) -> dict[Path, int]:
-        """Line (from 1) of every key, table header and array element by its path; found when first asked for."""
+        """Line (from 1) of every key, table header and array element by its path; found when first asked
+        for.
+        """
         self._document()
         return self._lines
 

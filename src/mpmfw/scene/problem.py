@@ -94,9 +94,8 @@ class Origin:
     def _override_of(self, path: Path, message: str) -> str | None:
         """The last override that set this key or one around it, or that made the table it is missing from.
 
-        What is wrong between the keys of a table is reported of the table: an override of one of them that the message
-        names is meant.
-        """
+        What is wrong between the keys of a table is reported of the table: an override of one of them that
+        the message names is meant."""
         if not path:
             return None
         overrides = self.overrides[::-1]
@@ -118,7 +117,9 @@ class Origin:
 
 
 def _printable(line: str) -> str:
-    """The line as a terminal may show it: of a scene's own text, no control characters and no endless ones."""
+    """The line as a terminal may show it: of a scene's own text, no control characters and no endless
+    ones.
+    """
     shown = "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in line)
     return shown if len(shown) <= LONGEST else f"{shown[: LONGEST // 2]} … {shown[-LONGEST // 4 :]}"
 

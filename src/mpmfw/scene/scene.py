@@ -51,7 +51,9 @@ class Scene(Tables):
 
     @property
     def has_coulomb_friction(self) -> bool:
-        """Whether friction is Coulomb's with the μ of :attr:`pairs`, and not a law that makes something else of it."""
+        """Whether friction is Coulomb's with the μ of :attr:`pairs`, and not a law that makes something else
+        of it.
+        """
         if self.contact is None or self.contact.friction_law is None:
             return True
         from mpmfw.plugin.discovery import load
@@ -71,7 +73,9 @@ class Scene(Tables):
         return copy.deepcopy(self._mapping)
 
     def of_bodies(self, names: Collection[str]) -> Scene:
-        """Some of the bodies with what concerns them, in motion from the start, nothing recorded and none asleep."""
+        """Some of the bodies with what concerns them, in motion from the start, nothing recorded and none
+        asleep.
+        """
         contact = self.contact
         if contact is not None:
             pairs = tuple(pair for pair in contact.pairs if set(pair.bodies) <= set(names))

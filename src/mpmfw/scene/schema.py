@@ -68,7 +68,9 @@ def _options(schema: dict[str, Any], kind: Kind, name: str) -> dict[str, Any]:
 
 
 def _add_models(schema: dict[str, Any], table: str, kind: Kind) -> None:
-    """A material, or a load, is one of the installed models, each with the core's keys and its own side by side."""
+    """A material, or a load, is one of the installed models, each with the core's keys and its own side by
+    side.
+    """
     core = schema["$defs"][table]
     alternatives = []
     for name in available(kind):

@@ -43,7 +43,8 @@ def _contradicting(first: Side, second: Side, at: Path, dim: int) -> Iterator[Pr
         if one is not None and other is not None and one != other:
             name = "xyz"[axis]
             message = (
-                f"prescribes {other:g} m/s along {name}, but side '{first.side}'{where} prescribes {one:g} m/s; "
+                f"prescribes {other:g} m/s along {name}, but side '{first.side}'{where} prescribes {one:g} "
+                "m/s; "
                 f"expected the same value, or '{name}' free on one of them"
             )
             yield Problem(at, message)
@@ -61,7 +62,8 @@ def _meeting(body: Body, first: Side, second: Side, end: float) -> str:
     if approach * end < high - low:
         return ""
     return (
-        f"meets side '{first.side}' at {(high - low) / approach:.4g} s, before time.end: the velocities of the two press "
+        f"meets side '{first.side}' at {(high - low) / approach:.4g} s, before time.end: the velocities of "
+        "the two press "
         f"the body to nothing; expected time.end, which is {end:g} s, to be earlier"
     )
 

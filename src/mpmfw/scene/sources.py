@@ -87,7 +87,8 @@ def read_source(
     listed = ", ".join(shipped)
     if not isinstance(given, str | os.PathLike):
         raise SceneError(
-            f"{given!r} is no {kind}; expected a TOML file, the name of a shipped {kind} ({listed}) or a mapping"
+            f"{given!r} is no {kind}; expected a TOML file, the name of a shipped {kind} ({listed}) or a "
+            "mapping"
         )
     name, path = os.fspath(given), Path(given)
     if "\0" in name:

@@ -1,9 +1,8 @@
 """A method and its options in one text: ``penalty(kappa=2, passes=one)``.
 
-The text is what a strategy's ``label`` prints, and what is taken wherever a method is named: by the command line, a
-comparison, a study, ``contact.method`` and ``shape.method``. It stands for the method's name and its options, set over
-those of the scene's table of that method; a bare name is one without options.
-"""
+The text is what a strategy's ``label`` prints, and what is taken wherever a method is named: by the command
+line, a comparison, a study, ``contact.method`` and ``shape.method``. It stands for the method's name and its
+options, set over those of the scene's table of that method; a bare name is one without options."""
 
 from __future__ import annotations
 
@@ -91,7 +90,8 @@ def checked_specification(kind: Kind, text: str) -> Specification:
     Raises
     ------
     SceneError
-        As :func:`parse_specification`; no such plug-in is installed, it has no such option, or a value is refused.
+        As :func:`parse_specification`; no such plug-in is installed, it has no such option, or a value is
+        refused.
     """
     message = parse_specification(text)
     if message.name not in choices(kind):
@@ -125,7 +125,8 @@ def specification_of(name: str, options: Mapping[str, Any]) -> str:
 
 
 def keys_of(key: str, value: Any) -> dict[Path, Any]:
-    """The keys of a scene that ``KIND.method = specification`` sets, and their values; none of other keys and values.
+    """The keys of a scene that ``KIND.method = specification`` sets, and their values; none of other keys and
+    values.
 
     Of a method that is not installed it is the name alone, which is what is wrong then.
 

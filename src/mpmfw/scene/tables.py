@@ -53,8 +53,9 @@ class Time(Table):
     end, output_interval
         End of the motion and time between records [s].
     outputs
-        ``exact``: steps are shortened to end at each output. ``nearest``: steps stay as long as they may be, and what is
-        recorded is the end of the step nearest to each output, with the time that it has; the last one is exact.
+        ``exact``: steps are shortened to end at each output. ``nearest``: steps stay as long as they may be,
+        and what is recorded is the end of the step nearest to each output, with the time that it has; the
+        last one is exact.
     safety
         Fraction of the stability limit that a step takes.
     step
@@ -99,9 +100,8 @@ class PairFriction(Table):
 class Contact(Table):
     """The contact strategy, its options, and the friction of the pairs.
 
-    A scene may write ``detection`` and ``law`` in place of a method; ``tables`` are those that its options stand in.
-    ``friction_law`` is None for Coulomb's, and has its options in a table of its own.
-    """
+    A scene may write ``detection`` and ``law`` in place of a method; ``tables`` are those that its options
+    stand in. ``friction_law`` is None for Coulomb's, and has its options in a table of its own."""
 
     method: str
     friction: Friction = 0.0
@@ -121,11 +121,11 @@ class Material(Table):
 
 
 class Side(Table):
-    """A condition on one side of a body: fixed components, a velocity [m/s], a pressure or traction [Pa], or a force [N].
+    """A condition on one side of a body: fixed components, a velocity [m/s], a pressure or traction [Pa], or
+    a force [N].
 
-    The force is that on the whole side of a body of its thickness, spread evenly. A load is constant, or rows of a time [s] and
-    its values: linear in between, constant outside.
-    """
+    The force is that on the whole side of a body of its thickness, spread evenly. A load is constant, or rows
+    of a time [s] and its values: linear in between, constant outside."""
 
     side: Literal["left", "right", "bottom", "top", "back", "front"]
     fixed: FixedComponents | None = None
@@ -153,8 +153,8 @@ class Body(Table):
     Attributes
     ----------
     segment
-        Length of the surface's segments [m], in 3D of the sides of its triangles; None is a quarter of a cell, in 3D half of one
-        (see :meth:`segment_length`).
+        Length of the surface's segments [m], in 3D of the sides of its triangles; None is a quarter of a
+        cell, in 3D half of one (see :meth:`segment_length`).
     velocity, angular_velocity
         Initial motion [m/s], and [rad/s] about the centroid.
     rotation
@@ -174,13 +174,17 @@ class Body(Table):
     sides: Annotated[tuple[Side, ...], Strict(False)] = ()
 
     def segment_length(self, cell_size: float) -> float:
-        """Length of the surface's segments [m]: as given, or a quarter of a cell; of triangles half of one."""
+        """Length of the surface's segments [m]: as given, or a quarter of a cell; of triangles half of
+        one.
+        """
         share = 0.25 if self.geometry.dim == 2 else 0.5
         return share * cell_size if self.segment is None else float(self.segment)
 
 
 class Named(Table):
-    """A plug-in of the scene's by its model, the bodies that it concerns, all where none is named, and its options."""
+    """A plug-in of the scene's by its model, the bodies that it concerns, all where none is named, and its
+    options.
+    """
 
     model: str
     bodies: Annotated[tuple[str, ...], Strict(False), Field(min_length=1)] | None = None
@@ -213,7 +217,8 @@ class Sleep(Table):
     Attributes
     ----------
     strain
-        Bound on the speed of every material point, over the body's wave speed: the strain of a plane wave of that speed.
+        Bound on the speed of every material point, over the body's wave speed: the strain of a plane wave of
+        that speed.
     crossings
         How long the body must stay below it, in the times that its wave takes along its longest edge.
     """
@@ -232,16 +237,18 @@ class Output(Table):
     particles, surface
         Fields of material points and surface nodes.
     particle_interval
-        Time between the outputs that have fields of material points [s]; None has them at every output. The first and
-        the last output always have them.
+        Time between the outputs that have fields of material points [s]; None has them at every output. The
+        first and the last output always have them.
     energy
         Kinetic, affine and strain energy of every body.
     ledger
-        Energy balance: work, dissipation and residual, measured in every step; a run whose energy grows is stopped.
+        Energy balance: work, dissipation and residual, measured in every step; a run whose energy grows is
+        stopped.
     stability
         The time step, its limit and who sets it; what the contact strategy knows of its own stability.
     contact_moment
-        What the moment of contact on every body is about: ``centre_of_mass``, the body's own, or a point [m]; None has none.
+        What the moment of contact on every body is about: ``centre_of_mass``, the body's own, or a point [m];
+        None has none.
     """
 
     gap: bool = True
@@ -255,7 +262,9 @@ class Output(Table):
 
 
 class Reference(Table):
-    """What the motion is known to be: a kind of reference, bundled or announced by a plug-in under ``mpmfw.reference``."""
+    """What the motion is known to be: a kind of reference, bundled or announced by a plug-in under
+    ``mpmfw.reference``.
+    """
 
     kind: str
 

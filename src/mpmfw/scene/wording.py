@@ -186,7 +186,9 @@ class _NoOptions(BaseModel):
 def with_options(
     plugin: type[Any], options: Mapping[str, Any], path: Path, core_keys: tuple[str, ...] = ()
 ) -> tuple[BaseModel | None, list[Problem]]:
-    """An instance of the plug-in's own model, or what is wrong with options that stand at ``path`` of the scene."""
+    """An instance of the plug-in's own model, or what is wrong with options that stand at ``path`` of the
+    scene.
+    """
     model: Any = getattr(plugin, "Options", _NoOptions)
     text = f"Options of plug-in '{plugin.name}' of {distribution_text(plugin)}"
     if not (isinstance(model, type) and issubclass(model, BaseModel)):

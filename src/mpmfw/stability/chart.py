@@ -76,18 +76,20 @@ def stability_map(
         Steps of every run.
     **request
         ``output``: NetCDF file to write; it replaces nothing but another map. Points are kept in the folder
-        ``<output>.runs`` beside it: a map that was broken off, or is asked for with more points, goes on from there.
-        ``set``: values by dotted key, set over the scene's own; not those that the map sets itself. Others are those of
+        ``<output>.runs`` beside it: a map that was broken off, or is asked for with more points, goes on from
+        there. ``set``: values by dotted key, set over the scene's own; not those that the map sets itself.
+        Others are those of
         :class:`mpmfw.campaigns.execution.Execution`.
 
     Returns
     -------
     Dataset
-        By (kappa or ratio, cfl): ``class`` (index into the attribute ``classes``), ``energy`` (largest energy plus
-        dissipation over that of the start, positions and velocities taken at the same time), ``steps_per_contact``,
-        ``steps``. By kappa or ratio: ``limit`` (Courant number of the least limit that the run at the smallest step met,
-        from its nodal masses) and ``closed_form`` (of two bodies in line, 2 / √(ω_bulk² + ω²)). Attribute ``courant``:
-        past this Courant number, the shape function's, a run is refused whatever its springs.
+        By (kappa or ratio, cfl): ``class`` (index into the attribute ``classes``), ``energy`` (largest energy
+        plus dissipation over that of the start, positions and velocities taken at the same time),
+        ``steps_per_contact``, ``steps``. By kappa or ratio: ``limit`` (Courant number of the least limit that
+        the run at the smallest step met, from its nodal masses) and ``closed_form`` (of two bodies in line, 2
+        / √(ω_bulk² + ω²)). Attribute ``courant``: past this Courant number, the shape function's, a run is
+        refused whatever its springs.
 
     Raises
     ------
@@ -127,7 +129,8 @@ def stability_map(
 def _points(
     scene: Scene, objects: Mapping[str, Any], axis: Axis, values: Sequence[float]
 ) -> list[Combination]:
-    """The scene and the strategy objects at each stiffness, allowed to go past the limit; a safety factor of its own gives way.
+    """The scene and the strategy objects at each stiffness, allowed to go past the limit; a safety factor of
+    its own gives way.
 
     Raises
     ------
@@ -157,7 +160,9 @@ def _grid(
     cfl: Sequence[float],
     steps: int,
 ) -> RunGrid:
-    """All points at all Courant numbers of a step of fixed length; the code that judges a run is part of what it is."""
+    """All points at all Courant numbers of a step of fixed length; the code that judges a run is part of what
+    it is.
+    """
     what = f"{steps} steps judged by {package('mpmfw.stability')}"
     combinations: dict[Index, Combination] = {}
     for (i, value), (j, courant) in itertools.product(enumerate(values), enumerate(cfl)):
@@ -223,7 +228,8 @@ _MEANINGS = {
     "energy": "largest energy plus dissipation over the energy at the start",
     "steps_per_contact": "fewest steps that a contact lasted",
     "steps": "steps that were run",
-    "limit": "Courant number of the least limit met at the smallest step (Gershgorin's bound of springs and bulk)",
+    "limit": "Courant number of the least limit met at the smallest step (Gershgorin's bound of springs and "
+    "bulk)",
     "closed_form": "Courant number of the closed form of two bodies in line",
 }
 

@@ -1,4 +1,6 @@
-"""Run a scene for a number of steps and judge it by its invariants: energy, momentum, penetration, surfaces."""
+"""Run a scene for a number of steps and judge it by its invariants: energy, momentum, penetration,
+surfaces.
+"""
 
 from __future__ import annotations
 
@@ -43,8 +45,8 @@ class Invariants:
     Attributes
     ----------
     status
-        ``ok``, ``suspect``, ``refused``, ``failed`` if numbers ran away, ``broken`` if a method raised an error or its
-        process died.
+        ``ok``, ``suspect``, ``refused``, ``failed`` if numbers ran away, ``broken`` if a method raised an
+        error or its process died.
     message
         Why it is not ``ok``.
     steps
@@ -52,8 +54,8 @@ class Invariants:
     time
         Simulated time [s].
     energy
-        Largest energy plus dissipation less the work put in, over the energy at the start and what was put in; of all
-        steps, positions and velocities taken at the same time. NaN if it is no number.
+        Largest energy plus dissipation less the work put in, over the energy at the start and what was put
+        in; of all steps, positions and velocities taken at the same time. NaN if it is no number.
     energy_end
         The same at the end.
     stored
@@ -63,11 +65,13 @@ class Invariants:
     penetration
         Deepest penetration, over the cell size.
     lost
-        Surface nodes that ended more than half a cell farther from their body's material points than they began.
+        Surface nodes that ended more than half a cell farther from their body's material points than they
+        began.
     contact_steps
         Fewest steps that a contact of a surface node lasted; NaN where nothing counts them.
     limit
-        Least stable time step after the first step [s]; before it, a contact has not seen where its bodies meet.
+        Least stable time step after the first step [s]; before it, a contact has not seen where its bodies
+        meet.
     touched
         Whether bodies were in contact.
     travel

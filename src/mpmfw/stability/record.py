@@ -1,10 +1,10 @@
 """What a run's invariants are at every step, positions and velocities taken at the same time.
 
-A step leaves velocities half a step behind positions. Their energies added as they stand swing by a part ω Δt to either
-side, in every mode, which is no gain and no loss. At the time of the positions the kinetic energy is Σ m v·v' / 2, v and v' of
-the steps before and after: with it a linear system keeps its energy exactly at any stable step. Where these steps have
-different lengths the positions' time lies nearer to the velocities of the shorter one.
-"""
+A step leaves velocities half a step behind positions. Their energies added as they stand swing by a part ω Δt
+to either side, in every mode, which is no gain and no loss. At the time of the positions the kinetic energy
+is Σ m v·v' / 2, v and v' of the steps before and after: with it a linear system keeps its energy exactly at
+any stable step. Where these steps have different lengths the positions' time lies nearer to the velocities of
+the shorter one."""
 
 from __future__ import annotations
 

@@ -39,7 +39,8 @@ def axis_of(scene: Scene, contact: Any, kappa: Sequence[float] | None, ratio: Se
     method = scene.contact.method if scene.contact is not None else "none"
     if not has_option("contact", method if contact is None else contact, "kappa"):
         raise SceneError(
-            f"contact '{method if contact is None else contact.name}' has no kappa; give stiffness ratios instead"
+            f"contact '{method if contact is None else contact.name}' has no kappa; give stiffness ratios "
+            "instead"
         )
     return "kappa"
 
@@ -95,7 +96,8 @@ def _holds(value: Any, path: Path) -> bool:
 
 
 def stiffness_ratio(scene: Scene, ratio: float) -> dict[str, Any]:
-    """Values by dotted key that make the second body ``ratio`` times as stiff as the first; Poisson's ratio stays.
+    """Values by dotted key that make the second body ``ratio`` times as stiff as the first; Poisson's ratio
+    stays.
 
     Parameters
     ----------

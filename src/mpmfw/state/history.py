@@ -1,10 +1,10 @@
 """Declared history: the values that a run keeps from step to step, by place.
 
-A class names them, ``history = ("work", "gained")``, beside those that its bases name. They are numbers, texts, arrays, lists
-of texts, dictionaries of numbers or of arrays, and parts with a history of their own. All else is built anew from the scene.
-Saved values take the places of those that were built and are of their type and shape: they name no class and no function. A
-part may have a method ``restored``, which is called when all values are there.
-"""
+A class names them, ``history = ("work", "gained")``, beside those that its bases name. They are numbers,
+texts, arrays, lists of texts, dictionaries of numbers or of arrays, and parts with a history of their own.
+All else is built anew from the scene. Saved values take the places of those that were built and are of their
+type and shape: they name no class and no function. A part may have a method ``restored``, which is called
+when all values are there."""
 
 from __future__ import annotations
 
@@ -43,7 +43,9 @@ class Snapshot:
 
 
 def history_of(part: Any) -> tuple[str, ...] | None:
-    """Names that the classes of an object declare, those of its bases first; None if none of them declares any."""
+    """Names that the classes of an object declare, those of its bases first; None if none of them declares
+    any.
+    """
     declared = [vars(kind)["history"] for kind in reversed(type(part).__mro__) if "history" in vars(kind)]
     return tuple(dict.fromkeys(name for names in declared for name in names)) if declared else None
 
@@ -68,7 +70,8 @@ def take(parts: Mapping[str, Any]) -> Snapshot:
             snapshot.values[place] = value.item() if isinstance(value, np.generic) else value
             if not _is_plain(snapshot.values[place]):
                 raise NotSaved(
-                    f"{place} is a {type(value).__name__}; expected numbers, texts, arrays, lists of texts, dictionaries of "
+                    f"{place} is a {type(value).__name__}; expected numbers, texts, arrays, lists of texts, "
+                    "dictionaries of "
                     "numbers or of arrays, or an object whose class has a history"
                 )
     return snapshot
@@ -128,7 +131,9 @@ def check_indices(count: int, **arrays: AnyArray) -> None:
 
 
 def _places(parts: Mapping[str, Any], visited: list[Any]) -> Iterator[tuple[Any, str, str]]:
-    """Holder, attribute and place of every value of parts and of the parts that they keep, which are ``visited``."""
+    """Holder, attribute and place of every value of parts and of the parts that they keep, which are
+    ``visited``.
+    """
     for place, part in parts.items():
         visited.append(part)
         for name in history_of(part) or ():

@@ -54,7 +54,9 @@ def _numbered(count: int, slices: Sequence[tuple[slice, slice]]) -> IntArray:
 
 
 def take_over(own: State, other: State, numbers: Numbers) -> None:
-    """Copy what ``other`` has of the bodies that both have: material points, surfaces, and plug-ins' declared arrays."""
+    """Copy what ``other`` has of the bodies that both have: material points, surfaces, and plug-ins' declared
+    arrays.
+    """
     for dim, ours, theirs in _arrays(own, other):
         if ours.shape[1:] != theirs.shape[1:]:  # room for so many bodies: scratch
             continue

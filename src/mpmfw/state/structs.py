@@ -229,7 +229,9 @@ class Grid(Struct):
 
     @property
     def windows(self) -> tuple[FloatArray, IntArray, IntArray, IntArray]:
-        """Facts of all windows, as kernels that fill tables take them: lower, window_lower, window_shape, offset."""
+        """Facts of all windows, as kernels that fill tables take them: lower, window_lower, window_shape,
+        offset.
+        """
         return self.lower, self.window_lower, self.window_shape, self.offset
 
     def field_nodes(self, index: int) -> slice:

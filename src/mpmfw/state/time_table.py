@@ -47,7 +47,9 @@ class TimeTable:
 
 
 def number_in_time(quantity: Any) -> Any:
-    """The annotation of a ``quantity`` (:func:`mpmfw.api.quantity`) that is constant, or rows (t, value)."""
+    """The annotation of a ``quantity`` (:func:`mpmfw.api.units.quantity`) that is constant, or rows (t,
+    value).
+    """
     rows = tuple[Annotated[tuple[Time, quantity], Strict(False)], ...]
     return Annotated[
         Annotated[quantity, Tag("single")]

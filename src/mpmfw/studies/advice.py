@@ -13,12 +13,13 @@ from mpmfw.studies.conclusion import percent
 
 
 def method_rows(dataset: xr.Dataset) -> list[dict[str, Any]]:
-    """Return one mapping for each method: the answer, then those that meet the target by cost, then the others by error.
+    """Return one mapping for each method: the answer, then those that meet the target by cost, then the
+    others by error.
 
-    Keys: ``contact``, ``shape``, ``answer``, ``verdict`` (``meets``, ``misses``, ``failed``, ``not run``), ``pilots`` (the
-    errors of its runs in per cent, at falling cell sizes), ``cell_size_needed`` [m], ``error`` and ``cost`` [s] of the
-    cheapest run that meets the target, else of the most accurate one, and its ``status``.
-    """
+    Keys: ``contact``, ``shape``, ``answer``, ``verdict`` (``meets``, ``misses``, ``failed``, ``not run``),
+    ``pilots`` (the errors of its runs in per cent, at falling cell sizes), ``cell_size_needed`` [m],
+    ``error`` and ``cost`` [s] of the cheapest run that meets the target, else of the most accurate one, and
+    its ``status``."""
     labels = itertools.product(dataset["contact"].values.tolist(), dataset["shape"].values.tolist())
     found = [_row(dataset.sel(contact=contact, shape=shape)) for contact, shape in labels]
 

@@ -1,4 +1,6 @@
-"""``mpmfw.choose``: which method and cell size a scene needs for an error, on a ladder from coarse to fine."""
+"""``mpmfw.choose``: which method and cell size a scene needs for an error, on a ladder from coarse to
+fine.
+"""
 
 from __future__ import annotations
 
@@ -56,10 +58,10 @@ def choose(
 ) -> xr.Dataset:
     """Say which method and cell size bring a scene's error below a target at little cost.
 
-    Methods run at one cell size after the other, from coarse to fine, at each the cheapest first. The first that meets the
-    target ends the ladder. Without a closed form two different laws at two sizes say what the motion tends to, and how
-    uncertain that is; a run meets the target where its distance from there and the uncertainty are below it. Where no run
-    does, the choice is undecided.
+    Methods run at one cell size after the other, from coarse to fine, at each the cheapest first. The first
+    that meets the target ends the ladder. Without a closed form two different laws at two sizes say what the
+    motion tends to, and how uncertain that is; a run meets the target where its distance from there and the
+    uncertainty are below it. Where no run does, the choice is undecided.
 
     Parameters
     ----------
@@ -68,23 +70,27 @@ def choose(
     error
         Relative error that is asked for: 0.01 or ``"1 %"``.
     measure
-        Name of the quantity whose error it is; by default the first that the scene's closed form or reference knows.
+        Name of the quantity whose error it is; by default the first that the scene's closed form or reference
+        knows.
     contact, shape
-        Methods to choose among, as :func:`mpmfw.compare` takes them, the cheap ones first; every combination may run. By
-        default :data:`CONTACTS` and :data:`SHAPES`.
+        Methods to choose among, as :func:`mpmfw.compare` takes them, the cheap ones first; every combination
+        may run. By default ``CONTACTS`` and ``SHAPES``.
     coarsest, finest
-        Largest and smallest cell size [m]; twice and a quarter of the scene's own by default. Each is half of the one before.
+        Largest and smallest cell size [m]; twice and a quarter of the scene's own by default. Each is half of
+        the one before.
     **request
-        ``body``, ``pair``, ``axis``: what the quantity is of; where they are left out the closed form or the motion decides,
-        see :func:`mpmfw.campaigns.measures.inferred`. ``set``: values by key that all runs share. ``output``: NetCDF file to
-        write; finished runs are kept in the folder ``<output>.runs`` beside it. Others are those of
+        ``body``, ``pair``, ``axis``: what the quantity is of; where they are left out the closed form or the
+        motion decides, see :func:`mpmfw.campaigns.measures.inferred`. ``set``: values by key that all runs
+        share. ``output``: NetCDF file to write; finished runs are kept in the folder ``<output>.runs`` beside
+        it. Others are those of
         :class:`mpmfw.campaigns.execution.Execution`; ``repeats`` has no effect.
 
     Returns
     -------
     xarray.Dataset
-        Over (contact, shape, cell_size): ``status`` (``not run`` of many), ``error`` [1], ``cpu_time`` [s], settling
-        included, ``meets``, and ``answer`` (true of at most one). Attribute ``uncertainty``: of what errors are against.
+        Over (contact, shape, cell_size): ``status`` (``not run`` of many), ``error`` [1], ``cpu_time`` [s],
+        settling included, ``meets``, and ``answer`` (true of at most one). Attribute ``uncertainty``: of what
+        errors are against.
 
     Raises
     ------
@@ -172,7 +178,8 @@ def _known(scene: Scene, name: str | None, about: About) -> tuple[Measure, str]:
         exact = exact_of(measure, scene, about)
         if exact is None and measure.kind == "field":
             raise SceneError(
-                f"measure {name}: the scene '{scene.name}' has no closed form of it, and runs at other cell sizes have a "
+                f"measure {name}: the scene '{scene.name}' has no closed form of it, and runs at other cell "
+                "sizes have a "
                 "field at other points; expected a number or a curve"
             )
         return measure, "finest" if exact is None else exact.kind
@@ -182,7 +189,8 @@ def _known(scene: Scene, name: str | None, about: About) -> tuple[Measure, str]:
             return one, exact.kind
     others = ", ".join(one for one in sorted(names) if measure_of(one).kind != "field")
     raise SceneError(
-        f"the scene '{scene.name}' has no closed form or reference, so that it does not say what an error is of; "
+        f"the scene '{scene.name}' has no closed form or reference, so that it does not say what an error is "
+        "of; "
         f"expected [reference] kind = …, or a measure: one of {others}"
     )
 
@@ -230,7 +238,8 @@ def _check_lengths(scene: Scene) -> None:
         for key, (size, of_twin) in sizes.items():
             if size is not None and size == of_twin:
                 raise SceneError(
-                    f"bodies.{name}.{key}: is {size:g} m at every cell size, so that finer cells would be another "
+                    f"bodies.{name}.{key}: is {size:g} m at every cell size, so that finer cells would be "
+                    "another "
                     f'discretisation; expected cells, such as "{size / own:g} cells"'
                 )
 

@@ -57,7 +57,8 @@ def _sentence(problem: str, problems: list[str], found: list[dict[str, Any]], li
     if not below:
         best = min(known, key=lambda row: row["error"])
         return (
-            f"{begin} error of no combination is under {percent(limit)} %; the least, {percent(best['error'])} %, "
+            f"{begin} error of no combination is under {percent(limit)} %; the least, "
+            f"{percent(best['error'])} %, "
             f"has {_of(best, dims)}"
         )
     cheapest = min(below, key=lambda row: row["cpu_time"])

@@ -46,9 +46,9 @@ def assemble(study: Study, judge: Judge, runs: GridRuns) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        ``error``, ``cpu_time``, ``cpu_time_spread``, ``stage_time`` and ``settle_stage_time`` (…, stage), ``pareto``,
-        ``scheme``, ``transfer``, ``status``, ``timing``, ``repeats`` and the other costs of a run, over the dimensions of
-        the grid.
+        ``error``, ``cpu_time``, ``cpu_time_spread``, ``stage_time`` and ``settle_stage_time`` (…, stage),
+        ``pareto``, ``scheme``, ``transfer``, ``status``, ``timing``, ``repeats`` and the other costs of a
+        run, over the dimensions of the grid.
     """
     grid, costs = judge.grid, runs.costs()
     dataset = xr.Dataset(coords={dim: list(labels) for dim, labels in grid.coords.items()})
@@ -185,8 +185,8 @@ def front(error: FloatArray, cost: FloatArray) -> NDArray[np.bool_]:
     Returns
     -------
     ndarray of bool
-        Same shape. One is dominated where another has no larger error and no larger cost, and one of them smaller;
-        of two that are the same both are on the front or none.
+        Same shape. One is dominated where another has no larger error and no larger cost, and one of them
+        smaller; of two that are the same both are on the front or none.
     """
     pairs = np.stack([np.ravel(cost), np.ravel(error)], axis=1)
     known = np.isfinite(pairs).all(axis=1)

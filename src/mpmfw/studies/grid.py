@@ -29,7 +29,9 @@ def make_grid(study: Study) -> RunGrid:
 
 
 def _base(study: Study, label: str, chosen: Any) -> Scene:
-    """A scene with what all runs share: nothing is recorded that the error does not need, unless the study asks for it."""
+    """A scene with what all runs share: nothing is recorded that the error does not need, unless the study
+    asks for it.
+    """
     tables = study.tables
     particles = measure_of(tables.error.quantity).particles
     shared = {"output.particles": particles} | dict.fromkeys(

@@ -52,7 +52,8 @@ class Ladder:
     runs
         Of the grid (contact, shape, cell_size), whose cell sizes fall.
     judge
-        Knows the closed form or the reference, or, of kind ``finest``, nothing: errors are then against :class:`Limit`.
+        Knows the closed form or the reference, or, of kind ``finest``, nothing: errors are then against
+        :class:`Limit`.
     target
         Relative error.
     at_once
@@ -112,7 +113,9 @@ class Ladder:
         return [index[:2] for index in sorted(worth, key=lambda index: float(costs[index]))]
 
     def _ask(self, points: Collection[Index]) -> None:
-        """Make runs and judge all; others that the store may hold are not read, so that no answer depends on them."""
+        """Make runs and judge all; others that the store may hold are not read, so that no answer depends on
+        them.
+        """
         self.runs.complete(points)
         self.asked |= {*points}
         status = self.runs.statuses()

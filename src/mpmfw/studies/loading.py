@@ -1,4 +1,6 @@
-"""From a study's file, a shipped study's name or a mapping to a valid study, or one error that lists all problems."""
+"""From a study's file, a shipped study's name or a mapping to a valid study, or one error that lists all
+problems.
+"""
 
 from __future__ import annotations
 
@@ -76,8 +78,8 @@ def load_study(study: str | os.PathLike[str] | Mapping[str, Any] | Study, trust:
     Parameters
     ----------
     study
-        A TOML file, the name of a shipped study such as ``rolling-cylinder``, or nested mappings; a study passes
-        through.
+        A TOML file, the name of a shipped study such as ``rolling-cylinder``, or nested mappings; a study
+        passes through.
     trust
         Whether its file and its scenes' files may name ``module:Class``, whose code is imported.
 

@@ -1,4 +1,6 @@
-"""Who wins at what price: how many problems a method solves to an error, and at what cost over the cheapest."""
+"""Who wins at what price: how many problems a method solves to an error, and at what cost over the
+cheapest.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,9 @@ UNITS = {"penetration": "cells"}
 
 
 def unit_of(quantity: str) -> str:
-    """Return the unit in which the levels of a quantity are shown: ``%``, or that of a quantity that is no share."""
+    """Return the unit in which the levels of a quantity are shown: ``%``, or that of a quantity that is no
+    share.
+    """
     return UNITS.get(quantity, "%")
 
 
@@ -52,14 +56,15 @@ def rank(
     """Rank the methods of studies: what each costs, at its best settings, to bring a quantity below a level.
 
     A problem is a scene of a study. A method is what stands before the options of a label, ``bardenhagen`` of
-    ``bardenhagen(normal=master)``: options, shape function and cell size are settings, of which the cheapest that reaches a level
-    counts. For a quantity beside the error only runs count whose error is below the first level: silence alone is no virtue.
+    ``bardenhagen(normal=master)``: options, shape function and cell size are settings, of which the cheapest
+    that reaches a level counts. For a quantity beside the error only runs count whose error is below the
+    first level: silence alone is no virtue.
 
     Parameters
     ----------
     results
-        Files or datasets of ``mpmfw.study``. Several of one study are joined, so that a law of one's own may be run alone, on the
-        machine that ran the others.
+        Files or datasets of ``mpmfw.study``. Several of one study are joined, so that a law of one's own may
+        be run alone, on the machine that ran the others.
     by
         Dimension of the methods.
     levels
@@ -68,10 +73,10 @@ def rank(
     Returns
     -------
     xarray.Dataset
-        ``cost`` [s], CPU time of the cheapest run, and ``over_best`` [1], the same over the cheapest method's, by (quantity,
-        problem, level, ``by``), NaN where the level is not reached; ``best`` (…) the settings of that run. The
-        attribute ``failures`` lists runs that do not count: without a result, or suspect; ``ran`` (problem, ``by``) says
-        whether the method ran the problem.
+        ``cost`` [s], CPU time of the cheapest run, and ``over_best`` [1], the same over the cheapest
+        method's, by (quantity, problem, level, ``by``), NaN where the level is not reached; ``best`` (…) the
+        settings of that run. The attribute ``failures`` lists runs that do not count: without a result, or
+        suspect; ``ran`` (problem, ``by``) says whether the method ran the problem.
 
     Raises
     ------
@@ -127,7 +132,9 @@ def rank(
 def _cheapest(
     judged: list[dict[str, Any]], problems: list[Any], methods: list[Any], levels: Sequence[float]
 ) -> tuple[FloatArray, AnyArray]:
-    """CPU time [s] and settings of the cheapest run that reaches a level, (quantity, problem, level, method)."""
+    """CPU time [s] and settings of the cheapest run that reaches a level, (quantity, problem, level,
+    method).
+    """
     shape = (len(QUANTITIES), len(problems), len(levels), len(methods))
     cost, best = np.full(shape, np.nan), np.full(shape, "", dtype=object)
     for (q, quantity), (p, problem), (m, method) in itertools.product(
@@ -151,7 +158,8 @@ def check_levels(levels: Sequence[float]) -> None:
         or list(levels) != sorted(set(levels), reverse=True)
     ):
         raise SceneError(
-            f"levels {', '.join(map(str, levels)) or 'none'}: expected relative errors that fall, as 0.1, 0.01"
+            f"levels {', '.join(map(str, levels)) or 'none'}: expected relative errors that fall, as 0.1, "
+            "0.01"
         )
 
 
@@ -199,9 +207,9 @@ def _opened(path: str | os.PathLike[str]) -> xr.Dataset:
 def summary(ranking: xr.Dataset, quantity: str) -> list[dict[str, Any]]:
     """One row a method, the one that reaches the largest share first, and of equal ones the cheaper.
 
-    Keys: ``method``; ``problems`` that it ran; for each level the number of them that reach it; ``over best``, the median
-    of the cost over the cheapest method's where it is reached; ``cheapest``, at how many problems and levels it is that.
-    """
+    Keys: ``method``; ``problems`` that it ran; for each level the number of them that reach it; ``over
+    best``, the median of the cost over the cheapest method's where it is reached; ``cheapest``, at how many
+    problems and levels it is that."""
     by, one = ranking.attrs["by"], ranking.sel(quantity=quantity)
     table = []
     for name in one[by].values.tolist():

@@ -43,17 +43,18 @@ def study(
         A TOML file, the name of a shipped study such as ``rolling-cylinder``, or nested mappings.
     output
         NetCDF file to write; it replaces nothing but another study's. Finished runs are kept in the folder
-        ``<output>.runs`` beside it, from which a study that was broken off, or changed, takes what still applies.
-        Without it nothing is kept.
+        ``<output>.runs`` beside it, from which a study that was broken off, or changed, takes what still
+        applies. Without it nothing is kept.
     timing
-        ``exclusive`` measures costs one run at a time in this process; ``shared`` takes the cost of every run as it comes.
+        ``exclusive`` measures costs one run at a time in this process; ``shared`` takes the cost of every run
+        as it comes.
     about
         Stands in for ``error.body``, ``pair`` and ``axis`` of the study.
     **running
-        As :class:`mpmfw.campaigns.execution.Execution` takes them, but that the store is ``<output>.runs`` and jobs are by
-        default one for each core, for exclusive costs a single one; with more of them, or an executor, results come from there
-        first. ``repeats`` stands in for the study's ``cost.repeats``.
-        A script that starts processes needs its ``if __name__ == "__main__":``.
+        As :class:`mpmfw.campaigns.execution.Execution` takes them, but that the store is ``<output>.runs``
+        and jobs are by default one for each core, for exclusive costs a single one; with more of them, or an
+        executor, results come from there first. ``repeats`` stands in for the study's ``cost.repeats``. A
+        script that starts processes needs its ``if __name__ == "__main__":``.
     scheduler
         Address of a Dask scheduler, such as ``tcp://127.0.0.1:8786``, whose workers run the study instead.
     under
@@ -64,9 +65,9 @@ def study(
     Returns
     -------
     xarray.Dataset
-        Dims named by what varies. ``error`` (relative; NaN where unknown), ``cpu_time`` and ``cpu_time_spread`` [s],
-        ``stage_time`` and ``settle_stage_time`` [s] (…, stage), ``pareto`` (true on the front), ``status``, ``timing``,
-        ``repeats``, steps, material_points, peak_memory [B] …
+        Dims named by what varies. ``error`` (relative; NaN where unknown), ``cpu_time`` and
+        ``cpu_time_spread`` [s], ``stage_time`` and ``settle_stage_time`` [s] (…, stage), ``pareto`` (true on
+        the front), ``status``, ``timing``, ``repeats``, steps, material_points, peak_memory [B] …
 
     Raises
     ------
@@ -128,12 +129,14 @@ def _with(
 
 
 def relative_error(given: float | str, name: str = "under") -> float:
-    """A relative error as a request writes it: a number below 1, or text with ``%``; the same in Python and on the command line.
+    """A relative error as a request writes it: a number below 1, or text with ``%``; the same in Python and
+    on the command line.
 
     Raises
     ------
     SceneError
-        It is none, is not positive, or is a bare number that would be 100 % or more, and is meant in per cent.
+        It is none, is not positive, or is a bare number that would be 100 % or more, and is meant in per
+        cent.
     """
     limit = positive(name, given, "1", "a relative error such as 0.01 or '1 %'")
     if limit >= 1.0 and "%" not in str(given):

@@ -75,9 +75,9 @@ def methods(
 class Place:
     """One variant of the scene that all methods run, such as a cell size.
 
-    ``make`` are arguments of a scene's function. ``within`` are limits that hold here, by ``key`` of a gate. ``open``
-    are gates that do not bind here, by key: the reason, or reasons by patterns of methods; ``run`` is the run itself.
-    """
+    ``make`` are arguments of a scene's function. ``within`` are limits that hold here, by ``key`` of a gate.
+    ``open`` are gates that do not bind here, by key: the reason, or reasons by patterns of methods; ``run``
+    is the run itself."""
 
     at: str = ""
     set: Mapping[str, Any] = field(default_factory=dict)

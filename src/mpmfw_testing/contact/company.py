@@ -159,7 +159,8 @@ def step_length(subject: Subject) -> None:
             within(
                 float(np.abs(found - expected).max() / max(np.abs(expected).max(), 1e-300)),
                 bound,
-                f"what is exchanged {what} the line between the bodies depends on how long a step is (share of the whole)",
+                f"what is exchanged {what} the line between the bodies depends on how long a step is (share "
+                "of the whole)",
                 {"step [s]": longest},
                 histories({"shorter": (time, found), "longer": (time, expected)}, "impulse by then [N s/m]"),
             )
@@ -213,11 +214,13 @@ def met_again(subject: Subject) -> None:
         "speed of approach [m/s]": 1.0,
     }
     within(
-        float(left), LEFT, "bodies that met and parted are not stopped when they meet again: share of their speed left",
+        float(left), LEFT,
+        "bodies that met and parted are not stopped when they meet again: share of their speed left",
         case, picture,
     )  # fmt: skip
     within(
-        float(across), GRID, "bodies that meet again are not pushed along the line between them: share of their speed across it",
+        float(across), GRID,
+        "bodies that meet again are not pushed along the line between them: share of their speed across it",
         case, picture,
     )  # fmt: skip
 

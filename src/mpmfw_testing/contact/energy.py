@@ -92,7 +92,8 @@ def time_step(subject: Subject) -> None:
         within(
             float(kinetic.max()) / work,
             SHAKEN,
-            f"at {OF_OWN_LIMIT} of the law's own time-step limit the motion grows (energy over the work done)",
+            f"at {OF_OWN_LIMIT} of the law's own time-step limit the motion grows (energy over the work "
+            "done)",
             {"step of the maximum": int(kinetic.argmax()), "step [s]": max(motion.dt)},
             _energy_picture(motion, work),
         )

@@ -108,7 +108,8 @@ def saved(subject: Subject) -> None:
             one, other = (np.array(m.series[name][-AFTER - 1 :]) for m in (motion, reference))
             if not np.array_equal(one, other, equal_nan=True):
                 raise Violation(
-                    f"the series {name} goes on otherwise after loading: history does not name all that is kept"
+                    f"the series {name} goes on otherwise after loading: history does not name all that is "
+                    "kept"
                 )
 
     search_meetings(trial, **_SLIDING, examples=3)

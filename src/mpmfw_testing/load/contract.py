@@ -56,7 +56,8 @@ def own_body(subject: Subject) -> None:
         within(float(others), 0.0, "the load acts on a body that the scene does not name", {"dim": dim})
         scale = np.abs(alone).max()
         within(
-            float(np.abs(found - alone).max()), 1e-9 * scale, "another body changes the force on the loaded one",
+            float(np.abs(found - alone).max()), 1e-9 * scale,
+            "another body changes the force on the loaded one",
             {"dim": dim},
         )  # fmt: skip
 

@@ -29,7 +29,8 @@ def impulse(subject: Subject) -> None:
         scale = np.abs(before).max() + STEP * np.abs(force).max()
         within(
             float(np.abs(gained - STEP * force).max()), ROUNDING * scale,
-            "the momentum that the body gains in a step is not the impulse of the load's forces", {"dim": dim},
+            "the momentum that the body gains in a step is not the impulse of the load's "
+            "forces", {"dim": dim},
         )  # fmt: skip
 
 

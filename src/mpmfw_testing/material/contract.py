@@ -106,7 +106,8 @@ def declared_history(subject: Subject) -> None:
         found = np.array([second.deform(f) for f in steps[10:]])
         within(
             float(np.abs(found - expected).max()), 0.0,
-            "the points have a history that is in no array of the run: a run that is resumed differs", {"dim": dim},
+            "the points have a history that is in no array of the run: a run that is resumed "
+            "differs", {"dim": dim},
         )  # fmt: skip
 
 

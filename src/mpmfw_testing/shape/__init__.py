@@ -15,7 +15,8 @@ from mpmfw_testing.shape.sums import dense
 
 #: Those first whose failure makes others fail as well.
 CHECKS = (
-    *contract.CHECKS, *weights.CHECKS, *gradients.CHECKS, *support.CHECKS, *deformation.CHECKS, *surfaces.CHECKS,
+    *contract.CHECKS, *weights.CHECKS, *gradients.CHECKS, *support.CHECKS, *deformation.CHECKS,
+    *surfaces.CHECKS,
     *options.CHECKS, sent,
 )  # fmt: skip
 

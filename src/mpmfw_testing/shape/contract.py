@@ -61,7 +61,8 @@ def structure(subject: Subject) -> None:
             surface = placed.surface_table(position)
             if surface.gradient.shape != (0, dim):
                 raise Violation(
-                    f"a surface table has no gradients: expected shape (0, {dim}), found {surface.gradient.shape}"
+                    f"a surface table has no gradients: expected shape (0, {dim}), found "
+                    f"{surface.gradient.shape}"
                 )
             _require_table(surface, len(position), dim, False, placed)
 
@@ -226,7 +227,8 @@ def _require_table(table: Stencil, count: int, dim: int, gradients: bool, placed
     row = np.asarray(table.row)
     if row.shape != (count + 1,) or row[0] != 0 or (np.diff(row) < 0).any() or row[-1] > len(table.nodes):
         raise Violation(
-            f"row must count up from 0 to at most {len(table.nodes)} entries in {count + 1} numbers; it is {row}"
+            f"row must count up from 0 to at most {len(table.nodes)} entries in {count + 1} numbers; it is "
+            f"{row}"
         )
     expected = {"row": np.int64, "nodes": np.int32, "weight": np.float64, "gradient": np.float64}
     for name, dtype in expected.items():

@@ -223,7 +223,8 @@ def _require_own(nodes: Any, placed: Placement, point: int, field: int) -> None:
     first, last = int(placed.grid.offset[field]), int(placed.grid.offset[field + 1]) - 1
     if not ((nodes >= first) & (nodes <= last)).all():
         raise Violation(
-            f"a point of velocity field {field} has entries {nodes.min()} … {nodes.max()}; its field's nodes are "
+            f"a point of velocity field {field} has entries {nodes.min()} … {nodes.max()}; its field's nodes "
+            "are "
             f"{first} … {last}",
             {"point": point},
             picture_of(placed, point),

@@ -1,4 +1,6 @@
-"""Laws that see what they must not: the order of the bodies, the place in the grid, its axes, one shape function."""
+"""Laws that see what they must not: the order of the bodies, the place in the grid, its axes, one shape
+function.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,9 @@ class FirstIsMaster(PlainContact):
 
 
 class MiddleIsLighter(PlainContact):
-    """Of three bodies the one in the middle of the list gets smaller impulses; the same one if the list is reversed."""
+    """Of three bodies the one in the middle of the list gets smaller impulses; the same one if the list is
+    reversed.
+    """
 
     name = "middle-is-lighter"
 

@@ -96,7 +96,9 @@ _CONTACTS = [0]
 
 
 class CountsElsewhere(PlainContact):
-    """Friction falls with the contacts of the run, which the module counts: a run that is loaded begins anew."""
+    """Friction falls with the contacts of the run, which the module counts: a run that is loaded begins
+    anew.
+    """
 
     name = "counts-elsewhere"
 

@@ -27,7 +27,9 @@ class UnequalImpulse(PlainContact):
 
 
 class MissingMoment(PlainContact):
-    """The pair's impulses are equal and opposite and act at different points: each of the second's one node on."""
+    """The pair's impulses are equal and opposite and act at different points: each of the second's one node
+    on.
+    """
 
     name = "missing-moment"
 
@@ -57,7 +59,9 @@ class MassRatio(PlainContact):
 
 
 class ForceAtDistance(PlainContact):
-    """Bodies whose heaviest nodes are within twelve cells push at each other, a little, from the nodes with most mass."""
+    """Bodies whose heaviest nodes are within twelve cells push at each other, a little, from the nodes with
+    most mass.
+    """
 
     name = "force-at-distance"
 

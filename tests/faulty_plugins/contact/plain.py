@@ -1,8 +1,8 @@
 """Momentum exchange at shared nodes, written out in NumPy: right, and easy to spoil in one place.
 
-The law is that of Bardenhagen et al. (2001): where two bodies share a node and approach each other along n, the
-normal part of their relative velocity is taken away, and the tangential one as far as Coulomb's cone lets it.
-"""
+The law is that of Bardenhagen et al. (2001): where two bodies share a node and approach each other along n,
+the normal part of their relative velocity is taken away, and the tangential one as far as Coulomb's cone lets
+it."""
 
 from __future__ import annotations
 

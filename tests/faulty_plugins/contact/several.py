@@ -1,4 +1,6 @@
-"""Laws of momentum exchange that hold in the simplest scene alone: two equal bodies, face to face, slow, once."""
+"""Laws of momentum exchange that hold in the simplest scene alone: two equal bodies, face to face, slow,
+once.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +33,9 @@ class FirstBodysFriction(PlainContact):
 
 
 class CentreLine(PlainContact):
-    """The normal is the line between the bodies' centres: right for discs, and for blocks that lie opposite each other."""
+    """The normal is the line between the bodies' centres: right for discs, and for blocks that lie opposite
+    each other.
+    """
 
     name = "centre-line"
 

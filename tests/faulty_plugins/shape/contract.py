@@ -23,7 +23,9 @@ class LongNodes(Sound):
 
 
 class Descending(Sound):
-    """Rows from their last node to the first, of which it says that they ascend: threads would lose what a point adds."""
+    """Rows from their last node to the first, of which it says that they ascend: threads would lose what a
+    point adds.
+    """
 
     rows_ascend = True
 

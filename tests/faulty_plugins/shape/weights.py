@@ -63,7 +63,9 @@ class WrongPiece(Sound):
 
 
 class AlternatingCells(Sound):
-    """Wider functions in every other cell of the background grid: sums hold, but a shift by a cell is felt."""
+    """Wider functions in every other cell of the background grid: sums hold, but a shift by a cell is
+    felt.
+    """
 
     def table(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
         """Mixes in (1, −2, 1), which no sum notices, in odd cells; zero at their faces."""

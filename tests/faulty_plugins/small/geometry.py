@@ -320,8 +320,11 @@ class LeftHanded(Sound):
 
 
 FAULTS: dict[Any, str] = {
-    FlatBounds: "runs", Hole: "closed", Flipped: "closed", Eight: "closed", Repeated: "closed", Clockwise: "oriented",
-    FilledHole: "oriented", Coarse: "sides", Many: "sides", Narrow: "in-bounds", Wide: "in-bounds", WholeArea: "volume",
-    Rough: "volume", Origin: "centroid", OneSize: "points", SmallDomains: "points", Shared: "repeatable", Random: "repeatable",
+    FlatBounds: "runs", Hole: "closed", Flipped: "closed", Eight: "closed", Repeated: "closed",
+    Clockwise: "oriented",
+    FilledHole: "oriented", Coarse: "sides", Many: "sides", Narrow: "in-bounds", Wide: "in-bounds",
+    WholeArea: "volume",
+    Rough: "volume", Origin: "centroid", OneSize: "points", SmallDomains: "points", Shared: "repeatable",
+    Random: "repeatable",
     Hidden: "saved", Unsent: "saved", Swelling: "moves", LeftHanded: "axes",
 }  # fmt: skip

@@ -109,13 +109,13 @@ def collide(
     times
         At which fields are kept [s], each at the nearest step; multiples of 0.1 ms are met exactly.
     stiffness
-        κ: springs of κ (K + 4G/3) l/size, l the tributary length of a node. Above about 3 the time step would have
-        to be shorter, which ``energy_error`` shows.
+        κ: springs of κ (K + 4G/3) l/size, l the tributary length of a node. Above about 3 the time step would
+        have to be shorter, which ``energy_error`` shows.
     courant
         Time step over the shortest edge's travel time of the dilatational wave.
     turn
-        Rotation of the right ring's mesh, in quadrilaterals. At 0.5 nodes face the middle of segments; at 0 one ring
-        is the mirror image of the other, and node meets node.
+        Rotation of the right ring's mesh, in quadrilaterals. At 0.5 nodes face the middle of segments; at 0
+        one ring is the mirror image of the other, and node meets node.
     """
     mesh, solid, pair = _two_rings(size, stiffness, turn)
     edges = np.linalg.norm(mesh.points[mesh.elements] - mesh.points[np.roll(mesh.elements, 1, 1)], axis=2)

@@ -1,8 +1,7 @@
 """Compilation of the loops, with the annotations kept, and the array types.
 
-numba keeps compiled code by the file of a loop and misses an edit of a file that it imports. The folder of the code is
-therefore named by a hash of all files of the packages beside this one.
-"""
+numba keeps compiled code by the file of a loop and misses an edit of a file that it imports. The folder of
+the code is therefore named by a hash of all files of the packages beside this one."""
 
 import hashlib
 import os

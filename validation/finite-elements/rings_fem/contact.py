@@ -1,10 +1,9 @@
 """Frictionless contact of two outlines by penalty springs from nodes to segments, both ways.
 
-Each node of one outline that lies inside the other is drawn to the closest point of that outline by a spring; both
-outlines take each part once, with half of the stiffness (two passes). The force is the exact gradient of the springs'
-energy, because the closest point is stationary under a shift along its segment. No friction: the problem is its own
-mirror image, so that neither ring can slide along the other.
-"""
+Each node of one outline that lies inside the other is drawn to the closest point of that outline by a spring;
+both outlines take each part once, with half of the stiffness (two passes). The force is the exact gradient of
+the springs' energy, because the closest point is stationary under a shift along its segment. No friction: the
+problem is its own mirror image, so that neither ring can slide along the other."""
 
 from __future__ import annotations
 
@@ -64,7 +63,9 @@ def inside(points: Floats, nodes: Integers, k: int, xi: float, dx: float, dy: fl
 
 @compiled
 def box(points: Floats, nodes: Integers) -> tuple[float, float, float, float]:
-    """Least and greatest x, least and greatest y of an outline [m]; a point outside of them touches nothing."""
+    """Least and greatest x, least and greatest y of an outline [m]; a point outside of them touches
+    nothing.
+    """
     left, right, bottom, top = np.inf, -np.inf, np.inf, -np.inf
     for node in nodes:
         left, right = min(left, points[node, 0]), max(right, points[node, 0])

@@ -5,9 +5,8 @@ three-field form Simo, Taylor & Pister 1985), in the energy itself:
 
     W_h = Σ_e { V_e K/2 [(θ² - 1)/2 - ln θ] + Σ_q w_q G/2 [J_q^(-2/3) tr b_q - 3] },   θ = Σ_q w_q J_q / V_e
 
-with tr b = F:F + 1 in plane strain. The nodal force is the exact gradient of W_h, so that energy is conserved but
-for the error of the time integration.
-"""
+with tr b = F:F + 1 in plane strain. The nodal force is the exact gradient of W_h, so that energy is conserved
+but for the error of the time integration."""
 
 from __future__ import annotations
 
@@ -60,7 +59,9 @@ def solid_of(mesh: Mesh, bulk: float = BULK, shear: float = SHEAR, density: floa
 
 @compiled
 def deform(points: Floats, solid: Solid, e: int, gradient: Floats) -> float:
-    """Fill (4, 4) F11, F12, F21, F22 = Σ_a x_a ⊗ ∂N_a/∂X at the quadrature points; returns θ, the mean of det F."""
+    """Fill (4, 4) F11, F12, F21, F22 = Σ_a x_a ⊗ ∂N_a/∂X at the quadrature points; returns θ, the mean of det
+    F.
+    """
     volume, reference = 0.0, 0.0
     for q in range(4):
         f11, f12, f21, f22 = 0.0, 0.0, 0.0, 0.0

@@ -35,11 +35,11 @@ def advance(motion: Motion, solid: Solid, pair: Pair, step: float, history: Floa
     2. moves them,
     3. finds the forces at the new positions,
     4. accelerates them for the other half,
-    5. records (6,) contact force on the right body [N/m], kinetic, strain and spring energy [J/m], x-momentum of the
-       left and of the right body [N s/m].
+    5. records (6,) contact force on the right body [N/m], kinetic, strain and spring energy [J/m], x-momentum
+       of the left and of the right body [N s/m].
 
-    Steps 4 and 1 join to the central difference; stopping between them gives the velocity of the step's own time.
-    """
+    Steps 4 and 1 join to the central difference; stopping between them gives the velocity of the step's own
+    time."""
     for record in history:
         kick(motion, solid, 0.5 * step)
         motion.points[:] += step * motion.velocity

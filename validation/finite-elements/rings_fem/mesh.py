@@ -31,7 +31,8 @@ def ring(size: float, centre: float = 0.0, turn: float = 0.0) -> Mesh:
     centre
         x of the centre [m]; y is 0.
     turn
-        Rotation of the mesh in its own plane, in units of one quadrilateral. A node lies at angle 0 if it is 0.
+        Rotation of the mesh in its own plane, in units of one quadrilateral. A node lies at angle 0 if it is
+        0.
     """
     around, through = round(0.24 / size), round((OUTER - INNER) / size)
     angle = 2.0 * np.pi * (np.arange(around) + turn) / around

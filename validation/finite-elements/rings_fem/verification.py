@@ -1,4 +1,6 @@
-"""What the elements, the contact and the time integration must do, against closed forms and finite differences."""
+"""What the elements, the contact and the time integration must do, against closed forms and finite
+differences.
+"""
 
 from __future__ import annotations
 
@@ -119,7 +121,9 @@ def contact_gradient_error() -> float:
 
 
 def contact_balance_error() -> float:
-    """Resultant and moment of the contact forces over the largest force (and its arm), where rings overlap."""
+    """Resultant and moment of the contact forces over the largest force (and its arm), where rings
+    overlap.
+    """
     points, left, right = overlapping()
     force = np.zeros_like(points)
     add_contact_force(points, left, right, force)
@@ -130,8 +134,8 @@ def contact_balance_error() -> float:
 def breathing_frequency() -> tuple[float, Callable[[Floats], Floats]]:
     """Lowest radially symmetric vibration of a ring, linear elastic, plane strain.
 
-    The radial displacement is u = J1(kr) + c Y1(kr) with k = ω/c_d; σ_rr = (λ + 2μ) u' + λ u/r vanishes at both
-    radii (e.g. Graff 1975, Wave motion in elastic solids, section 4.5).
+    The radial displacement is u = J1(kr) + c Y1(kr) with k = ω/c_d; σ_rr = (λ + 2μ) u' + λ u/r vanishes at
+    both radii (e.g. Graff 1975, Wave motion in elastic solids, section 4.5).
 
     Returns
     -------

@@ -1,12 +1,14 @@
 """Coulomb friction between the block's lower face and the plane's upper one, in two independent forms.
 
-Each lower node meets the segment of the plane below it. The faces stay flat and level to a thousandth, so that the
-normal is y and the tangent x: gap and slip are linear in the displacements, with the same weights (1, -(1 - ξ), -ξ).
+Each lower node meets the segment of the plane below it. The faces stay flat and level to a thousandth, so
+that the normal is y and the tangent x: gap and slip are linear in the displacements, with the same weights
+(1, -(1 - ξ), -ξ).
 
-- Springs: f_n = -k g for g < 0, and a spring along the face whose force is returned to Coulomb's cone (return mapping;
-  Wriggers 2006, Computational contact mechanics, chapter 10).
-- Impulses: velocities are projected so that v_n ≥ 0 and |q| ≤ μ p at the end of the step, without any stiffness and
-  with plastic impact (Moreau 1988; Jean 1999, Comput. Methods Appl. Mech. Eng. 177, 235-257), by Gauss-Seidel sweeps.
+- Springs: f_n = -k g for g < 0, and a spring along the face whose force is returned to Coulomb's cone (return
+  mapping; Wriggers 2006, Computational contact mechanics, chapter 10).
+- Impulses: velocities are projected so that v_n ≥ 0 and |q| ≤ μ p at the end of the step, without any
+  stiffness and with plastic impact (Moreau 1988; Jean 1999, Comput. Methods Appl. Mech. Eng. 177, 235-257),
+  by Gauss-Seidel sweeps.
 """
 
 from __future__ import annotations
@@ -51,7 +53,8 @@ def add_springs(
     tangential: Floats,
     force: Floats,
 ) -> tuple[float, float, float]:
-    """Add the springs' forces [N/m] to (n_nodes, 2) ``force``; ``tangential`` (n_bottom,) is kept from step to step.
+    """Add the springs' forces [N/m] to (n_nodes, 2) ``force``; ``tangential`` (n_bottom,) is kept from step
+    to step.
 
     Returns
     -------
@@ -93,10 +96,11 @@ def project(
     step: float,
     impulse: Floats,
 ) -> tuple[float, float, float]:
-    """Change the velocities by contact impulses, which (n_bottom, 2) ``impulse`` keeps as the next step's first guess.
+    """Change the velocities by contact impulses, which (n_bottom, 2) ``impulse`` keeps as the next step's
+    first guess.
 
-    A node at the gap g > 0 may approach by g in the step, one in contact not at all. Returns as :func:`add_springs`.
-    """
+    A node at the gap g > 0 may approach by g in the step, one in contact not at all. Returns as
+    :func:`add_springs`."""
     for i in range(len(bottom)):
         node = bottom[i]
         k, xi = segment_below(points, top, points[node, 0])

@@ -1,14 +1,14 @@
-"""Small motions about steady sliding: their eigenvalues say whether it is stable, without any time integration.
+"""Small motions about steady sliding: their eigenvalues say whether it is stable, without any time
+integration.
 
 While every node of the lower face slides forwards, the friction of each is μ times its own normal force. With
 g = N u the gaps and s = T u the slips of the small displacement u, springs k give the forces
 
     f = -[K + Nᵀ k N - μ Tᵀ k N] u,
 
-a stiffness that is not symmetric. Two modes of neighbouring frequencies may then couple: u ~ exp((σ + iω) t) with σ > 0, flutter
-(Martins, Guimarães & Faria 1995, J. Vib. Acoust. 117, 445-451). Without springs the gaps are held
-at zero by multipliers, which are the limit of k to infinity.
-"""
+a stiffness that is not symmetric. Two modes of neighbouring frequencies may then couple: u ~ exp((σ + iω) t)
+with σ > 0, flutter (Martins, Guimarães & Faria 1995, J. Vib. Acoust. 117, 445-451). Without springs the gaps
+are held at zero by multipliers, which are the limit of k to infinity."""
 
 from __future__ import annotations
 
@@ -65,10 +65,11 @@ def contact_matrix(bodies: Incline, axis: int) -> Floats:
 
 
 def slide_steadily(bodies: Incline, friction: float, *, rigid_contact: bool = False) -> Sliding:
-    """Find the equilibrium of the block that slides, in the frame that goes with it; nodes that would pull are let go.
+    """Find the equilibrium of the block that slides, in the frame that goes with it; nodes that would pull
+    are let go.
 
-    Gravity is that at zero tilt: the block's part along the plane only accelerates it, and its part across scales all forces.
-    """
+    Gravity is that at zero tilt: the block's part along the plane only accelerates it, and its part across
+    scales all forces."""
     free = np.repeat(bodies.free > 0.0, 2)
     matrix = _bulk(bodies)
     gaps, slips = contact_matrix(bodies, 1), contact_matrix(bodies, 0)
@@ -114,7 +115,8 @@ def growth(
     damping: float = 0.0,
     pressed: Floats | None = None,
 ) -> Floats:
-    """Growth rates σ [1/s] and frequencies ω/2π [Hz] of the growing small motions, (n, 2), the lowest frequency first.
+    """Growth rates σ [1/s] and frequencies ω/2π [Hz] of the growing small motions, (n, 2), the lowest
+    frequency first.
 
     Parameters
     ----------
@@ -125,7 +127,8 @@ def growth(
     viscosity
         β of a Kelvin-Voigt solid [s].
     damping
-        Dashpots across the faces beside the springs, as a fraction of critical 2 √(k m) with m the lower node's mass.
+        Dashpots across the faces beside the springs, as a fraction of critical 2 √(k m) with m the lower
+        node's mass.
     pressed
         Which lower nodes bear; all, if it is not given.
     """
@@ -141,8 +144,8 @@ def growth(
         pull[:, kept].T / mass[:, None],
     )
     if rigid_contact:
-        # Multipliers λ = -(G B)⁻¹ G a keep the gaps' acceleration at zero; what stays is A = [1 - B (G B)⁻¹ G] K/m
-        # on the null space of G.
+        # Multipliers λ = -(G B)⁻¹ G a keep the gaps' acceleration at zero; what stays is A = [1 - B (G B)⁻¹
+        # G] K/m on the null space of G.
         project = np.eye(len(mass)) - pull @ np.linalg.solve(gaps @ pull, gaps)
         _, _, right = np.linalg.svd(gaps)
         null = right[len(gaps) :].T

@@ -71,7 +71,8 @@ def slide(
     viscosity
         β [s] of a Kelvin-Voigt solid: the elements' forces are those of x + β v.
     courant
-        Time step over the shortest edge's travel time of the dilatational wave in the block, before viscosity.
+        Time step over the shortest edge's travel time of the dilatational wave in the block, before
+        viscosity.
     end
         Of the motion [s].
     """

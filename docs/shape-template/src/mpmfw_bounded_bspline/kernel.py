@@ -21,11 +21,11 @@ WIDTH = 3
 def quadratic_weights(
     xi: Float, inverse_h: Float, d: int, base: Floats, weight: Floats, slope: Floats
 ) -> None:
-    """The three quadratic B-splines whose support holds ``xi`` [cells] along axis ``d``, and their slopes [1/m].
+    """The three quadratic B-splines whose support holds ``xi`` [cells] along axis ``d``, and their slopes
+    [1/m].
 
-    With t = ξ − ``base[d]``, ½ ≤ t ≤ 3/2, they are ½(3/2 − t)², ¾ − (t − 1)² and ½(t − ½)², for the node ``base[d]`` and the
-    two after it.
-    """
+    With t = ξ − ``base[d]``, ½ ≤ t ≤ 3/2, they are ½(3/2 − t)², ¾ − (t − 1)² and ½(t − ½)², for the node
+    ``base[d]`` and the two after it."""
     base[d] = math.floor(xi - 0.5)
     t = xi - base[d]
     weight[d, 0] = 0.5 * (1.5 - t) ** 2
@@ -40,10 +40,9 @@ def quadratic_weights(
 def fold_at_start(d: int, values: Floats) -> None:
     """Give the share of the node before the grid's first to nodes 0 and 1.
 
-    The missing node is read by linear extrapolation, u_{−1} = 2 u_0 − u_1: what is left are 1 − ξ and ξ, the linear functions.
-    They keep Σ φ = 1 and Σ φ x = x, are nowhere negative, and the first node alone is felt at the grid's end. The freed third
-    entry becomes zero.
-    """
+    The missing node is read by linear extrapolation, u_{−1} = 2 u_0 − u_1: what is left are 1 − ξ and ξ, the
+    linear functions. They keep Σ φ = 1 and Σ φ x = x, are nowhere negative, and the first node alone is felt
+    at the grid's end. The freed third entry becomes zero."""
     ghost = values[d, 0]
     values[d, 0] = values[d, 1] + 2.0 * ghost
     values[d, 1] = values[d, 2] - ghost

@@ -21,7 +21,8 @@ class BoundedBSplineOptions(BaseModel):
         Literal["modified", "refuse"],
         Field(
             description=(
-                "In the last half cell of the grid a node of the support is missing. 'modified' reads it by linear "
+                "In the last half cell of the grid a node of the support is missing. 'modified' reads it by "
+                "linear "
                 "extrapolation; 'refuse' stops the run, as the bundled `bspline` does"
             )
         ),
@@ -31,8 +32,8 @@ class BoundedBSplineOptions(BaseModel):
 class BoundedBSpline(ShapeFunction):
     """φ_ip = Π_d B²((x_p − x_i)_d / h): 9 nodes in 2D, 27 in 3D; surfaces are mapped with the same weights.
 
-    Inside the grid it is the bundled `bspline`. That one stops where a support leaves the grid, half a cell before its end;
-    here bodies may fill the grid to the last node.
+    Inside the grid it is the bundled `bspline`. That one stops where a support leaves the grid, half a cell
+    before its end; here bodies may fill the grid to the last node.
 
     M. Steffen, R. M. Kirby, M. Berzins (2008): Analysis and reduction of quadrature errors in the material
     point method (MPM). International Journal for Numerical Methods in Engineering 76, 922-948.
@@ -54,7 +55,9 @@ class BoundedBSpline(ShapeFunction):
 
     @hookimpl
     def particle_reach(self, particles: Particles) -> FloatArray:
-        """Points have no extent: the support, one and a half cells, lies in the margin that every window has."""
+        """Points have no extent: the support, one and a half cells, lies in the margin that every window
+        has.
+        """
         return np.zeros_like(particles.position)
 
     @hookimpl
