@@ -55,6 +55,9 @@ _MODULES = {
     "table": "mpmfw.results.notebook",
 }
 
+#: Functions whose results have the accessor ``.mpmfw``.
+_GIVE_RESULTS = {"campaign", "choose", "compare", "open", "resume", "run", "select", "study"}
+
 __all__ = [
     "Interrupted",
     "MpmfwError",
@@ -93,6 +96,8 @@ def __getattr__(name: str) -> Any:
         return importlib.import_module("mpmfw.plots")
     if name not in _MODULES:
         raise AttributeError(f"module 'mpmfw' has no attribute {name!r}")
+    if name in _GIVE_RESULTS:
+        importlib.import_module("mpmfw.results.accessor")
     value = getattr(importlib.import_module(_MODULES[name]), name)
     globals()[name] = value
     return value

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import warnings
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -14,7 +15,7 @@ from pydantic import Field
 from mpmfw.campaigns.grid import Index, RunGrid
 from mpmfw.campaigns.keys import as_number, finer
 from mpmfw.campaigns.measures import exact_of, inferred, known_axis, measure_of
-from mpmfw.errors import SceneError
+from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.plugin.measure import About, Exact, Measure, Measured
 from mpmfw.results.analysis import relative_l2
 from mpmfw.scene import Scene
@@ -326,6 +327,18 @@ def error_at(path: tuple[str, ...], message: str) -> SceneError:
     return SceneError(f"{'.'.join(path)}: {message}")
 
 
+def _known_of_all(measure: Measure, scenes: Sequence[Scene]) -> Exact | None:
+    """Return what is known of the first scene; None unless it is known of all, with a warning if the
+    reference of one does not apply.
+    """
+    try:
+        known = [exact_of(measure, scene, About()) for scene in scenes]
+    except SceneError as error:
+        warnings.warn(f"no error of {measure.name} is measured: {error}", ResultsWarning, stacklevel=4)
+        return None
+    return known[0] if known and None not in known else None
+
+
 def judge_all(
     grid: RunGrid, measures: tuple[str, ...], reference: Mapping[str, Any] | None
 ) -> list[tuple[Measure, Judge | None]]:
@@ -340,9 +353,8 @@ def judge_all(
     judges: list[tuple[Measure, Judge | None]] = []
     for name in measures:
         given, measure = reference, measure_of(name)
-        if given is None and all(exact_of(measure, scene, About()) is not None for scene in scenes):
-            known = exact_of(measure, scenes[0], About())
-            given = None if known is None else {"kind": known.kind}
+        if given is None and (known := _known_of_all(measure, scenes)) is not None:
+            given = {"kind": known.kind}
         table = None if given is None else ErrorTable.model_validate({"quantity": name, **given})
         judges.append((measure, None if table is None else Judge(table, grid)))
     return judges

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import xarray as xr
 
-import mpmfw
+from mpmfw.results import notebook
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,22 +26,22 @@ class Accessor:
 
     def history(self, name: str, **selection: str | None) -> xr.DataArray:
         """Return a series over time; see :func:`mpmfw.history`."""
-        return mpmfw.history(self._results, name, **selection)
+        return notebook.history(self._results, name, **selection)
 
     def gap(self, pair: str | None = None) -> xr.DataArray:
         """Return the least distance of a pair; see :func:`mpmfw.gap`."""
-        return mpmfw.gap(self._results, pair)
+        return notebook.gap(self._results, pair)
 
     def field(
         self, name: str = "von_mises", *, time: float | None = None, body: str | None = None
     ) -> xr.DataArray:
         """Return a field on the material points; see :func:`mpmfw.field`."""
-        return mpmfw.field(self._results, name, time=time, body=body)
+        return notebook.field(self._results, name, time=time, body=body)
 
     def table(self) -> pd.DataFrame:
         """Return the table of a comparison; see :func:`mpmfw.table`."""
-        return mpmfw.table(self._results)
+        return notebook.table(self._results)
 
     def pareto(self) -> pd.DataFrame:
         """Return the Pareto front of a study; see :func:`mpmfw.pareto`."""
-        return mpmfw.pareto(self._results)
+        return notebook.pareto(self._results)

@@ -183,8 +183,6 @@ def tree_of(dataset: netCDF4.Dataset, *, load: bool = True) -> xr.DataTree:
     """
     import xarray as xr
 
-    import mpmfw.results.accessor  # noqa: F401  registers it
-
     try:
         groups = {name: xr.open_dataset(_store(group)) for name, group in _groups(dataset)}
         bodies = groups["/"]["body"].values.tolist() if "body" in groups["/"] else []

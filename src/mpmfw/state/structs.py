@@ -42,6 +42,11 @@ class Stencil(Struct):
         row, nodes, weight, gradient = self.kernel_arrays
         return row, nodes, weight, gradient
 
+    def replace(self, **arrays: AnyArray) -> Stencil:
+        """Return a table with other ``arrays``, by name."""
+        shown = {name: getattr(self, name) for name in self.member_names}
+        return Stencil(**{**shown, **arrays})
+
     def part(self, begin: int, end: int) -> Stencil:
         """Return the table of the points ``begin:end``, with the same entries."""
         row, *entries = self.kernel_arrays

@@ -19,7 +19,7 @@ class LongNodes(Sound):
     def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
         """int64."""
         table = super().interpolate(particles, grid)
-        return table._replace(nodes=table.nodes.astype(np.int64))
+        return table.replace(nodes=table.nodes.astype(np.int64))
 
 
 class Descending(Sound):
@@ -36,7 +36,7 @@ class Descending(Sound):
         order = np.concatenate(
             [np.arange(b - 1, a - 1, -1) for a, b in zip(table.row[:-1], table.row[1:], strict=True)]
         )
-        return table._replace(
+        return table.replace(
             nodes=table.nodes[order], weight=table.weight[order], gradient=table.gradient[order]
         )
 
@@ -61,7 +61,7 @@ class Remembering(Sound):
         table = super().interpolate(particles, grid)
         mixed = table.weight if self.before is None else 0.5 * (table.weight + self.before)
         self.before = table.weight * (1.0 + 1e-15)
-        return table._replace(weight=mixed)
+        return table.replace(weight=mixed)
 
 
 #: Steps of whichever object was set up last.
@@ -85,7 +85,7 @@ class KeepsElsewhere(Sound):
     def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
         """Fainter by each step."""
         table = super().interpolate(particles, grid)
-        return table._replace(weight=table.weight * (1.0 - 1e-9 * _STEPS[0]))
+        return table.replace(weight=table.weight * (1.0 - 1e-9 * _STEPS[0]))
 
 
 class Clamping(Sound):

@@ -22,7 +22,7 @@ class PerCell(Sound):
     def table(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
         """Gradients times h."""
         table = super().table(position, first, grid)
-        return table._replace(gradient=table.gradient * grid.cell_size)
+        return table.replace(gradient=table.gradient * grid.cell_size)
 
 
 class GradientOfLinear(Sound):

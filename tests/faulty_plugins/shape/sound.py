@@ -30,7 +30,7 @@ class Sound(ShapeFunction):
     def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
         """The same basis, without gradients."""
         table = self.table(position, first, grid)
-        return table._replace(gradient=np.zeros((0, grid.dim)))
+        return table.replace(gradient=np.zeros((0, grid.dim)))
 
     def base(self, xi: FloatArray) -> FloatArray:
         """First node of the support, of the position ``xi`` [cells] in the window."""

@@ -40,7 +40,7 @@ class SurfaceNeverOutside(Sound):
     def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
         """Without the check."""
         table = NeverOutside().table(position, first, grid)
-        return table._replace(gradient=np.zeros((0, grid.dim)))
+        return table.replace(gradient=np.zeros((0, grid.dim)))
 
 
 class OneField(Sound):

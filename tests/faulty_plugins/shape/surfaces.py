@@ -25,7 +25,7 @@ class SurfaceNotNormalised(Sound):
     def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
         """A hundredth short."""
         table = super().interpolate_surface(position=position, first=first, grid=grid)
-        return table._replace(weight=0.99 * table.weight)
+        return table.replace(weight=0.99 * table.weight)
 
 
 class UndeclaredBoundary(Linear):

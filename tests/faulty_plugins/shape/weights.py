@@ -23,7 +23,7 @@ class NotNormalisedIn3D(Sound):
     def table(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
         """In 3D the weights are scaled as those of the square."""
         table = super().table(position, first, grid)
-        return table._replace(weight=table.weight * 1.01) if grid.dim == 3 else table
+        return table.replace(weight=table.weight * 1.01) if grid.dim == 3 else table
 
 
 class HalfCellOff(Sound):
@@ -75,7 +75,7 @@ class AlternatingCells(Sound):
         ripple = np.array([1.0, -2.0, 1.0])
         for _ in range(grid.dim - 1):
             ripple = np.multiply.outer(ripple, np.array([1.0, -2.0, 1.0]))
-        return table._replace(weight=table.weight + np.outer(share, ripple.ravel()).ravel())
+        return table.replace(weight=table.weight + np.outer(share, ripple.ravel()).ravel())
 
 
 class UndeclaredSpread(Linear):
