@@ -66,6 +66,11 @@ EACH: dict[str, Each] = {
         for kind in ("cylinder", "torus", "revolution")
     },
     "Side.fixed": Each(CUBE, {axis: {SIDES: [{"side": "left", "fixed": [axis]}]} for axis in "xyz"}),
+    "contact.bardenhagen.criterion": Each(
+        UNEQUAL,
+        {word: {BARDENHAGEN: {"criterion": word}} for word in ("velocity", "position", "auto")},
+        "velocity",
+    ),
     "contact.penalty.map": Each(
         pair(), {word: {PENALTY: {"map": word}} for word in ("plain", "mass_weighted", "auto")}, "plain"
     ),

@@ -6,7 +6,7 @@ What a run will do, before it runs
 for, and for nothing else: an effect that is off registers no hook and allocates no array."""
 
 import mpmfw
-from mpmfw.runs.run import prediction
+from mpmfw.runs import prediction
 from mpmfw.runs.simulation import Simulation
 
 simulation = Simulation(mpmfw.load_scene("rolling-cylinder-slip"))

@@ -17,8 +17,8 @@ from mutants import Mutant
 
 from mpmfw.errors import MpmfwError, SceneError, SimulationError
 from mpmfw.results import Frame
+from mpmfw.runs import sizing
 from mpmfw.runs.limits import check_length
-from mpmfw.runs.run import sizing
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
 

@@ -371,7 +371,7 @@ def installed(monkeypatch: pytest.MonkeyPatch) -> None:
     """The loads of this module as if they were installed."""
     from importlib.metadata import EntryPoint
 
-    from mpmfw.plugin.base import discovery
+    from mpmfw.plugin import discovery
 
     def entry(name: str) -> EntryPoint:
         return EntryPoint(name.lower(), f"{__name__}:{name}", "mpmfw.load")

@@ -11,7 +11,7 @@ import pytest
 import mpmfw
 from mpmfw.api import AnyArray, Boundary, Field, FloatArray, OutputSeries, State
 from mpmfw.errors import PluginError, SceneError
-from mpmfw.plugin.base import discovery
+from mpmfw.plugin import discovery
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import block, two_blocks
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from mpmfw.plugin.base import discovery
+from mpmfw.plugin import discovery
 from mpmfw.plugin.discovery import Kind, available, load
 from options_found import NO_OPTIONS, option_models, outcome
 from options_table import CORE, PLUGINS, REFUSED, Acts, mesh_file, surface_mesh

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from mpmfw.state import clock as module
 from mpmfw.state.clock import STAGES, STEP_STAGES, Clock
-from mpmfw.state.structs import clock as module
 
 
 @pytest.fixture

@@ -8,8 +8,8 @@ import pytest
 
 import mpmfw
 from mpmfw.errors import ResultsWarning, SceneError
+from mpmfw.runs import sizing
 from mpmfw.runs.limits import MOST_FRAMES, MOST_STEPS, bytes_of_groups, frames_of, results_size
-from mpmfw.runs.run import sizing
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene, shipped_scenes
 
