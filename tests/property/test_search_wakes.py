@@ -60,7 +60,7 @@ def check_step(sim: Simulation) -> tuple[float, bool]:
     asked, find = [], contact.near.find
     contact.near.find = lambda candidates: asked.append(find(candidates)) or asked[-1]
     contact.count = contact._search(sim.state.grid)
-    contact.keep()
+    contact.end_step()
     contact.near.find = find
     awake = len(asked) > 0
     outlines = [surface.position[surface.of(body)] for body in (0, 1)]
