@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -26,6 +26,9 @@ from mpmfw.cli.arguments import (
 from mpmfw.cli.errors import result_path
 from mpmfw.cli.progress import campaign_progress
 from mpmfw.cli.tables import Format, FormatOption, print_table, write_rows
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 #: Heads of the columns of the table.
 _HEADS = {
@@ -90,7 +93,6 @@ def choose(
     check_requested(shared, {}, ("--set", "--vary"))
     loaded = load_scene(scene, set=shared, trust=trust)
     path = result_path(output, loaded, "-choose", "choice", "result of mpmfw choose", force)
-    from mpmfw.studies.advice import advice, method_rows
     from mpmfw.studies.choosing import CONTACTS, SHAPES
     from mpmfw.studies.choosing import choose as run_ladder
 
@@ -115,22 +117,28 @@ def choose(
             report=within,
             force=force,
         )
+    _print(dataset, form)
+    typer.echo(f"{path}: runs and answer", err=form is not Format.table)
+
+
+def _print(dataset: xr.Dataset, form: Format) -> None:
+    """Print a row for each method, and in a table the answer below."""
+    from mpmfw.studies.advice import advice, method_rows
+
     rows = method_rows(dataset)
     if form is not Format.table:
         write_rows(rows, form)
-    else:
-        cells = [
-            {
-                **row,
-                "pilots": row["pilots"].replace(" ", "\n"),
-                "error": 100.0 * row["error"],
-                "verdict": row["verdict"] if row["status"] in ("ok", "not run") else row["status"],
-            }
-            for row in rows
-        ]
-        print_table(
-            cells, _HEADS, labels=("contact", "shape"), words=("verdict",), title=dataset.attrs["title"]
-        )
-        for sentence in advice(dataset):
-            typer.echo(sentence)
-    typer.echo(f"{path}: runs and answer", err=form is not Format.table)
+        return
+    cells = [
+        {
+            **row,
+            "pilots": row["pilots"].replace(" ", "\n"),
+            "error": 100.0 * row["error"],
+            "verdict": row["verdict"] if row["status"] in ("ok", "not run") else row["status"],
+        }
+        for row in rows
+    ]
+    title = dataset.attrs["title"]
+    print_table(cells, _HEADS, labels=("contact", "shape"), words=("verdict",), title=title)
+    for sentence in advice(dataset):
+        typer.echo(sentence)

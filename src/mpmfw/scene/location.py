@@ -37,6 +37,11 @@ def located(error: SceneError, scene: Scene) -> SceneError:
     if path[0] not in Scene.model_fields or (scene.source.name and text.startswith(f"{scene.source.name}:")):
         return error
     (problem,) = error_of([Problem(path, text)], scene.source, scene.source.overrides).problems
-    key, said = (found.group(), text[found.end() + 1 :].lstrip()) if text[found.end()] == ":" else ("", text)
-    key = "" if key == problem.override else key  # the option says it
-    return SceneError(problems=[replace(problem, key=key, message=said)])
+    key, rest = found.group(), text[found.end() :]
+    if key == problem.override:  # the option says it
+        key, text = "", rest.removeprefix(":").lstrip()
+    elif rest.startswith(":"):
+        text = rest[1:].lstrip()
+    else:
+        key = ""
+    return SceneError(problems=[replace(problem, key=key, message=text)])
