@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
-from mpmfw.scene import units
+from mpmfw import units
 
 
 @pytest.mark.parametrize(
