@@ -10,7 +10,7 @@ import xarray as xr
 
 from mpmfw.plots import figures_of
 from mpmfw.plots.scene import moving_bodies, near_pairs, touching_pairs
-from mpmfw.report import write_report
+from mpmfw.report import COLUMNS, shown, write_report
 from mpmfw.report.differences import differences, refinement
 from mpmfw.report.table import table
 
@@ -120,3 +120,7 @@ def test_the_page_says_that_nothing_touched(tmp_path) -> None:
         write_report(dataset.assign(contact_force=force * dataset["contact_force"]), tmp_path / "r.html")
         text = (tmp_path / "r.html").read_text(encoding="utf-8")
         assert ("No two bodies pushed each other" in text) == said
+
+
+def test_round_off_is_shown_as_zero() -> None:
+    assert [shown(value, COLUMNS["gap"]) for value in (-5e-16, 1e-6, 0.876)] == ["0", "+1e-06", "+0.876"]

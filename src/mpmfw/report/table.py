@@ -21,6 +21,7 @@ from mpmfw.results.references import (
     rings_table,
     scene_of_results,
 )
+from mpmfw.results.round_off import ROUND_OFF
 from mpmfw.state.fields import FloatArray
 
 
@@ -193,12 +194,17 @@ def _costs(run: xr.Dataset) -> dict[str, float]:
 
 
 def shown(value: Any, column: Column | None = None) -> str:
-    """Format a cell: three significant digits, errors with their sign, a dash for what is missing."""
+    """Format a cell: three significant digits, errors with their sign, a dash for missing values.
+
+    Shares and lengths in cells below round-off are 0.
+    """
     if isinstance(value, str):
         return value
     number = float(value)
     if not np.isfinite(number):
         return "–"
+    if column is not None and column.unit in ("1", "%", "h") and abs(number) < ROUND_OFF:
+        return "0"
     signed = column is not None and column.signed
     if number == 0.0 or (number == round(number) and not signed and abs(number) < 1e9):
         return f"{number:.0f}"
