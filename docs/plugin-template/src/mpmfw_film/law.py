@@ -88,9 +88,7 @@ class Film(ImpulseLaw):
     def impulses(
         self, rows: ContactRows, grid: Grid, scratch: FloatArray, work: FloatArray | None, *, projected: bool
     ) -> None:
-        """Impulses of the rows, from the grid's momentum. The film acts once in a step, where its momentum is
-        updated.
-        """
+        """Return the rows' impulses from the grid's momentum; the film acts once a step, at its update."""
         own, spacing = rows.own, grid.spacing
         rows.momentary_velocity(grid, own.velocity)
         find_approach(rows, rows.count, own, spacing)
