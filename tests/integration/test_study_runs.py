@@ -220,7 +220,7 @@ def test_settling_is_told_by_stage_and_counts_if_asked_for(tmp_path, counts):
     (tmp_path / "s.toml").write_text(toml_text(study), encoding="utf-8")
     table = CliRunner().invoke(app, ["study", str(tmp_path / "s.toml"), "-o", str(tmp_path / "s.nc")])
     assert "settle" in table.output
-    assert f"{float(dataset['settle_time'].sel(contact='penalty')):.3g}" in table.output
+    assert formatted(float(dataset["settle_time"].sel(contact="penalty"))) in table.output
 
 
 def test_a_file_of_another_kind_is_not_replaced(tmp_path):
