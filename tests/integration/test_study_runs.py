@@ -22,6 +22,7 @@ from mpmfw.campaigns.executors import InProcess, Pool
 from mpmfw.campaigns.outcome import Outcome
 from mpmfw.campaigns.work import Finished, Task
 from mpmfw.cli import app
+from mpmfw.cli.tables import formatted
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.plugin.discovery import KINDS, available, load
 from mpmfw.scene.toml_text import toml_text

@@ -60,8 +60,8 @@ class HookSpecs:
         Who implements it is given, in a scene of many bodies, pairs only as they come near, before anything
         can act between them; it then lengthens what it has for each pair
         (:meth:`mpmfw.api.types.State.lengthen`). Who does not is given all pairs from the start, whose number
-        grows with the square of that of the bodies. Called after windows were laid, and before outputs. May
-        change the plug-in's own arrays alone."""
+        grows with the square of that of the bodies. Called after windows were laid, and before outputs.
+        May change the plug-in's own arrays alone."""
 
     @hookspec(firstresult=True)
     def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
@@ -78,10 +78,9 @@ class HookSpecs:
 
     @hookspec(firstresult=True)
     def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
-        """Step 1, after :meth:`interpolate`: N_i at points on the boundary. Implemented by the shape
-        function.
+        """Step 1, after :meth:`interpolate`: N_i at points on the boundary.
 
-        The basis is the one that matches the particles', Σ V ∇S = ∮ N n dS. Asked only where a surface is
+        The shape function implements it. The basis is the one that matches the particles', Σ V ∇S = ∮ N n dS. Asked only where a surface is
         tracked. Parameters: ``position`` (n, dim) [m]; ``first`` (n_fields + 1,), the points of velocity
         field f are ``first[f]:first[f + 1]``. May change nothing but its own table.
 
