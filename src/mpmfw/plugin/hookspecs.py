@@ -80,9 +80,10 @@ class HookSpecs:
     def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
         """Step 1, after :meth:`interpolate`: N_i at points on the boundary.
 
-        The shape function implements it. The basis is the one that matches the particles', Σ V ∇S = ∮ N n dS. Asked only where a surface is
-        tracked. Parameters: ``position`` (n, dim) [m]; ``first`` (n_fields + 1,), the points of velocity
-        field f are ``first[f]:first[f + 1]``. May change nothing but its own table.
+        The shape function implements it, and is called only where a surface is tracked. The basis is the
+        one that matches the particles', Σ V ∇S = ∮ N n dS. Parameters: ``position`` (n, dim) [m]; ``first``
+        (n_fields + 1,), the points of velocity field f are ``first[f]:first[f + 1]``. May change nothing but
+        its own table.
 
         Raises
         ------
