@@ -145,7 +145,7 @@ class Quadrature(Surfaces):
                 return
             rows.make_room(2 * len(rows.pair), 2 * len(rows.dof))
 
-    def keep(self) -> None:
+    def end_step(self) -> None:
         """Nothing is followed from step to step."""
 
     def outputs(self, rows: ContactRows) -> dict[str, AnyArray]:
@@ -174,9 +174,9 @@ class PlainSprings(PenaltyLaw):
         n = slice(rows.count)
         own.effective_area[n], own.rest[n] = rows.area[n], 0.0
         own.k[n] = self.modulus[rows.pair[n]] * rows.area[n]
-        own.tangent_k[n] = self.stiffest * own.k[n]
+        own.limit_k[n] = self.stiffest * own.k[n]
         deep = np.flatnonzero(-rows.gap[n] > self.linear_to)
         grown = 2.0 * springs.GROWTH * (-rows.gap[deep] / self.linear_to - 1.0)
-        own.tangent_k[deep] *= 1.0 + grown
-        tangent: FloatArray = own.tangent_k
+        own.limit_k[deep] *= 1.0 + grown
+        tangent: FloatArray = own.limit_k
         return tangent

@@ -33,7 +33,7 @@ def check_modes(case: Case) -> dict[tuple[str, float], np.ndarray]:
             with case.timed():
                 found = {friction: modes_of(bodies, friction, contact) for friction in (0.0, *frictions)}
             quiet = len(found[0.0])
-            case.gate("growing modes without friction", quiet, within=(0, 0), reference=0, method=method)
+            case.gate("growing modes without friction", quiet, tolerance=(0, 0), reference=0, method=method)
             sigma, frequency = lowest(found[0.3])
             case.show(QUANTITY, sigma, unit="1/s", method=method)
             case.show("its frequency", frequency, unit="Hz", method=method)
@@ -60,7 +60,12 @@ def _check_limit(case: Case, rates: dict[tuple[str, float], np.ndarray], coarse:
         ("springs to h = 0 against none", line / at("impulses", fine) - 1.0, "finite elements"),
     ):
         case.gate(
-            f"{QUANTITY}, {said}", 100.0 * value, within=(-5.0, 5.0), reference=0.0, unit="%", method=method
+            f"{QUANTITY}, {said}",
+            100.0 * value,
+            tolerance=(-5.0, 5.0),
+            reference=0.0,
+            unit="%",
+            method=method,
         )
 
 
