@@ -1,9 +1,10 @@
-"""The verdict on a run: ``ok``, or ``suspect`` with the reasons, whatever its contact and whether or not it
-has a ledger.
+"""The verdict on a run: ``ok``, or ``suspect`` with the reasons.
 
-Energy is judged at outputs. Surfaces are judged at outputs, and in between as often as bodies can move a
-cell, or through half a thin body, towards each other: two thin bodies may pass through each other between two
-outputs. Nothing is judged while a scene settles."""
+Every run has one, whatever its contact and with or without a ledger. Energy is judged at outputs and at the
+end, surfaces at outputs. The constants below say how many steps lie between two looks at least. Surfaces are
+also judged between outputs, as often as bodies can move a cell, or through half a thin body, towards each
+other: two thin bodies may pass through each other between two outputs. Settling is not judged.
+"""
 
 from __future__ import annotations
 
@@ -190,7 +191,7 @@ class Verdict:
         h = state.grid.cell_size
         for index in np.flatnonzero((depth > DEEP * h) | (passed > 0)):
             label, cells = state.pairs[index].label, float(depth[index]) / h
-            if cells >= self.deepest.get(label, DEEP):  # end_step does not know the time at its end
+            if cells >= self.deepest.get(label, DEEP):  # the time of the step's start
                 self.deepest[label], self.deepest_at[label] = cells, state.time
             if passed[index]:
                 self.passed.setdefault(label, state.time)
