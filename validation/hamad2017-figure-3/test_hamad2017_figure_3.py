@@ -26,87 +26,36 @@ rings = Runs(
 )
 
 
+#: Quantity, key of the measures, the fine elements' value in MPa, and the share of it that gates allow.
+STRESSES = (
+    ("von Mises stress, 95th percentile, 0.4 ms", "p95 0.4 ms", 8.024, 0.10),
+    ("von Mises stress, mean, 0.4 ms", "mean 0.4 ms", 3.2, 0.15),
+    ("von Mises stress, 95th percentile, 1.6 ms", "p95 1.6 ms", 14.085, 0.10),
+    ("von Mises stress, mean, 1.6 ms", "mean 1.6 ms", 6.229, 0.15),
+    ("von Mises stress, 95th percentile, 3.2 ms", "p95 3.2 ms", 3.822, 0.10),
+    ("von Mises stress, mean, 3.2 ms", "mean 3.2 ms", 1.855, 0.15),
+)
+
+
+def around(reference, share):
+    """Return the limits of a gate: the reference less and plus a share of it."""
+    return reference * (1 - share), reference * (1 + share)
+
+
 @rings
 def test_rings(run):
-    for quantity, key, reference, tolerance in (
-        ("von Mises stress, 95th percentile, 0.4 ms", "p95 0.4 ms", 8.024, (7.2216, 8.8264)),
-        ("von Mises stress, mean, 0.4 ms", "mean 0.4 ms", 3.2, (2.72, 3.6799999999999997)),
-        ("von Mises stress, 95th percentile, 1.6 ms", "p95 1.6 ms", 14.085, (12.6765, 15.493500000000003)),
-        ("von Mises stress, mean, 1.6 ms", "mean 1.6 ms", 6.229, (5.29465, 7.163349999999999)),
-        ("von Mises stress, 95th percentile, 3.2 ms", "p95 3.2 ms", 3.822, (3.4398, 4.2042)),
-        ("von Mises stress, mean, 3.2 ms", "mean 3.2 ms", 1.855, (1.5767499999999999, 2.13325)),
-    ):
-        run.gate(quantity, run.of(stresses.of_run, key, scale=1e-06), reference, tolerance, "MPa")
+    for quantity, key, reference, share in STRESSES:
+        value = run.of(stresses.of_run, key, scale=1e-06)
+        run.gate(quantity, value, reference, around(reference, share), "MPa")
     run.gate("outline, largest distance", run.of(stresses.outline_distance), unit="mm")
 
 
-def test_alone_1(case):
-    with case.timed():
-        value = 1e-06 * elements.stresses()["p95 0.4 ms"]
-    case.gate(
-        "von Mises stress, 95th percentile, 0.4 ms",
-        value,
-        8.024,
-        (7.2216, 8.8264),
-        "MPa",
-        method="finite elements, 4-node, 2 mm",
-        binds=False,
-    )
-    with case.timed():
-        value = 1e-06 * elements.stresses()["mean 0.4 ms"]
-    case.gate(
-        "von Mises stress, mean, 0.4 ms",
-        value,
-        3.2,
-        (2.72, 3.6799999999999997),
-        "MPa",
-        method="finite elements, 4-node, 2 mm",
-        binds=False,
-    )
-    with case.timed():
-        value = 1e-06 * elements.stresses()["p95 1.6 ms"]
-    case.gate(
-        "von Mises stress, 95th percentile, 1.6 ms",
-        value,
-        14.085,
-        (12.6765, 15.493500000000003),
-        "MPa",
-        method="finite elements, 4-node, 2 mm",
-        binds=False,
-    )
-    with case.timed():
-        value = 1e-06 * elements.stresses()["mean 1.6 ms"]
-    case.gate(
-        "von Mises stress, mean, 1.6 ms",
-        value,
-        6.229,
-        (5.29465, 7.163349999999999),
-        "MPa",
-        method="finite elements, 4-node, 2 mm",
-        binds=False,
-    )
-    with case.timed():
-        value = 1e-06 * elements.stresses()["p95 3.2 ms"]
-    case.gate(
-        "von Mises stress, 95th percentile, 3.2 ms",
-        value,
-        3.822,
-        (3.4398, 4.2042),
-        "MPa",
-        method="finite elements, 4-node, 2 mm",
-        binds=False,
-    )
-    with case.timed():
-        value = 1e-06 * elements.stresses()["mean 3.2 ms"]
-    case.gate(
-        "von Mises stress, mean, 3.2 ms",
-        value,
-        1.855,
-        (1.5767499999999999, 2.13325),
-        "MPa",
-        method="finite elements, 4-node, 2 mm",
-        binds=False,
-    )
+def test_elements(case):
+    for quantity, key, reference, share in STRESSES:
+        with case.timed():
+            value = 1e-06 * elements.stresses()[key]
+        method = "finite elements, 4-node, 2 mm"
+        case.gate(quantity, value, reference, around(reference, share), "MPa", method, binds=False)
 
 
 @together(rings)

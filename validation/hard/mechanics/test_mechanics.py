@@ -206,66 +206,40 @@ every = scenes(
 )
 
 
+#: Where a gate holds, the quantity, its function, key, limits and unit.
+GATES = (
+    (["flat punch"], "force under the middle half, error", closed.presses, "presses", 5.0, "%"),
+    (["sliding reversal"], "way at the end, error", closed.reverses, "reverses", 1.0, "%"),
+    (["unequal bars"], "momentum that the short one keeps", closed.hands_over, "hands_over", 1.0, "%"),
+    (["pushed block"], "acceleration, error", closed.pushed, "pushed", 1.0, "%"),
+    (["bounce"], "speed after over before, error", closed.bounces, "bounces", 0.1, "%"),
+    (
+        ["sliding reversal", "pushed block"],
+        "T/(mu N)",
+        criteria.friction,
+        "friction",
+        (0.0, 1.0001),
+        "1",
+    ),
+    (
+        ["flat punch", "punch with rounded edges*", "heavy disc*"],
+        "departure from mirror symmetry",
+        criteria.symmetry,
+        "symmetry",
+        (0.0, 1e-06),
+        "cells",
+    ),
+)
+
+
 @every
 def test_scene(run):
     held(run)
     at = run.place.at
-    if run.at("flat punch") and run.method.matches("penalty, *", "penalty(*"):
-        run.gate(
-            f"{at}: force under the middle half, error",
-            run.of(closed.presses, "presses"),
-            tolerance=5.0,
-            unit="%",
-            key="presses",
-        )
-    if run.at("sliding reversal"):
-        run.gate(
-            f"{at}: way at the end, error",
-            run.of(closed.reverses, "reverses"),
-            tolerance=1.0,
-            unit="%",
-            key="reverses",
-        )
-    if run.at("unequal bars"):
-        run.gate(
-            f"{at}: momentum that the short one keeps",
-            run.of(closed.hands_over, "hands_over"),
-            tolerance=1.0,
-            unit="%",
-            key="hands_over",
-        )
-    if run.at("pushed block"):
-        run.gate(
-            f"{at}: acceleration, error",
-            run.of(closed.pushed, "pushed"),
-            tolerance=1.0,
-            unit="%",
-            key="pushed",
-        )
-    if run.at("bounce"):
-        run.gate(
-            f"{at}: speed after over before, error",
-            run.of(closed.bounces, "bounces"),
-            tolerance=0.1,
-            unit="%",
-            key="bounces",
-        )
-    if run.at("sliding reversal", "pushed block"):
-        run.gate(
-            f"{at}: T/(mu N)",
-            run.of(criteria.friction, "friction"),
-            tolerance=(0.0, 1.0001),
-            unit="1",
-            key="friction",
-        )
-    if run.at("flat punch", "punch with rounded edges*", "heavy disc*"):
-        run.gate(
-            f"{at}: departure from mirror symmetry",
-            run.of(criteria.symmetry, "symmetry"),
-            tolerance=(0.0, 1e-06),
-            unit="cells",
-            key="symmetry",
-        )
+    for places, quantity, of, key, tolerance, unit in GATES:
+        pressed_by_springs = key != "presses" or run.method.matches("penalty, *", "penalty(*")
+        if run.at(*places) and pressed_by_springs:
+            run.gate(f"{at}: {quantity}", run.of(of, key), tolerance=tolerance, unit=unit, key=key)
 
 
 @full
