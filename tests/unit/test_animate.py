@@ -1,7 +1,5 @@
 """Moving pictures: as many frames as outputs, each with the data of its time."""
 
-import itertools
-
 import numpy as np
 import pytest
 from matplotlib.collections import PolyCollection
@@ -11,8 +9,7 @@ from typer.testing import CliRunner
 import mpmfw
 from drop_for_tests import drop, drop_scene
 from mpmfw.cli import app
-from mpmfw.errors import MpmfwError, SceneError
-from mpmfw.plots import animation
+from mpmfw.errors import MpmfwError
 from mpmfw.plots.animation import Movie
 
 
@@ -38,12 +35,6 @@ def pixels(movie):
     movie.figure.set_dpi(150)
     movie.figure.canvas.draw()
     return np.asarray(movie.figure.canvas.buffer_rgba(), dtype=float)[..., :3]
-
-
-def test_there_is_a_frame_for_each_output_and_they_differ(run, gif):
-    assert len(gif) == run["series"].sizes["time"]
-    for one, other in itertools.pairwise(gif):
-        assert np.abs(one - other).mean() > 0.5
 
 
 def test_each_frame_shows_the_data_of_its_time(run, gif):
@@ -85,13 +76,6 @@ def test_mp4(run, tmp_path):
     assert path.read_bytes()[4:8] == b"ftyp"
 
 
-def test_without_ffmpeg_one_message_says_what_to_install(run, tmp_path, monkeypatch):
-    monkeypatch.setattr(animation.shutil, "which", lambda _: None)
-    monkeypatch.setattr(animation, "_packaged_ffmpeg", lambda: None)
-    with pytest.raises(SceneError, match=r"ffmpeg, .*pip install 'mpmfw\[animate\]' brings it"):
-        mpmfw.animate(run, tmp_path / "drop.mp4")
-
-
 def test_an_unfinished_picture_leaves_no_file(run, tmp_path):
     def stop(done, _):
         if done == 2:
@@ -118,21 +102,3 @@ def test_the_command(tmp_path, monkeypatch):
         result = CliRunner().invoke(app, ["animate", "d.nc", *arguments])
         assert (result.exit_code, result.stdout) == (2, "")
         assert result.stderr.startswith(message)
-
-
-def test_the_runs_of_a_comparison_stand_side_by_side(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    scene = {**drop_scene("gimp"), "time": {"end": 0.002, "output_interval": 0.001}}
-    scene["output"] = {**scene.get("output", {}), "particles": True}
-    mpmfw.compare(scene, contact=["penalty", "none"], shape=["gimp"], output="c.nc")
-    widths = []
-    for arguments in ((), ("--contact", "none", "-o", "one.gif")):
-        result = CliRunner().invoke(app, ["animate", "c.nc", *arguments])
-        assert (result.exit_code, result.stderr) == (0, ""), result.output
-        with Image.open(result.stdout.strip()) as image:
-            assert image.n_frames == 3
-            widths.append(image.width)
-    assert widths[0] > 1.5 * widths[1]
-    wrong = CliRunner().invoke(app, ["animate", "c.nc", "--contact", "nonne", "--force"])
-    assert (wrong.exit_code, wrong.stdout) == (2, "")
-    assert "no contact 'nonne'; did you mean 'none'?" in wrong.stderr

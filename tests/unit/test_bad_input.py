@@ -1,14 +1,11 @@
 """Requests that are wrong end with one message that says what and where, never with a traceback."""
 
-import netCDF4
 import pytest
 from typer.testing import CliRunner
 
-from checkpoints_for_tests import LAST, content, header
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
 from mpmfw.runs.simulation import Simulation
-from mpmfw.scene import load_scene
 from mpmfw.scene.toml_text import toml_text
 from scenes_for_tests import block, one_body
 
@@ -41,38 +38,12 @@ def test_a_file_that_cannot_be_is_named(said, arguments, message):
     assert said(*arguments) == message
 
 
-def test_limits_of_colours_are_finite(said, tmp_path):
-    (tmp_path / "a.nc").write_bytes(b"")
-    assert (
-        said("plot", "a.nc", "--field", "von_mises", "--limits", "1,inf")
-        == "--limits 1,inf: expected two finite numbers\n"
-    )
-
-
-@pytest.mark.parametrize(
-    ("facts", "message"),
-    [
-        ([], "a.nc.checkpoint' was cut short or is damaged; run it again\n"),
-        ({"frames": 1}, "a.nc.checkpoint' was cut short or is damaged; run it again\n"),
-        (None, "a.nc.checkpoint: is no checkpoint of a run\n"),
-    ],
-)
-def test_a_checkpoint_that_says_nothing_of_a_run_is_none(said, tmp_path, facts, message):
-    with netCDF4.Dataset(tmp_path / "a.nc", "w") as dataset:
-        dataset.setncatts({"kind": "run", "status": "interrupted"})
-    says = {"parts": [], "values": {}, "facts": facts}
-    (tmp_path / "a.nc.checkpoint").write_bytes(content(header(says, **LAST)))
-    assert said("resume", "a.nc").endswith(message)
-
-
 @pytest.mark.parametrize(
     "geometry",
     [
         {"type": "disc", "centre": [0, 0], "radius": 1e-8},
         {"type": "polygon", "points": [[0, 0], [1e-59, 0], [0, 1e-59]]},
-        {"type": "ball", "centre": [0, 0, 0], "radius": 1e-59},
         {"type": "cylinder", "centre": [0, 0, 0], "radius": 0.5, "length": 1e-59},
-        {"type": "torus", "centre": [0, 0, 0], "radius": 0.5, "tube_radius": 1e-30},
     ],
 )
 def test_a_body_far_below_a_cell_is_refused(geometry):
@@ -81,8 +52,3 @@ def test_a_body_far_below_a_cell_is_refused(geometry):
         match=r"bodies\.solid\.geometry: the body is .* m across at its thinnest, less than 1e-06",
     ):
         Simulation(one_body(geometry, size=0.125))
-
-
-def test_a_polygon_of_two_places_is_refused():
-    with pytest.raises(SceneError, match="has 1 different points, and 3 are the least"):
-        load_scene(one_body({"type": "polygon", "points": [[0, 0], [0, 0], [0, 0]]}, size=0.125))

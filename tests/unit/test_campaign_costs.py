@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import pytest
 
 from mpmfw.campaigns.costs import costs_of, least, over_repeats
 from mpmfw.campaigns.outcome import COSTS, Cost
@@ -39,11 +38,3 @@ def test_runs_without_a_cost_have_none():
     none = costs_of({"contact": ["a"]}, {})
     assert np.isnan(least(none)["cpu_time"]).all()
     assert over_repeats(none)["repeats"].item() == 0
-
-
-@pytest.mark.parametrize("times", [{"a": 2, "b": 1, "c": 0}, {}])
-def test_repeats_are_taken_in_rounds(times):
-    from mpmfw.campaigns.running import _rounds
-
-    order = _rounds({name: (name, count) for name, count in times.items()})
-    assert order == (["a", "b", "a"] if times else [])

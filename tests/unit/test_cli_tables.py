@@ -26,14 +26,6 @@ def test_every_number_survives_every_width(capsys, monkeypatch, columns, count):
 
 
 @pytest.mark.parametrize(
-    ("value", "text"),
-    [(12345, "12345"), (0.123456, "0.1235"), (float("nan"), "–"), (None, ""), (True, "True"), ("ok", "ok")],
-)
-def test_formatted(value, text):
-    assert formatted(value) == text
-
-
-@pytest.mark.parametrize(
     ("text", "values"),
     [
         ("grid.cell_size=0.4,0.2", [0.4, 0.2]),

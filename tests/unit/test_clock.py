@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from mpmfw.state import clock as module
-from mpmfw.state.clock import STAGES, STEP_STAGES, Clock
+from mpmfw.state.clock import Clock
 
 
 @pytest.fixture
@@ -44,17 +44,6 @@ def test_cpu_time_is_shared_out_by_wall_time(now: SimpleNamespace) -> None:
     assert (clock.cpu["shape"], clock.cpu["force"]) == (2.0, 6.0)
 
 
-def test_each_flush_shares_out_its_own_part(now: SimpleNamespace) -> None:
-    clock = Clock()
-    clock("shape")
-    now.wall, now.cpu = now.wall + 1.0, now.cpu + 1.0
-    clock.flush()
-    now.wall, now.cpu = now.wall + 1.0, now.cpu + 3.0
-    clock.flush()
-    clock.flush()  # nothing has passed
-    assert (clock.wall["shape"], clock.cpu["shape"]) == (2.0, 4.0)
-
-
 def test_excluded_seconds_count_nowhere(now: SimpleNamespace) -> None:
     clock = Clock()
     clock("shape")
@@ -62,17 +51,3 @@ def test_excluded_seconds_count_nowhere(now: SimpleNamespace) -> None:
     clock.exclude(9.0, 9.0)
     clock.flush()
     assert (sum(clock.wall.values()), sum(clock.cpu.values())) == (1.0, 1.0)
-
-
-def test_restart_forgets(now: SimpleNamespace) -> None:
-    clock = Clock()
-    clock("shape")
-    now.wall, now.cpu = now.wall + 1.0, now.cpu + 1.0
-    clock.restart()
-    clock.flush()
-    assert not any(clock.wall.values())
-    assert not any(clock.cpu.values())
-
-
-def test_the_cost_of_a_method_is_without_output_and_diagnostics() -> None:
-    assert set(STAGES) - set(STEP_STAGES) == {"gap", "output"}

@@ -14,7 +14,7 @@ from mpmfw.plots import figures_of, plot_file, plot_files, positions
 from mpmfw.report import table, write_report
 from mpmfw.results import Frame, RunHeader, RunWriter
 from mpmfw.results import open as open_results
-from mpmfw.results.joining import join, loops, union_of_times
+from mpmfw.results.joining import union_of_times
 from mpmfw.results.references import described, rings_table
 from mpmfw.scene.loading import shipped_scenes
 from mpmfw.state.clock import STEP_STAGES
@@ -229,14 +229,9 @@ def test_values_that_are_arrays_are_labelled_by_their_text(tmp_path):
     ("contact", "varied", "shared", "message"),
     [
         (["none"], {}, {"contact.method": "penalty"}, r"set contact\.method: .* chosen by contact=\[…\]"),
-        (["none"], {"shape.method": ["cpdi"]}, {}, r"vary shape\.method: .* chosen by shape="),
         (["none"], {"time.end": [1, 2]}, {"time.end": 1}, r"set time\.end: vary time\.end takes its place"),
         (["none"], {"time.end": [1, 1.0]}, {}, r"vary time\.end: 1\.0 is given twice"),
-        (["none"], {"time.end": "12"}, {}, "expected a list of values"),
-        (["none"], {"time..end": [1]}, {}, "is not a key"),
         (["none", "none"], {}, {}, "contact: none is given twice"),
-        (["none", "separate"], {}, {"contact.penalty.kappa": 2},
-        "'penalty' does not run here; what runs is none, s"),
         (["none"], {"contact.penalty.kappa": [1, 2]}, {}, r"vary contact\.penalty\.kappa: has no effect"),
     ],
 )  # fmt: skip
@@ -260,16 +255,6 @@ def test_saved_and_opened(tmp_path):
 def test_times_that_differ_by_round_off_are_one():
     times = union_of_times([np.array([0.0, 0.1, 0.3]), np.array([0.0, 0.1, 0.1 * 3, 0.4])])
     np.testing.assert_allclose(times, [0.0, 0.1, 0.3, 0.4])
-
-
-def test_outlines_are_closed_loops(rolling):
-    assert [loop.tolist() for loop in loops(np.array([1, 0, 3, 4, 2]))] == [[0, 1, 0], [2, 3, 4, 2]]
-    line = (
-        rolling["outline"].sel(contact="penalty", shape="cpdi", frame="last", outlined_body="cylinder").values
-    )
-    assert np.isfinite(line[:25]).all()
-    np.testing.assert_array_equal(line[0], line[24])
-    assert np.isnan(line[25:]).all()
 
 
 def test_table_finds_the_errors_that_were_put_in(rolling):
@@ -347,13 +332,6 @@ def test_rings_measures_vanish_for_the_reference_itself(tmp_path):
     assert written == tmp_path / "rings.png"
 
 
-def test_figures_of_a_run_are_chosen_by_its_content(tmp_path):
-    tree = Cylinder()("any", contact="penalty", shape="cpdi", output=None, progress=None, set={})
-    tree.to_netcdf(tmp_path / "run.nc")
-    assert plot_file(tmp_path / "run.nc", tmp_path / "figure.png") == [tmp_path / "figure.png"]
-    assert (tmp_path / "figure.png").stat().st_size > 10_000
-
-
 def test_what_a_run_notes_is_kept_with_its_name():
     def noting(*_, contact, **keywords):
         if contact == "none":
@@ -366,70 +344,6 @@ def test_what_a_run_notes_is_kept_with_its_name():
     assert (data["status"] == "ok").all()
 
 
-def test_the_terminal_marks_runs_that_failed(capsys, monkeypatch, rolling):
-    """In each part of the table by colour, in the first by a word as well; where all went through there is no
-    such column.
-    """
-    monkeypatch.setenv("COLUMNS", "120")
-    monkeypatch.setenv("FORCE_COLOR", "1")
-    print_comparison(rolling)
-    lines = [
-        line for line in capsys.readouterr().out.splitlines() if "bardenhagen" in line or "penalty" in line
-    ]
-    rows = [line for line in lines if ": failed" not in line]
-    assert sum(line.count("failed") for line in rows) == 2
-    assert all(("\x1b[31m" in line) == ("bardenhagen" in line) for line in rows)
-    print_comparison(rolling.sel(contact=["penalty"]))
-    assert "status" not in capsys.readouterr().out
-
-
-@pytest.mark.parametrize("columns", [60, 80, 120])
-def test_the_terminal_gets_every_measure_at_every_width(capsys, monkeypatch, rolling, columns):
-    monkeypatch.setenv("COLUMNS", str(columns))
-    print_comparison(rolling)
-    printed = capsys.readouterr().out
-    assert max(map(len, printed.splitlines())) <= columns
-    lines = [line.split() for line in printed.splitlines() if line.startswith("penalty")]
-    cells = [cell for line in lines if line[1] == "cpdi" for cell in line[2:]]
-    assert cells == ["usl", "aflip", "+1.00", "+1.00", "-10.0", "+0.500", "0", "0.600", "6000"]
-    assert "bardenhagen, cpdi: failed: a point left the grid" in " ".join(printed.split())
-
-
-def test_scheme_and_transfer_stand_beside_every_shape_function(tmp_path, capsys, monkeypatch, rolling):
-    """``auto`` lets them change with it."""
-    assert rolling["scheme"].sel(contact="penalty").values.tolist() == ["musl", "usl"]
-    assert [(row["scheme"], row["transfer"]) for row in table(rolling)] == [
-        ("musl", "flip"),
-        ("usl", "aflip"),
-    ] * 2
-    monkeypatch.setenv("COLUMNS", "120")
-    print_comparison(rolling)
-    printed = capsys.readouterr().out
-    assert [line.split()[:4] for line in printed.splitlines() if line.startswith("penalty")] == [
-        ["penalty", "linear", "musl", "flip"],
-        ["penalty", "cpdi", "usl", "aflip"],
-    ]
-    write_report(rolling, tmp_path / "r.html")
-    page = (tmp_path / "r.html").read_text()
-    assert '<th class="text">scheme</th><th class="text">transfer</th>' in page
-    assert '<td class="text">linear</td><td class="text">musl</td><td class="text">flip</td>' in page
-    varied = compare("any", ["penalty"], ["cpdi"], {"stepping.scheme": ["usl", "musl"]}, runner=Cylinder())
-    assert varied["scheme"].dims == ("scheme",)  # the dimension says it
-    assert [row["scheme"] for row in table(varied)] == ["usl", "musl"]
-
-
-@pytest.mark.parametrize("columns", [60, 80, 200])
-def test_a_method_with_options_fits_on_a_terminal(capsys, monkeypatch, columns):
-    monkeypatch.setenv("COLUMNS", str(columns))
-    strong = "bardenhagen(criterion=position, normal=master)"
-    print_comparison(compare("any", ["none", strong], ["cpdi"], runner=Cylinder()))
-    printed = capsys.readouterr().out
-    assert max(map(len, printed.splitlines())) <= columns
-    assert (f"{strong}  cpdi" in printed) == (columns >= 80)
-    assert "bardenhagen(criterion=position," in printed or columns == 60
-    assert "normal=master)" in printed
-
-
 def test_two_comparisons_make_one_figure_of_the_motion(tmp_path, rolling):
     for name in ("slip", "again"):
         rolling.to_netcdf(tmp_path / f"{name}.nc")
@@ -439,9 +353,3 @@ def test_two_comparisons_make_one_figure_of_the_motion(tmp_path, rolling):
     rolling.drop_attrs().to_netcdf(tmp_path / "other.nc")
     with pytest.raises(MpmfwError, match="no comparison of a rolling cylinder"):
         plot_files([tmp_path / "slip.nc", tmp_path / "other.nc"], tmp_path / "figure1.png")
-
-
-def test_costs_are_unknown_before_any_run_has_ended():
-    nothing = join({"contact": ["penalty", "hybrid"]}, {})
-    assert nothing["steps"].isnull().all()
-    assert nothing["cpu_stage"].sizes["contact"] == 2

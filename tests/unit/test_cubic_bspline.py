@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import mpmfw
-from mpmfw.api import OutsideGrid, SceneError
+from mpmfw.api import SceneError
 from mpmfw_shape.cubic_bspline import CubicBSpline
 from mpmfw_testing import subject_of
 from mpmfw_testing.shape import boxes, dense, place
@@ -77,35 +77,6 @@ def test_the_last_cell_is_the_mirror_image_of_the_first(dim, xi):
     axes = tuple(range(dim))
     np.testing.assert_allclose(last, np.flip(first, axes), atol=1e-14)
     np.testing.assert_allclose(reverse, -np.flip(slope, axes), atol=1e-14)
-
-
-@pytest.mark.parametrize("xi", [0.0, 0.2, 0.8, CELLS - 0.4, float(CELLS)])
-def test_modified_splines_reproduce_linear_fields(xi):
-    weight, gradient = table_at([xi, 4.1])
-    x = np.arange(CELLS + 1)[:, None]
-    assert weight.min() >= -1e-15
-    assert weight.sum() == pytest.approx(1.0, abs=1e-13)
-    assert (weight * x).sum() == pytest.approx(xi, abs=1e-13)
-    assert (gradient[..., 0] * x).sum() == pytest.approx(1.0, abs=1e-13)
-
-
-def test_the_second_derivative_is_continuous():
-    h, x = 1e-4, np.array([4.0 - 1e-3, 4.0 + 1e-3])
-    second = [(table_at([v + h, 5.3])[1] - table_at([v - h, 5.3])[1])[..., 0] / (2.0 * h) for v in x]
-    # its slope is at most 3 per cell³, over 2e-3 cells
-    assert np.abs(second[1] - second[0]).max() <= 3.0 * 2e-3
-
-
-@pytest.mark.parametrize("position", [[0.5, 5.0], [5.0, CELLS - 0.5]])
-def test_refuse_reports_a_point_in_the_last_cell(position):
-    with pytest.raises(OutsideGrid):
-        table_at(position, grid_end="refuse")
-
-
-@pytest.mark.parametrize("position", [[-0.01, 5.0], [5.0, CELLS + 0.01]])
-def test_a_point_outside_the_grid_is_reported(position):
-    with pytest.raises(OutsideGrid):
-        table_at(position)
 
 
 RUBBER = {"model": "neo_hookean", "density": 1000.0, "bulk_modulus": 1e5, "shear_modulus": 5e4}

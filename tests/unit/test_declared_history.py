@@ -90,13 +90,8 @@ def test_what_is_empty_may_have_any_length(tmp_path):
 @pytest.mark.parametrize(
     ("saved", "built"),
     [
-        (1.0, 1), (1, 1.0), (True, 1), ("1", 1.0), (None, 1.0), ([], 1.0), ({"a": 1.0}, {"b": 1.0}), ("x",
-        None),
-        ({"a": 1.0}, 2.0),
-        (np.zeros(2), np.zeros(3)), (np.zeros(2), np.zeros((0, 2))), (np.zeros(2), np.zeros(2, dtype="i8")),
-        (1.0, np.zeros(1)),
-        (np.zeros(1), 1.0), ({"a": np.zeros(1)}, {"b": np.zeros(1)}), ({"a": np.zeros(1)},
-        {"a": np.zeros(1), "b": np.zeros(1)}),
+        (1.0, 1), (None, 1.0), ({"a": 1.0}, {"b": 1.0}),
+        (np.zeros(2), np.zeros(3)), (np.zeros(2), np.zeros(2, dtype="i8")), ({"a": np.zeros(1)}, {"b": np.zeros(1)}),  # noqa: E501
     ],
 )  # fmt: skip
 def test_what_does_not_fit_is_refused_with_its_place(tmp_path, saved, built):
@@ -104,26 +99,13 @@ def test_what_does_not_fit_is_refused_with_its_place(tmp_path, saved, built):
         through_a_file(Thing(saved), Thing(built), tmp_path / "file")
 
 
-def test_parts_of_other_names_are_refused():
-    with pytest.raises(NotSaved, match="saved were one; here are other"):
-        put(take({"one": Part(1.0)}), {"other": Part(1.0)})
-
-
 @pytest.mark.parametrize(
-    "value", [object(), 2**63, [1], {"a": "b"}, {1: 2.0}, np.array([object()]), np.zeros(1, dtype="c16"),
-    (1, 2)],
+    "value", [object(), 2**63, np.array([object()])],
     ids=lambda value: type(value).__name__,
 )  # fmt: skip
 def test_what_cannot_be_saved_is_named_with_its_place(value):
     with pytest.raises(NotSaved, match=r"^thing/kept (is a|has numbers of type) .*; expected"):
         take({"thing": Thing(value)})
-
-
-def test_a_name_without_an_attribute_is_named():
-    part = Part(1.0)
-    del part.values
-    with pytest.raises(NotSaved, match="thing: its history names 'values', which it does not have"):
-        take({"thing": part})
 
 
 def test_indices_are_within_bounds():

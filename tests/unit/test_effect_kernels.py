@@ -9,11 +9,10 @@ import pytest
 
 from mpmfw.effects.rotation import correct_rotation
 from mpmfw.effects.settling import damp_locally
-from mpmfw.effects.side_rows import SideTable, list_rows, meet, quadrature, splines
+from mpmfw.effects.side_rows import SideTable, meet, quadrature, splines
 from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, move_points, weigh_by_mass, weigh_plain
 from mpmfw.plugin.load import add_facet_forces, add_point_forces, measure_facets
 from mpmfw_shape.cpdi2 import fill_cpdi2, move_corners
-from sides_for_tests import upper_side
 
 RNG = np.random.default_rng(7)
 NODES, POINTS, WIDTH = 40, 25, 4
@@ -97,42 +96,6 @@ def side_table(rows, entries):
     return SideTable(
         nodes=np.zeros(entries, dtype=np.int64), weights=np.zeros(entries), work=np.zeros(1), **whole, **real
     )
-
-
-def side_rows(place, mass):
-    """Rows of the side y = ``place`` of a body below it, in a field of 3 × 8 nodes."""
-    x, y = np.meshgrid(np.arange(3.0), np.arange(8.0), indexing="ij")
-    position = np.column_stack([x.ravel(), y.ravel()])
-    table = side_table(40, 200)
-    count = list_rows(1, upper_side(place, columns=3), position, np.tile(mass, 3), table, (1.0, 1.0))
-    row, nodes, weights, target = table.row, table.nodes, table.weights, table.target
-    return [
-        (target[r], dict(zip(nodes[row[r] : row[r + 1]].tolist(), weights[row[r] : row[r + 1]], strict=True)))
-        for r in range(count)
-    ]
-
-
-def test_a_column_has_one_row_with_the_weights_at_the_side():
-    full = np.array([0.5, 1, 1, 1, 0.9, 0.1, 0, 0])
-    rows = side_rows(4.4, full)
-    assert len(rows) == 3
-    assert rows[1] == (1.0, pytest.approx({12: 0.6, 13: 0.4}))
-
-
-def test_an_empty_node_is_read_from_those_inwards():
-    empty = np.array([0.5, 1, 1, 1, 0.5, 0, 0, 0])
-    assert side_rows(4.2, empty)[0] == (1.0, pytest.approx({4: 1.2, 3: -0.2}))
-
-
-def test_a_node_of_next_to_no_side_is_held_in_line():
-    thin = np.array([0.5, 1, 1, 1, 0.5, 1e-3, 0, 0])
-    first, second = side_rows(4.01, thin)[:2]
-    assert first == (0.0, {5: 1.0, 4: -2.0, 3: 1.0})
-    assert second == (1.0, pytest.approx({4: 1.01, 3: -0.01}))
-
-
-def test_a_column_that_the_body_does_not_reach_has_none():
-    assert side_rows(5.4, np.array([0.5, 1, 1, 0.5, 0, 0, 0, 0])) == []
 
 
 def test_facets_are_measured_outwards_and_share_their_forces_among_their_corners():

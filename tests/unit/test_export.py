@@ -1,7 +1,6 @@
 """What ParaView reads is what the run stored: every value and every time, by VTK's own readers."""
 
 import csv
-import json
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
@@ -9,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
 from typer.testing import CliRunner
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import VTK_LINE, VTK_QUAD, VTK_TRIANGLE, VTK_VERTEX
@@ -19,15 +17,13 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 import mpmfw
 from drop_for_tests import drop, drop_scene
 from mpmfw.cli import app
-from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
+from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.geometry.facets import neighbours_of, stars_of
 from mpmfw.geometry.triangles import sphere_surface
 from mpmfw.kernels import Facets, minimum_gap
 from mpmfw.paraview.distances import distances_in_plane, distances_in_space
 from mpmfw.results.domains import domains_of
-from mpmfw.runs.build import build
-from mpmfw.scene import load_scene
-from scenes_for_tests import ball_on_a_box, box, with_changes
+from scenes_for_tests import ball_on_a_box, with_changes
 
 BODIES = ("upper", "floor")
 
@@ -137,14 +133,6 @@ def test_the_cells_are_the_domains_of_the_shape_function(exported):
             np.testing.assert_array_equal(corners, np.concatenate(stored))
 
 
-def test_the_half_edges_are_those_of_the_run(tree):
-    made = build(load_scene(drop_scene()))
-    for body, layout in zip(BODIES, made.layouts, strict=True):
-        domains = domains_of(tree, body)
-        # bodies that are alike share one layout, which differs by rounding from that of a body at its place
-        np.testing.assert_allclose(domains.half_edges, layout.half_edges, rtol=0.0, atol=1e-14)
-
-
 def test_domains_are_not_made_up_where_the_scene_is_another(tree):
     assert domains_of(tree, "upper") is not None
     tree.attrs["scene"] = tree.attrs["scene"].replace("radius = 0.5", "radius = 0.4")
@@ -177,27 +165,6 @@ def test_surfaces_are_closed_lines_with_force_and_gap(exported):
     assert np.abs(found["force"]).max() > 0.0
 
 
-def test_every_file_says_where_it_comes_from(exported):
-    _, tree, folder = exported
-    for kind in ("points", "surfaces"):
-        grid, _ = read(listed(folder / f"drop-{kind}.pvd")[-1][1])
-        data = grid.GetFieldData()
-        texts = {
-            data.GetAbstractArray(k).GetName(): data.GetAbstractArray(k).GetValue(0)
-            for k in range(data.GetNumberOfArrays())
-        }
-        for name in ("scene", "title", "contact", "shape", "versions", "status"):
-            assert texts[name] == tree.attrs[name]
-        assert texts.get("commit") == tree.attrs.get("commit")
-        assert json.loads(texts["bodies"]) == {"0": "upper", "1": "floor"}
-        place = "particles/upper" if kind == "points" else "surface/upper"
-        units = json.loads(texts["units"])
-        fields = [name for name in tree[place].data_vars if name not in ("corners", "next")]
-        named = {name: tree[f"{place}/{name}"].attrs["units"] for name in fields if name in units}
-        assert units == {**named, **({"gap": "m"} if kind == "surfaces" else {})}
-        assert ("von_mises" if kind == "points" else "force") in units
-
-
 def test_the_series_are_a_table(exported):
     _, tree, folder = exported
     with (folder / "drop-series.csv").open(encoding="utf-8", newline="") as file:
@@ -211,24 +178,6 @@ def test_the_series_are_a_table(exported):
     assert len(rows[0]) == 1 + sum(array[0].size for array in series.data_vars.values())
 
 
-def test_some_outputs_and_some_bodies(tree, tmp_path):
-    progress = []
-    mpmfw.export(
-        tree, tmp_path / "my.pvd", every=2, bodies=["floor"], progress=lambda *done: progress.append(done)
-    )
-    assert progress == [(1, 3), (2, 3), (3, 3)]
-    for kind, place in (("points", "particles/floor"), ("surfaces", "surface/floor")):
-        collection = listed(tmp_path / f"my-{kind}.pvd")
-        assert [time for time, _ in collection] == tree["time"].values[::2].tolist()
-        grid, _ = read(collection[-1][1])
-        data = grid.GetCellData()
-        assert set(arrays(data)["body"]) == {1}
-        assert grid.GetNumberOfCells() == tree[f"{place}/position"].shape[1]
-        gap = arrays(grid.GetPointData()).get("gap")
-    # The gap is that to the other body, exported or not
-    assert gap.min() == pytest.approx(float(tree["series/min_gap"][4, 0]), rel=0.5)
-
-
 def test_no_output_of_an_earlier_export_stays_behind(tree, tmp_path):
     mpmfw.export(tree, tmp_path)
     own = tmp_path / "run-points" / "notes.txt"
@@ -238,18 +187,6 @@ def test_no_output_of_an_earlier_export_stays_behind(tree, tmp_path):
     mpmfw.export(tree, tmp_path, every=3, force=True)
     listed_files = {file for _, file in listed(tmp_path / "run-points.pvd")}
     assert set((tmp_path / "run-points").iterdir()) == {own, *listed_files}
-
-
-def test_points_of_three_dimensions(tmp_path):
-    tree = mpmfw.run(box(time__end=0.002, time__output_interval=0.002, bodies__solid__velocity=[1, 2, 3]))
-    (points, _) = mpmfw.export(tree, tmp_path)
-    grid, times = read(listed(points)[-1][1])
-    assert times == (0.002,)
-    stored, found = tree["particles/solid"].to_dataset().isel(time=-1), arrays(grid.GetPointData())
-    assert grid.GetCellType(0) == VTK_VERTEX
-    np.testing.assert_array_equal(vtk_to_numpy(grid.GetPoints().GetData()), stored["position"].values)
-    np.testing.assert_array_equal(found["velocity"], stored["velocity"].values)
-    np.testing.assert_array_equal(found["stress"], stored["stress"].values.reshape(-1, 9))
 
 
 def test_surfaces_of_three_dimensions(tmp_path):
@@ -317,21 +254,6 @@ def test_signed_distances_in_space_are_those_of_the_kernel():
     assert (found > 0.0).any()
 
 
-def test_triangles_that_do_not_fit_are_refused(tmp_path):
-    tree = mpmfw.run(ball_on_a_box())
-    tree.attrs["scene"] = tree.attrs["scene"].replace("radius = 0.5", "radius = 0.9")
-    with pytest.raises(MpmfwError, match="surface of 'ball': its triangles are not in the file"):
-        mpmfw.export(tree, tmp_path)
-
-
-def test_fields_of_another_form_are_told_of(tree, tmp_path):
-    floor = tree["particles/floor"].to_dataset()
-    spectrum = (("time", "particle", "mode"), np.zeros((5, floor.sizes["particle"], 7)))
-    tree["particles/floor"] = xr.DataTree(floor.assign(spectrum=spectrum))
-    with pytest.warns(ResultsWarning, match="not exported, .*: spectrum"):
-        mpmfw.export(tree, tmp_path)
-
-
 def test_signed_distances_are_those_of_the_kernel():
     random = np.random.default_rng(7)
     angle = np.linspace(0.0, 2.0 * np.pi, 23, endpoint=False)
@@ -372,21 +294,10 @@ def test_errors_name_what_is_there(tree, tmp_path):
         mpmfw.export(tree, tmp_path / "taken")
 
 
-def test_the_command_writes_beside_the_file(files):
-    result = CliRunner().invoke(app, ["export", str(files / "d.nc"), "--every", "4"])
-    folder = files / "d-paraview"
-    names = ("d-points.pvd", "d-surfaces.pvd", "d-series.csv")
-    assert (result.exit_code, result.stderr) == (0, "")
-    assert result.stdout.split() == [str(folder / name) for name in names]
-    assert [time for time, _ in listed(folder / names[0])] == [0.0, pytest.approx(0.008)]
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["export", "gone.nc"], "gone.nc: no such file\n"),
         (["export", "d.nc", "-o", "no/where"], "no/where: the folder no does not exist\n"),
-        (["export", "d.nc", "-o", "d.nc"], "d.nc: is a file; give a folder"),
         (
             ["export", "d.nc", "--body", "flor"],
             "no body 'flor'; did you mean 'floor'? (one of floor, upper)\n",
@@ -399,14 +310,6 @@ def test_a_wrong_request_is_status_2(files, monkeypatch, arguments, message):
     result = CliRunner().invoke(app, arguments)
     assert (result.exit_code, result.stdout) == (2, "")
     assert result.stderr.startswith(message)
-
-
-def test_a_plain_install_is_told_of_the_extra(files, monkeypatch):
-    monkeypatch.setitem(sys.modules, "pyvista", None)
-    result = CliRunner().invoke(app, ["export", str(files / "d.nc"), "-o", str(files / "none")])
-    assert result.exit_code == 2
-    assert "pip install 'mpmfw[render]'" in result.stderr
-    assert not (files / "none").exists()
 
 
 def test_no_import_before_it_is_needed():

@@ -32,8 +32,3 @@ def test_no_function_is_longer_than_a_page() -> None:
                 f"{path.name}: {name}, {lines} lines" for name, lines in found.items() if lines > LONGEST
             ]
     assert long == []
-
-
-def test_a_docstring_and_a_signature_are_not_counted() -> None:
-    source = 'def f(\n    a,\n    b,\n):\n    """One.\n\n    Two.\n    """\n    c = a\n    return c + b\n'
-    assert bodies(source) == {"f": 2}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 import pytest
 
 from faulty_plugins.small.geometry import Sound, SoundSolid
@@ -12,8 +11,6 @@ from mpmfw.errors import SceneError
 from mpmfw.geometry.discretise import refuse_incomplete
 from mpmfw.runs.build import build
 from mpmfw.scene import load_scene
-from mpmfw.scene.geometries import with_geometries
-from mpmfw.scene.schema import json_schema
 
 PLACE = "faulty_plugins.small.geometry"
 
@@ -63,38 +60,3 @@ def test_what_a_class_leaves_out_is_named() -> None:
 
     with pytest.raises(SceneError, match="lacks outlines, region"):
         refuse_incomplete(PlaneGeometry)
-
-
-def test_the_schema_has_its_keys() -> None:
-    schema = with_geometries(json_schema(), [f"{PLACE}:Sound", "no_such:Class"])
-    table = schema["$defs"]["Body"]["properties"]["geometry"]
-    assert list(schema["$defs"][table["oneOf"][-1]["$ref"].rsplit("/", 1)[1]]["properties"]) == [
-        "type", "centre", "semi_axes", "hole",
-    ]  # fmt: skip
-    assert list(table["discriminator"]["mapping"])[-1] == f"{PLACE}:Sound"
-
-
-def test_scenes_that_differ_by_one_of_its_keys_are_two() -> None:
-    dumped: list[Any] = [
-        load_scene(scene(hole=h)).model_dump()["bodies"]["egg"]["geometry"]["hole"] for h in (0.1, 0.2)
-    ]
-    assert dumped == [0.1, 0.2]
-
-
-def test_bodies_that_are_alike_share_a_layout_that_is_moved() -> None:
-    given = scene()
-    given["contact"] = {"method": "separate"}
-    given["bodies"]["other"] = {
-        **given["bodies"]["egg"], "geometry": {"type": f"{PLACE}:Sound", "centre": [-0.55, 0.1], "semi_axes": [0.5, 0.4]}  # noqa: E501
-    }  # fmt: skip
-    given["bodies"]["egg"]["geometry"] |= {"centre": [0.75, 0.35], "semi_axes": [0.5, 0.4]}
-    made = build(load_scene(given))
-    one, other = (made.state.particles.position[body.particles] for body in made.state.bodies)
-    np.testing.assert_allclose(one - other, np.broadcast_to([1.3, 0.25], one.shape), atol=1e-12)
-
-
-def test_a_table_that_is_missing_has_an_example() -> None:
-    given = scene()
-    del given["bodies"]["egg"]["particles"]
-    with pytest.raises(SceneError, match=r"particles: missing; expected a table such as \{ size = '2 mm' \}"):
-        load_scene(given)

@@ -108,11 +108,6 @@ def test_gaps_of_the_steps_add_up_to_coulombs_cone_and_come_back():
     assert tip.move(-1e-5)[1] == pytest.approx(-MU * normal + K * 1e-5)
 
 
-@pytest.mark.parametrize("friction", [0.1, 0.4, 0.9])
-def test_sliding_force_is_in_proportion_to_mu(friction):
-    assert Tip(friction=friction).move(0.01)[1] == pytest.approx(-friction * K * 0.001)
-
-
 @pytest.mark.parametrize(("literal", "ratio"), [(False, 1.0), (True, 4.0)])
 def test_literal_friction_depends_on_the_time_step_and_the_reading_does_not(literal, ratio):
     """The same path in steps four times as long: k_t times one step's slip is four times the force."""
@@ -153,13 +148,6 @@ def test_a_node_above_the_end_of_two_segments_shares_what_it_carried():
     assert (found.facet[0] >= 0).sum() == 2
     assert before == pytest.approx(K * 5e-5)
     assert tip.tangential[0, :2] == pytest.approx(0.5 * before)
-
-
-def test_release_forgets_the_force():
-    tip = Tip()
-    tip.move(1e-5)
-    assert tip.move(0.0, 0.01) == (0.0, 0.0)
-    assert tip.move(0.0, -0.01)[1] == 0.0
 
 
 def test_literal_friction_is_named_as_ignoring_mu():

@@ -89,13 +89,3 @@ def test_a_turned_place_is_a_motion_of_the_whole():
     assert found["loads"]["push"]["force"] == pytest.approx([0.0, 2.0])
     assert len(floor["points"]) == 6
     assert placing.placed(scene)["bodies"]["disc"] == scene["bodies"]["disc"]
-
-
-def test_generated_scenes_have_what_their_names_say():
-    made = importlib.import_module("made")
-    assert len(made.saws(10)["bodies"]["upper"]["geometry"]["points"]) == 2 * 10 + 1 + 2
-    assert len(made.filling(100, 10)["bodies"]) == 101
-    assert len(made.arch(25)["bodies"]) == 27
-    assert made.incline(0.3, 20)["gravity"]["table"][-1][1:] == pytest.approx(
-        [10 * math.sin(math.radians(20)), -10 * math.cos(math.radians(20))]
-    )

@@ -2,38 +2,14 @@
 
 from __future__ import annotations
 
-import inspect
-import re
-from pathlib import Path
 from typing import Any
 
 import pytest
 
-import mpmfw
 from mpmfw.api import hookimpl
 from mpmfw.errors import MpmfwError, SceneError
-from mpmfw.plugin.hooks import HOOKS, BoundHooks, Observer, make_manager
-from mpmfw.plugin.hookspecs import HookSpecs
+from mpmfw.plugin.hooks import BoundHooks, Observer, make_manager
 from mpmfw.state.clock import Clock
-
-
-@pytest.mark.parametrize("name", HOOKS)
-def test_every_hook_is_called_by_the_core(name: str) -> None:
-    root = Path(inspect.getfile(mpmfw)).parent
-    calls = re.compile(rf"\bhook\.{name}\b")
-    callers = [path.name for path in root.rglob("*.py") if calls.search(path.read_text(encoding="utf-8"))]
-    assert callers
-
-
-@pytest.mark.parametrize("name", HOOKS)
-def test_every_call_gives_the_arguments_of_the_specification(name: str) -> None:
-    root = Path(inspect.getfile(mpmfw)).parent
-    wanted = set(inspect.signature(getattr(HookSpecs, name)).parameters) - {"self"}
-    for path in root.rglob("*.py"):
-        for given in re.findall(
-            rf"\bhook\.{name}\(([^()]*(?:\([^()]*\)[^()]*)*)\)", path.read_text(encoding="utf-8")
-        ):
-            assert set(re.findall(r"(\w+)=", given)) == wanted, path.name
 
 
 def plugin(name: str, **hooks: Any) -> Any:
@@ -71,15 +47,6 @@ def test_calls_come_in_the_order_of_pluggy() -> None:
     found = hook.stable_timestep(state=None)
     assert found == pluggy_hook.stable_timestep(state=None)
     assert found == ["first", "b", "a", "last"]
-
-
-def test_a_single_answer_is_a_list_too() -> None:
-    assert bound(plugin("a", stable_timestep=answer(1)))[0].stable_timestep(state=None) == [1]
-    assert bound(plugin("a", stable_timestep=answer(None)))[0].stable_timestep(state=None) == []
-
-
-def test_a_hook_without_implementations_does_nothing() -> None:
-    assert bound()[0].advect(grid=None, dt=0.1) is None
 
 
 def test_first_result_stops_at_the_first_answer() -> None:
@@ -170,16 +137,6 @@ def test_an_observer_sees_every_implementation_while_it_runs() -> None:
     assert [(when, who) for when, _, who in seen] == [
         ("before", None), ("before", "load"), ("acts", "load"), ("after", "load"), ("after", None),
     ]  # fmt: skip
-
-
-def test_a_wrapper_changes_the_result() -> None:
-    @hookimpl(wrapper=True)
-    def stable_timestep() -> Any:
-        found = yield
-        return [*found, "wrapped"]
-
-    hook, _ = bound(plugin("a", stable_timestep=answer("a")), plugin("w", stable_timestep=stable_timestep))
-    assert hook.stable_timestep(state=None) == ["a", "wrapped"]
 
 
 class Wrapping:

@@ -210,10 +210,8 @@ def test_moduli_by_young_and_poisson() -> None:
     ("options", "said"),
     [
         ({"youngs_modulus": 2e11}, "'youngs_modulus' goes with 'poissons_ratio', which is missing"),
-        ({"poissons_ratio": 0.3}, "'poissons_ratio' goes with 'youngs_modulus', which is missing"),
         ({"youngs_modulus": 2e11, "poissons_ratio": 0.3, "bulk_modulus": 1e11}, "not both"),
         ({"youngs_modulus": 2e11, "poissons_ratio": 0.5}, "poissons_ratio"),
-        ({"youngs_modulus": "2 m", "poissons_ratio": 0.3}, "youngs_modulus"),
     ],
 )
 def test_moduli_that_cannot_be_meant_are_refused(options: dict[str, object], said: str) -> None:

@@ -148,8 +148,3 @@ def test_key_holds_all_kernel_sources(folders, monkeypatch, tmp_path):
     edited = folders()
     (copy / "added.py").touch()
     assert len({before, edited, folders()}) == 3
-
-
-def test_plug_in_of_one_file_and_main_have_a_folder(folders, tmp_path):
-    assert folders("__main__").parent == tmp_path
-    assert folders("no_such_module").parent == tmp_path

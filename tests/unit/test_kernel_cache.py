@@ -35,14 +35,6 @@ def test_processes_that_compile_different_signatures_at_once_do_not_swap_code(ca
         assert cache.load(kind) in (None, f"code for {kind}")
 
 
-def test_a_kernel_is_found_again(tmp_path, monkeypatch):
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    np.testing.assert_array_equal(kernel(double)(np.arange(3.0)), [0.0, 2.0, 4.0])
-    again = kernel(double)
-    again(np.arange(3.0))
-    assert sum(again.stats.cache_hits.values()) == 1
-
-
 @pytest.mark.parametrize("ending", ["nbi", "nbc"])
 @pytest.mark.parametrize(
     "damaged",

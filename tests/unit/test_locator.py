@@ -49,30 +49,17 @@ particles.size = 1979-05-27T07:32:00Z
         (("title",), 1),
         (("text",), 2),
         (("literal",), 6),
-        (("grid",), 9),
-        (("grid", "cell_size"), 10),
         (("grid", "lower", 1), 13),
         (("grid", "missing"), 9),
-        (("contact", "pairs"), 16),
-        (("contact", "pairs", 1), 19),
         (("contact", "pairs", 1, "friction"), 21),
         (("bodies", "a", "geometry", "nested", "deep"), 24),
         (("bodies", "a", "sides", 0, "fixed"), 26),
-        (("bodies", "a", "particles", "size"), 29),
         (("bodies", "a", "odd key", "x.y"), 30),
-        (("nothing", "here"), 1),
     ],
 )
 def test_lines_of_a_written_document(path, line):
     tomllib.loads(DOCUMENT)
     assert Locator(DOCUMENT).line(path) == line
-
-
-def test_sub_tables_of_arrays_of_tables_belong_to_the_last_element():
-    text = "[[a]]\n[[a]]\n[a.b]\nc = 1\n[[a.d]]\n[[a.d]]\ne = 2\n"
-    locator = Locator(text)
-    assert locator.lines["a", 1, "b", "c"] == 4
-    assert locator.lines["a", 1, "d", 1, "e"] == 7
 
 
 def test_windows_line_ends_count_once():

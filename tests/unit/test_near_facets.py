@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmfw.contact.surfaces.near_facets import SKIN, STALE, WORTH, NearFacets, find_listed
+from mpmfw.contact.surfaces.near_facets import SKIN, STALE, WORTH, NearFacets
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import SOFT
 
@@ -92,27 +92,6 @@ def test_they_are_stale_when_bodies_have_moved_by_the_skin(ready):
     position += SKIN_LENGTH * way
     assert detection.near.find(detection.candidates) == STALE
     assert not detection.near.made
-
-
-def test_nodes_with_nothing_listed_are_free_of_contact_for_the_skin_alone(ready):
-    """They were farther than the search's reach and the skin from every facet."""
-    detection, _, position, _ = ready
-    detection.near.near.first[:] = 0
-    position[:, 2] += 0.45 * SKIN_LENGTH  # each body as far: for all that is known, against each other
-    assert detection.near.find(detection.candidates) == 0
-    position[:, 2] += 0.1 * SKIN_LENGTH
-    assert detection.near.find(detection.candidates) == STALE
-
-
-def test_without_the_motion_they_would_not_give_it(ready):
-    """A motion of cells, of which nothing is said to the lists."""
-    detection, grid, position, way = ready
-    position += 10.0 * SKIN_LENGTH * way
-    near = detection.near
-    near.near.moved[:] = 0.0
-    find_listed(near.radius, 0.0, near.outline, near.rank, near.near, detection.candidates, near.spacing)
-    ours, theirs = found(detection), searched(detection, grid)
-    assert (ours[0] != theirs[0]).any()
 
 
 def test_they_are_not_made_where_they_would_not_last(ready):

@@ -108,14 +108,6 @@ seeds = pytest.mark.parametrize("seed", range(12))
 
 @every_place
 @seeds
-def test_the_place_is_what_it_is_called(place, seed):
-    _, share, _ = distance(contact(place, seed))
-    np.testing.assert_allclose(share, PLACES[place], atol=1e-12)
-    assert ((share == 0.0) == (np.array(PLACES[place]) == 0.0)).all()
-
-
-@every_place
-@seeds
 def test_a_normal_force_is_the_variation_of_the_gap(place, seed):
     """So f = −k g δg is the gradient of the pair's energy k g² / 2."""
     position = contact(place, seed)

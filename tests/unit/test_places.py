@@ -47,24 +47,11 @@ def test_options_stand_in_a_table_of_that_name_or_beside_it() -> None:
         load_scene({**Meeting().mapping(), "contact": {"method": place, place: {"kapa": 2.0}}})
 
 
-def test_a_law_of_a_module_is_joined_with_a_detection() -> None:
-    parts = {"detection": "surfaces", "law": "mpmfw_contact.penalty:PenaltyLaw", "friction": 0.0}
-    assert np.array_equal(end_of(parts), end("surfaces+penalty"))
-
-
-def test_other_tables_name_classes_of_modules() -> None:
-    mapping = Meeting().mapping(outputs={"fast": {"model": "faulty_plugins.small.other_kinds:Fastest"}})
-    mapping["materials"]["first"]["model"] = "mpmfw_material.neo_hookean:NeoHookean"
-    mapping["time"] = {"end": 1e-3, "output_interval": 1e-3}
-    assert "fast_speed" in mpmfw.run(mapping, contact="separate")["series"]
-
-
 @pytest.mark.parametrize(
     ("place", "said"),
     [
         ("no_such_module:Law", "cannot be imported from no_such_module:Law: ModuleNotFoundError"),
         ("mpmfw_contact.penalty:Penalti", "cannot be imported from .*: AttributeError"),
-        ("mpmfw_contact.penalty:SPRING_WORK", "is not a class"),
     ],
 )
 def test_what_is_not_there_is_said(place: str, said: str) -> None:
@@ -91,7 +78,6 @@ def test_a_class_stands_for_an_object_of_it() -> None:
             "contact: found 3; expected a name, module:Class, or a class derived from "
             "mpmfw.api.ContactStrategy",
         ),
-        (Linear(), "contact: found .*; expected a name"),
     ],
 )
 def test_what_is_no_contact_is_refused_in_one_line(given: Any, said: str) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-
 import numpy as np
 import pytest
 from typer.testing import CliRunner
@@ -14,7 +12,7 @@ from mpmfw.errors import SceneError
 from mpmfw.geometry.triangles import sphere_surface
 from mpmfw.plots import field, plane_cut, rendered
 from mpmfw.plots.plane_cut import cut_lines
-from scenes_for_tests import ball_on_a_box, block
+from scenes_for_tests import ball_on_a_box
 
 
 @pytest.fixture(scope="module")
@@ -73,18 +71,6 @@ def test_a_field_in_space_is_drawn_on_a_plane(tree, tmp_path, monkeypatch):
         field(tree, arrows=True)
 
 
-def test_what_cannot_be_cut_is_said(tree):
-    with pytest.raises(SceneError, match=r"no material point is on the plane z = 9 m; expected -0\.4"):
-        plane_cut(tree, at=9.0)
-    with pytest.raises(SceneError, match="stres_xy"):
-        plane_cut(tree, "stres_xy")
-    flat = mpmfw.run(block(time__end=1e-3, time__output_interval=1e-3))
-    with pytest.raises(SceneError, match="plane_cut draws runs in three dimensions"):
-        plane_cut(flat)
-    with pytest.raises(SceneError, match="plane: has no effect on a run in 2D"):
-        field(flat, plane=("z", None))
-
-
 def bright(figure):
     """Number of pixels of the picture that are not white."""
     (picture,) = figure.axes[0].images
@@ -104,11 +90,3 @@ def test_bodies_are_rendered_in_the_colours_of_a_field_with_its_scale(tree):
     np.testing.assert_allclose(
         scale / scale[0], np.array([speed.min(), speed.max()]) / speed.min(), atol=1e-6
     )
-
-
-def test_what_cannot_be_rendered_is_said(tree, monkeypatch):
-    with pytest.raises(SceneError, match="rendered draws runs in three dimensions"):
-        rendered(mpmfw.run(block(time__end=1e-3, time__output_interval=1e-3)))
-    monkeypatch.setitem(sys.modules, "pyvista", None)
-    with pytest.raises(SceneError, match=r"pip install 'mpmfw\[render\]'; plane_cut draws without it"):
-        rendered(tree)

@@ -12,7 +12,6 @@ from drop_for_tests import drop, drop_scene
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
 from mpmfw.plots.style import Look, installed
-from mpmfw.plots.units import readable, time_scale, with_prefix
 from mpmfw.results.outputs import frame_of
 from mpmfw.results.point_fields import point_field, point_fields
 from scenes_for_tests import box
@@ -98,14 +97,6 @@ def test_a_field_is_drawn_at_its_time_on_the_domains(a):
     np.testing.assert_allclose(ratio, ratio[0], rtol=1e-12)
 
 
-def test_points_without_domains_are_discs_of_their_area(b):
-    (upper, _) = shapes_in(mpmfw.plots.field(b, "volume", 0.008).axes[0])
-    assert isinstance(upper, EllipseCollection)
-    volume = b["particles/upper/volume"].values[-1]
-    np.testing.assert_allclose(np.pi / 4 * upper.get_widths() ** 2, volume, rtol=1e-6)
-    np.testing.assert_allclose(upper.get_offsets(), b["particles/upper/position"].values[-1])
-
-
 def test_side_by_side_has_one_colour_scale(a, b):
     figure = mpmfw.plots.side_by_side({"one": a, "two": b}, "velocity_y", 0.006)
     panels = [axes for axes in figure.axes if axes.get_title(loc="left")]
@@ -120,23 +111,6 @@ def test_side_by_side_has_one_colour_scale(a, b):
     assert norm.vmax == -norm.vmin == pytest.approx(np.abs(values).max())
     given = mpmfw.plots.field(a, "velocity_y", limits=(-1.0, 2.0)).axes[0]
     assert (shapes_in(given)[0].norm.vmin, shapes_in(given)[0].norm.vmax) == (-1.0, 2.0)
-
-
-@pytest.mark.parametrize(
-    ("low", "high", "extend"),
-    [(-0.1, 1.1, "neither"), (0.1, 1.1, "min"), (-0.1, 0.9, "max"), (0.1, 0.9, "both")],
-)
-def test_the_colour_bar_says_that_values_lie_beyond_its_ends(a, low, high, extend):
-    values = np.concatenate([a[f"particles/{body}/velocity"].values[2, :, 1] for body in BODIES])
-    limits = [values.min() + share * np.ptp(values) for share in (low, high)]
-    *_, bar = mpmfw.plots.field(a, "velocity_y", 0.004, limits=limits).axes
-    assert bar._colorbar.extend == extend
-    *_, bar = mpmfw.plots.field(a, "velocity_y", 0.004).axes
-    assert bar._colorbar.extend == "neither"
-
-
-def lines_of(axes):
-    return {line.get_label(): line for line in axes.get_lines()}
 
 
 def test_the_history_of_one_run_tells_bodies_and_axes_apart(a):
@@ -155,42 +129,15 @@ def test_the_history_of_one_run_tells_bodies_and_axes_apart(a):
     assert set(labels) == {"upper", "floor", "upper-floor", "x", "y"}
 
 
-def test_histories_of_several_runs_lie_over_each_other(a, b):
-    figure = mpmfw.plots.history([a, b], "mean_velocity", body="upper", axis="y")
-    (axes,) = figure.axes
-    assert axes.get_title(loc="left") == "upper, y"
-    for line, tree in zip(axes.get_lines(), (a, b), strict=True):
-        np.testing.assert_array_equal(line.get_ydata(), tree["series/mean_velocity"].values[:, 0, 1])
-    labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert labels == ["penalty, cpdi", "bardenhagen, gimp"]
-
-
-def test_the_history_of_a_comparison(folder):
-    data = xr.load_dataset(folder / "c.nc")
-    (axes,) = mpmfw.plots.history(folder / "c.nc", "kinetic_energy", body="upper").axes
-    drawn = [line.get_ydata() for line in axes.get_lines()]
-    stored = data["kinetic_energy"].sel(body="upper").values.reshape(4, -1)
-    np.testing.assert_array_equal(drawn, stored)
-
-
 @pytest.mark.parametrize(
     ("call", "message"),
     [
         (lambda a: mpmfw.plots.field(a, "von_misses"), "no field 'von_misses'; did you mean 'von_mises'"),
-        (lambda a: mpmfw.plots.field(a, "pressure"), "did you mean 'in_plane_pressure'"),
         (lambda a: mpmfw.plots.field(a, time=1.0), r"no output at 1 s; expected a time from 0 to 0\.008 s"),
         (lambda a: mpmfw.plots.field(a, bodies=["top"]), r"no body 'top'; one of floor, upper"),
-        (lambda a: mpmfw.plots.field(a, limits=(2.0, 1.0)), "expected the lower one first"),
         (lambda a: mpmfw.plots.history(a, "gap"), "no series 'gap'; did you mean 'min_gap'|one of"),
-        (
-            lambda a: mpmfw.plots.history(a, "min_gap", body="upper"),
-            "has no effect, since min_gap has no body",
-        ),
         (lambda a: mpmfw.plots.history(a, "min_gap", pair="uper-floor"), "did you mean 'upper-floor'"),
-        (lambda a: mpmfw.history(a, "min_gap", axis="x"), "has no effect, since 'min_gap' has no axis"),
-        (lambda a: mpmfw.history(a, "mean_velocity", axis="z"), "no axis 'z'; one of x, y"),
         (mpmfw.table, "no results of a comparison"),
-        (mpmfw.pareto, "no results of a study"),
     ],
 )
 def test_wrong_names_get_one_message(a, call, message):
@@ -198,25 +145,16 @@ def test_wrong_names_get_one_message(a, call, message):
         call(a)
 
 
-def test_no_forces_no_arrows(b):
-    with pytest.raises(SceneError, match="stored no contact force of surface nodes"):
-        mpmfw.plots.field(b, arrows=True)
-
-
 @pytest.mark.parametrize(
     ("arguments", "written"),
     [
         (["a.nc", "--field", "velocity", "--time", "0.004"], "a-velocity.png"),
         (["a.nc", "b.nc", "--field", "stress_yy", "--body", "upper"], "stress_yy.png"),
-        (["a.nc", "b.nc", "--series", "min_gap", "-o", "g.png"], "g.png"),
         (
             ["c.nc", "--series", "min_gap", "--series", "mean_velocity", "--axis", "y"],
             "c-min_gap-mean_velocity.png",
         ),
-        (["a.nc"], "a.png"),
         (["a.nc", "-o", "vectors.pdf"], "vectors.pdf"),
-        (["a.nc", "b.nc", "--field", "stress_yy", "-o", "vectors.svg"], "vectors.svg"),
-        (["c.nc", "--series", "min_gap", "-o", "without"], "without.png"),
     ],
 )
 def test_the_command_draws(folder, monkeypatch, arguments, written):
@@ -244,18 +182,10 @@ def test_the_ending_is_the_format_and_two_drawings_are_the_same(a, tmp_path, end
     [
         (["a.nc", "-o", "a.bmp"], "a.bmp: figures are PNG, PDF or SVG files; give a name that ends in .png"),
         (["a.nc", "--time", "1"], "--time: has no effect without --field\n"),
-        (["a.nc", "--field", "mass", "--axis", "x"], "--axis: has no effect without --series\n"),
-        (["a.nc", "--body", "upper"], "--body: has no effect without --field or --series\n"),
         (["a.nc", "--field", "mass", "--series", "min_gap"], "--series min_gap: --field mass draws another"),
-        (["a.nc", "--field", "mass", "--limits", "2,1"], "--limits 2,1: expected the lower number first\n"),
-        (["a.nc", "--series", "min_gp"], "no series 'min_gp'; did you mean 'min_gap'?"),
         (
             ["c.nc", "--field", "mass"],
             "the comparison keeps no fields; run it with --set output.particles=true",
-        ),
-        (
-            ["a.nc", "b.nc"],
-            "'a.nc' is no comparison of a rolling cylinder; plot other files one by one, or side",
         ),
     ],
 )
@@ -311,21 +241,6 @@ def test_the_front_of_a_study():
     assert front.index.tolist() == [("a", 0.2), ("b", 0.2), ("a", 0.1)]
     assert front["error"].tolist() == [0.3, 0.2, 0.1]
     assert front["cpu_time"].tolist() == [1.0, 2.0, 4.0]
-
-
-def test_units_are_written_as_fractions():
-    written = {
-        "m s-1": "m/s",
-        "1": "",
-        "kg m s-1 m-1": "kg m/(s m)",
-        "m2": "m2",
-        "s-1": "1/s",
-        "kg m-3": "kg/m3",
-    }
-    assert {unit: readable(unit) for unit in written} == written
-    assert with_prefix("Pa", 2.5e6) == (1e6, "MPa")
-    assert with_prefix("m s-1", 2.5e6) == (1.0, "m/s")
-    assert time_scale(0.05) == (1e3, "ms")
 
 
 def test_a_contact_has_its_colour_whatever_else_is_drawn():

@@ -47,12 +47,6 @@ def test_steps_count_with_what_contact_finds_where_bodies_touch():
     assert found.steps == pytest.approx(simulation.state.steps, rel=0.01)
 
 
-def test_springs_of_bodies_that_never_meet_shorten_no_step():
-    simulation = made()
-    simulation.run()
-    assert predict(made(), []).steps == simulation.state.steps
-
-
 @pytest.mark.parametrize(
     "make",
     [

@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 from mpmfw.errors import SceneError
-from mpmfw.plots.ranking import profile, profiles
+from mpmfw.plots.ranking import profile
 from mpmfw.studies.ranking import rank, summary
 
 
@@ -83,12 +83,6 @@ def test_energy_is_ranked_beside_the_error() -> None:
     assert not rank([ONE])["cost"].sel(quantity="energy").notnull().any()
 
 
-def test_failures_are_listed() -> None:
-    assert json.loads(rank([ONE, TWO]).attrs["failures"]) == [
-        {"problem": "T", "method": "fine", "settings": "cell_size 0.8", "status": "failed: it fell over"}
-    ]
-
-
 def test_a_law_that_ran_alone_stands_beside_the_others() -> None:
     mine = study(mine=[(0.04, 0.5), (0.008, 5.0)])
     ranking = rank([ONE, mine])
@@ -104,29 +98,11 @@ def test_a_problem_that_a_method_did_not_run_does_not_count_against_it() -> None
     assert profile(ranking, "error", "plain")[1][-1] == pytest.approx(2 / 4)  # of the four levels of S alone
 
 
-def test_penetration_is_counted_in_cells() -> None:
-    known = ONE.assign(penetration=(ONE["error"].dims, [[0.03, 0.001], [0.0, 0.0], [0.04, 0.2]]))
-    assert {"0.1 cells", "0.05 cells"} <= set(summary(rank([known]), "penetration")[0])
-    titles = [axes.get_title(loc="left") for axes in profiles(rank([known])).axes]
-    assert any("penetration, levels in cells" in title for title in titles)
-
-
-@pytest.mark.parametrize("slowest", [1.01, 1.7, 3.0, 8.0, 45.0, 900.0])
-def test_the_axis_of_costs_has_several_labels(slowest: float) -> None:
-    figure = profiles(
-        rank([study(quick=[(0.04, 1.0), (0.04, 1.0)], slow=[(0.04, slowest), (0.04, slowest)])])
-    )
-    axes = figure.axes[0]
-    left, right = axes.get_xlim()
-    assert sum(left <= tick <= right for tick in axes.get_xticks()) >= 3
-
-
 @pytest.mark.parametrize(
     ("results", "options", "said"),
     [
         ([ONE.assign_attrs(kind="run")], {}, "dataset: expected the results of a study"),
         ([ONE], {"by": "shape"}, "does not vary 'shape'; it varies contact, cell_size"),
-        ([ONE], {"levels": (0.01, 0.1)}, "levels 0.01, 0.1: expected relative errors that fall"),
         ([], {}, "nothing to rank: no run has an error and a cost"),
     ],
 )
@@ -147,9 +123,3 @@ def test_the_command_prints_the_table_and_draws_the_figure(
     said = capsys.readouterr().out
     assert "plain" in said
     assert (tmp_path / "ranking.png").stat().st_size > 10_000
-
-
-def test_the_figure_has_a_line_for_each_method() -> None:
-    figure = profiles(rank([ONE, TWO]))
-    assert [axes.get_title(loc="left") for axes in figure.axes] == ["(a) error", "(b) noise"]
-    assert all(len(axes.lines) == 2 for axes in figure.axes)

@@ -10,7 +10,6 @@ import xarray as xr
 
 from mpmfw.plots import figures_of
 from mpmfw.plots.scene import moving_bodies, near_pairs, touching_pairs
-from mpmfw.report import COLUMNS, shown, write_report
 from mpmfw.report.differences import differences, refinement
 from mpmfw.report.table import table
 
@@ -93,13 +92,6 @@ def test_what_stands_still_and_does_not_touch_has_no_panel() -> None:
     assert set(figures_of(comparison())) == {"motion", "forces", "gaps", "energies"}
 
 
-def test_the_page_says_that_there_is_no_reference(tmp_path) -> None:
-    write_report(with_costs(comparison()), tmp_path / "page.html")
-    page = (tmp_path / "page.html").read_text(encoding="utf-8")
-    assert "No reference is known" in page
-    assert "block: displacement, x" in page
-
-
 def with_costs(dataset: xr.Dataset) -> xr.Dataset:
     ones = (dataset["status"].dims, np.ones(dataset["status"].shape))
     return dataset.assign(dict.fromkeys(("cpu_time", "steps", "material_points"), ones))
@@ -112,15 +104,3 @@ def test_gap_and_depth_are_of_the_nearest_pair_and_noise_of_the_one_that_pushes_
     swapped = dataset.assign_coords(pair=list(reversed(PAIRS))).sel(pair=PAIRS)
     assert repr(table(swapped)) == repr(table(dataset))  # noise of three outputs is NaN
     assert table(dataset)[1]["largest_penetration"] == pytest.approx(0.5)
-
-
-def test_the_page_says_that_nothing_touched(tmp_path) -> None:
-    dataset = with_costs(comparison())
-    for force, said in ((1.0, False), (0.0, True)):
-        write_report(dataset.assign(contact_force=force * dataset["contact_force"]), tmp_path / "r.html")
-        text = (tmp_path / "r.html").read_text(encoding="utf-8")
-        assert ("No two bodies pushed each other" in text) == said
-
-
-def test_round_off_is_shown_as_zero() -> None:
-    assert [shown(value, COLUMNS["gap"]) for value in (-5e-16, 1e-6, 0.876)] == ["0", "+1e-06", "+0.876"]

@@ -12,7 +12,6 @@ import xarray as xr
 
 from mpmfw.errors import MpmfwError
 from mpmfw.results import Frame, RunHeader, RunWriter
-from mpmfw.results.layout import unit
 from mpmfw.results.memory import peak_memory, restart_peak_memory
 from mpmfw.results.reading import read as open_results
 from mpmfw.results.resampling import series_at_outputs
@@ -95,22 +94,6 @@ def test_what_is_written_is_read(tmp_path, in_memory):
     ) == pytest.approx(frames[2].series["mean_velocity"][1, 1])
 
 
-def test_units_and_names_are_those_of_the_declarations():
-    with RunWriter(None, header()) as writer:
-        writer.write(frame(0.0))
-    tree = writer.results()
-    for field in (*FIELDS, PRESSURE):
-        places = {"series": "series", "contact": "contact/ball-floor"}
-        array = tree[f"{places.get(field.group, field.group + '/ball')}/{field.name}"]
-        assert array.attrs == field.attributes
-        assert array.dims[-len(field.dims) :] == field.dims
-
-
-def test_in_3d_nothing_is_per_metre_of_thickness():
-    mass = next(field for field in PARTICLE_FIELDS if field.name == "mass")
-    assert (unit(mass, 2), unit(mass, 3)) == ("kg m-1", "kg")
-
-
 def test_a_file_can_be_read_while_it_is_written(tmp_path):
     with RunWriter(tmp_path / "run.nc", header()) as writer:
         writer.write(frame(0.0))
@@ -139,35 +122,12 @@ def test_an_exception_says_why_in_the_status(tmp_path):
     assert tree["series"].sizes["time"] == 1
 
 
-def test_lazy_reading_leaves_the_file_open_until_closed(tmp_path):
-    with RunWriter(tmp_path / "run.nc", header()) as writer:
-        writer.write(frame(0.0))
-    tree = open_results(tmp_path / "run.nc", lazy=True)
-    assert tree["particles/ball/position"].shape == (1, 4, 2)
-    tree.close()
-    tree.close()
-
-
-def test_series_that_a_frame_lacks_are_missing():
-    with RunWriter(None, header()) as writer:
-        writer.write(frame(0.0))
-        writer.write(Frame(0.1))
-    assert np.isnan(writer.results()["series/kinetic_energy"][1]).all()
-
-
 def test_undeclared_and_misshapen_arrays_are_refused():
     with RunWriter(None, header()) as writer:
         with pytest.raises(MpmfwError, match="undeclared field 'heat'"):
             writer.write(Frame(0.0, series={"heat": np.zeros(2)}))
         with pytest.raises(MpmfwError, match="kinetic_energy"):
             writer.write(Frame(0.0, series={"kinetic_energy": np.zeros(3)}))
-
-
-def test_one_body_without_pairs_or_surface():
-    lone = header(bodies=("ball",), pairs=(), surface_count={}, connectivity={})
-    with RunWriter(None, lone) as writer:
-        writer.write(Frame(0.0, series={"kinetic_energy": np.ones(1)}))
-    assert "surface" not in writer.results().children
 
 
 def test_a_file_that_cannot_be_created_or_read_is_named(tmp_path):
@@ -272,19 +232,6 @@ def test_what_waits_is_written_when_the_run_fails(tmp_path):
     assert open_results(path)["series/time"].size == 5
 
 
-def test_an_output_of_other_arrays_is_in_its_own_variables(tmp_path):
-    path = tmp_path / "run.nc"
-    with RunWriter(path, header()) as writer:
-        writer.write(series_alone(0))
-        writer.write(series_alone(1))
-        writer.write(Frame(0.2, series={"total_energy": np.ones(2)}))
-        writer.write(series_alone(3))
-        writer.flush()
-        tree = open_results(path)
-        np.testing.assert_array_equal(tree["series/kinetic_energy"][:, 0], [0.0, 1.0, np.nan, 3.0])
-        np.testing.assert_array_equal(tree["series/total_energy"][:, 0], [np.nan, np.nan, 1.0, np.nan])
-
-
 @pytest.mark.parametrize("interval", [1, 3])
 def test_plain_xarray_opens_every_run(tmp_path, interval):
     """With and without points at every output, surfaces and contact, also while it is written; the tree is
@@ -373,16 +320,3 @@ def test_a_body_whose_name_is_a_path_is_refused(tmp_path):
         dataset["body"][0] = "../../x"
     with pytest.raises(MpmfwError, match=r"run\.nc': the file was cut short or is damaged"):
         open_results(tmp_path / "run.nc")
-
-
-def test_many_groups_are_written_seldom(tmp_path, monkeypatch):
-    """Where a writing takes long, frames wait longer for the next, in proportion."""
-    clock = iter(np.arange(0.0, 1000.0, 0.5))
-    monkeypatch.setattr("mpmfw.results.writing.time.thread_time", lambda: next(clock))
-    with RunWriter(tmp_path / "run.nc", header()) as writer:
-        writer.write(frame(0.0))
-        writer.flush()
-        writer.write(frame(0.1))
-        now = time.monotonic()
-        assert not writer.is_due(now + 3.0)
-        assert writer.is_due(now + 6.0)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from mpmfw.cli.arguments import chosen_scene
 from mpmfw.errors import SceneError
 from mpmfw.runs.identity import key_of
 from mpmfw.runs.simulation import Simulation
@@ -53,17 +52,9 @@ def test_a_scene_written_again_is_the_same():
             "contact.law: missing beside detection = 'nodes'; expected one of "
             "adhesion, barrier, hamad2017, hybrid, impulse, lcp, penalty",
         ),
-        (
-            {"law": "penalty"},
-            "contact.detection: missing beside law = 'penalty'; expected one of logistic, midplane, nodes, "
-            "points, surfaces",
-        ),
         ({"detecton": "nodes", "law": "penalty"}, "contact.detecton: unknown key; did you mean 'detection'?"),
         ({"detection": "nods", "law": "penalty"}, "contact.detection: no such detection: 'nods' is unknown; did you"),  # noqa: E501
-        ({"detection": 3, "law": "penalty"}, "contact.detection: expected the name of a detection, not 3"),
-        ({**PARTS, "nodes": 3}, "contact.nodes: expected a table of options of detection 'nodes', not 3"),
         ({**PARTS, "nodes": {"cutoff": 1}}, "contact.nodes.cutoff: unknown key; did you mean 'cut_off'?"),
-        ({**PARTS, "penalty": {"kappa": -1}}, "contact.penalty.kappa: must be greater than 0, not -1; expected a number"),  # noqa: E501
         (
             {**PARTS, "nodes+penalty": {"kappa": 3}},
             'contact.penalty.kappa: [contact."nodes+penalty"] gives it too; leave one of them out',
@@ -77,16 +68,6 @@ def test_what_is_wrong_gets_one_message(contact, said):
     assert "\n" not in message
 
 
-def test_a_message_has_file_and_line(tmp_path):
-    path = tmp_path / "slide.toml"
-    text = scene({"method": "none"}).text
-    line = text[: text.index('method = "none"')].count("\n") + 1
-    path.write_text(text.replace('method = "none"', 'detection = "nods"\nlaw = "penalty"'))
-    with pytest.raises(SceneError) as caught:
-        load_scene(path)
-    assert str(caught.value).startswith(f"{path}:{line}: contact.detection: no such detection")
-
-
 def test_what_is_set_takes_the_place_of_the_other_spelling():
     assert scene(PARTS, **{"contact.method": "bardenhagen"}).contact.method == "bardenhagen"
     assert (
@@ -98,14 +79,3 @@ def test_what_is_set_takes_the_place_of_the_other_spelling():
     assert refused(METHOD, **{"contact.law": "impulse"}).startswith(
         "--set contact.law: a method is named beside it"
     )
-
-
-def test_options_that_stand_where_nothing_reads_them_are_refused(tmp_path):
-    said = "--set contact.nodes.cut_off: has no effect: the contact is not written with detection = 'nodes'"
-    assert refused(METHOD, **{"contact.nodes.cut_off": 0.5}).startswith(said)
-    path = tmp_path / "slide.toml"
-    path.write_text(scene(METHOD).text)
-    with pytest.raises(SceneError, match=r"contact\.penalty\.kappa: has no effect"):
-        chosen_scene(path, None, None, ["contact.penalty.kappa=2"], False)
-    parts = ["contact.detection=nodes", "contact.law=penalty", "contact.penalty.kappa=5"]
-    assert chosen_scene(path, None, None, parts, False).contact.options.kappa == 5.0

@@ -1,7 +1,5 @@
 """Fields of a comparison: kept where the scene or the user asks, joined, selected and subtracted."""
 
-import warnings
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -88,15 +86,6 @@ def test_what_the_scene_says_of_its_output_counts():
                 mpmfw.plots.field(dataset)
 
 
-def test_the_command_keeps_what_is_set(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    silent = {key: value for key, value in SCENE.items() if key != "output"}
-    (tmp_path / "s.toml").write_text(mpmfw.load_scene(silent).text)
-    done = CliRunner().invoke(app, ["compare", "s.toml", "--set", "output.particles=true", "-o", "c.nc"])
-    assert done.exit_code == 0, done.output
-    assert "particle_von_mises" in mpmfw.open("c.nc")
-
-
 def test_points_that_differ_are_not_joined_and_said_to():
     with pytest.warns(
         ResultsWarning,
@@ -114,27 +103,3 @@ def test_points_that_differ_are_not_joined_and_said_to():
         mpmfw.select(dataset)
     with pytest.raises(SceneError, match="no dimension of the comparison"):
         mpmfw.select(dataset, size=0.0625, sizes=1)
-
-
-def test_runs_of_other_points_have_no_difference():
-    one, other = (mpmfw.run(SCENE, set={"bodies.left.particles.size": size}) for size in (0.125, 0.0625))
-    with pytest.raises(SceneError, match="the material points of 'left' differ"):
-        mpmfw.difference(one, other)
-
-
-def test_a_method_that_failed_has_no_field():
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        dataset = mpmfw.compare(SCENE, ["none", "separate"], ["linear"])
-    assert {"none, linear", "separate, linear"} == set(_runs(dataset))
-    broken = dataset.copy(deep=True)
-    for name in broken.data_vars:
-        if "particle" in broken[name].dims:
-            broken[name].loc[{"contact": "separate"}] = np.nan
-    assert set(_runs(broken)) == {"none, linear"}
-
-
-def _runs(dataset):
-    from mpmfw.results.selection import runs_of
-
-    return runs_of(dataset)

@@ -114,27 +114,6 @@ def test_first_point_outside_its_window_is_reported(name, dim, index, value):
 
 
 @DIMENSIONS
-def test_nan_in_the_deformation_is_reported(dim):
-    grid, particles = make_problem(dim)
-    shape = make_shape("cpdi", particles, grid)
-    particles.deformation_gradient[17] = np.nan
-    with pytest.raises(OutsideGrid) as error:
-        shape.interpolate(particles=particles, grid=grid)
-    assert error.value.index == 17
-
-
-@DIMENSIONS
-@pytest.mark.parametrize("name", SHAPES)
-def test_point_outside_its_own_window_but_inside_the_other(name, dim):
-    grid, particles = make_problem(dim)
-    shape = make_shape(name, particles, grid)
-    particles.position[5] = grid.position[grid.field_nodes(1)].max(axis=0) - 2.0 * H
-    with pytest.raises(OutsideGrid) as error:
-        shape.interpolate(particles=particles, grid=grid)
-    assert error.value.index == 5
-
-
-@DIMENSIONS
 @pytest.mark.parametrize("name", SHAPES)
 def test_surface_table_has_no_gradient(name, dim):
     grid, particles = make_problem(dim)

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from contact_scenes import slider
 from mpmfw import Simulation
 from mpmfw.api import ForceContact
-from mpmfw.contact.nodes import Nodes
 from mpmfw.contact.springs import SpringArrays, SpringLaw
 from mpmfw.contact.surfaces import Surfaces
 from mpmfw.kernels import kernel
@@ -65,8 +63,3 @@ def test_a_law_of_springs_is_its_normal_force() -> None:
     np.testing.assert_array_equal(*positions)
     np.testing.assert_array_equal(*works)
     assert works[0].max() > 0.0
-
-
-@pytest.mark.parametrize("detection", [Nodes, Surfaces])
-def test_it_is_joined_with_any_detection(detection: type) -> None:
-    assert Linear.joined_with(detection)(kappa=2.0).law.options.kappa == 2.0

@@ -7,7 +7,6 @@ import pickle
 
 import numpy as np
 import pytest
-from numba.core.errors import TypingError
 
 from mpmfw.kernels import Floats, Ints, Struct, device, kernel, struct
 
@@ -68,16 +67,6 @@ def test_arrays_that_take_others_places_are_seen():
     check(points)
 
 
-def test_a_change_in_place_costs_no_new_addresses():
-    points = struct(gap=np.zeros(3))
-    numbers = points._numbers
-    points.gap += 1.0
-    assert points._numbers is numbers
-    points.gap = points.gap + 1.0
-    assert points._numbers is not numbers
-    np.testing.assert_array_equal(points.gap, [2.0, 2.0, 2.0])
-
-
 def test_a_copy_has_arrays_of_its_own():
     points = points_of(4, Named)
     points.label = "a"
@@ -86,16 +75,6 @@ def test_a_copy_has_arrays_of_its_own():
         check(other)
         np.testing.assert_array_equal(points.gap, before)
         assert (other.label, other.member_names) == ("a", ("place", "gap", "normal"))
-
-
-def test_classes_with_the_same_members_are_one_type():
-    assert points_of(3)._numba_type_ == points_of(4, Named)._numba_type_
-    assert points_of(3)._numba_type_ != struct(gap=np.zeros(3))._numba_type_
-
-
-def test_a_member_that_is_not_there_is_an_error_of_the_compilation():
-    with pytest.raises(TypingError, match="normal"):
-        add_gaps(struct(gap=np.zeros(3), place=np.zeros(3, dtype=int)), np.zeros(2))
 
 
 def test_members_of_any_type_and_layout():

@@ -113,33 +113,3 @@ def test_figures_of_a_study(problem, tmp_path):
     assert all(panel.get_title(loc="left").endswith("(1 failed)") for panel in axes)
     bars = figures["stages"][0].axes[0].patches
     assert sum(bar.get_width() for bar in bars) == pytest.approx(8.0 + 20.0 + 9.0)
-
-
-def test_a_run_that_is_the_reference_did_not_fail():
-    dataset = made_up()
-    dataset["error"] = dataset["error"].where((dataset["status"] != "ok") | (dataset["cell_size"] == 0.2))
-    (title,) = [panel.get_title(loc="left") for panel in figures_of(dataset)["front"][0].axes]
-    assert title.endswith("(1 failed)")
-
-
-def test_the_legend_of_stages_lists_those_that_occur():
-    dataset = made_up()
-    dataset["stage_time"] = dataset["stage_time"].where(dataset["stage"] != "contact", 0.0)
-    figure, _ = figures_of(dataset)["stages"]
-    (legend,) = figure.legends
-    named = {text.get_text() for text in legend.get_texts()} - {""}
-    assert named == {"shape", "projection", "force", "gather", "material"}
-
-
-def test_figures_of_a_study_without_any_result():
-    empty = made_up()
-    for name in ("error", "cpu_time", "stage_time"):
-        empty[name] = np.nan * empty[name]
-    assert figures_of(empty) == {}
-
-
-def test_figures_of_a_study_of_one_method():
-    one = made_up().isel(contact=0, shape=0)
-    assert list(figures_of(one)) == ["front", "stages"]
-    bare = made_up().isel(contact=0, shape=0).drop_vars(["contact", "shape"])
-    assert list(figures_of(bare)) == ["front", "stages"]

@@ -132,17 +132,8 @@ BAD = {
         np.concatenate([FACETS, FACETS]),
     ),
     "sides have more than two triangles": lambda: parts(edge_to(0.0), edge_to(1.0)),
-    r"parts of the surface overlap: .* \(facets .*\), the first at": lambda: parts(
-        box_of((0, 0, 0), (1, 1, 1)), box_of((0.5, 0, 0), (1.5, 1, 1))
-    ),
     r"parts of the surface overlap: triangles lie within another part, or": lambda: parts(
         (NODES, FACETS), (NODES + np.array([0.6, 0.0, 0.0]), FACETS)
-    ),
-    r"parts of the surface overlap: triangles lie within": lambda: parts(
-        box_of((0, 0, 0), (1, 1, 1)), box_of((0.2, 0.2, 0), (0.8, 0.8, 0.5))
-    ),
-    r"parts of the surface overlap: triangles": lambda: parts(
-        box_of((0, 0, 0), (1, 1, 1)), box_of((0.5, 0.2, 0.2), (1.5, 0.8, 0.8), inwards=True)
     ),
     "turned inside out; expected their normals to point inwards, being a cavity": lambda: parts(
         box_of((0, 0, 0), (1, 1, 1)), box_of((0.2, 0.2, 0.2), (0.8, 0.8, 0.8))
@@ -213,25 +204,6 @@ def test_millimetres_given_as_metres_are_suspected(tmp_path):
         load_scene(scene_of(path, unit="mm"))
 
 
-def test_sides_that_are_next_to_nothing_are_said(tmp_path):
-    speck = box_of((0, 0, 0), (1e-8, 1e-8, 1e-8))
-    path = written(tmp_path / "speck.ply", *parts(speck, box_of((0.1, 0.1, 0.1), (1, 1, 1))))
-    with pytest.raises(
-        SceneError,
-        match=r"a side of the triangles is .* cells long \(facet \d+, at \(.*\) m\); expected 1e-06",
-    ):
-        load_scene(scene_of(path))
-
-
-def test_triangles_far_below_a_cell_are_refused(tmp_path):
-    ((nodes, facets),) = Ball(centre=(0, 0, 0), radius=0.5).surfaces(0.03)
-    path = written(tmp_path / "ball.stl", nodes, facets)
-    scene = scene_of(path)
-    scene["grid"] = {"cell_size": 2.0, "lower": [-20] * 3, "upper": [20] * 3}
-    with pytest.raises(SceneError, match=r"sides of the triangles are 0\.01\d* cells long on the mean"):
-        load_scene(scene)
-
-
 def rounded_stl(path, scale):
     """An STL of text whose numbers differ in the last digit of single precision from triangle to triangle."""
     rng = np.random.default_rng(1)
@@ -277,7 +249,7 @@ def test_no_file_beside_a_mesh_is_opened(tmp_path, monkeypatch):
             signal.alarm(0)
 
 
-@pytest.mark.parametrize("number", [len(NODES), 65547, -1])
+@pytest.mark.parametrize("number", [len(NODES), -1])
 def test_a_node_that_is_not_there_is_said(tmp_path, number):
     facets = FACETS.copy()
     facets[5, 1] = number

@@ -48,12 +48,6 @@ ASKED = Check("asked", "Something.", not_asked)
 WHY = "the sum of two numbers may be large"
 
 
-def test_a_note_of_a_check_that_passes_is_kept():
-    noted = Check("noted", "All is well.", lambda _subject: "refuses: linear")
-    (outcome,) = examine(SUBJECT, [noted])
-    assert (outcome.status, outcome.message) == ("passed", "refuses: linear")
-
-
 def test_outcomes_and_their_pictures(tmp_path):
     good, bad, asked = examine(SUBJECT, [GOOD, BAD, ASKED], pictures=tmp_path / "new")
     assert (good.status, bad.status, asked.status) == ("passed", "failed", "not applicable")
@@ -174,27 +168,6 @@ def test_a_law_that_fails_in_its_first_step_fails_every_check_for_one_reason():
     assert [one.same_as for one in others] == ["runs"] * 5
 
 
-def test_in_pytest_too(tmp_path):
-    file = tmp_path / "my_law.py"
-    file.write_text("def add_nodal_force():\n    x = 1\n    return x.force\n")
-    fails = broken_law(file)
-    checks = [Check(name, "It works.", lambda _subject: fails()) for name in ("runs", "second")]
-    bound = parametrised_module._parametrised("separate", "contact", checks, None, None, None).args[1]
-    with pytest.raises(pytest.fail.Exception, match=f'File "{file}", line 3'):
-        bound[0]()
-    with pytest.raises(pytest.fail.Exception, match=r"second: failed, as runs$"):
-        bound[1]()
-
-
-def test_a_check_that_the_law_runs_at_all_comes_first():
-    assert checks_of("contact")[0].name == checks_of("shape")[0].name == "runs"
-
-
-def test_expected_failures_leave_no_pictures_behind(tmp_path):
-    examine(SUBJECT, [BAD], {"bad": WHY}, tmp_path / "pictures")
-    assert not (tmp_path / "pictures").exists()
-
-
 def test_a_counterexample_is_saved_as_a_scene_and_a_program_that_runs_it(tmp_path):
     """Of a fault of a contact and one of a load; the program is run, as whoever gets the two files would."""
     from faulty_plugins.contact.momentum import Adhesion
@@ -219,12 +192,3 @@ def test_a_counterexample_is_saved_as_a_scene_and_a_program_that_runs_it(tmp_pat
         )  # fmt: skip
         assert done.returncode == 0, done.stderr
         assert done.stdout.count(" s [[") >= 2  # the start, and a step
-
-
-def test_nothing_is_saved_where_nothing_fails(tmp_path):
-    from faulty_plugins.load.faults import Sound
-    from mpmfw_testing import checks_of
-
-    (outcome,) = examine(subject_of(Sound, "load"), checks_of("load")[:1], folder=tmp_path)
-    assert outcome.saved == ()
-    assert not list(tmp_path.iterdir())

@@ -29,13 +29,6 @@ def test_the_counterexample_is_the_smallest_and_the_same_in_every_run():
     assert (first.value.measured, first.value.bound) == (1.0, 0.75)
 
 
-def test_the_simplest_case_is_tried_first():
-    tried = []
-    search({"a": ladder(3.0, 1.0, 3)}, lambda a: tried.append(a), examples=5)
-    assert tried[0] == 3.0
-    assert set(tried) <= {1.0, 2.0, 3.0}
-
-
 def test_a_search_ends_after_so_many_trials():
     tried = []
 
@@ -76,14 +69,6 @@ def test_an_error_of_the_plugin_is_a_violation_with_its_case():
     assert isinstance(caught.value.__cause__, ZeroDivisionError)
 
 
-def test_what_cannot_be_asked_is_said():
-    def trial(a):
-        raise Inapplicable(f"it has no springs at {a:g} m")
-
-    with pytest.raises(Inapplicable, match="no springs"):
-        search({"a": ladder(0.0, 1.0, 2)}, trial)
-
-
 def test_a_later_case_that_cannot_be_asked_hides_no_violation():
     def trial(a):
         if a > 0.6:
@@ -95,19 +80,3 @@ def test_a_later_case_that_cannot_be_asked_hides_no_violation():
         try_all({"a": (0.0, 0.5, 1.0)}, trial)
     with pytest.raises(Inapplicable, match="middle"):
         try_all({"a": (0.5, 1.0)}, trial)
-
-
-def test_shrinking_into_a_case_that_cannot_be_asked_keeps_the_violation():
-    tried = []
-
-    def trial(a):
-        broken = any(each > 0.8 for each in tried)
-        tried.append(a)
-        if a > 0.8:
-            raise Violation("beyond 0.8")
-        if broken and a > 0.0:
-            raise Inapplicable("it has no springs")
-
-    with pytest.raises(Violation, match=r"beyond 0\.8"):
-        search({"a": ladder(0.0, 1.0, 11)}, trial, examples=40)
-    assert 0.0 < tried[-1] <= 0.8

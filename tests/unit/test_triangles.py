@@ -10,15 +10,13 @@ import pytest
 from mpmfw.geometry.cut_cells import cut_cells
 from mpmfw.geometry.disc import Disc
 from mpmfw.geometry.extrusion import Cylinder, Extrusion
-from mpmfw.geometry.facets import closed_loop, neighbours_of, stars_of, tributaries_of
+from mpmfw.geometry.facets import neighbours_of, tributaries_of
 from mpmfw.geometry.layout import layout_of_boxes
 from mpmfw.geometry.polygon import Polygon
 from mpmfw.geometry.revolution import Revolution, Torus
 from mpmfw.geometry.ring import Ring
 from mpmfw.geometry.solid import joined, turning
 from mpmfw.geometry.solids import Ball, Box
-from mpmfw.runs.sizing import size_of
-from mpmfw.scene.tables import Body
 
 ELL = ((0, 0), (2, 0), (2, 0.8), (0.9, 1), (0.9, 2), (0, 2))
 HOLE = ((0.3, 0.3), (0.6, 0.3), (0.45, 0.7))
@@ -37,7 +35,6 @@ SOLIDS = {
 }
 #: Shells of a body's surface, and holes through them all.
 SHELLS = {"extrusion": (1, 1), "torus": (1, 1), "hollow ring": (2, 2)}
-PLANE_FACES = ("box", "turned box", "extrusion")
 MIRRORED = ("box", "ball", "cylinder")
 every_solid = pytest.mark.parametrize("name", SOLIDS)
 
@@ -93,15 +90,6 @@ def test_a_ball_has_nodes_on_the_sphere_and_a_volume_of_second_order():
     assert lacking[1] / lacking[2] == pytest.approx(4.0, rel=0.2)
 
 
-@every_solid
-@pytest.mark.parametrize("edge", [0.1, 0.23, 0.7, 9.0])
-def test_the_estimate_of_memory_counts_no_fewer_nodes(name, edge):
-    solid = SOLIDS[name]
-    body = Body(material="m", geometry=solid, particles={"layout": "lattice", "size": 0.2}, segment=edge)
-    nodes, _ = joined(solid.surfaces(edge))
-    assert len(nodes) <= size_of(body, 0.4).surface_nodes <= 10 * len(nodes) + 40
-
-
 @pytest.mark.parametrize("name", MIRRORED)
 def test_surfaces_have_the_mirror_planes_of_the_body(name):
     ((nodes, facets),) = SOLIDS[name].surfaces(0.23)
@@ -118,14 +106,6 @@ def test_a_surface_with_a_hole_is_refused():
     ((_, facets),) = SOLIDS["box"].surfaces(0.7)
     with pytest.raises(ValueError, match="the surface is not closed"):
         neighbours_of(facets[1:])
-
-
-def test_polylines_have_the_segments_before_and_after_each_node():
-    facets = np.concatenate([closed_loop(5), 5 + closed_loop(4)])
-    assert neighbours_of(facets)[:5].tolist() == [[1, 4], [2, 0], [3, 1], [4, 2], [0, 3]]
-    first, star = stars_of(facets, 9)
-    assert first.tolist() == list(range(0, 19, 2))
-    assert star[:10].tolist() == [4, 0, 0, 1, 1, 2, 2, 3, 3, 4]
 
 
 def moments_of(volume, position, half_edges):

@@ -12,24 +12,14 @@ from mpmfw import units
     ("kind", "given", "si"),
     [
         (units.Length, 0.4, 0.4),
-        (units.Length, 2, 2.0),
         (units.Length, "2 mm", 2e-3),
-        (units.Time, "5 us", 5e-6),
-        (units.Time, "3.2 ms", 3.2e-3),
         (units.Velocity, "36 km/h", 10.0),
         (units.AngularVelocity, "180 deg/s", 3.141592653589793),
-        (units.Acceleration, "9.81 m/s^2", 9.81),
         (units.Angle, "60 deg", 1.0471975511965976),
         (units.Pressure, "6 MPa", 6e6),
         (units.Density, "1.01 g/cm^3", 1010.0),
-        (units.Density, "2.4 tonne/m^3", 2400.0),
-        (units.Density, "2.4 t/m^3", 2400.0),
-        (units.Density, "1 short_ton/m^3", 907.18474),
         (units.Force, "3 kilonewton", 3000.0),
-        (units.Force, "1 tf", 9806.65),
         (units.AngularVelocity, "60 rpm", 6.283185307179586),
-        (units.AngularVelocity, "2 1/s", 2.0),
-        (units.Number, 0.286, 0.286),
         (units.Number, "5 %", 0.05),
     ],
 )
@@ -43,26 +33,14 @@ def test_quantities_become_si(kind, given, si):
         (units.Length, "2 s", "'2 s' is not convertible to m"),
         (units.Length, "2", "'2' has no unit"),
         (units.Length, "two metres", "is not a quantity"),
-        (units.Length, "2 mmm", "is not a quantity"),
         (units.Pressure, "3 m/s", "is not convertible to Pa"),
         (units.Length, float("nan"), "finite"),
         (units.Length, [1.0], "valid number"),
         (units.Length, True, "true is a boolean; expected a number or a string such as '1.5 m'"),
-        (units.Number, False, "false is a boolean; expected a number or a string such as '5 %'"),
-        (
-            units.Length,
-            "",
-            "an empty string is not a quantity; expected a number or a string such as '1.5 m'",
-        ),
         (units.Density, "2.4 ton/m^3", "'ton' is ambiguous: tonne or short_ton?"),
-        (units.Density, "2.4e-3 kton/m^3", "'kton' is ambiguous: tonne or short_ton?"),
-        (units.Density, "2 tons/m^3", "'tons' is ambiguous: tonne or short_ton?"),
         (units.Density, "9 cwt/m^3", "'cwt' is ambiguous: short_hundredweight or long_hundredweight?"),
         (units.Force, "1 ton_force", "'ton_force' is ambiguous: tf or short_ton_force?"),
         (units.AngularVelocity, "50 Hz", "Hz is ambiguous: turn/s or rad/s?"),
-        (units.Number, "30 deg", "'30 deg' is an angle; expected a number"),
-        (units.Angle, "100 %", "'100 %' is a number, no angle; expected one such as '30 deg'"),
-        (units.Density, " ", "an empty string is not a quantity"),
     ],
 )
 def test_other_input_is_refused_with_a_reason(kind, given, message):
@@ -75,15 +53,12 @@ def test_other_input_is_refused_with_a_reason(kind, given, message):
     [
         "((((1",
         "1/0 m",
-        "1 m / 0",
-        "(1 + 1) m",
         "1 m^9^9^9",
         "1 __import__('os').getcwd()",
         "m",
         "1 m\0",
         "1 m " * 40,
         "9" * 5000,
-        "1" + " " * 5000 + "m",
     ],
 )
 def test_a_string_is_a_number_and_a_unit_and_nothing_is_evaluated(text):
@@ -100,9 +75,3 @@ def test_a_magnitude_that_cannot_be_computed_with_is_refused(value):
 @given(st.floats(-1e6, 1e6).filter(lambda x: x == 0.0 or abs(x) >= 1e-60))
 def test_a_bare_number_passes_unchanged(number):
     assert TypeAdapter(units.Length).validate_python(number) == number
-
-
-@pytest.mark.parametrize("kind", [units.Length, units.Pressure, units.Density])
-def test_the_unit_stands_in_the_json_schema(kind):
-    unit = TypeAdapter(kind).json_schema()["unit"]
-    assert TypeAdapter(kind).validate_python(f"1 {unit}") == 1.0

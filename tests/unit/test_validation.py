@@ -6,8 +6,6 @@ from __future__ import annotations
 
 import csv
 import math
-import tomllib
-from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
@@ -16,7 +14,7 @@ from mpmfw.cli import app
 from mpmfw.errors import SceneError
 from mpmfw.validation import Case, Method, Row, Verdict
 from mpmfw.validation.page import BEGIN, END
-from mpmfw.validation.suite import find_cases, kept, run_cases, shipped_suite
+from mpmfw.validation.suite import find_cases, kept, run_cases
 
 GREEN = """
 from measures import SIX
@@ -164,7 +162,6 @@ def test_runs_at_places_and_in_versions(suite, tmp_path):
     [
         ({"a": GREEN}, [], 0, "1 gates: 1 hold, 0 red"),
         ({"a": GREEN, "b": RED}, [], 1, "RED: b: by hand, six: 8 (5 … 7)"),
-        ({"a": GREEN, "b": RED}, ["a"], 0, "1 case, 1 gates"),
         ({"a": KNOWN.format(value=8.0)}, [], 0, "known red: a: by hand, six: 8 (5 … 7): eight is more"),
         ({"a": KNOWN.format(value=6.0)}, [], 1, "marked as known red"),
         ({"a": BROKEN, "b": GREEN}, [], 1, "no reference"),
@@ -232,15 +229,3 @@ def test_a_case_that_is_done_is_not_run_again_unless_forced(suite, tmp_path):
     (tmp_path / "out" / "a-line.png").unlink()
     results(folder, tmp_path, progress=events.append)
     assert events[-1].total == 1
-
-
-def test_the_cases_are_found_wherever_one_is(tmp_path, monkeypatch):
-    """They ship in the wheel, as the folder ``mpmfw/cases``."""
-    monkeypatch.chdir(tmp_path)
-    assert "hertz" in [folder.name for folder in find_cases(shipped_suite())]
-    assert "slopes" in [folder.name for folder in find_cases(shipped_suite() / "hard")]
-    settings = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))
-    wheel = settings["tool"]["hatch"]["build"]["targets"]["wheel"]
-    assert wheel["force-include"]["validation"] == "mpmfw/cases"
-    result = CliRunner().invoke(app, ["validate", "herz"])
-    assert (result.exit_code, "did you mean 'hertz'?" in result.output) == (2, True)

@@ -7,11 +7,10 @@ import itertools
 import numpy as np
 import pytest
 
-from mpmfw.benchmark import table
 from mpmfw.runs.simulation import Simulation
 from yardstick.block import make_block, make_rings
-from yardstick.kernels import SHAPES, measure_kernels
-from yardstick.plain import STAGES, PlainLoop, compilers
+from yardstick.kernels import SHAPES
+from yardstick.plain import PlainLoop, compilers
 
 #: Dimensions, compiler, and whether the step is the one without a table.
 LOOPS = [(2, None, False), *itertools.product((2, 3), compilers(), (False, True))]
@@ -52,17 +51,3 @@ def test_rings_are_the_scenes_points():
     np.testing.assert_allclose(ours.volume * h**2, theirs.volume)
     moved = ours.position - theirs.position / h
     np.testing.assert_allclose(moved, np.broadcast_to(np.round(moved[0]), moved.shape), atol=1e-9)
-
-
-def test_rows_and_table():
-    rows = measure_kernels(shapes=["linear"], counts=[100], repeats=2)
-    assert {f"ns_{stage}" for stage in STAGES} <= rows[0].keys()
-    assert rows[0]["shape"] == "linear"
-    assert rows[0]["ns_total"] > 0.0
-    assert 0.0 < rows[0]["ratio_low"] <= rows[0]["ratio"] <= rows[0]["ratio_high"]
-    assert table(rows).row_count == 1
-
-
-def test_three_dimensions_need_a_compiler():
-    with pytest.raises(NotImplementedError, match="compiler"):
-        measure_kernels(shapes=["linear"], counts=[100], repeats=1, dim=3, compiler=False)
