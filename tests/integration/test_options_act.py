@@ -11,9 +11,8 @@ from pathlib import Path
 import pytest
 
 from mpmfw.plugin import discovery
-from mpmfw.plugin.discovery import Kind, available, load
 from options_found import NO_OPTIONS, option_models, outcome
-from options_table import CORE, PLUGINS, REFUSED, Acts, mesh_file, surface_mesh
+from options_table import ASKED_BY_THE_KIT, CORE, PLUGINS, REFUSED, Acts, mesh_file, surface_mesh
 from scenes_for_tests import with_changes
 
 SURFACE_MESH = ("path", "unit", "angles", "shift")
@@ -40,23 +39,17 @@ def announced(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_no_option_is_forgotten() -> None:
-    found = {f"{table}.{option}" for table, model in option_models().items() for option in model.model_fields}
+    found = {
+        f"{table}.{option}"
+        for table, model in option_models().items()
+        if not table.startswith(ASKED_BY_THE_KIT)
+        for option in model.model_fields
+    }
     found = {option for option in found if option.rpartition(".")[2] not in NO_OPTIONS}
     assert found == set(CORE) | set(PLUGINS) | {
         "MeshFile.path",
         *(f"SurfaceMesh.{key}" for key in SURFACE_MESH),
     }
-
-
-@pytest.mark.parametrize("kind", ["detection", "law"])
-def test_options_of_detections_and_laws_are_those_of_contacts(kind: Kind) -> None:
-    of_contacts = [
-        model.model_fields for table, model in option_models().items() if table.startswith("contact.")
-    ]
-    for name in available(kind):
-        options = getattr(load(kind, name), "Options", None)
-        for option in () if options is None else options.model_fields:
-            assert any(option in fields for fields in of_contacts), f"{kind}.{name}.{option}"
 
 
 def check_acts(entry: Acts) -> None:
@@ -85,7 +78,7 @@ def test_a_key_of_a_surface_mesh_changes_the_result(tmp_path: Path, key: str) ->
 
 
 def test_the_same_scene_has_the_same_outcome() -> None:
-    entry = PLUGINS["contact.penalty.kappa"]
+    entry = CORE["Tables.contact"]
     assert outcome(entry.scene) == outcome(entry.scene)
 
 

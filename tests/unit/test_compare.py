@@ -10,7 +10,7 @@ from mpmfw.campaigns.comparison import compare as compare_really
 from mpmfw.campaigns.grid import labels_of
 from mpmfw.cli.compare import print_comparison
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, SimulationError
-from mpmfw.plots import figures_of, plot_file, plot_files, positions
+from mpmfw.plots import figures_of, plot_file, positions
 from mpmfw.report import table, write_report
 from mpmfw.results import Frame, RunHeader, RunWriter
 from mpmfw.results import open as open_results
@@ -150,15 +150,6 @@ def test_refused_combinations_are_recorded_and_refused_requests_raised():
     assert data["status"].values.tolist() == [["refused: penalty does not go with cpdi2", "ok"]]
     with pytest.raises(SceneError, match="does not go"):
         compare("any", ["penalty"], ["cpdi2"], runner=Cylinder(refuse=refused))
-
-
-def test_a_misspelt_name_is_refused_before_any_run():
-    runner = Cylinder()
-    with pytest.raises(SceneError, match="did you mean 'penalty'"):
-        compare("any", ["none", "penatly"], ["cpdi"], runner=runner)
-    with pytest.raises(SceneError, match="expected a list"):
-        compare("any", "penalty", ["cpdi"], runner=runner)
-    assert runner.calls == []
 
 
 def test_an_error_in_a_strangers_method_is_a_failure(caplog):
@@ -342,14 +333,3 @@ def test_what_a_run_notes_is_kept_with_its_name():
         data = compare("any", ["penalty", "none"], ["cpdi"], runner=noting)
     assert data.attrs["notes"] == '{"none/cpdi": ["did not settle"]}'
     assert (data["status"] == "ok").all()
-
-
-def test_two_comparisons_make_one_figure_of_the_motion(tmp_path, rolling):
-    for name in ("slip", "again"):
-        rolling.to_netcdf(tmp_path / f"{name}.nc")
-    written = plot_files([tmp_path / "slip.nc", tmp_path / "again.nc"], tmp_path / "figure1.png")
-    assert written == tmp_path / "figure1.png"
-    assert written.stat().st_size > 10_000
-    rolling.drop_attrs().to_netcdf(tmp_path / "other.nc")
-    with pytest.raises(MpmfwError, match="no comparison of a rolling cylinder"):
-        plot_files([tmp_path / "slip.nc", tmp_path / "other.nc"], tmp_path / "figure1.png")

@@ -17,7 +17,7 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 import mpmfw
 from drop_for_tests import drop, drop_scene
 from mpmfw.cli import app
-from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.errors import SceneError
 from mpmfw.geometry.facets import neighbours_of, stars_of
 from mpmfw.geometry.triangles import sphere_surface
 from mpmfw.kernels import Facets, minimum_gap
@@ -273,25 +273,6 @@ def test_signed_distances_are_those_of_the_kernel():
     np.testing.assert_allclose(found, least, atol=1e-14)
     assert (found < 0.0).any()
     assert (found > 0.0).any()
-
-
-def test_errors_name_what_is_there(tree, tmp_path):
-    with pytest.raises(SceneError, match="no body 'uper'; did you mean 'upper'"):
-        mpmfw.export(tree, tmp_path, bodies=["uper"])
-    with pytest.raises(SceneError, match="every 0: expected 1 or more"):
-        mpmfw.export(tree, tmp_path, every=0)
-    with pytest.raises(SceneError, match=r"every 2\.5: expected a whole number"):
-        mpmfw.export(tree, tmp_path, every=2.5)
-    with pytest.raises(SceneError, match=r"bodies: none is named; expected some of .*floor"):
-        mpmfw.export(tree, tmp_path, bodies=[])
-    with pytest.raises(SceneError, match="no body 'flor'; did you mean 'floor'"):
-        mpmfw.export(tree, tmp_path, bodies="flor")
-    bare = mpmfw.run({**drop_scene(), "output": {"particles": False}})
-    with pytest.raises(SceneError, match=r"stored no material points; run it with output\.particles"):
-        mpmfw.export(bare, tmp_path)
-    (tmp_path / "taken").write_text("")
-    with pytest.raises(MpmfwError, match="cannot write"):
-        mpmfw.export(tree, tmp_path / "taken")
 
 
 @pytest.mark.parametrize(

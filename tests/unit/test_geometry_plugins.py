@@ -45,16 +45,6 @@ def test_its_keys_have_units_and_are_told_by_name() -> None:
     assert "bodies.egg.geometry.centra: unknown key; did you mean 'centre'?" in said
 
 
-def test_what_is_no_geometry_is_refused() -> None:
-    wrong = scene()
-    wrong["bodies"]["egg"]["geometry"] = {"type": "mpmfw_contact.penalty:Penalty"}
-    with pytest.raises(SceneError, match=r"expected a class derived from mpmfw\.api\.PlaneGeometry"):
-        load_scene(wrong)
-    wrong["bodies"]["egg"]["geometry"] = {"type": "elips"}
-    with pytest.raises(SceneError, match="'elips' is unknown; expected one of disc, ring"):
-        load_scene(wrong)
-
-
 def test_what_a_class_leaves_out_is_named() -> None:
     from mpmfw.api import PlaneGeometry
 

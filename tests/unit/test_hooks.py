@@ -70,23 +70,6 @@ def test_first_result_stops_at_the_first_answer() -> None:
     assert pluggy_hook.particle_reach(particles=None) == 2
 
 
-def test_an_implementation_takes_the_arguments_that_it_names() -> None:
-    seen = []
-
-    @hookimpl
-    def advect(dt: float) -> None:
-        seen.append(dt)
-
-    @hookimpl
-    def update_particle_domains(dt: float, particles: str) -> None:
-        seen.append((dt, particles))
-
-    hook, _ = bound(plugin("a", advect=advect, update_particle_domains=update_particle_domains))
-    hook.advect(grid="grid", dt=0.5)
-    hook.update_particle_domains(particles="points", grid="grid", dt=0.25)
-    assert seen == [0.5, (0.25, "points")]
-
-
 def test_time_goes_to_the_stage_of_the_plug_in_and_back() -> None:
     clock, stages = Clock(), []
 

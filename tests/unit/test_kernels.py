@@ -9,7 +9,7 @@ import numpy_twins as twin
 import pytest
 
 from mpmfw.api import Stencil
-from mpmfw.kernels import gather, kernel, nodal, projection, rows, scratch, struct
+from mpmfw.kernels import gather, kernel, nodal, projection, struct
 from mpmfw.kernels.small_matrix import determinant, invert
 
 N_POINTS, N_NODES = 23, 41
@@ -112,12 +112,6 @@ def test_gather(problem, flip, affine):
         close(field, moment if affine == "moment" else 0.0 * moment)
 
 
-def test_velocity_gradient_alone(problem):
-    t, p, g = problem.table, problem.points, problem.grid
-    gather.gather_velocity_gradient(p, t, g, problem.spacing)
-    close(p.velocity_gradient, twin.velocity_gradient(t, g.velocity))
-
-
 def test_transport_of_the_affine_field(problem):
     x, dt = problem, 0.01
     affine = x.affine.copy()
@@ -178,64 +172,3 @@ def test_small_matrices(problem):
     _determinant_and_inverse(matrices, inverses, determinants, problem.spacing)
     close(determinants, np.linalg.det(matrices))
     close(inverses, np.linalg.inv(matrices))
-
-
-def test_singular_matrix_gives_no_exception(problem):
-    matrices = np.zeros((1, problem.dim, problem.dim))
-    inverses, determinants = np.ones_like(matrices), np.ones(1)
-    _determinant_and_inverse(matrices, inverses, determinants, problem.spacing)
-    assert determinants[0] == 0.0
-    assert not np.isfinite(inverses).any()
-
-
-@kernel
-def _through_scratch(values, out, spacing):
-    """Copy through every kind of scratch array; arrays made in turn must not share memory."""
-    dim = len(spacing)
-    v = scratch.vector(spacing)
-    m = scratch.matrix(spacing, (0.0, 0.0, 0.0, 0.0))
-    n = scratch.integers(spacing)
-    for i in range(len(values)):
-        for d in range(dim):
-            v[d] = values[i, d]
-            n[d] = int(values[i, d])
-            for a in range(4):
-                m[d, a] = values[i, d] * a
-        for d in range(dim):
-            out[i, d] = v[d] + n[d]
-            for a in range(4):
-                out[i, d] += m[d, a]
-    return v.shape, m.shape, n.shape
-
-
-def test_scratch_arrays(problem):
-    values = np.random.default_rng(0).uniform(-9.0, 9.0, (5, problem.dim))
-    out = np.zeros_like(values)
-    shapes = _through_scratch(values, out, problem.spacing)
-    close(out, 7.0 * values + np.trunc(values))
-    assert shapes == ((problem.dim,), (problem.dim, 4), (problem.dim,))
-
-
-@kernel
-def _row_operations(out, i, factor, other, j, spacing):
-    rows.add_scaled_row(out, i[0], factor, other, j[0], spacing)
-    rows.set_scaled_row(out, i[1], factor, other, j[1], spacing)
-
-
-@pytest.mark.parametrize("index_type", [np.int64, np.int32, np.uint64])
-def test_rows(problem, index_type):
-    rng = np.random.default_rng(1)
-    out, other = rng.normal(size=(6, problem.dim)), rng.normal(size=(4, problem.dim))
-    expected = out.copy()
-    expected[5] += 1.5 * other[3]
-    expected[0] = 1.5 * other[0]
-    _row_operations(
-        out, np.array([5, 0], index_type), 1.5, other, np.array([3, 0], index_type), problem.spacing
-    )
-    np.testing.assert_array_equal(out, expected)
-
-
-def test_rows_refuse_arrays_that_are_not_contiguous(problem):
-    out, index = np.zeros((6, problem.dim)), np.array([0, 0])
-    with pytest.raises(Exception, match="C-contiguous"):
-        _row_operations(out, index, 1.0, np.zeros((4, 2 * problem.dim))[:, ::2], index, problem.spacing)

@@ -8,11 +8,9 @@ import numpy as np
 import pytest
 
 from contact_kernels import PLANE, join, pair_table
-from contact_scenes import rectangle, scene
 from interpreted import interpreted
 from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.surfaces.assembly import SurfaceTable
-from mpmfw.runs.simulation import Simulation
 from mpmfw_contact._midlines import DEEPEST, LEAST_COSINE, LEAST_OVERLAP, SegmentPairs, write_midlines
 
 
@@ -197,33 +195,3 @@ def test_the_far_side_of_a_thin_body_bears_nothing_and_what_is_deep_still_does()
         for deepest in (DEEPEST, 2.0)
     }
     assert rows[2.0] > rows[DEEPEST] == 2
-
-
-def test_lists_of_the_search_that_are_too_short_grow_together():
-    """Segments that touch more cells than there is room for: all lists are made longer, and the rows are the
-    same.
-    """
-    mapping = scene(
-        {"a": rectangle([-0.4, -0.4], [0.0, 0.3]), "b": rectangle([-0.001, -0.3], [0.4, 0.4])},
-        allow_overlap=True,
-    )
-    mapping["contact"]["method"] = "midplane"
-    simulation = Simulation(mapping)
-    simulation.start()
-    state, detection = simulation.state, simulation.contact.detection
-    simulation.step()
-
-    def found():
-        rows = detection.new_rows({})
-        detection.find(state.grid, None, state.particles, rows)
-        return rows.count, rows.gap[: rows.count].copy(), rows.identity[: rows.count].copy()
-
-    names = ("link", "link_facet", "link_body")
-    before = found()
-    assert before[0] > 0
-    detection.lists.set(**{name: np.zeros(2, dtype=np.int32) for name in names})
-    for one, other in zip(before, found(), strict=True):
-        np.testing.assert_array_equal(one, other)
-    lengths = {len(getattr(detection.lists, name)) for name in names}
-    assert len(lengths) == 1
-    assert lengths.pop() > 2

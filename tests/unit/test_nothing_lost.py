@@ -180,16 +180,3 @@ def test_a_dataset_that_finds_no_room_leaves_the_old_one(tmp_path):
         resource.setrlimit(resource.RLIMIT_FSIZE, (hard, hard))
     assert [one.name for one in tmp_path.iterdir()] == ["c.nc"]
     assert xr.open_dataset(path)["a"] == 1.0
-
-
-def test_links_are_followed_and_loops_are_named(folder):
-    (folder / "real").mkdir()
-    (folder / "c.nc").symlink_to("real/c.nc")
-    said("compare", "s.toml", "-o", "c.nc", status=0)
-    assert (folder / "c.nc").is_symlink()
-    assert (folder / "real/c.nc").is_file()
-    (folder / "l.nc").symlink_to("l.nc")
-    for command in ("run", "compare"):
-        assert said(command, "s.toml", "-o", "l.nc", status=2).startswith(
-            "l.nc: is a link that leads to itself"
-        )

@@ -52,14 +52,6 @@ def test_boxes_that_overlap_are_those_that_brute_force_finds(seed, n, dim, kind)
     assert listed(lower, upper) == brute_force(lower, upper)
 
 
-def test_a_box_that_is_not_there_overlaps_with_none():
-    lower, upper = (
-        np.array([[0.0, 0.0], [np.inf, np.inf], [0.5, 0.5]]),
-        np.array([[1.0, 1.0], [-np.inf] * 2, [2.0, 2.0]]),
-    )
-    assert listed(lower, upper) == [(0, 2)]
-
-
 @pytest.mark.parametrize("large", [False, True], ids=["lattice", "lattice in a large box"])
 def test_the_comparisons_grow_with_the_number_of_boxes(large):
     """400 and 1600 boxes on a square lattice that touch, with and without one round them all, and one far

@@ -8,11 +8,9 @@ import numpy as np
 import pytest
 import shapely
 
-from contact_kernels import PLANE, Law, find, flat, forces, join, rows_of, search_grid, star
-from mpmfw.contact.surfaces.cells import near_boxes
-from mpmfw.contact.surfaces.layer import gather_layer, project_layer
+from contact_kernels import PLANE, Law, find, flat, forces, join, rows_of, star
 from mpmfw.kernels.contact import couplings
-from mpmfw.kernels.gaps import bounding_boxes, minimum_gap
+from mpmfw.kernels.gaps import minimum_gap
 
 H = 0.25
 
@@ -92,25 +90,6 @@ def test_search_finds_the_closest_point_of_every_other_body(name):
     assert found.count == expected
 
 
-@every_scene
-def test_bodies_with_candidates_have_boxes_that_touch(name):
-    loops = join(SCENES[name])
-    first = np.searchsorted(loops.body, np.arange(loops.n_bodies + 1))
-    lower, upper = np.empty((2, loops.n_bodies, 2))
-    bounding_boxes(first, loops.position, lower, upper)
-    for b in range(loops.n_bodies):
-        np.testing.assert_array_equal(lower[b], loops.position[loops.body == b].min(axis=0))
-        np.testing.assert_array_equal(upper[b], loops.position[loops.body == b].max(axis=0))
-    pairs = np.array([(a, b) for a in range(loops.n_bodies) for b in range(a + 1, loops.n_bodies)])
-    grid = search_grid(loops, H)
-    touch = near_boxes(pairs[:, 0], pairs[:, 1], H, 0.0, loops.outline, grid)
-    assert touch or find(loops, h=H).count == 0
-    apart = loops.outline
-    apart.position = loops.position + 10.0 * loops.body[:, None]
-    assert not near_boxes(pairs[:, 0], pairs[:, 1], H, 0.0, apart, grid)
-    assert not (grid.near_lower <= grid.near_upper).any()  # empty boxes
-
-
 @pytest.mark.parametrize("fold", [-0.05, 0.05])
 def test_a_folded_tip_does_not_take_the_outside_for_its_inside(fold):
     """The wedge's tip has a segment the wrong way round, which sees what is below the wedge behind it."""
@@ -135,14 +114,6 @@ def test_literal_detection_takes_every_segment_that_eq_10_names():
             if near and gap < 0.0 and 0.0 <= xi <= 1.0:
                 expected.add(int(m))
         assert set(found.facet[s][found.facet[s] >= 0].tolist()) == expected
-
-
-@every_scene
-def test_minimum_gap_is_the_least_signed_distance(name):
-    loops = join(SCENES[name])
-    a, b = np.flatnonzero(loops.body == 0), np.flatnonzero(loops.body == 1)
-    actual = minimum_gap(a[0], a[-1] + 1, b[0], b[-1] + 1, loops.outline, PLANE)
-    assert actual == pytest.approx(min(closest(loops, s, 1)[0] for s in a), abs=1e-12)
 
 
 def force_twin(loops, found, law, old_master, old_tangential):
@@ -217,25 +188,6 @@ def dense(row, nodes, weight, n_nodes):
     matrix = np.zeros((len(row) - 1, n_nodes))
     np.add.at(matrix, (np.repeat(np.arange(len(row) - 1), np.diff(row)), nodes), weight)
     return matrix
-
-
-def test_interface_mass_and_velocity_are_the_table_and_its_transpose():
-    rng = np.random.default_rng(3)
-    t = table(rng, 17, 30)
-    matrix = dense(*t, 30)
-    velocity, mass = rng.normal(size=(17, 2)), rng.random(17)
-    mapped, node_mass, momentum = rng.normal(size=(30, 2)), np.ones(30), np.ones((30, 2))
-    project_layer(*t, mass, velocity, node_mass, momentum)
-    again = np.zeros((30, 2))
-    project_layer(*t, mass, velocity, node_mass[:0], again)  # momentum alone
-    start = rng.normal(size=(30, 2))
-    gathered = velocity.copy()
-    gather_layer(*t, mapped, start, gathered, 0.75)
-    np.testing.assert_allclose(node_mass, 1.0 + matrix.T @ mass, rtol=1e-13)
-    np.testing.assert_allclose(momentum, 1.0 + matrix.T @ (mass[:, None] * velocity), rtol=1e-12)
-    np.testing.assert_allclose(again, matrix.T @ (mass[:, None] * velocity), rtol=1e-12)
-    flip, pic = velocity + matrix @ (mapped - start), matrix @ mapped
-    np.testing.assert_allclose(gathered, 0.75 * flip + 0.25 * pic, rtol=1e-12)
 
 
 @pytest.mark.parametrize("name", ["stars 0.93", "disc on flat 0.0", "three stars"])

@@ -11,7 +11,6 @@ import mpmfw
 from drop_for_tests import drop, drop_scene
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
-from mpmfw.plots.style import Look, installed
 from mpmfw.results.outputs import frame_of
 from mpmfw.results.point_fields import point_field, point_fields
 from scenes_for_tests import box
@@ -95,38 +94,6 @@ def test_a_field_is_drawn_at_its_time_on_the_domains(a):
     assert len(acting) > 2
     ratio = drawn[np.abs(acting) > 1e-9] / acting[np.abs(acting) > 1e-9]
     np.testing.assert_allclose(ratio, ratio[0], rtol=1e-12)
-
-
-def test_side_by_side_has_one_colour_scale(a, b):
-    figure = mpmfw.plots.side_by_side({"one": a, "two": b}, "velocity_y", 0.006)
-    panels = [axes for axes in figure.axes if axes.get_title(loc="left")]
-    assert [axes.get_title(loc="left") for axes in panels] == ["one, t = 6 ms", "two, t = 6 ms"]
-    norms = {id(one.norm) for axes in panels for one in shapes_in(axes)}
-    assert len(norms) == 1
-    values = np.concatenate(
-        [tree[f"particles/{body}/velocity"].values[3, :, 1] for tree in (a, b) for body in BODIES]
-    )
-    norm = shapes_in(panels[0])[0].norm
-    # The values have either sign: white is zero
-    assert norm.vmax == -norm.vmin == pytest.approx(np.abs(values).max())
-    given = mpmfw.plots.field(a, "velocity_y", limits=(-1.0, 2.0)).axes[0]
-    assert (shapes_in(given)[0].norm.vmin, shapes_in(given)[0].norm.vmax) == (-1.0, 2.0)
-
-
-def test_the_history_of_one_run_tells_bodies_and_axes_apart(a):
-    figure = mpmfw.plots.history(a, ["mean_velocity", "min_gap"])
-    velocity, gap = figure.axes
-    drawn = [line.get_ydata() for line in velocity.get_lines()]
-    stored = a["series/mean_velocity"].values
-    for curve, (body, axis) in zip(drawn, [(0, 0), (0, 1), (1, 0), (1, 1)], strict=True):
-        np.testing.assert_allclose(curve, stored[:, body, axis], rtol=0.0, atol=1e-11)
-        assert not ((curve != 0.0) & (np.abs(curve) < 1e-11)).any()
-    np.testing.assert_array_equal(velocity.get_lines()[0].get_xdata(), a["time"].values)
-    assert velocity.xaxis.get_major_formatter()(0.002, 0) == "2"
-    assert (velocity.get_ylabel(), velocity.get_xlabel()) == ("mean velocity [m/s]", "time [ms]")
-    np.testing.assert_allclose(gap.get_lines()[0].get_ydata(), a["series/min_gap"].values[:, 0], atol=1e-11)
-    labels = [text.get_text() for text in figure.legends[0].get_texts() if text.get_text()]
-    assert set(labels) == {"upper", "floor", "upper-floor", "x", "y"}
 
 
 @pytest.mark.parametrize(
@@ -241,12 +208,3 @@ def test_the_front_of_a_study():
     assert front.index.tolist() == [("a", 0.2), ("b", 0.2), ("a", 0.1)]
     assert front["error"].tolist() == [0.3, 0.2, 0.1]
     assert front["cpu_time"].tolist() == [1.0, 2.0, 4.0]
-
-
-def test_a_contact_has_its_colour_whatever_else_is_drawn():
-    """And none has that of another: with more methods than colours some would look as they come."""
-    names = installed("contact")
-    together = Look(xr.Dataset(coords={"contact": names})).colours
-    alone = {name: Look(xr.Dataset(coords={"contact": [name]})).colours[name] for name in names}
-    assert together == alone
-    assert len(set(together.values())) == len(names)

@@ -8,8 +8,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpmfw.plots import figures_of
-from mpmfw.plots.scene import moving_bodies, near_pairs, touching_pairs
 from mpmfw.report.differences import differences, refinement
 from mpmfw.report.table import table
 
@@ -84,12 +82,6 @@ def test_the_finest_cells_say_what_they_changed() -> None:
         ("other", "cpdi"): ("block: displacement, x", 0.25),
     }
     assert refinement(comparison().isel(cell_size=[1])) == {}
-
-
-def test_what_stands_still_and_does_not_touch_has_no_panel() -> None:
-    assert moving_bodies(comparison()) == ["block"]
-    assert touching_pairs(comparison()) == near_pairs(comparison()) == ["floor-block"]
-    assert set(figures_of(comparison())) == {"motion", "forces", "gaps", "energies"}
 
 
 def with_costs(dataset: xr.Dataset) -> xr.Dataset:

@@ -146,45 +146,10 @@ def test_peak_memory_is_of_the_time_since_the_mark():
     assert peak_memory() < high - 100_000_000
 
 
-def test_fields_that_come_late_are_missing_before(tmp_path):
-    field = SERIES_FIELDS[5]
-    header = RunHeader(2, ("a",), (), {"a": 1}, (field,))
-    for path in (None, tmp_path / "late.nc"):
-        with RunWriter(path, header) as writer:
-            for time, series in (
-                (0.0, {}),
-                (1.0, {field.name: np.ones(1)}),
-                (2.0, {}),
-                (3.0, {field.name: np.ones(1)}),
-            ):
-                writer.write(Frame(time, series=series))
-            writer.finish({})
-        values = writer.results()[f"series/{field.name}"].values[:, 0]
-        np.testing.assert_array_equal(values, [np.nan, 1.0, np.nan, 1.0])
-
-
 def series_alone(k):
     return Frame(
         0.1 * k, series={"kinetic_energy": np.full(2, float(k)), "mean_velocity": np.full((2, 2), -k)}
     )
-
-
-@pytest.mark.parametrize("in_memory", [True, False])
-def test_material_points_have_times_of_their_own(tmp_path, in_memory):
-    with RunWriter(None if in_memory else tmp_path / "run.nc", header()) as writer:
-        for k in range(7):
-            one = frame(0.1 * k)
-            writer.write(one if k % 3 == 0 else dataclasses.replace(one, particles={}))
-        writer.finish({})
-    tree = writer.results()
-    assert "time" not in tree.coords
-    np.testing.assert_array_equal(tree["series/time"], 0.1 * np.arange(7))
-    np.testing.assert_array_equal(tree["surface/ball/time"], 0.1 * np.arange(7))
-    for body, own in (("ball", slice(0, 4)), ("floor", slice(4, 10))):
-        points = tree[f"particles/{body}"]
-        assert points["time"].values.tolist() == [0.1 * k for k in (0, 3, 6)]
-        np.testing.assert_array_equal(points["stress"][1], frame(0.1 * 3).particles["stress"][own])
-    assert tree["series/time"].attrs == points["time"].attrs
 
 
 def test_outputs_that_follow_each_other_fast_are_written_together(tmp_path, monkeypatch):

@@ -1,6 +1,5 @@
 """Scenes: what is valid, what is refused, and in which words."""
 
-import copy
 import pickle
 import tomllib
 
@@ -9,7 +8,7 @@ from pydantic import ValidationError
 
 import mpmfw
 from mpmfw.errors import SceneError
-from mpmfw.scene import Scene, load_scene, shipped_scenes
+from mpmfw.scene import load_scene, shipped_scenes
 from mpmfw.scene.toml_text import toml_text
 
 TEXT = """\
@@ -245,15 +244,6 @@ def test_settling_needs_a_load():
     assert refusal(mapping).startswith("settle: has no effect")
 
 
-def test_a_scene_passes_through_and_mappings_are_not_kept():
-    mapping = tomllib.loads(TEXT)
-    before = copy.deepcopy(mapping)
-    scene = load_scene(mapping, set={"time.end": "2"})
-    assert isinstance(scene, Scene)
-    assert load_scene(scene) is scene
-    assert mapping == before
-
-
 def test_options_are_judged_with_the_methods_that_the_call_names():
     """A PIC share has no effect with the scene's CPDI (aflip), and has one with linear functions (FLIP)."""
     given = {"stepping.pic_fraction": 0.05, "time.end": 1e-3, "output.particles": False}
@@ -262,11 +252,3 @@ def test_options_are_judged_with_the_methods_that_the_call_names():
         mpmfw.run(tomllib.loads(scene), contact="none", set=given)
     tree = mpmfw.run(tomllib.loads(scene), contact="none", shape="linear", set=given)
     assert tree.attrs["status"] == "ok"
-
-
-@pytest.mark.parametrize("wrong", [3, None, ["rings"]])
-def test_what_is_no_scene_is_told_what_one_is(wrong):
-    with pytest.raises(
-        SceneError, match=r"is no scene; expected a TOML file, the name of a shipped scene .*colliding-rings"
-    ):
-        load_scene(wrong)

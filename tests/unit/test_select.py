@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 
 import mpmfw
 from mpmfw.cli import app
-from mpmfw.errors import ResultsWarning, SceneError
+from mpmfw.errors import SceneError
 from scenes_for_tests import two_blocks
 
 SCENE = two_blocks(
@@ -84,22 +84,3 @@ def test_what_the_scene_says_of_its_output_counts():
                 SceneError, match=r"keeps no fields; run it with --set output\.particles=true"
             ):
                 mpmfw.plots.field(dataset)
-
-
-def test_points_that_differ_are_not_joined_and_said_to():
-    with pytest.warns(
-        ResultsWarning,
-        match=r"fields are not joined: none, linear, 0\.\d+ and none, linear, 0\.\d+ have other",
-    ):
-        dataset = mpmfw.compare(SCENE, ["none"], ["linear"], {"bodies.left.particles.size": [0.125, 0.0625]})
-    assert "particle_position" not in dataset
-    with pytest.raises(SceneError, match="fields are not joined"):
-        mpmfw.plots.field(dataset)
-    chosen = mpmfw.select(dataset, size=0.0625)
-    assert chosen["series"].sizes["time"] == 3
-    with pytest.raises(SceneError, match="fields are not joined"):
-        mpmfw.field(chosen)
-    with pytest.raises(SceneError, match=r"size: expected one of 0\.125, 0\.0625"):
-        mpmfw.select(dataset)
-    with pytest.raises(SceneError, match="no dimension of the comparison"):
-        mpmfw.select(dataset, size=0.0625, sizes=1)

@@ -70,13 +70,6 @@ def check_cpdi(grid, particles):
 
 
 @DIMENSIONS
-def test_cpdi_names_each_node_once(dim):
-    table = check_cpdi(*make_problem(dim))
-    for a, b in zip(table.row, table.row[1:], strict=False):
-        assert len(set(table.nodes[a:b].tolist())) == b - a
-
-
-@DIMENSIONS
 def test_corners_on_grid_lines_keep_their_weight_there(dim):
     grid, particles = make_problem(dim)
     particles.initial_volume[:] = particles.volume[:] = (0.5 * H) ** dim
@@ -93,17 +86,9 @@ def test_corners_on_grid_lines_keep_their_weight_there(dim):
 
 
 @DIMENSIONS
-def test_stretched_domains_lengthen_the_table(dim):
-    grid, particles = make_problem(dim)
-    particles.deformation_gradient[:] *= 3.0  # boxes of up to four nodes an axis
-    table = check_cpdi(grid, particles)
-    assert table.row[-1] > particles.count * 4**dim / 2
-
-
-@DIMENSIONS
 @pytest.mark.parametrize("name", SHAPES)
 @pytest.mark.parametrize("index", [0, 13, 39])
-@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e30, -1e30, -1.0 - H, 2.0])
+@pytest.mark.parametrize("value", [np.nan, np.inf, 1e30, 2.0])
 def test_first_point_outside_its_window_is_reported(name, dim, index, value):
     grid, particles = make_problem(dim)
     shape = make_shape(name, particles, grid)

@@ -53,8 +53,3 @@ def test_springs_and_bodies_are_in_series(contact: str, options: dict[str, Any],
     assert driven_speed(simulation).tolist() == [0.0, 0.01]
     assert share_of_springs(simulation, 1) == pytest.approx(springs / (springs + bodies), rel=1e-12)
     assert share_of_springs(simulation, 0) == 0.0  # the blocks do not press on each other along x
-
-
-@pytest.mark.parametrize("contact", ["none", "lcp", "barrier", "bardenhagen"])
-def test_contact_without_springs_takes_nothing(contact: str) -> None:
-    assert share_of_springs(pressed(contact), 1) == 0.0

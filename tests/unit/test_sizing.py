@@ -6,7 +6,7 @@ import tracemalloc
 import pytest
 
 import mpmfw
-from mpmfw.errors import ResultsWarning, SceneError
+from mpmfw.errors import SceneError
 from mpmfw.runs import sizing
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene, shipped_scenes
@@ -64,16 +64,6 @@ def test_a_misplaced_power_of_ten_is_named(overrides, message):
         tracemalloc.stop()
 
 
-def test_the_limit_of_memory_is_that_of_the_machine(monkeypatch):
-    monkeypatch.setattr(sizing, "memory_limit", lambda: 1e5)
-    said = refusal()
-    assert (
-        "the scene needs up to 349 kB of memory, and the limit is 100 kB, the memory of this machine" in said
-    )
-    monkeypatch.undo()
-    assert 1e8 < sizing.memory_limit() < 1e16
-
-
 @pytest.mark.parametrize("name", shipped_scenes())
 def test_the_estimate_covers_what_is_allocated(name):
     scene = load_scene(name)
@@ -126,22 +116,6 @@ def test_settling_has_the_same_limit():
     said = refusal(settle={"max_time": 1e9}, gravity={"vector": [0, -1]})
     assert said.startswith("--set settle: settle.max_time: 1e+09 s in steps of")
     assert "more than 10000000" in said
-
-
-@pytest.mark.parametrize(
-    ("overrides", "message"),
-    [
-        (
-            {"bodies.a.particles.size": 10},
-            "bodies.a.particles.size, 10 m, is larger than the body of 2 by 2 m",
-        ),
-        ({"grid.cell_size": 2.5}, "grid.cell_size, 2.5 m, is larger than the body 'a' of 2 by 2 m"),
-    ],
-)
-def test_what_resolves_no_body_is_warned_of(overrides, message):
-    with pytest.warns(ResultsWarning, match=message.replace(".", r"\.")):
-        tree = mpmfw.run(DISC, set=overrides)
-    assert message in tree.attrs["warnings"]
 
 
 def _plate(**sides):

@@ -68,29 +68,6 @@ def test_steady_sliding_bears_the_weight_and_moves_pressure_to_the_front(frictio
     assert centre == pytest.approx(0.5 * LENGTH + friction * 0.5 * HEIGHT, abs=2e-4)
 
 
-@pytest.mark.parametrize("rigid_contact", [False, True])
-@pytest.mark.parametrize("elastic", [False, True])
-def test_nothing_grows_without_friction_and_something_does_with_it(elastic, rigid_contact):
-    bodies = incline(0.1, elastic=elastic)
-    assert len(growth(bodies, 0.0, rigid_contact=rigid_contact)) == 0
-    assert growth(bodies, 0.3, rigid_contact=rigid_contact)[:, 0].max() > 25.0
-
-
-def test_stiffer_springs_flutter_as_no_springs_do():
-    stiff, none = (
-        growth(incline(0.1, elastic=False, kappa=kappa), 0.3, rigid_contact=rigid)[0]
-        for kappa, rigid in ((1e4, False), (1.0, True))
-    )
-    np.testing.assert_allclose(stiff, none, rtol=1e-2)
-
-
-def test_viscosity_takes_the_growth_away():
-    bodies = incline(0.1, elastic=False)
-    rates = [growth(bodies, 0.3, rigid_contact=True, viscosity=beta)[:, 0] for beta in (0.0, 3e-4, 1e-3)]
-    assert rates[0].max() > 4.0 * rates[1].max() > 0.0
-    assert len(rates[2]) == 0
-
-
 @pytest.mark.parametrize("contact", CONTACTS)
 @pytest.mark.parametrize("elastic", [False, True])
 def test_a_block_that_must_stick_stays(contact, elastic):
@@ -142,17 +119,3 @@ def test_the_bounce_grows_in_motion_as_its_eigenvalue_says(measures):
     found = measures.growth_of(run.time, run.y, frequency)
     assert found[0] == pytest.approx(sigma, rel=0.1)
     assert found[1] == pytest.approx(frequency, rel=0.02)
-
-
-def test_the_onset_is_the_least_friction_from_which_on_all_are_wrong(measures):
-    def row(errors):
-        tilt = math.radians(40.0)
-        found = []
-        for friction, error in errors.items():
-            exact = 10.0 * (math.sin(tilt) - friction * math.cos(tilt))
-            found.append(measures.Measured(friction, tilt, exact * (1.0 + 0.01 * error), 0.1, 1.0, 0.0))
-        return found
-
-    assert measures.onset(row({0.3: 0.1, 0.5: -2.0, 0.6: 0.5, 0.65: 1.5, 0.7: -30.0})) == 0.65
-    assert measures.onset(row({0.3: 3.0, 0.5: 2.0})) == 0.3
-    assert measures.onset(row({0.3: 3.0, 0.5: 0.2})) == math.inf

@@ -59,14 +59,6 @@ def test_a_kernel_reads_and_writes_the_members():
     check(points_of(0))
 
 
-def test_arrays_that_take_others_places_are_seen():
-    points = points_of(5)
-    points.set(**points_of(70).members())
-    check(points)
-    points.gap = np.zeros(70)
-    check(points)
-
-
 def test_a_copy_has_arrays_of_its_own():
     points = points_of(4, Named)
     points.label = "a"

@@ -5,7 +5,6 @@ import functools
 import numpy as np
 import pytest
 
-import mpmfw
 from mpmfw.campaigns.keys import is_numerical, overrides_of
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import available
@@ -93,15 +92,6 @@ def test_shipped_studies_are_valid_and_their_scenes_have_the_error_that_they_ask
         judge, grid = judge_of(name)
         assert judge.exact
         assert all(one.scene is not None for one in grid.combinations.values())
-
-
-@pytest.mark.parametrize("given", [3, ["rings"]])
-def test_what_cannot_be_a_study_is_refused_with_what_can(given):
-    with pytest.raises(
-        SceneError, match="is no study; expected a TOML file, the name of a shipped study"
-    ) as error:
-        mpmfw.study(given)
-    assert str(error.value).startswith(repr(given))
 
 
 # -- what is known of scenes

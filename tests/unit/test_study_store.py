@@ -9,7 +9,7 @@ import pytest
 
 from mpmfw.campaigns.outcome import Cost, Outcome
 from mpmfw.campaigns.store import Store
-from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.errors import SceneError
 
 COST = Cost("exclusive", {"cpu_time": 1.5}, {"shape": 0.5}, {"shape": 0.1})
 
@@ -22,13 +22,6 @@ def test_a_record_comes_back_as_it_was(tmp_path):
     Store(tmp_path / "runs").put(record("a"))
     assert Store(tmp_path / "runs").outcome("a") == record("a")
     assert Store(tmp_path / "runs").outcome("b") is None
-
-
-def test_what_would_not_last_is_not_stored(tmp_path):
-    store = Store(tmp_path)
-    store.put(replace(record("a", "failed: no disk"), lasting=False))
-    assert store.outcome("a").status == "failed: no disk"
-    assert Store(tmp_path).outcome("a") is None
 
 
 @pytest.mark.parametrize("damage", ["", "{", '{"key": "a"}', "[]"])
@@ -109,9 +102,3 @@ def test_prune_of_another_folder_says_so_and_removes_nothing(tmp_path):
     with pytest.raises(SceneError, match="holds no finished runs, and nothing was removed"):
         Store(tmp_path).prune(is_new)
     assert (tmp_path / "notes.json").exists()
-
-
-def test_a_folder_that_cannot_be_written_is_said(tmp_path):
-    (tmp_path / "runs").write_text("a file", encoding="utf-8")
-    with pytest.raises(MpmfwError, match="cannot write"):
-        Store(tmp_path / "runs").put(record("a"))

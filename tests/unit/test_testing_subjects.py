@@ -11,9 +11,8 @@ from pydantic import BaseModel, Field
 
 from mpmfw.api import ContactStrategy, ImpulseLaw
 from mpmfw.errors import SceneError
-from mpmfw.plugin.discovery import available, load
 from mpmfw_contact.penalty import Penalty
-from mpmfw_testing import check_plugin, checks_of, examine, subject_of
+from mpmfw_testing import check_plugin, subject_of
 from mpmfw_testing.option_values import candidates
 
 
@@ -24,18 +23,6 @@ def test_subjects_of_all_sorts():
     made = subject_of(lambda: Penalty(kappa=5.0), "contact")
     assert made.make() is not made.make()
     assert made.make().options.kappa == 5.0
-
-
-@pytest.mark.parametrize("kind", ["detection", "law"])
-def test_every_bundled_detection_and_law_is_checked_with_a_part_that_it_goes_with(kind):
-    for name in available(kind):
-        subject = subject_of(name, kind)
-        assert subject.kind == "contact"
-        assert name in subject.label.split("+"), subject.label
-        assert subject_of(load(kind, name), "contact").label == subject.label
-        assert subject_of(load(kind, name)(), kind).label == subject.label
-        assert subject.make().name == subject.label
-    assert checks_of(kind) == checks_of("contact")
 
 
 def test_a_law_that_attracts_fails_what_the_kit_asks_of_it():
@@ -152,18 +139,3 @@ def test_numbers_that_are_made_up_keep_the_bounds_of_the_field(name, least, most
     assert all(least <= value <= most for value in others)
     for value in others:
         Some(**{name: value})
-
-
-class Opaque(ContactStrategy):
-    """A law with an option whose values nobody can guess."""
-
-    name = "opaque"
-    Options = Some
-
-
-def test_an_option_whose_values_cannot_be_made_up_is_asked_for():
-    options = next(check for check in checks_of("contact") if check.name == "options")
-    outcome = examine(subject_of(Opaque, "contact"), [options])[0]
-    assert outcome.status == "failed"
-    assert outcome.counterexample["option"] == "opaque"
-    assert "give its field examples" in outcome.message

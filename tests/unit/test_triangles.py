@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from mpmfw.geometry.cut_cells import cut_cells
-from mpmfw.geometry.disc import Disc
 from mpmfw.geometry.extrusion import Cylinder, Extrusion
 from mpmfw.geometry.facets import neighbours_of, tributaries_of
 from mpmfw.geometry.layout import layout_of_boxes
@@ -45,7 +44,7 @@ def volume_of(nodes, facets):
 
 
 @every_solid
-@pytest.mark.parametrize("edge", [0.1, 0.23, 0.7, 9.0])
+@pytest.mark.parametrize("edge", [0.23, 9.0])
 def test_surface_is_closed_and_oriented(name, edge):
     nodes, facets = joined(SOLIDS[name].surfaces(edge))
     neighbours = neighbours_of(facets)
@@ -58,19 +57,6 @@ def test_surface_is_closed_and_oriented(name, edge):
     assert len(nodes) - len(facets) // 2 == 2 * (shells - holes)  # Euler, with 3/2 edges a triangle
     assert longest(nodes, facets) <= (edge if name in ("box", "ball") else 2.0 * edge) * (1.0 + 1e-12)
     assert volume_of(nodes, facets) > 0.0
-
-
-@pytest.mark.parametrize("edge", [0.1, 0.7])
-def test_a_box_has_its_volume_area_and_edges(edge):
-    box = SOLIDS["box"]
-    ((nodes, facets),) = box.surfaces(edge)
-    assert volume_of(nodes, facets) == pytest.approx(box.exact_volume, rel=1e-13)
-    assert tributaries_of(nodes, facets).sum() == pytest.approx(
-        2 * (1.0 * 2.0 + 1.0 * 0.5 + 2.0 * 0.5), rel=1e-13
-    )
-    assert longest(nodes, facets) <= edge * (1.0 + 1e-12)
-    assert nodes.min(axis=0).tolist() == list(box.lower)
-    assert nodes.max(axis=0).tolist() == list(box.upper)
 
 
 def longest(nodes, facets):
@@ -184,12 +170,3 @@ def test_turns_are_about_x_then_y_then_z():
     box = Box(lower=(0, 0, 0), upper=(3, 2, 1), angles=(0.0, 0.0, quarter))
     np.testing.assert_allclose(np.ptp(box.bounds, axis=0), [2, 3, 1], atol=1e-12)
     np.testing.assert_allclose(box.axes[0], [0, 1, 0], atol=1e-15)
-
-
-def test_shapes_that_are_none_are_refused():
-    with pytest.raises(ValueError, match=r"the outline reaches 0\.5 m beyond the axis"):
-        Revolution(outline=Disc(centre=(0.5, 0.0), radius=1.0))
-    with pytest.raises(ValueError, match="must be smaller than radius"):
-        Torus(centre=(0, 0, 0), radius=1.0, tube_radius=1.0)
-    with pytest.raises(ValueError, match="must be below high"):
-        Extrusion(outline=Disc(centre=(0, 0), radius=1), low=1.0, high=1.0)

@@ -219,13 +219,3 @@ def test_cases_run_one_by_one_make_one_table_of_todays_code(suite, tmp_path):
     assert kept([folder / "b"], tmp_path / "out", quick=False) == []
     (folder / "measures.py").write_text("SIX = 6.5\n")
     assert kept(find_cases(folder), tmp_path / "out", quick=False) == []
-
-
-def test_a_case_that_is_done_is_not_run_again_unless_forced(suite, tmp_path):
-    folder, events = suite(a=FIGURE), []
-    for arguments, runs in (({}, 1), ({}, 0), ({"force": True}, 1)):
-        results(folder, tmp_path, progress=events.append, **arguments)
-        assert events[-1].total == runs
-    (tmp_path / "out" / "a-line.png").unlink()
-    results(folder, tmp_path, progress=events.append)
-    assert events[-1].total == 1

@@ -7,7 +7,6 @@ import itertools
 import numpy as np
 import pytest
 
-from mpmfw.runs.simulation import Simulation
 from yardstick.block import make_block, make_rings
 from yardstick.kernels import SHAPES
 from yardstick.plain import PlainLoop, compilers
@@ -43,11 +42,3 @@ def test_plain_loop_takes_the_rings_steps(shape):
         plain.step()
     np.testing.assert_allclose(plain.problem.stress, rings.state.particles.stress, atol=1e-12)
     np.testing.assert_allclose(plain.problem.velocity, rings.state.particles.velocity, atol=1e-12)
-
-
-def test_rings_are_the_scenes_points():
-    sim, rings = Simulation("colliding-rings", contact="none"), make_rings("cpdi")
-    h, ours, theirs = sim.state.grid.cell_size, rings.state.particles, sim.state.particles
-    np.testing.assert_allclose(ours.volume * h**2, theirs.volume)
-    moved = ours.position - theirs.position / h
-    np.testing.assert_allclose(moved, np.broadcast_to(np.round(moved[0]), moved.shape), atol=1e-9)
