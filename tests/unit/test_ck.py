@@ -64,7 +64,7 @@ def test_one_grid_alone_is_not_linear_and_both_are(dim):
     assert (weight * index[0]).sum() == pytest.approx(position[0], abs=1e-14)
 
 
-@pytest.mark.parametrize("lower", [-0.5, -0.6, -0.53], ids=["even", "odd", "between"])
+@pytest.mark.parametrize("lower", [-0.6, -0.53], ids=["odd", "between"])
 def test_sides_hold_a_block_wherever_the_grids_lie(lower):
     """Driven down by a tenth between smooth walls: mean σ_yy of uniaxial strain; without sides it would be a
     tenth of it.

@@ -2,7 +2,7 @@
 
 import pytest
 
-from mpmfw.cli.arguments import assignments, variations
+from mpmfw.cli.arguments import variations
 from mpmfw.cli.tables import formatted, print_table
 from mpmfw.errors import SceneError
 
@@ -37,10 +37,6 @@ def test_every_number_survives_every_width(capsys, monkeypatch, columns, count):
 )
 def test_varied_values(text, values):
     assert list(variations([text]).values()) == [values]
-
-
-def test_an_equals_sign_may_stand_in_a_value():
-    assert assignments(["title=a = b"]) == {"title": "a = b"}
 
 
 @pytest.mark.parametrize("text", ["grid.cell_size=", "grid.cell_size=1,,2", "=1"])

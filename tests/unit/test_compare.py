@@ -7,10 +7,9 @@ import pytest
 import xarray as xr
 
 from mpmfw.campaigns.comparison import compare as compare_really
-from mpmfw.campaigns.grid import labels_of
 from mpmfw.cli.compare import print_comparison
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, SimulationError
-from mpmfw.plots import figures_of, plot_file, positions
+from mpmfw.plots import figures_of, plot_file
 from mpmfw.report import table, write_report
 from mpmfw.results import Frame, RunHeader, RunWriter
 from mpmfw.results import open as open_results
@@ -152,28 +151,6 @@ def test_refused_combinations_are_recorded_and_refused_requests_raised():
         compare("any", ["penalty"], ["cpdi2"], runner=Cylinder(refuse=refused))
 
 
-def test_an_error_in_a_strangers_method_is_a_failure(caplog):
-    def broken(*_, contact, **keywords):
-        if contact == "penalty":
-            raise ZeroDivisionError("by zero")
-        return Cylinder()("any", contact=contact, **keywords)
-
-    data = compare("any", ["penalty", "none"], ["cpdi"], runner=broken)
-    assert data["status"].values.tolist() == [
-        [f"failed: ZeroDivisionError: by zero (test_compare.py, line {broken.__code__.co_firstlineno + 2})"],
-        ["ok"],
-    ]
-    assert "ZeroDivisionError" in caplog.text
-
-
-def test_methods_may_be_objects_and_keep_apart():
-    class Law:
-        name = "penalty"
-
-    data = compare("any", ["penalty", Law(), Law()], ["cpdi"], runner=Cylinder())
-    assert data["contact"].values.tolist() == ["penalty", "penalty#2", "penalty#3"]
-
-
 def test_varied_keys_become_dimensions_and_particles_stay_out():
     runner = Cylinder()
     data = compare(
@@ -201,19 +178,6 @@ def test_every_row_is_judged_by_its_own_closed_form(tmp_path, capsys):
     same = compare("any", ["penalty"], ["cpdi"], {"grid.cell_size": [0.4, 0.2]}, runner=Cylinder())
     assert described(same).startswith("a rigid cylinder that slips")
     assert [row["gap"] for row in table(same)] == pytest.approx([0.5, 1.0])
-
-
-def test_values_that_are_arrays_are_labelled_by_their_text(tmp_path):
-    runner, key = Cylinder(), "bodies.cylinder.velocity"
-    data = compare(
-        "any", ["none"], ["cpdi"], {key: [[1, 0], (0, 0)]}, runner=runner, output=tmp_path / "c.nc"
-    )
-    assert data["velocity"].values.tolist() == ["[1, 0]", "[0, 0]"]
-    assert [call[2][key] for call in runner.calls] == [[1, 0], [0, 0]]
-    first, second = table(open_results(tmp_path / "c.nc"))
-    assert "displacement_error" not in first  # no closed form for a cylinder that is thrown
-    assert "displacement_error" in second
-    assert labels_of([0.5, "2 mm", True]) == ["0.5", "2 mm", "true"]
 
 
 @pytest.mark.parametrize(
@@ -257,13 +221,6 @@ def test_table_finds_the_errors_that_were_put_in(rolling):
     assert row["cost"] == pytest.approx(6000.0)
     failed = next(row for row in table(rolling) if row["contact"] == "bardenhagen")
     assert np.isnan(failed["displacement_error"])
-
-
-def test_runs_without_results_are_left_out_of_the_figures():
-    data = compare("any", ["penalty", "none"], ["cpdi"], runner=Cylinder(refuse={("none", "cpdi")}))
-    assert len(positions(data).axes) == 2
-    with pytest.raises(ValueError, match="gimp"):
-        positions(data, "gimp")
 
 
 def test_the_page_is_self_contained_and_escaped(tmp_path, rolling):

@@ -32,15 +32,6 @@ def install(tmp_path, monkeypatch):
 OPTIONS = "from pydantic import BaseModel\nclass Options(BaseModel):\n    stiffness: float = 1.0\n"
 
 
-def test_a_strangers_plugin_is_found_and_loaded(install):
-    install(
-        "spring_law", {"spring": "spring_law:Spring"}, "class Spring:\n    'A law.'\n    name = 'spring'\n"
-    )
-    assert available("contact")["spring"].dist.name == "spring_law"
-    assert load("contact", "spring").__doc__ == "A law."
-    assert "spring" not in available("shape")
-
-
 def test_finding_imports_nothing_and_loading_imports_one(install):
     install("first_law", {"first": "first_law:Law"}, "class Law: pass\n")
     install("second_law", {"second": "second_law:Law"}, "class Law: name = 'second'\n")

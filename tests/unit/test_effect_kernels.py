@@ -8,11 +8,8 @@ import numpy as np
 import pytest
 
 from mpmfw.effects.rotation import correct_rotation
-from mpmfw.effects.settling import damp_locally
 from mpmfw.effects.side_rows import SideTable, meet, quadrature, splines
-from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, move_points, weigh_by_mass, weigh_plain
-from mpmfw.plugin.load import add_facet_forces, add_point_forces, measure_facets
-from mpmfw_shape.cpdi2 import fill_cpdi2, move_corners
+from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, weigh_by_mass, weigh_plain
 
 RNG = np.random.default_rng(7)
 NODES, POINTS, WIDTH = 40, 25, 4
@@ -98,36 +95,6 @@ def side_table(rows, entries):
     )
 
 
-def test_facets_are_measured_outwards_and_share_their_forces_among_their_corners():
-    angle = np.linspace(0.0, 2 * np.pi, POINTS, endpoint=False)
-    position = np.column_stack([np.cos(angle), np.sin(angle)])
-    following = np.roll(np.arange(POINTS), -1)
-    t = table()
-    facets, loaded = np.stack([np.arange(POINTS), following], axis=1), np.array([0, 1, 2, 7])
-    force = np.zeros((NODES, 2))
-    traction = np.array([3.0, -2.0])
-    centre, normal, area = np.empty((4, 2)), np.empty((4, 2)), np.empty(4)
-    measure_facets(loaded, facets, position, centre, normal, area, (1.0, 1.0))
-    np.testing.assert_allclose(centre, position[facets[loaded]].mean(axis=1), atol=1e-15)
-    add_facet_forces(loaded, area[:, None] * (traction - 5.0 * normal), facets, *t, force)
-    on_nodes = np.zeros((POINTS, 2))
-    for a in loaded:
-        tangent = position[following[a]] - position[a]
-        load = -5.0 * np.array([tangent[1], -tangent[0]])
-        assert load @ (position[a] + position[following[a]]) < 0.0  # pushes inwards
-        load += np.linalg.norm(tangent) * traction
-        on_nodes[a] += 0.5 * load
-        on_nodes[following[a]] += 0.5 * load
-    np.testing.assert_allclose(force, dense(*t).T @ on_nodes, atol=1e-14)
-
-
-def test_forces_on_points_go_to_the_nodes_by_their_weights():
-    t, force = table(), np.zeros((NODES, 2))
-    points = RNG.normal(size=(POINTS - 3, 2))
-    add_point_forces(2, *t, points, force)
-    np.testing.assert_allclose(force, dense(*t).T[:, 2 : POINTS - 1] @ points, atol=1e-14)
-
-
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("dt", [0.0, 0.05])
 def test_rotation_gives_the_torque_the_true_inertia(dim, dt):
@@ -164,15 +131,6 @@ def test_rotation_gives_the_torque_the_true_inertia(dim, dt):
     np.testing.assert_allclose(momentum, expected, rtol=1e-10, atol=1e-12)
 
 
-def test_damping_takes_a_share_of_the_change_against_the_motion():
-    mass, start, momentum = RNG.random(NODES), RNG.normal(size=(NODES, 2)), RNG.normal(size=(NODES, 2))
-    change = np.abs(momentum - mass[:, None] * start)
-    expected = momentum - 0.8 * change * np.sign(momentum)
-    total = damp_locally(0.8, mass, start, momentum, (1.0, 1.0))
-    np.testing.assert_allclose(momentum, expected, rtol=1e-13)
-    assert total == pytest.approx(change.sum(), rel=1e-12)
-
-
 @pytest.mark.parametrize("kind", ["plain", "mass_weighted"])
 def test_surface_maps_weigh_the_nodes_and_sum_to_one(kind):
     row, index, weight = table()
@@ -190,61 +148,3 @@ def test_surface_maps_weigh_the_nodes_and_sum_to_one(kind):
     carried = total[:, 0] > 0.0
     assert carried.sum() > POINTS // 2
     np.testing.assert_allclose(weight.reshape(-1, WIDTH)[carried], new[carried] / total[carried], rtol=1e-13)
-
-
-def test_points_move_with_the_table():
-    t = table()
-    velocity, position = RNG.normal(size=(NODES, 2)), RNG.normal(size=(POINTS, 2))
-    moved, displacement = position.copy(), np.empty((POINTS, 2))
-    move_points(*t, velocity, moved, displacement, 0.1, (1.0, 1.0))
-    np.testing.assert_allclose(displacement, 0.1 * dense(*t) @ velocity, rtol=1e-12, atol=1e-15)
-    np.testing.assert_allclose(moved, position + displacement, rtol=1e-14)
-
-
-def quadrilaterals():
-    """Random convex quadrilaterals (n, 4, 2), counter-clockwise, inside a grid of 8 × 8 unit cells."""
-    square = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    return RNG.uniform(2, 6, (POINTS, 1, 2)) + 0.6 * square + RNG.uniform(-0.25, 0.25, (POINTS, 4, 2))
-
-
-def integrals(corners, functions=40):
-    """w_c = 1/V ∫ M_c dV and 1/V ∫ ∇M_c dV by a fine midpoint rule over the unit square."""
-    s = (np.arange(functions) + 0.5) / functions
-    u, v = (a.ravel() for a in np.meshgrid(s, s, indexing="ij"))
-    m = np.stack([(1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v])
-    du, dv = np.stack([-(1 - v), 1 - v, v, -v]), np.stack([-(1 - u), -u, u, 1 - u])
-    jacobian = np.stack([np.stack([du.T @ corners, dv.T @ corners])], 0)[0]  # (2, n, 2): dx/du, dx/dv
-    det = jacobian[0, :, 0] * jacobian[1, :, 1] - jacobian[0, :, 1] * jacobian[1, :, 0]
-    grad_x = du * jacobian[1, :, 1] - dv * jacobian[0, :, 1]
-    grad_y = dv * jacobian[0, :, 0] - du * jacobian[1, :, 0]
-    return (m * det).sum(1) / det.sum(), np.column_stack([grad_x.sum(1), grad_y.sum(1)]) / det.sum()
-
-
-def test_cpdi2_averages_over_the_quadrilateral_and_follows_the_grid():
-    corners, n = quadrilaterals(), 9
-    first, zeros, shape = np.array([0, POINTS]), np.zeros((1, 2), dtype=np.int64), np.full((1, 2), n)
-    row, nodes = np.zeros(POINTS + 1, dtype=np.int64), np.zeros(16 * POINTS, dtype=np.int32)
-    weight, gradient = np.zeros(16 * POINTS), np.zeros((16 * POINTS, 2))
-    where = (first, corners, np.zeros(2), zeros, shape, np.array([0, n * n]))
-    assert fill_cpdi2(*where, 0, row, nodes, weight, gradient, (1.0, 1.0)) == -1
-    x = np.stack(np.meshgrid(np.arange(n), np.arange(n), indexing="ij"), -1).reshape(-1, 2)
-    hat = np.prod(np.maximum(1 - np.abs(corners[:, :, None] - x), 0.0), axis=-1)  # (points, corners, nodes)
-    for p in range(POINTS):
-        w, g = integrals(corners[p])
-        phi, slope = np.zeros(n * n), np.zeros((n * n, 2))
-        own = slice(row[p], row[p + 1])
-        np.add.at(phi, nodes[own], weight[own])
-        np.add.at(slope, nodes[own], gradient[own])
-        np.testing.assert_allclose(phi, w @ hat[p], atol=2e-4)
-        np.testing.assert_allclose(slope, np.einsum("cd,cn->nd", g, hat[p]), atol=2e-4)
-    velocity = RNG.normal(size=(n * n, 2))
-    moved, position = corners.copy(), np.empty((POINTS, 2))
-    along, across = (
-        (corners[:, [1, 2]] - corners[:, [0, 3]]).sum(1),
-        (corners[:, [2, 3]] - corners[:, [1, 0]]).sum(1),
-    )
-    half_edges = 0.25 * np.stack([along, across], axis=2)
-    move_corners(where[0], *where[2:], velocity, moved, position, half_edges, 0.05, (1.0, 1.0))
-    np.testing.assert_allclose(moved, corners + 0.05 * hat @ velocity, rtol=1e-12, atol=1e-13)
-    centroids = np.array([integrals(c)[0] @ c for c in moved])
-    np.testing.assert_allclose(position, centroids, atol=2e-4)

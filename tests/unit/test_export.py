@@ -1,8 +1,5 @@
 """What ParaView reads is what the run stored: every value and every time, by VTK's own readers."""
 
-import csv
-import subprocess
-import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -17,12 +14,10 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 import mpmfw
 from drop_for_tests import drop, drop_scene
 from mpmfw.cli import app
-from mpmfw.errors import SceneError
 from mpmfw.geometry.facets import neighbours_of, stars_of
 from mpmfw.geometry.triangles import sphere_surface
 from mpmfw.kernels import Facets, minimum_gap
-from mpmfw.paraview.distances import distances_in_plane, distances_in_space
-from mpmfw.results.domains import domains_of
+from mpmfw.paraview.distances import distances_in_space
 from scenes_for_tests import ball_on_a_box, with_changes
 
 BODIES = ("upper", "floor")
@@ -133,15 +128,6 @@ def test_the_cells_are_the_domains_of_the_shape_function(exported):
             np.testing.assert_array_equal(corners, np.concatenate(stored))
 
 
-def test_domains_are_not_made_up_where_the_scene_is_another(tree):
-    assert domains_of(tree, "upper") is not None
-    tree.attrs["scene"] = tree.attrs["scene"].replace("radius = 0.5", "radius = 0.4")
-    assert domains_of(tree, "upper") is None
-    assert domains_of(tree, "floor") is not None
-    tree["particles/floor"]["mass"][3] *= 1.001
-    assert domains_of(tree, "floor") is None
-
-
 def test_surfaces_are_closed_lines_with_force_and_gap(exported):
     _, tree, folder = exported
     for k, (time, file) in enumerate(listed(folder / "drop-surfaces.pvd")):
@@ -163,30 +149,6 @@ def test_surfaces_are_closed_lines_with_force_and_gap(exported):
         np.testing.assert_array_equal(found["body"][ends[:, 0]], arrays(grid.GetCellData())["body"])
     assert (found["gap"] < 0.0).any()
     assert np.abs(found["force"]).max() > 0.0
-
-
-def test_the_series_are_a_table(exported):
-    _, tree, folder = exported
-    with (folder / "drop-series.csv").open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
-    series = tree["series"].to_dataset()
-    assert [float(row["time [s]"]) for row in rows] == series["time"].values.tolist()
-    column = [float(row["centre_of_mass upper y [m]"]) for row in rows]
-    assert column == series["centre_of_mass"].sel(body="upper", axis="y").values.tolist()
-    column = [float(row["min_gap upper-floor [m]"]) for row in rows]
-    assert column == series["min_gap"].values[:, 0].tolist()
-    assert len(rows[0]) == 1 + sum(array[0].size for array in series.data_vars.values())
-
-
-def test_no_output_of_an_earlier_export_stays_behind(tree, tmp_path):
-    mpmfw.export(tree, tmp_path)
-    own = tmp_path / "run-points" / "notes.txt"
-    own.write_text("mine", encoding="utf-8")
-    with pytest.raises(SceneError, match=r"run-points.pvd: is there already"):
-        mpmfw.export(tree, tmp_path, every=3)
-    mpmfw.export(tree, tmp_path, every=3, force=True)
-    listed_files = {file for _, file in listed(tmp_path / "run-points.pvd")}
-    assert set((tmp_path / "run-points").iterdir()) == {own, *listed_files}
 
 
 def test_surfaces_of_three_dimensions(tmp_path):
@@ -254,27 +216,6 @@ def test_signed_distances_in_space_are_those_of_the_kernel():
     assert (found > 0.0).any()
 
 
-def test_signed_distances_are_those_of_the_kernel():
-    random = np.random.default_rng(7)
-    angle = np.linspace(0.0, 2.0 * np.pi, 23, endpoint=False)
-    outer = (1.0 + 0.4 * np.sin(5 * angle))[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    inner = 0.3 * np.stack([np.cos(-angle[::3]), np.sin(-angle[::3])], axis=1)
-    position = np.concatenate([outer, inner])
-    following = np.concatenate([np.roll(np.arange(23), -1), 23 + np.roll(np.arange(8), -1)])
-    facets = np.stack([np.arange(31), following], axis=1)
-    first, star = stars_of(facets, 31)
-    points = random.uniform(-1.6, 1.6, (300, 2))
-    together = np.concatenate([position, points])
-    surface = Facets(
-        position=together, facets=facets, neighbours=neighbours_of(facets), star_first=first, star=star
-    )
-    least = [minimum_gap(k, k + 1, 0, 31, surface, (1.0, 1.0)) for k in range(31, len(together))]
-    found = distances_in_plane(points, position, facets)
-    np.testing.assert_allclose(found, least, atol=1e-14)
-    assert (found < 0.0).any()
-    assert (found > 0.0).any()
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -291,14 +232,3 @@ def test_a_wrong_request_is_status_2(files, monkeypatch, arguments, message):
     result = CliRunner().invoke(app, arguments)
     assert (result.exit_code, result.stdout) == (2, "")
     assert result.stderr.startswith(message)
-
-
-def test_no_import_before_it_is_needed():
-    code = (
-        "import sys, mpmfw; from mpmfw.cli import app; dir(mpmfw); "
-        "heavy = ('numpy', 'xarray', 'matplotlib', 'vtkmodules', 'pandas'); "
-        "print([name for name in heavy if name in sys.modules]); import mpmfw.paraview; "
-        "print([name for name in ('matplotlib', 'numba', 'vtkmodules') if name in sys.modules])"
-    )
-    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert found.stdout.split("\n")[:2] == ["[]", "[]"]

@@ -10,8 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from mpmfw.validation import Case, Method
-from mpmfw.validation.suite import find_cases, shipped_suite
+from mpmfw.validation.suite import shipped_suite
 
 SUITE = shipped_suite() / "hard"
 
@@ -44,19 +43,6 @@ def load(folder):
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
-
-
-@pytest.mark.parametrize("folder", find_cases(SUITE), ids=lambda folder: folder.name)
-def test_every_scene_loads_as_it_stands_and_turned(folder):
-    runs = load(folder).every
-    assert len(runs.versions) == 8
-    for place in runs.places:
-        plain, turned = (
-            runs.scene_at(Case(folder), place, version, Method("penalty", "cpdi"))
-            for version in (runs.versions[0], runs.versions[-1])
-        )
-        assert turned.grid.cell_size == pytest.approx(1.4 * plain.grid.cell_size)
-        assert list(turned.bodies) == list(plain.bodies)
 
 
 def test_a_turned_place_is_a_motion_of_the_whole():

@@ -2,7 +2,6 @@
 stays.
 """
 
-import json
 import re
 import sys
 import textwrap
@@ -14,7 +13,6 @@ import mpmfw
 from mpmfw.api import ContactStrategy
 from mpmfw.errors import MpmfwError, PluginError, ResultsWarning, SceneError
 from mpmfw.report import write_report
-from mpmfw.results.reading import read
 from mpmfw_material.neo_hookean import NeoHookean
 from scenes_for_tests import two_blocks
 
@@ -161,13 +159,6 @@ def test_a_plugin_that_fails_in_the_run_is_named_and_what_was_written_stays(case
     assert np.isfinite(tree["series/kinetic_energy"]).all() if "series/kinetic_energy" in tree else True
 
 
-def test_a_folder_that_is_changed_loses_no_file(install, tmp_path):
-    install("@hookimpl\ndef end_step(self, state): os.chdir('/')")
-    with pytest.warns(ResultsWarning, match="suspect"):  # nothing keeps its bodies apart
-        assert run(output="run.nc").attrs["status"].startswith("suspect: left-right: penetration")
-    assert mpmfw.open(tmp_path / "run.nc")["series"].sizes["time"] == 3
-
-
 def test_no_plugin_that_exits_brings_down_the_others_of_a_comparison(install):
     install("@hookimpl\ndef end_step(self, state):\n    if state.time > 0.06: sys.exit(0)")
     scene = two_blocks("separate", time={"end": 0.1, "output_interval": 0.05}, output={"gap": False})
@@ -209,16 +200,6 @@ def test_labels_are_text_and_nothing_else_in_pages_and_figures(tmp_path):
     assert not tags & {"script", "img"}
     assert "&lt;script&gt;alert(1)" in page
     assert "\x1b" not in page
-
-
-def test_a_run_that_fails_keeps_its_other_concerns(install, tmp_path):
-    install(
-        "@hookimpl\ndef end_step(self, state): state.steps > 2 and {}['k']\n"
-        "@hookimpl\ndef concerns(self): return ['beware']"
-    )
-    with pytest.raises(PluginError):
-        run(output=tmp_path / "run.nc")
-    assert json.loads(read(tmp_path / "run.nc").attrs["warnings"]) == ["beware"]
 
 
 class Mute(NeoHookean):

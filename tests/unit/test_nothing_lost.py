@@ -135,18 +135,6 @@ def test_a_validation_takes_the_place_of_no_other_file(folder, target, option):
 
 
 @pytest.mark.parametrize(
-    "command", [("run", "s.toml", "-o", "c.nc", "--checkpoint", "0"), ("compare", "s.toml", "-o", "c.nc")]
-)
-def test_files_that_are_called_as_half_written_ones_stay(folder, command):
-    mine = [folder / f"c.nc{ending}" for ending in (".part", ".checkpoint.part", ".checkpoint.results")]
-    for one in mine:
-        one.write_text(MINE)
-    said(*command, status=0)
-    assert [one.read_text() for one in mine] == [MINE] * 3
-    assert not list(folder.glob(".*"))
-
-
-@pytest.mark.parametrize(
     ("command", "target"),
     [
         (("compare", "s.toml", "-o", "c.nc"), "c.nc"),

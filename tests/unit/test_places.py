@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-import mpmfw
 from faulty_plugins.contact.plain import PlainContact
 from mpmfw.errors import SceneError
 from mpmfw.runs.simulation import Simulation
@@ -57,16 +56,6 @@ def test_options_stand_in_a_table_of_that_name_or_beside_it() -> None:
 def test_what_is_not_there_is_said(place: str, said: str) -> None:
     with pytest.raises(SceneError, match=said):
         load_scene({**Meeting().mapping(), "contact": {"method": place}})
-
-
-def test_a_class_stands_for_an_object_of_it() -> None:
-    assert np.array_equal(end(PlainContact), end(PlainContact()))
-    dataset = mpmfw.compare(
-        {**Meeting().mapping(), "time": {"end": 1e-3, "output_interval": 1e-3}},
-        contact=[PlainContact],
-        shape=[Linear],
-    )
-    assert dataset["status"].item() == "ok"
 
 
 @pytest.mark.parametrize(

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import mpmfw
-from mpmfw.cli import app
-from mpmfw.errors import SceneError
 from mpmfw.geometry.triangles import sphere_surface
-from mpmfw.plots import field, plane_cut, rendered
+from mpmfw.plots import plane_cut, rendered
 from mpmfw.plots.plane_cut import cut_lines
 from scenes_for_tests import ball_on_a_box
 
@@ -44,31 +41,6 @@ def test_points_on_the_plane_are_drawn_with_the_outlines(tree):
     assert len(lines) == 2
     assert (panel.get_xlabel(), panel.get_ylabel()) == ("x [m]", "z [m]")
     assert "m/s" in bar.get_ylabel()
-
-
-def test_a_field_in_space_is_drawn_on_a_plane(tree, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    figure = field(tree, "velocity_z", plane=("y", 0.05), limits=(-0.5, 0.5))
-    expected = plane_cut(tree, "velocity_z", normal="y", at=0.05)
-    discs, others = (each.axes[0].collections[0] for each in (figure, expected))
-    np.testing.assert_array_equal(discs.get_offsets(), others.get_offsets())
-    assert discs.get_clim() == pytest.approx((-0.5, 0.5))
-    assert field(tree).axes[0].get_xlabel() == "x [m]"
-    mpmfw.run(ball_on_a_box(), output="run.nc")
-    for plane in ([], ["--plane", "y"], ["--plane", "x=0.05"]):
-        result = CliRunner().invoke(app, ["plot", "run.nc", "--field", "velocity", "--force", *plane])
-        assert (result.exit_code, result.stdout) == (0, "run-velocity.png\n")
-    for wrong, said in (
-        ("w", "plane w: expected one of x, y, z"),
-        ("y=a", "--plane y=a: expected AXIS or AXIS=AT"),
-    ):
-        result = CliRunner().invoke(
-            app, ["plot", "run.nc", "--field", "velocity", "--force", "--plane", wrong]
-        )
-        assert result.exit_code == 2
-        assert said in result.stderr
-    with pytest.raises(SceneError, match="arrows: drawn of runs in 2D alone"):
-        field(tree, arrows=True)
 
 
 def bright(figure):

@@ -13,7 +13,6 @@ from mpmfw.cli import app
 from mpmfw.errors import SceneError
 from mpmfw.results.outputs import frame_of
 from mpmfw.results.point_fields import point_field, point_fields
-from scenes_for_tests import box
 
 BODIES = ("upper", "floor")
 
@@ -65,15 +64,6 @@ def test_fields_are_those_stored_their_parts_and_a_few_more(a):
     for name, values in expected.items():
         np.testing.assert_allclose(values_at(a, point_field(a, name), "upper", 3), values, err_msg=name)
     assert point_field(a, "in_plane_pressure").unit == "Pa"
-
-
-def test_in_three_dimensions_the_pressure_is_the_pressure():
-    tree = mpmfw.run(box(time__end=0.002, time__output_interval=0.002, bodies__solid__velocity=[1, 2, 3]))
-    stress = tree["particles/solid/stress"].values[-1]
-    pressure = values_at(tree, point_field(tree, "pressure"), "solid", 1)
-    np.testing.assert_allclose(pressure, -np.trace(stress, axis1=1, axis2=2) / 3)
-    with pytest.raises(SceneError, match="runs in 3D are drawn one at a time, on a plane"):
-        mpmfw.plots.side_by_side([tree, tree])
 
 
 def test_a_field_is_drawn_at_its_time_on_the_domains(a):
@@ -182,16 +172,6 @@ def test_the_functions_of_a_notebook(a, folder):
     spin = mpmfw.history(folder / "c.nc", "angular_velocity", body="upper", axis="z")
     assert spin.dims == ("contact", "shape", "time")
     assert mpmfw.gap(folder / "c.nc").dims == ("contact", "shape", "time")
-
-
-def test_the_table_of_a_comparison(folder):
-    data, table = xr.load_dataset(folder / "c.nc"), mpmfw.table(folder / "c.nc")
-    assert table.index.names == ["contact", "shape"]
-    assert len(table) == 4
-    assert data.mpmfw.table().equals(table)
-    row = table.loc[("penalty", "cpdi")]
-    assert row["status"] == "ok"
-    assert row["steps"] == float(data["steps"].sel(contact="penalty", shape="cpdi"))
 
 
 def test_the_front_of_a_study():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -111,15 +110,3 @@ def test_what_cannot_be_ranked_is_refused(
 ) -> None:
     with pytest.raises(SceneError, match=said):
         rank(results, **options)
-
-
-def test_the_command_prints_the_table_and_draws_the_figure(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    from mpmfw.cli.rank import rank as command
-
-    ONE.to_netcdf(tmp_path / "one.nc")
-    command([tmp_path / "one.nc"], levels="10%,1%", output=tmp_path / "ranking.png")
-    said = capsys.readouterr().out
-    assert "plain" in said
-    assert (tmp_path / "ranking.png").stat().st_size > 10_000

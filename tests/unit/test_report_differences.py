@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpmfw.report.differences import differences, refinement
+from mpmfw.report.differences import differences
 from mpmfw.report.table import table
 
 SCENE = "[grid]\ncell_size = 0.1\n[bodies.floor]\n[bodies.block]\n[bodies.stone]\n"
@@ -74,14 +74,6 @@ def test_a_run_that_failed_differs_from_nothing() -> None:
     for name in ("centre_of_mass", "mean_velocity"):
         dataset[name][{"contact": 1}] = np.nan
     assert all(one.spread == 0.0 for one in differences(dataset))
-
-
-def test_the_finest_cells_say_what_they_changed() -> None:
-    assert refinement(comparison()) == {
-        ("one", "cpdi"): ("floor: displacement, x", 0.0),
-        ("other", "cpdi"): ("block: displacement, x", 0.25),
-    }
-    assert refinement(comparison().isel(cell_size=[1])) == {}
 
 
 def with_costs(dataset: xr.Dataset) -> xr.Dataset:

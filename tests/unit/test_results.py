@@ -3,7 +3,6 @@
 import dataclasses
 import json
 import os
-import time
 
 import netCDF4
 import numpy as np
@@ -102,15 +101,6 @@ def test_a_file_can_be_read_while_it_is_written(tmp_path):
         assert tree.attrs["status"] == "running"
 
 
-def test_a_frame_without_time_is_left_out(tmp_path):
-    with RunWriter(tmp_path / "run.nc", header()) as writer:
-        writer.write(frame(0.0))
-        writer.write(frame(0.1))
-    with netCDF4.Dataset(tmp_path / "run.nc", "a") as dataset:
-        dataset["time"][1] = np.nan
-    assert open_results(tmp_path / "run.nc")["series/kinetic_energy"].sizes["time"] == 1
-
-
 def test_an_exception_says_why_in_the_status(tmp_path):
     writer = RunWriter(tmp_path / "run.nc", header())
     writer.write(frame(0.0))
@@ -120,21 +110,6 @@ def test_an_exception_says_why_in_the_status(tmp_path):
     tree = writer.results()
     assert tree.attrs["status"].startswith("failed: field 'series/kinetic_energy'")
     assert tree["series"].sizes["time"] == 1
-
-
-def test_undeclared_and_misshapen_arrays_are_refused():
-    with RunWriter(None, header()) as writer:
-        with pytest.raises(MpmfwError, match="undeclared field 'heat'"):
-            writer.write(Frame(0.0, series={"heat": np.zeros(2)}))
-        with pytest.raises(MpmfwError, match="kinetic_energy"):
-            writer.write(Frame(0.0, series={"kinetic_energy": np.zeros(3)}))
-
-
-def test_a_file_that_cannot_be_created_or_read_is_named(tmp_path):
-    with pytest.raises(MpmfwError, match="nowhere"):
-        RunWriter(tmp_path / "nowhere" / "run.nc", header())
-    with pytest.raises(MpmfwError, match=r"absent\.nc"):
-        open_results(tmp_path / "absent.nc")
 
 
 @pytest.mark.skipif(not os.access("/proc/self/clear_refs", os.W_OK), reason="the system keeps one mark")
@@ -150,37 +125,6 @@ def series_alone(k):
     return Frame(
         0.1 * k, series={"kinetic_energy": np.full(2, float(k)), "mean_velocity": np.full((2, 2), -k)}
     )
-
-
-def test_outputs_that_follow_each_other_fast_are_written_together(tmp_path, monkeypatch):
-    """The first at once, others when the oldest has waited long enough, or somebody asks; complete ones alone
-    are read.
-    """
-    path, count = tmp_path / "run.nc", 70
-    monkeypatch.setattr("mpmfw.results.writing.WRITTEN_EVERY", 1000.0)
-    with RunWriter(path, header()) as writer:
-        writer.write(frame(0.0))
-        for k in range(1, count):
-            writer.write(series_alone(k))
-        assert writer.frames == count
-        with netCDF4.Dataset(path) as dataset:
-            assert dataset["time"].size == 1
-        assert not writer.is_due(time.monotonic())
-        assert writer.is_due(time.monotonic() + 1000.0)
-        writer.flush()
-        assert not writer.is_due(time.monotonic() + 1000.0)
-        for lazy in (False, True):
-            tree = open_results(path, lazy=lazy)
-            np.testing.assert_allclose(tree["series/time"], 0.1 * np.arange(count))
-            np.testing.assert_array_equal(tree["series/kinetic_energy"][1:, 0], np.arange(1, count))
-            np.testing.assert_array_equal(tree["series/mean_velocity"][1:, 1, 0], -np.arange(1, count))
-            assert tree["particles/ball"].sizes["time"] == 1
-            assert tree["series/kinetic_energy"].attrs["units"] == "J m-1"
-            tree.close()
-        monkeypatch.setattr("mpmfw.results.writing.WRITTEN_EVERY", 0.0)
-        writer.write(series_alone(count))
-        assert open_results(path)["series/time"].size == count + 1
-        writer.finish({})
 
 
 def test_what_waits_is_written_when_the_run_fails(tmp_path):

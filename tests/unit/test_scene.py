@@ -219,14 +219,6 @@ def test_written_text_reads_back(name):
     assert tomllib.loads(toml_text(mapping)) == mapping
 
 
-def test_dimensions_must_agree():
-    mapping = tomllib.loads(TEXT)
-    mapping["grid"].update(lower=[0, 0, 0], upper=[10, 5, 5])
-    lines = refusal(mapping).splitlines()
-    assert any(line == "bodies.block.geometry.type: 'disc' is 2D, but the grid is 3D" for line in lines)
-    assert any(line.startswith("gravity.tilt: is for two dimensions") for line in lines)
-
-
 def test_gravity_in_time_is_linear_between_rows_and_constant_outside():
     mapping = tomllib.loads(TEXT)
     mapping["gravity"] = {"table": [[0.0, 0.0, 0.0], ["1 s", 0.0, -10.0]]}

@@ -34,12 +34,6 @@ def test_both_spellings_are_one_scene():
     assert labels == ["nodes+penalty(cut_off=0.7, kappa=2.0)"] * 2
 
 
-def test_a_scene_written_again_is_the_same():
-    one = scene(PARTS, **{"contact.penalty.kappa": 3})
-    assert one.contact.options.kappa == 3.0
-    assert key_of(load_scene(one.to_mapping())) == key_of(one)
-
-
 @pytest.mark.parametrize(
     ("contact", "said"),
     [

@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
 
 import mpmfw
-from mpmfw.cli import app
 from mpmfw.errors import SceneError
 from scenes_for_tests import two_blocks
 
@@ -52,20 +50,6 @@ def test_a_difference_is_that_of_the_values(compared):
     assert found.attrs["units"] == "m s-1"
     itself = mpmfw.field(mpmfw.difference(runs[0], runs[0]), "von_mises_difference")
     assert (itself == 0.0).all()
-
-
-def test_the_command_draws_runs_side_by_side_and_their_difference(compared, monkeypatch):
-    path, _ = compared
-    monkeypatch.chdir(path.parent)
-    done = CliRunner().invoke(app, ["plot", "c.nc", "--field", "velocity_x", "--against", "none"])
-    assert done.exit_code == 0, done.output
-    assert done.stdout.split() == ["c-velocity_x.png", "c-velocity_x-difference.png"]
-    for option, message in (
-        (["--against", "non"], "no contact 'non'; did you mean 'none'?"),
-        (["--time", "9"], "no output at 9 s"),
-    ):
-        done = CliRunner().invoke(app, ["plot", "c.nc", "--field", "velocity_x", "-o", "b.png", *option])
-        assert (done.exit_code, message in done.stderr) == (2, True), done.output
 
 
 def test_what_the_scene_says_of_its_output_counts():

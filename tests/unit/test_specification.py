@@ -5,8 +5,6 @@ from __future__ import annotations
 import pytest
 
 from contact_scenes import STRATEGIES, impact
-from mpmfw.api import PlugIn
-from mpmfw.campaigns.comparison import compare
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import load
 from mpmfw.runs.identity import key_of
@@ -73,24 +71,6 @@ def test_a_label_names_the_method_that_has_it(name, options):
     assert made.label == str(read)
 
 
-def test_labels_of_every_kind_of_value_are_read_again():
-    from pydantic import BaseModel
-
-    class Options(BaseModel):
-        flag: bool = False
-        vector: tuple[float, ...] | None = None
-        word: str = ""
-
-    class Plug(PlugIn):
-        name = "plug"
-
-    Plug.Options = Options
-    made = Plug(flag=True, vector=(1.0, 0.5), word="a, b")
-    assert made.label == 'plug(flag=true, vector=[1.0, 0.5], word="a, b")'
-    assert Plug(**parse_specification(made.label).options).options == made.options
-    assert Plug(vector=None).label == "plug"
-
-
 def test_a_scene_takes_it_for_the_name_and_the_options_of_its_table():
     told = load_scene(SCENE, set={"contact.method": STRONG})
     tabled = load_scene(
@@ -153,16 +133,3 @@ def test_a_run_with_it_is_the_run_of_the_object():
         results.append((sim.contact.label, sim.contact.records.impulse.tobytes()))
     assert results[0] == results[1]
     assert results[0][0] == STRONG
-
-
-def test_a_comparison_labels_and_runs_it():
-    mapping = impact(slide=0.0, time={"end": 2e-3, "output_interval": 1e-3}, output={"gap": False})
-    chosen = ["bardenhagen", "bardenhagen(normal=master,criterion=position)", "bardenhagen(cut_off=0.5)"]
-    data = compare(mapping, chosen, ["linear"], repeats=1)
-    assert data["contact"].values.tolist() == ["bardenhagen", STRONG, "bardenhagen(cut_off=0.5)"]
-    assert data["status"].values.ravel().tolist()[:2] == ["ok", "ok"]
-    assert (
-        data["status"]
-        .values.ravel()[2]
-        .startswith("refused: contact bardenhagen(cut_off=0.5): contact.bardenhagen: 'cut_off' has no effect")
-    )

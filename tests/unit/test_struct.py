@@ -8,7 +8,7 @@ import pickle
 import numpy as np
 import pytest
 
-from mpmfw.kernels import Floats, Ints, Struct, device, kernel, struct
+from mpmfw.kernels import Floats, Ints, Struct, device, kernel
 
 
 class Points(Struct):
@@ -67,13 +67,3 @@ def test_a_copy_has_arrays_of_its_own():
         check(other)
         np.testing.assert_array_equal(points.gap, before)
         assert (other.label, other.member_names) == ("a", ("place", "gap", "normal"))
-
-
-def test_members_of_any_type_and_layout():
-    @kernel
-    def pick(box: Struct) -> float:
-        return box.flags[1] + box.strided[1, 2] + box.small[2]
-
-    whole = np.arange(48.0).reshape(6, 8)
-    box = struct(flags=np.array([True, True]), strided=whole[::2, 1::2], small=np.arange(4, dtype=np.int32))
-    assert pick(box) == 1.0 + whole[2, 5] + 2.0

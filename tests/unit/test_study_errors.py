@@ -80,12 +80,6 @@ def test_error_against_a_file(tmp_path):
             judged({"quantity": "displacement", "kind": "reference", "file": file})
 
 
-def test_error_against_a_value():
-    judge, grid = judged({"quantity": "acceleration", "kind": "reference", "value": 4.0})
-    found = judge.judge(lambda _: run_of(0.5 * 5.0 * 0.02**2), dict.fromkeys(grid.combinations, True))
-    assert found[0, 0].error == pytest.approx(0.25)
-
-
 @pytest.mark.parametrize("quantity", MEASURES)
 @pytest.mark.parametrize(("key", "given"), [("body", "block"), ("pair", "block-plane"), ("axis", "x")])
 def test_a_key_that_a_measure_does_not_look_at_is_refused(quantity, key, given):
@@ -148,22 +142,3 @@ def test_a_key_that_a_measure_looks_at_changes_what_it_measures(quantity, key):
 def test_what_has_no_closed_form_is_named(given, said):
     with pytest.raises(SceneError, match=f"^{said}"):
         judged({"quantity": "displacement", **given})
-
-
-def test_the_energy_of_one_ring_is_not_judged_by_that_of_both():
-    error = {"quantity": "kinetic-energy", "kind": "reference"}
-    study = {"scene": "colliding-rings", "vary": {"cell_size": ["4 mm"]}}
-    assert judge_of({**study, "error": error})[0].exact
-    with pytest.raises(
-        SceneError, match=r"^error\.body: .* has a reference of kinetic-energy, but none for body = 'left'"
-    ):
-        judge_of({**study, "error": {**error, "body": "left"}})
-
-
-def test_a_scene_without_any_closed_form_says_what_is_left():
-    with pytest.raises(
-        SceneError, match=r"no closed form for kinetic-energy; expected kind = 'finest' or a file"
-    ):
-        judged({"quantity": "kinetic-energy"})
-    with pytest.raises(SceneError, match=r"no closed form for interface-stress; expected another quantity"):
-        judged({"quantity": "interface-stress"})

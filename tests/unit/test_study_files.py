@@ -2,16 +2,14 @@
 
 import functools
 
-import numpy as np
 import pytest
 
-from mpmfw.campaigns.keys import is_numerical, overrides_of
+from mpmfw.campaigns.keys import overrides_of
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import available
-from mpmfw.results.references import Incline, PressedBlocks, RollingReference, SlidingReference, declared
+from mpmfw.results.references import declared
 from mpmfw.runs.identity import key_of
 from mpmfw.scene import load_scene
-from mpmfw.scene.loading import shipped_scenes
 from mpmfw.studies.loading import shipped_studies
 from studies_for_tests import SLIDING, judge_of
 
@@ -28,13 +26,6 @@ def test_short_names_stand_for_keys_of_every_body():
     assert set(overrides_of(scene.bodies, scene.dim, "particles_per_cell", 4).values()) == {"0.5 cells"}
     with pytest.raises(SceneError, match="expected a positive number"):
         overrides_of(scene.bodies, scene.dim, "particles_per_cell", 0)
-
-
-def test_keys_that_change_the_method_and_keys_that_change_the_problem():
-    methods = ("contact", "shape", "cell_size", "kappa", "safety", "particle_size", "bodies.block.segment")
-    assert all(is_numerical(key) for key in (*methods, "stepping.transported", "contact.penalty.damping"))
-    problems = ("contact.friction", "contact.pairs[0].friction", "gravity.tilt", "materials.soft.density")
-    assert not any(is_numerical(key) for key in (*problems, "time.end", "settle.gravity.tilt"))
 
 
 # -- files
@@ -95,26 +86,6 @@ def test_shipped_studies_are_valid_and_their_scenes_have_the_error_that_they_ask
 
 
 # -- what is known of scenes
-
-
-def test_closed_forms_of_shipped_scenes():
-    shipped = shipped_scenes()
-    block = declared(load_scene("sliding-block"))
-    assert isinstance(block, SlidingReference)
-    assert block.solution.acceleration == pytest.approx(10.0 * (0.5 - 0.3 * np.sqrt(0.75)))
-    rolls = declared(load_scene("rolling-cylinder-slip"))
-    assert isinstance(rolls, RollingReference)
-    assert rolls.until == pytest.approx(1.663, abs=1e-3)
-    pressed = declared(load_scene("contact-stress"))
-    assert isinstance(pressed, PressedBlocks)
-    assert (pressed.lower, pressed.upper, pressed.pressure) == ("lower", "upper", 2e5)
-    assert [name for name in shipped if isinstance(declared(load_scene(name)), Incline)] == [
-        "rolling-cylinder-no-slip",
-        "rolling-cylinder-slip",
-        "rolling-sphere-no-slip",
-        "rolling-sphere-slip",
-        "sliding-block",
-    ]
 
 
 @pytest.mark.parametrize(

@@ -1,16 +1,13 @@
 """The front of a study, what it concludes, and its figures."""
 
 import json
-import warnings
 
 import numpy as np
-import pytest
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from mpmfw.plots import figures_of
 from mpmfw.studies.conclusion import conclusions
 from mpmfw.studies.dataset import front
 
@@ -37,12 +34,6 @@ NUMBERS = st.sampled_from([0.0, 1.0, 2.0, 3.0, 4.5, np.nan, np.inf])
 def test_the_front_is_what_nothing_dominates(pairs):
     error, cost = pairs
     np.testing.assert_array_equal(front(error, cost), brute_force(error, cost))
-
-
-def test_the_front_keeps_the_shape_and_leaves_out_what_is_not_known():
-    error = np.array([[0.1, np.nan], [0.05, 0.2]])
-    cost = np.array([[1.0, 0.1], [2.0, 3.0]])
-    np.testing.assert_array_equal(front(error, cost), [[True, False], [True, False]])
 
 
 # -- conclusion and figures
@@ -94,22 +85,3 @@ def test_the_cheapest_combination_under_an_error_is_named():
     (said,) = conclusions(made_up(), under=0.001)
     assert "no combination is under 0.1 %; the least, 0.4 %, has bardenhagen, cpdi, cell_size 0.2" in said
     assert [line.partition(":")[0] for line in conclusions(made_up(problem=True))] == ["slip", "no slip"]
-
-
-@pytest.mark.parametrize("problem", [False, True])
-def test_figures_of_a_study(problem, tmp_path):
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        figures = figures_of(made_up(problem))
-        for name, (figure, caption) in figures.items():
-            figure.savefig(tmp_path / f"{name}.png")
-            assert caption
-    assert list(figures) == ["front", "stages"]
-    axes = figures["front"][0].axes
-    assert len(axes) == 1 + problem
-    assert (axes[0].get_xscale(), axes[0].get_yscale()) == ("log", "log")
-    assert "[s]" in axes[0].get_xlabel()
-    assert "[%]" in axes[0].get_ylabel()
-    assert all(panel.get_title(loc="left").endswith("(1 failed)") for panel in axes)
-    bars = figures["stages"][0].axes[0].patches
-    assert sum(bar.get_width() for bar in bars) == pytest.approx(8.0 + 20.0 + 9.0)

@@ -1,7 +1,5 @@
 """Finished runs in a folder: whole at every moment, and run again where they are damaged."""
 
-import json
-import multiprocessing
 import os
 from dataclasses import replace
 
@@ -34,31 +32,6 @@ def test_a_damaged_record_is_run_again(tmp_path, damage):
 def test_a_record_without_its_results_is_run_again(tmp_path):
     Store(tmp_path).put(replace(record("a"), digest="0123"))
     assert Store(tmp_path).outcome("a") is None
-
-
-def write_for_ever(folder, mark):
-    store = Store(folder)
-    for k in range(100_000):
-        store.put(Outcome("a", "ok", mark * 20_000, str(k)))
-
-
-def test_files_are_whole_at_every_moment(tmp_path):
-    context = multiprocessing.get_context("spawn")
-    writers = [context.Process(target=write_for_ever, args=(tmp_path, mark)) for mark in "xy"]
-    for writer in writers:
-        writer.start()
-    path, seen = tmp_path / "a.json", set()
-    try:
-        while len(seen) < 40:
-            if path.exists():
-                found = json.loads(path.read_text(encoding="utf-8"))
-                assert found["name"] in ("x" * 20_000, "y" * 20_000)
-                seen.add((found["name"][0], found["scene"]))
-    finally:
-        for writer in writers:
-            writer.kill()
-            writer.join()
-    assert Store(tmp_path).outcome("a") is not None
 
 
 KEYS = [digit * 32 for digit in "0a5"]

@@ -204,33 +204,6 @@ def test_millimetres_given_as_metres_are_suspected(tmp_path):
         load_scene(scene_of(path, unit="mm"))
 
 
-def rounded_stl(path, scale):
-    """An STL of text whose numbers differ in the last digit of single precision from triangle to triangle."""
-    rng = np.random.default_rng(1)
-    noise = (
-        scale * np.finfo(np.float32).eps * np.abs(NODES).max() * rng.uniform(-1.0, 1.0, (len(FACETS), 3, 3))
-    )
-    lines = ["solid ball"]
-    for corners in NODES[FACETS] + noise / np.sqrt(3.0):
-        lines += [
-            "facet normal 0 0 0",
-            "outer loop",
-            *(f"vertex {x:.12g} {y:.12g} {z:.12g}" for x, y, z in corners),
-        ]
-        lines += ["endloop", "endfacet"]
-    path.write_text("\n".join([*lines, "endsolid ball", ""]))
-    return path
-
-
-def test_nodes_of_an_stl_that_are_equal_in_single_precision_are_one(tmp_path):
-    body = SurfaceMesh(path=rounded_stl(tmp_path / "ball.stl", 2.0))
-    assert len(body.fine_surface[0]) == len(NODES)
-    assert body.exact_volume == pytest.approx(volume_of(NODES, FACETS), rel=1e-5)
-    message = r"the surface has a hole.*; nodes within 4\.8e-07 of the largest coordinate are one"
-    with pytest.raises(ValueError, match=message):
-        SurfaceMesh(path=rounded_stl(tmp_path / "open.stl", 100.0))
-
-
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes of POSIX")
 def test_no_file_beside_a_mesh_is_opened(tmp_path, monkeypatch):
     """A library of materials or a texture may be a pipe, which nobody writes to."""
@@ -295,7 +268,7 @@ def mutated(content, draw):
     return content
 
 
-@pytest.mark.parametrize("kind", ["stl", "stl_ascii", "obj", "ply", "ply_ascii", "off", "msh"])
+@pytest.mark.parametrize("kind", ["stl", "obj", "ply_ascii", "msh"])
 def test_a_damaged_file_is_read_or_refused_in_one_message(tmp_path, kind, capfd):
     ((nodes, facets),) = BALL.surfaces(0.4)
     mesh, ending = trimesh.Trimesh(nodes, facets, process=False), kind.partition("_")[0]
@@ -309,7 +282,7 @@ def test_a_damaged_file_is_read_or_refused_in_one_message(tmp_path, kind, capfd)
         content = mesh.export(file_type=kind)
     content = content if isinstance(content, bytes) else content.encode()
     refused = 0
-    for number in range(60):
+    for number in range(30):
         path.write_bytes(mutated(content, random.Random(f"{kind} {number}")))
         try:
             SurfaceMesh(path=path)
@@ -318,5 +291,5 @@ def test_a_damaged_file_is_read_or_refused_in_one_message(tmp_path, kind, capfd)
             refused += 1
             assert path.name in problem["msg"], number
             assert len(problem["msg"]) < 1000 + len(str(path)), number
-    assert refused > 10
+    assert refused > 5
     assert "Traceback" not in capfd.readouterr().err

@@ -66,11 +66,3 @@ def test_the_first_array_and_the_hook_that_made_it_are_named(plugin, array, made
         assert outcome.status == "failed"
         assert str(outcome.counterexample["first that is no number"]).startswith(array), outcome.report
         assert str(outcome.counterexample["made"]).startswith(made), outcome.report
-
-
-def test_a_run_without_such_a_value_names_none():
-    (outcome,) = examine(
-        subject_of("separate", "contact"), [c for c in checks_of("contact") if c.name == "pushes-apart"]
-    )
-    assert outcome.status == "failed"
-    assert "first that is no number" not in outcome.counterexample

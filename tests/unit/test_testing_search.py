@@ -43,21 +43,6 @@ def test_a_search_ends_after_so_many_trials():
     assert caught.value.counterexample["a"] > 3
 
 
-def test_all_combinations_are_tried_simplest_first():
-    tried = []
-
-    def trial(a, b):
-        tried.append((a, b))
-        if a + b > 4:
-            raise Violation("beyond four")
-
-    with pytest.raises(Violation) as caught:
-        try_all({"a": (1, 2), "b": (1, 3)}, trial, names={"b": "b [m]"})
-    assert tried[0] == (1, 1)
-    assert len(tried) == 4
-    assert caught.value.counterexample == {"a": 2, "b [m]": 3}
-
-
 def test_an_error_of_the_plugin_is_a_violation_with_its_case():
     def trial(a):
         if a > 0:

@@ -34,10 +34,5 @@ def test_where_the_spread_is_singular_the_gradient_takes_its_place() -> None:
     assert make_transfer("apic", singular_spread=True).affine == "moment"
 
 
-def test_a_transported_moment_becomes_a_gradient_at_once() -> None:
-    transfer = make_transfer("apic", singular_spread=False, transported=True)
-    assert (transfer.affine, transfer.transported, transfer.flip) == ("least_squares", True, 0.0)
-
-
 def test_pic_fraction_blends() -> None:
     assert make_transfer("flip", singular_spread=False, pic_fraction=0.25).flip == 0.75

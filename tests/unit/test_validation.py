@@ -11,7 +11,6 @@ import pytest
 from typer.testing import CliRunner
 
 from mpmfw.cli import app
-from mpmfw.errors import SceneError
 from mpmfw.validation import Case, Method, Row, Verdict
 from mpmfw.validation.page import BEGIN, END
 from mpmfw.validation.suite import find_cases, kept, run_cases
@@ -160,7 +159,6 @@ def test_runs_at_places_and_in_versions(suite, tmp_path):
 @pytest.mark.parametrize(
     ("cases", "arguments", "status", "said"),
     [
-        ({"a": GREEN}, [], 0, "1 gates: 1 hold, 0 red"),
         ({"a": GREEN, "b": RED}, [], 1, "RED: b: by hand, six: 8 (5 … 7)"),
         ({"a": KNOWN.format(value=8.0)}, [], 0, "known red: a: by hand, six: 8 (5 … 7): eight is more"),
         ({"a": KNOWN.format(value=6.0)}, [], 1, "marked as known red"),
@@ -180,12 +178,6 @@ def test_exit_status(suite, tmp_path, cases, arguments, status, said):
                 == sum(text is GREEN for text in cases.values())
                 or arguments
             )
-
-
-def test_no_suite_is_a_wrong_request(tmp_path):
-    assert command(tmp_path / "nowhere", tmp_path).exit_code == 2
-    with pytest.raises(SceneError, match=r"no folder in it has a test_\*\.py"):
-        find_cases(tmp_path)
 
 
 def test_table_figures_and_the_marked_part_of_a_page_are_written(suite, tmp_path):

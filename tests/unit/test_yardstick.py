@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 import pytest
 
-from yardstick.block import make_block, make_rings
+from yardstick.block import make_block
 from yardstick.kernels import SHAPES
 from yardstick.plain import PlainLoop, compilers
 
 #: Dimensions, compiler, and whether the step is the one without a table.
-LOOPS = [(2, None, False), *itertools.product((2, 3), compilers(), (False, True))]
+LOOPS = [(2, None, False), *((3, compiler, True) for compiler in compilers())]
 
 
 @pytest.mark.parametrize(("dim", "compiler", "whole"), LOOPS)
@@ -31,14 +29,3 @@ def test_plain_loop_takes_the_same_steps(shape, dim, compiler, whole):
     np.testing.assert_allclose(theirs.deformation, ours.deformation_gradient, atol=1e-12)
     np.testing.assert_allclose(theirs.stress, ours.stress, atol=1e-12)
     np.testing.assert_allclose(theirs.affine, ours.affine, atol=1e-12)
-
-
-@pytest.mark.parametrize("shape", SHAPES)
-def test_plain_loop_takes_the_rings_steps(shape):
-    rings, compiler = make_rings(shape), next(iter(compilers()), None)
-    plain = PlainLoop(shape, rings, compiler=compiler)
-    for _ in range(3):
-        rings.step()
-        plain.step()
-    np.testing.assert_allclose(plain.problem.stress, rings.state.particles.stress, atol=1e-12)
-    np.testing.assert_allclose(plain.problem.velocity, rings.state.particles.velocity, atol=1e-12)
