@@ -87,7 +87,6 @@ RESTING = pair(
     bodies__left__velocity=[0.01, 0.0],
     bodies__right__velocity=[0.0, 0.01],
 )
-TWO_SPEEDS = {"bodies__left__velocity": [1.0, 0.3], "bodies__right__velocity": [-1.0, -0.3]}
 STICKY, SMOOTH = (
     {"bodies": ["left", "right"], "friction": 0.5},
     {"bodies": ["left", "right"], "friction": 0.0},

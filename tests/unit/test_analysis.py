@@ -13,7 +13,6 @@ from mpmfw.results.references import (
     RollingReference,
     cell_size_of,
     reference_of,
-    rings_table,
 )
 from mpmfw.scene.loading import shipped_scenes
 
@@ -86,24 +85,6 @@ def test_contact_phases():
     )
     assert np.isnan(analysis.contact_phases(time, np.ones(11)).separation)
     assert np.isnan(analysis.contact_phases(time, np.zeros(11)).first)
-
-
-def test_the_reference_tables_say_what_their_readme_says():
-    force, energy = rings_table("force"), rings_table("energy")
-    phases = analysis.contact_phases(force["time"], force["fine_force_raw_N_per_m"])
-    assert 1e3 * phases.first == pytest.approx(0.0667, abs=0.005)
-    assert 1e3 * phases.separation == pytest.approx(2.971, abs=0.01)
-    assert (1e3 * phases.gap_start, 1e3 * phases.gap_end) == pytest.approx((1.458, 1.741), abs=0.01)
-    impulse = force["fine_impulse_Ns_per_m"]
-    assert impulse[-1] == pytest.approx(122.23, abs=0.01)
-    assert np.interp(1.6e-3, force["time"], impulse) == pytest.approx(62.37, abs=0.01)
-    ours = analysis.averaged(force["time"], impulse, 100e-6)
-    coarse = analysis.averaged(force["time"], force["coarse_impulse_Ns_per_m"], 100e-6)
-    until = force["time"] <= 3.2e-3
-    assert analysis.relative_l2(force["time"][until], coarse[until], ours[until]) == pytest.approx(
-        0.19, abs=0.02
-    )
-    assert energy["fine_kinetic_J_per_m"].min() == pytest.approx(184.7, abs=1.0)  # every 10 µs
 
 
 def test_shipped_scenes_are_recognised():

@@ -52,18 +52,6 @@ def test_it_is_the_mean_of_both_grids(dim, seed):
         np.testing.assert_allclose(gradient[..., axis], slope, atol=ROUGH)
 
 
-@DIMENSIONS
-def test_one_grid_alone_is_not_linear_and_both_are(dim):
-    position = np.full(dim, 4.3)
-    weight, _ = table_at(position)
-    index = np.indices(weight.shape)
-    even = (index % 2 == 0).all(axis=0)
-    assert weight[even].sum() == pytest.approx(0.5, abs=1e-15)
-    off = 2.0 * (weight * index[0])[even].sum() - position[0]
-    assert off == pytest.approx(-np.sin(0.3 * np.pi) / np.pi, abs=1e-14)
-    assert (weight * index[0]).sum() == pytest.approx(position[0], abs=1e-14)
-
-
 @pytest.mark.parametrize("lower", [-0.6, -0.53], ids=["odd", "between"])
 def test_sides_hold_a_block_wherever_the_grids_lie(lower):
     """Driven down by a tenth between smooth walls: mean σ_yy of uniaxial strain; without sides it would be a

@@ -12,7 +12,7 @@ import pytest
 from checkpoints_for_tests import LAST, content, entry, header
 from mpmfw.errors import MpmfwError
 from mpmfw.runs.restart import is_foreign, read_snapshot, write_snapshot
-from mpmfw.state.history import NotSaved, check_indices, put, take
+from mpmfw.state.history import NotSaved, put, take
 
 
 class Part:
@@ -106,13 +106,6 @@ def test_what_does_not_fit_is_refused_with_its_place(tmp_path, saved, built):
 def test_what_cannot_be_saved_is_named_with_its_place(value):
     with pytest.raises(NotSaved, match=r"^thing/kept (is a|has numbers of type) .*; expected"):
         take({"thing": Thing(value)})
-
-
-def test_indices_are_within_bounds():
-    check_indices(3, first=np.array([-1, 2]), none=np.zeros(0, dtype=int))
-    for wrong in (-2, 3):
-        with pytest.raises(NotSaved, match="first has an index that is not from -1 to 2"):
-            check_indices(3, first=np.array([0, wrong]))
 
 
 # -- the file

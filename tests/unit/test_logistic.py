@@ -148,17 +148,6 @@ def averaged(found, normal):
     return np.array(angles)
 
 
-def test_points_of_a_node_are_those_with_a_weight_there(dim):
-    found = detected(some_normal(dim, 0))
-    row, nodes, _ = found.table
-    owner = np.repeat(np.arange(len(row) - 1), np.diff(row))
-    for f in range(found.n):
-        for i in (found.listed.first[f], found.listed.second[f]):
-            s = found.clouds.slot[i]
-            points = found.clouds.point[found.clouds.start[s] : found.clouds.start[s + 1]]
-            np.testing.assert_array_equal(points, owner[nodes == i])
-
-
 def test_the_plane_between_half_spaces_is_found_to_half_a_degree(dim):
     """At any angle: with the published turn at most nodes, with a finer one at three of four. Averaged volume
     gradients lean.

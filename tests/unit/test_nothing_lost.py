@@ -98,24 +98,6 @@ def test_a_checkpoint_without_its_results_is_not_dropped_unasked(folder):
     assert not (folder / "new.nc.checkpoint").exists()
 
 
-def test_an_empty_folder_beside_results_lets_nothing_be_replaced(folder):
-    assert Path.cwd() == folder
-    Path("a.nc.runs").mkdir()
-    before = os.stat("a.nc").st_mtime_ns
-    assert "a.nc: is there already; give another name, or --force" in said(
-        "run", "s.toml", "-o", "a.nc", status=2
-    )
-    assert os.stat("a.nc").st_mtime_ns == before
-    command = ("compare", "s.toml", "--shape", "linear", "-o", "c.nc")
-    said(*command, status=0)
-    said(*command, status=0)  # its finished runs lie beside it
-    for path in Path("c.nc.runs").iterdir():
-        path.unlink()
-    assert "c.nc: is there already; give another name, or --force" in said(*command, status=2)
-    Path("d.nc.runs").write_text(MINE)
-    assert "its finished runs are kept in d.nc.runs, which is a file" in said(*command[:-1], "d.nc", status=2)
-
-
 @pytest.mark.parametrize(
     ("target", "option"),
     [

@@ -93,13 +93,6 @@ def test_pair_leaves_no_force_and_no_moment(seed):
         assert abs(moment(points, rows)) < 1e-14 * scale * np.abs(points).max()
 
 
-def test_without_p_the_tangential_force_would_leave_a_moment():
-    points = random_pair(1)
-    xi, gap, _, tangent = projection(points)
-    rows = np.array([tangent, -(1.0 - xi) * tangent, -xi * tangent])
-    assert abs(moment(points, rows)) == pytest.approx(abs(gap), rel=1e-12)
-
-
 @pytest.mark.parametrize("seed", range(10))
 def test_q_is_self_equilibrated_and_no_part_of_the_variation(seed):
     points = random_pair(seed)
@@ -127,16 +120,6 @@ def test_forces_of_two_outlines_balance_at_vertices_too(seed, keep_q):
     assert scale > 0.0
     assert np.abs(force.sum(axis=0)).max() < 1e-14 * scale
     assert abs(moment(loops.position, force)) < 1e-14 * scale * np.abs(loops.position).max()
-
-
-def test_some_of_those_contacts_are_at_vertices():
-    at_vertex = 0
-    for seed in range(8):
-        rng = np.random.default_rng(seed)
-        found = find(join([star(rng, (-0.93, 0.1), 1.0), star(rng, (0.93, -0.1), 1.0)]), slots=1)
-        ends = (found.share == 0.0).any(axis=2)
-        at_vertex += ((found.facet >= 0) & (found.gap < 0.0) & ends).sum()
-    assert at_vertex > 0
 
 
 HEAD_ON = {

@@ -134,25 +134,6 @@ def test_the_ending_is_the_format_and_two_drawings_are_the_same(a, tmp_path, end
         assert b">least distance" in one or b"gap" in one  # as text, not as outlines of letters
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["a.nc", "-o", "a.bmp"], "a.bmp: figures are PNG, PDF or SVG files; give a name that ends in .png"),
-        (["a.nc", "--time", "1"], "--time: has no effect without --field\n"),
-        (["a.nc", "--field", "mass", "--series", "min_gap"], "--series min_gap: --field mass draws another"),
-        (
-            ["c.nc", "--field", "mass"],
-            "the comparison keeps no fields; run it with --set output.particles=true",
-        ),
-    ],
-)
-def test_a_wrong_request_is_status_2(folder, monkeypatch, arguments, message):
-    monkeypatch.chdir(folder)
-    result = CliRunner().invoke(app, ["plot", *arguments])
-    assert (result.exit_code, result.stdout) == (2, "")
-    assert result.stderr.startswith(message)
-
-
 def test_the_functions_of_a_notebook(a, folder):
     centre = mpmfw.history(a, "centre_of_mass", body="upper", axis="x")
     assert (centre.dims, centre.attrs["units"]) == (("time",), "m")

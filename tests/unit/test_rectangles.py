@@ -4,15 +4,11 @@ their faces.
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 import mpmfw_shape._rectangles as module
-from mpmfw.geometry.solids import Box
 from mpmfw.runs.simulation import Simulation
-from mpmfw_shape._rectangles import Rectangles
 from scenes_for_tests import SOFT
 
 H = 0.25
@@ -62,23 +58,3 @@ def test_without_the_means_it_has_not(monkeypatch):
     monkeypatch.setattr(module, "CENTRED", -1.0)
     inner, outer = boundary(block(angles=(0.35, 0.61, 0.87)))
     assert abs(outer - inner).max() > 0.01 * abs(inner).max()
-
-
-def test_centres_are_those_of_rectangles_that_are_faces_of_points():
-    box = Box(lower=(0, 0, 0), upper=(1, 2, 3))
-    (nodes, facets), = box.surfaces(1.0)  # fmt: skip
-
-    surface = SimpleNamespace(position=nodes, facets=facets, first=[0, len(nodes)])
-    points, finer = box.fitted(1.0), box.fitted(0.5)
-
-    def rectangles(layout):
-        particles = SimpleNamespace(position=layout.position, first=[0, len(layout.position)])
-        return Rectangles(surface, particles, layout.half_edges)
-
-    found = rectangles(points)
-    assert len(found.corners) == len(facets) // 4 == 22
-    centre = np.flatnonzero(found.index >= 0)
-    np.testing.assert_allclose(nodes[found.corners[found.index[centre]]].mean(axis=1), nodes[centre])
-    assert len(rectangles(finer).corners) == 0
-    surface.position = nodes + np.where(found.index >= 0, 1e-3, 0.0)[:, np.newaxis]
-    assert len(rectangles(points).corners) == 0

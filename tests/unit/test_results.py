@@ -93,25 +93,6 @@ def test_what_is_written_is_read(tmp_path, in_memory):
     ) == pytest.approx(frames[2].series["mean_velocity"][1, 1])
 
 
-def test_a_file_can_be_read_while_it_is_written(tmp_path):
-    with RunWriter(tmp_path / "run.nc", header()) as writer:
-        writer.write(frame(0.0))
-        tree = open_results(tmp_path / "run.nc")
-        assert tree["series"].sizes["time"] == 1
-        assert tree.attrs["status"] == "running"
-
-
-def test_an_exception_says_why_in_the_status(tmp_path):
-    writer = RunWriter(tmp_path / "run.nc", header())
-    writer.write(frame(0.0))
-    broken = Frame(0.1, series={"kinetic_energy": np.zeros(3)})
-    with pytest.raises(MpmfwError, match="kinetic_energy"), writer:
-        writer.write(broken)
-    tree = writer.results()
-    assert tree.attrs["status"].startswith("failed: field 'series/kinetic_energy'")
-    assert tree["series"].sizes["time"] == 1
-
-
 @pytest.mark.skipif(not os.access("/proc/self/clear_refs", os.W_OK), reason="the system keeps one mark")
 def test_peak_memory_is_of_the_time_since_the_mark():
     block = np.ones(20_000_000)
@@ -119,26 +100,6 @@ def test_peak_memory_is_of_the_time_since_the_mark():
     del block
     restart_peak_memory()
     assert peak_memory() < high - 100_000_000
-
-
-def series_alone(k):
-    return Frame(
-        0.1 * k, series={"kinetic_energy": np.full(2, float(k)), "mean_velocity": np.full((2, 2), -k)}
-    )
-
-
-def test_what_waits_is_written_when_the_run_fails(tmp_path):
-    path = tmp_path / "run.nc"
-
-    def fail():
-        with RunWriter(path, header()) as writer:
-            for k in range(5):
-                writer.write(series_alone(k))
-            raise ZeroDivisionError
-
-    with pytest.raises(ZeroDivisionError):
-        fail()
-    assert open_results(path)["series/time"].size == 5
 
 
 @pytest.mark.parametrize("interval", [1, 3])

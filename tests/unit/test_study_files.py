@@ -8,7 +8,6 @@ from mpmfw.campaigns.keys import overrides_of
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import available
 from mpmfw.results.references import declared
-from mpmfw.runs.identity import key_of
 from mpmfw.scene import load_scene
 from mpmfw.studies.loading import shipped_studies
 from studies_for_tests import SLIDING, judge_of
@@ -117,16 +116,3 @@ def test_gravity_as_a_vector_and_another_order_of_bodies_keep_the_closed_form():
 
 
 # -- the same run
-
-
-def test_a_run_is_known_by_its_meaning():
-    scene = load_scene("sliding-block")
-    key = key_of(scene)
-    assert key_of(load_scene("sliding-block", set={"title": "another"})) == key
-    assert key_of(load_scene("sliding-block", set={"contact.penalty.kappa": 2.0})) != key
-    without = [
-        load_scene("sliding-block", set={"contact.method": "none", "grid.cell_size": h}) for h in (0.2, 0.1)
-    ]
-    assert key_of(without[0]) != key_of(without[1])
-    with_other = {"contact.method": "none", "contact.penalty.kappa": 2.0, "grid.cell_size": 0.2}
-    assert key_of(load_scene("sliding-block", set=with_other)) == key_of(without[0])

@@ -5,27 +5,9 @@ from __future__ import annotations
 import subprocess
 import sys
 
-import pytest
 from typer.testing import CliRunner
 
 from mpmfw.cli import app
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["penalti"], "no plug-in 'penalti' is installed; did you mean 'penalty'?"),
-        (["neo_hookean"], "bulk_modulus: missing; give it as in 'neo_hookean(bulk_modulus=…)'"),
-        (["penalty", "--kind", "material"], "unknown material plug-in 'penalty'"),
-        (["penalty", "--only", "enrgy"], "no such check 'enrgy'; did you mean 'energy'?"),
-        (["penalty", "--set", "kapa=1"], "no such option 'kapa'; did you mean 'kappa'?"),
-    ],
-)
-def test_the_command_refuses_what_it_cannot_check(arguments, said):
-    done = CliRunner().invoke(app, ["check", *arguments])
-    assert done.exit_code == 2
-    assert said in done.stderr
-    assert done.stderr.count("\n") == 1
 
 
 def test_the_command_finds_a_law_in_the_working_directory(tmp_path):

@@ -22,7 +22,6 @@ from mpmfw_testing import (
     search,
     subject_of,
 )
-from mpmfw_testing import parametrised as parametrised_module
 
 SUBJECT = subject_of("separate", "contact")
 
@@ -101,25 +100,6 @@ def test_the_decorator_parametrises_over_all_checks():
         contact_conformance("separate", expected_failures={"enrgy": WHY})
     with pytest.raises(SceneError, match="did you mean 'energy'"):
         contact_conformance("separate", only=["enrgy"])
-
-
-@pytest.mark.parametrize(
-    ("check", "why", "result"),
-    [
-        (GOOD, "", None),
-        (ASKED, "", pytest.skip.Exception),
-        (BAD, "", pytest.fail.Exception),
-        (BAD, WHY, pytest.xfail.Exception),
-        (GOOD, WHY, pytest.fail.Exception),
-    ],
-)
-def test_a_bound_check_passes_skips_or_fails(check, why, result, tmp_path):
-    bound = parametrised_module.BoundCheck(SUBJECT, check, why, tmp_path)
-    if result is None:
-        bound()
-        return
-    with pytest.raises(result):
-        bound()
 
 
 def broken_law(line):

@@ -88,12 +88,6 @@ def test_surfaces_have_the_mirror_planes_of_the_body(name):
         np.testing.assert_allclose(tributary[apart.argmin(axis=0)], tributary, rtol=1e-8)
 
 
-def test_a_surface_with_a_hole_is_refused():
-    ((_, facets),) = SOLIDS["box"].surfaces(0.7)
-    with pytest.raises(ValueError, match="the surface is not closed"):
-        neighbours_of(facets[1:])
-
-
 def moments_of(volume, position, half_edges):
     """Volume, centroid, and inertia about it for a density of 1, of parallelepipeds."""
     centre = volume @ position / volume.sum()
