@@ -6,7 +6,6 @@ import tomllib
 import pytest
 from pydantic import ValidationError
 
-import mpmfw
 from mpmfw.errors import SceneError
 from mpmfw.scene import load_scene, shipped_scenes
 from mpmfw.scene.toml_text import toml_text
@@ -234,13 +233,3 @@ def test_settling_needs_a_load():
     load_scene(mapping)
     del mapping["gravity"]
     assert refusal(mapping).startswith("settle: has no effect")
-
-
-def test_options_are_judged_with_the_methods_that_the_call_names():
-    """A PIC share has no effect with the scene's CPDI (aflip), and has one with linear functions (FLIP)."""
-    given = {"stepping.pic_fraction": 0.05, "time.end": 1e-3, "output.particles": False}
-    scene = load_scene("colliding-rings", set={"grid.cell_size": 4e-3}).text
-    with pytest.raises(SceneError, match="pic_fraction"):
-        mpmfw.run(tomllib.loads(scene), contact="none", set=given)
-    tree = mpmfw.run(tomllib.loads(scene), contact="none", shape="linear", set=given)
-    assert tree.attrs["status"] == "ok"
