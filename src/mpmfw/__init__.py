@@ -97,7 +97,7 @@ def __getattr__(name: str) -> Any:
     if name not in _MODULES:
         raise AttributeError(f"module 'mpmfw' has no attribute {name!r}")
     if name in _GIVE_RESULTS:
-        importlib.import_module("mpmfw.results.accessor")
+        importlib.import_module("mpmfw.results.notebook")
     value = getattr(importlib.import_module(_MODULES[name]), name)
     globals()[name] = value
     return value

@@ -42,27 +42,6 @@ def test_the_process_gets_the_request_and_its_status_is_the_commands(monkeypatch
     assert given[-4:] == ["--set", "rate=2", "--only", "runs"]
 
 
-@pytest.mark.parametrize(
-    ("again", "said"),
-    [(1, "(--bounds):"), (0, "nothing went wrong"), (-11, "every index of the kernels asked")],
-)
-def test_a_process_that_dies_is_followed_by_one_that_asks_every_index(
-    again: int, said: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    environments, statuses = [], [-11, again]
-
-    def run(command: list[str], env: dict[str, str], **_: object) -> subprocess.CompletedProcess[bytes]:
-        environments.append(env)
-        return subprocess.CompletedProcess(command, statuses.pop(0), b"", b"")
-
-    monkeypatch.setattr(subprocess, "run", run)
-    found = CliRunner().invoke(app, ["check", "faulty_plugins.load.faults:PastTheEnd"])
-    assert found.exit_code == 1
-    assert "the process of the checks was ended by SIGSEGV" in found.output
-    assert said in found.output
-    assert ["NUMBA_BOUNDSCHECK" in each for each in environments] == [False, True]
-
-
 class Located:
     """Stands for numba's dispatcher: compiled code that raises without a place, and the function that it was
     made of.

@@ -85,7 +85,7 @@ def test_readers_find_the_frame_and_the_outline_of_a_time():
     assert float(found["time"]) == pytest.approx(0.01)
     stored = tree["particles/left/velocity"].sel(time=0.01, method="nearest")[:, 0]
     np.testing.assert_array_equal(found.values[: len(stored)], stored)
-    from mpmfw.results.outputs import frame_at, frame_of
+    from mpmfw.results.selection import frame_at, frame_of
 
     outline = frame_of(tree, "surface/left", frame_at(tree, 0.01))
     np.testing.assert_array_equal(outline["position"], tree["surface/left/position"][10])

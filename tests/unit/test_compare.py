@@ -10,7 +10,7 @@ from mpmfw.plots import figures_of
 from mpmfw.report import table
 from mpmfw.results import Frame, RunHeader, RunWriter
 from mpmfw.results import open as open_results
-from mpmfw.results.joining import union_of_times
+from mpmfw.results.concatenation import union_of_times
 from mpmfw.results.references import rings_table
 from mpmfw.scene.loading import shipped_scenes
 from mpmfw.state.clock import STEP_STAGES

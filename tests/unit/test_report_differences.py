@@ -4,12 +4,14 @@ went.
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
 
+from mpmfw.report import table, write_report
 from mpmfw.report.differences import differences
-from mpmfw.report.table import table
 
 SCENE = "[grid]\ncell_size = 0.1\n[bodies.floor]\n[bodies.block]\n[bodies.stone]\n"
 BODIES, PAIRS = ["floor", "block", "stone"], ["floor-block", "floor-stone"]
@@ -88,3 +90,19 @@ def test_gap_and_depth_are_of_the_nearest_pair_and_noise_of_the_one_that_pushes_
     swapped = dataset.assign_coords(pair=list(reversed(PAIRS))).sel(pair=PAIRS)
     assert repr(table(swapped)) == repr(table(dataset))  # noise of three outputs is NaN
     assert table(dataset)[1]["largest_penetration"] == pytest.approx(0.5)
+
+
+def test_the_page_escapes_every_text_and_needs_no_network(tmp_path) -> None:
+    evil = "<script>alert('x')</script>"
+    dataset = with_costs(comparison().sel(cell_size=[0.1])).assign_coords(contact=["none", evil])
+    status = dataset["status"].astype(object)
+    status[{"contact": 1}] = f"failed: {evil}"
+    notes = json.dumps({f"{evil}/cpdi": [evil]})
+    dataset = dataset.assign(status=status).assign_attrs(title=evil, scene=evil, commit=evil, notes=notes)
+    write_report(dataset, tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert "<script" not in page
+    assert page.count("&lt;script&gt;") > 5
+    assert "<svg" in page
+    assert "src=" not in page
+    assert 'href="http' not in page

@@ -17,7 +17,7 @@ from mpmfw.campaigns.judging import judge_all
 from mpmfw.campaigns.outcome import COSTS
 from mpmfw.campaigns.running import Event
 from mpmfw.errors import ResultsWarning, SceneError, status_code
-from mpmfw.results.joining import join
+from mpmfw.results.concatenation import concatenate_runs
 
 
 def campaign(
@@ -130,7 +130,7 @@ def dataset_of(runs: GridRuns, *, fields: bool = True) -> xr.Dataset:
     results = {index: runs.results(index) for index, _, _ in runs.known()}
     trees = {index: tree for index, tree in results.items() if tree is not None}
     status = grid.array(runs.statuses(), "ok, or why it is suspect or has no complete result")
-    files = join(grid.coords, trees, fields=fields)
+    files = concatenate_runs(grid.coords, trees, fields=fields)
     dataset = xr.Dataset({"status": status, **files.data_vars}, files.coords, files.attrs)
     if keys := {dim: key for dim, key in grid.keys.items() if key not in ("contact", "shape")}:
         dataset.attrs["varied"] = json.dumps(keys)

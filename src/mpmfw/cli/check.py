@@ -25,9 +25,6 @@ if TYPE_CHECKING:
     from mpmfw_testing import Check, Outcome
 
 
-#: Set in the process that runs the checks of a stranger's plug-in, or all with --bounds.
-_INSIDE = "MPMFW_CHECKS_IN_THIS_PROCESS"
-
 PluginArgument: TypeAlias = Annotated[
     str,
     typer.Argument(
@@ -67,7 +64,7 @@ BoundsOption: TypeAlias = Annotated[
     bool,
     typer.Option(
         "--bounds",
-        help="Ask every index of the kernels, in a process of its own; minutes for the first time.",
+        help="Check every index of the kernels, in another process; minutes for the first time.",
     ),
 ]
 PicturesOption: TypeAlias = Annotated[
@@ -97,12 +94,12 @@ def check(
         for each in chosen(checks_of(asked), only):
             typer.echo(f"{each.name}\n{indent(inspect.getdoc(each.run) or '', '  ')}\n")
         return
-    if (bounds or _is_strange(plugin, asked)) and _INSIDE not in os.environ:
+    if bounds:
         files = {"--expected-failures": expected_failures, "--pictures": pictures, "--save": save}
         given = [part for option, path in files.items() if path is not None for part in (option, str(path))]
         given += [part for text in set_ or () for part in ("--set", text)]
         given += [part for name in only or () for part in ("--only", name)]
-        _run_apart([plugin, "--kind", asked, *given], bounds=bounds)
+        _run_with_bounds([plugin, "--kind", asked, *given])
         return
     from mpmfw_testing import examine, subject_of
     from mpmfw_testing.examination import justified
@@ -132,10 +129,10 @@ def check(
         )
 
 
-def _run_apart(arguments: list[str], *, bounds: bool) -> None:
-    """Run the command in a process of its own; of one that dies, again with kernels that ask every index.
+def _run_with_bounds(arguments: list[str]) -> None:
+    """Run the command in another process, whose kernels check every index.
 
-    The cache of those is another: numba's key does not say which way a kernel was compiled.
+    They have a cache of their own: numba's key does not say which way a kernel was compiled.
 
     Raises
     ------
@@ -146,10 +143,8 @@ def _run_apart(arguments: list[str], *, bounds: bool) -> None:
     """
     import platformdirs
 
-    environment = {**os.environ, _INSIDE: "1"}
-    if bounds:
-        root = os.environ.get("NUMBA_CACHE_DIR") or str(platformdirs.user_cache_path("mpmfw") / "kernels")
-        environment |= {"NUMBA_BOUNDSCHECK": "1", "NUMBA_CACHE_DIR": f"{root}-bounds"}
+    root = os.environ.get("NUMBA_CACHE_DIR") or str(platformdirs.user_cache_path("mpmfw") / "kernels")
+    environment = {**os.environ, "NUMBA_BOUNDSCHECK": "1", "NUMBA_CACHE_DIR": f"{root}-bounds"}
     command = [sys.executable, "-m", "mpmfw", "check", *arguments]
     captured = None if sys.stdout.isatty() else subprocess.PIPE
     done = subprocess.run(
@@ -167,21 +162,10 @@ def _run_apart(arguments: list[str], *, bounds: bool) -> None:
     if done.returncode > 0:
         raise typer.Exit(done.returncode)
     if done.returncode < 0:
-        said = f"the process of the checks was ended by {signal.Signals(-done.returncode).name}"
-        if bounds:
-            raise MpmfwError(f"{said}, with every index of the kernels asked")
-        typer.echo(f"{said}; once more, with every index of the kernels asked (--bounds):", err=True)
-        _run_apart(arguments, bounds=True)
-        raise MpmfwError(f"{said}; with every index asked nothing went wrong")
-
-
-def _is_strange(plugin: str, kind: Kind) -> bool:
-    """Whether it is none of mpmfw's own, which may bring down its process."""
-    from mpmfw.plugin.discovery import choices, distribution_of
-    from mpmfw.scene.specification import parse_specification
-
-    entry = choices(kind).get(parse_specification(plugin).name)
-    return entry is not None and distribution_of(entry) != "mpmfw"
+        name = signal.Signals(-done.returncode).name
+        raise MpmfwError(
+            f"the process of the checks was ended by {name}, with every index of the kernels checked"
+        )
 
 
 def _kind_of(text: str, kind: str | None) -> Kind:

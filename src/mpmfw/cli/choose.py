@@ -92,7 +92,7 @@ def choose(
     shared = assignments(set_)
     check_requested(shared, {}, ("--set", "--vary"))
     loaded = load_scene(scene, set=shared, trust=trust)
-    path = result_path(output, loaded, "-choose", "choice", "result of mpmfw choose", force)
+    path = result_path(output, loaded, "choice", force)
     from mpmfw.studies.choosing import CONTACTS, SHAPES
     from mpmfw.studies.choosing import choose as run_ladder
 

@@ -23,7 +23,7 @@ from mpmfw.cli.arguments import (
     names,
     variations,
 )
-from mpmfw.cli.errors import check_writable, result_path
+from mpmfw.cli.errors import new_path, result_path
 from mpmfw.cli.progress import campaign_progress
 from mpmfw.cli.tables import Format, FormatOption, print_table, print_text, write_rows
 
@@ -62,7 +62,6 @@ def compare(
     A method that fails does not stop the others: its status says why. Methods left out are the scene's own.
     Finished runs are kept in the folder FILE.runs: a comparison that was broken off goes on from there.
     """
-    from mpmfw.results.replacing import check_new
     from mpmfw.scene import load_scene
     from mpmfw.scene.requested import check_compared, check_requested
 
@@ -71,9 +70,9 @@ def compare(
     shared = assignments(set_)
     check_requested(shared, varied, ("--set", "--vary"))
     loaded = load_scene(scene, set=shared, trust=trust)
-    path = result_path(output, loaded, "-compare", "compare", "comparison", force, report=report)
+    path = result_path(output, loaded, "compare", force, report=report)
     if report is not None:
-        check_new(check_writable(report), force)
+        new_path(report, force)
     # A single body needs no contact; the dimension is there all the same
     contacts = contacts or [loaded.contact.method if loaded.contact else "none"]
     shapes = shapes or [loaded.shape.method]

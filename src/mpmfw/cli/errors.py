@@ -58,91 +58,90 @@ def _plain_warnings() -> Iterator[None]:
         warnings.showwarning = shown
 
 
-def check_result(path: Path, kind: str, what: str, force: bool = False) -> Path:
+#: By the kind of a result: what follows the scene's name in its file's name, and what it is called.
+_RESULTS = {
+    "run": ("", "run's results"),
+    "compare": ("-compare", "comparison"),
+    "choice": ("-choose", "result of mpmfw choose"),
+    "stability": ("-stability", "map of stability"),
+    "study": ("", "study's results"),
+}
+
+
+def check_result(path: Path, kind: str, force: bool = False) -> Path:
     """Return the path, if results can be written there without loss of a file.
 
     Parameters
     ----------
     path
         Of the file to write.
-    kind, what
-        Its attribute ``kind``, and what it is called.
+    kind
+        Its attribute ``kind``.
     force
-        Whether another result of the kind is replaced. One whose finished runs lie beside it is taken up
-        again, which replaces nothing.
+        Whether another result of the kind is replaced. A campaign whose finished runs lie beside its result
+        continues from them, which replaces nothing.
 
     Raises
     ------
     SceneError
         There is another file, or a result that would be lost, or no file can be written.
     """
+    from mpmfw.campaigns.store import own_files
     from mpmfw.results.replacing import check_replaceable
 
     check_writable(path)
-    check_replaceable(path, kind, what)
-    _check_beside(path, kind, force)
-    if path.is_file() and path.stat().st_size and not force and not _is_resumable(path, kind):
-        there = "is there already"
-        if kind == "run" and Path(f"{path}.checkpoint").is_file():
-            there += f", of a run that did not end; mpmfw resume {path} goes on with it"
-        raise SceneError(f"{path}: {there}; give another name, or --force to replace it")
+    check_replaceable(path, kind, _RESULTS[kind][1])
+    exists = path.is_file() and path.stat().st_size > 0
+    resumable, hint = False, ""
+    if kind == "run":
+        if Path(f"{path}.checkpoint").exists():
+            _check_checkpoint(Path(f"{path}.checkpoint"), path, force or exists)
+            hint = f", of a run that did not end; mpmfw resume {path} goes on with it"
+    elif (folder := Path(f"{path}.runs")).exists():
+        if not folder.is_dir():
+            raise SceneError(
+                f"{path}: its finished runs are kept in {folder}, which is a file; give another name"
+            )
+        resumable = bool(own_files(folder))
+    if exists and not force and not resumable:
+        raise SceneError(f"{path}: is there already{hint}; give another name, or --force to replace it")
     return path
 
 
-def _is_resumable(path: Path, kind: str) -> bool:
-    """Whether the finished runs of a campaign's result lie beside it."""
-    from mpmfw.campaigns.store import own_files
-
-    folder = Path(f"{path}.runs")
-    return kind != "run" and folder.is_dir() and bool(own_files(folder))
-
-
-def _check_beside(path: Path, kind: str, force: bool) -> None:
-    """Ask that what is written beside the result takes the place of nothing else: a checkpoint, or a
-    folder of finished runs.
-    """
-    beside = Path(f"{path}.checkpoint" if kind == "run" else f"{path}.runs")
-    if not beside.exists():
-        return
-    if kind != "run":
-        if not beside.is_dir():
-            raise SceneError(
-                f"{path}: its finished runs are kept in {beside}, which is a file; give another name"
-            )
-        return
+def _check_checkpoint(checkpoint: Path, path: Path, may_replace: bool) -> None:
+    """Refuse to replace a file that is not a checkpoint, or one whose results are missing."""
     from mpmfw.runs.restart import is_foreign
 
-    if is_foreign(str(beside)):
+    if is_foreign(str(checkpoint)):
         raise SceneError(
-            f"{beside}: is no checkpoint of a run, and would be replaced by that of {path}; give another name"
+            f"{checkpoint}: is no checkpoint of a run, and would be replaced by that of {path}; give another "
+            "name"
         )
-    if not force and not (path.is_file() and path.stat().st_size):
+    if not may_replace:
         raise SceneError(
-            f"{beside}: is the checkpoint of a run whose results are not there; give another name, or "
+            f"{checkpoint}: is the checkpoint of a run whose results are not there; give another name, or "
             "--force to replace it"
         )
 
 
-def result_path(
-    output: Path | None, scene: Scene, ending: str, kind: str, what: str, force: bool, **others: Path | None
-) -> Path:
+def result_path(output: Path | None, scene: Scene, kind: str, force: bool, **others: Path | None) -> Path:
     """Return the path of a scene's results: the one that is given, or one named as the scene.
 
     Parameters
     ----------
-    output, scene, ending
-        The path, if one is given; else the scene, and what follows its name.
-    kind, what, force
+    output, scene
+        The path, if one is given, and the scene.
+    kind, force
         As :func:`check_result` takes them.
     others
-        What is written beside it, by the name of the option.
+        Files to write beside it, by the name of the option.
 
     Raises
     ------
     SceneError
         Two of the files are the same one, or as :func:`check_result`.
     """
-    path = Path(f"{scene.name}{ending}.nc") if output is None else output
+    path = Path(f"{scene.name}{_RESULTS[kind][0]}.nc") if output is None else output
     taken = {}
     if scene.source.name is not None and scene.source.directory is not None:
         taken[os.path.realpath(scene.source.name)] = "the scene"
@@ -152,7 +151,20 @@ def result_path(
         if (place := os.path.realpath(file)) in taken:
             raise SceneError(f"--{option} {file}: is the file of {taken[place]}; give another name")
         taken[place] = f"--{option}"
-    return check_result(path, kind, what, force)
+    return check_result(path, kind, force)
+
+
+def new_path(path: Path, force: bool) -> Path:
+    """Return the path of a figure, a page or an export, if it can be written without loss of a file.
+
+    Raises
+    ------
+    SceneError
+        No file can be written there, or one exists and ``force`` is false.
+    """
+    from mpmfw.results.replacing import check_new
+
+    return check_new(check_writable(path), force)
 
 
 def figure_path(path: Path) -> Path:

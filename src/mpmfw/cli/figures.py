@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 import typer
 
@@ -18,12 +18,9 @@ from mpmfw.cli.arguments import (
     check_files,
     limits_of,
 )
-from mpmfw.cli.errors import check_writable, figure_path
+from mpmfw.cli.errors import check_writable, figure_path, new_path
 from mpmfw.cli.progress import outputs_progress
 from mpmfw.errors import SceneError
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 FilesArgument: TypeAlias = Annotated[
     list[Path], typer.Argument(metavar="FILE", help="Files of runs or comparisons.")
@@ -71,10 +68,6 @@ def plot(
     side, fields under one colour scale. Without either, several FILEs that are comparisons of a rolling
     cylinder make one figure, a row each.
     """
-    from mpmfw.results import check_results
-    from mpmfw.results.replacing import check_new
-
-    check_files(file)
     output = None if output is None else figure_path(output)
     _check_options(
         field,
@@ -88,38 +81,43 @@ def plot(
         against=against,
         plane=plane,
     )
-    scale = limits_of(limits)
-    path = check_writable(_default(file, field, series) if output is None else output)
-    if field is not None or series or len(file) > 1:
-        check_new(path, force)
-
-    beside = path.with_stem(f"{path.stem}-difference")
-    if against is not None:
-        check_new(beside, force)
-        if len(file) > 1:
-            raise SceneError(f"--against {against}: takes one FILE, a comparison")
-    for one in file:
-        check_results(one)
+    for option, value in (("--against", against), ("--plane", plane)):
+        if value is not None and len(file) > 1:
+            raise SceneError(f"{option} {value}: takes one FILE")
+    alone = field is None and not series and len(file) == 1
+    path = _target(file, output or _default(file, field, series), force or alone)
     if field is not None:
-        from mpmfw.plots import write_figure
-
-        on = _plane_of(plane)
-        figures = {path: _field_figure(file, field, time, body, scale, arrows, on)}
-        if against is not None:
-            figures[beside] = _field_figure(file, field, time, body, None, False, on, against)
-        written = [write_figure(figure, one) for one, figure in figures.items()]
+        looks = {"bodies": body or None, "limits": limits_of(limits), "arrows": arrows}
+        written = _draw_field(file, path, field, time, _plane_of(plane), against, force, looks)
     elif series:
-        written = [_draw_series(file, path, series, body, pair, axis)]
+        from mpmfw.plots import history, write_figure
+
+        if len(body or ()) > 1:
+            raise SceneError(f"--body {(body or [])[1]}: histories take one body or all of them")
+        name = body[0] if body else None
+        figure = history(file if len(file) > 1 else file[0], series, body=name, pair=pair, axis=axis)
+        written = [write_figure(figure, path)]
     else:
         from mpmfw.plots import plot_file, plot_files
 
-        written = plot_file(file[0], path, force=force) if len(file) == 1 else [plot_files(file, path)]
+        written = plot_file(file[0], path, force=force) if alone else [plot_files(file, path)]
     for one in written:
         typer.echo(str(one))
 
 
+def _target(file: list[Path], path: Path, force: bool) -> Path:
+    """Return the path to write, if it can be written without loss of a file and all FILEs are results."""
+    from mpmfw.results import check_results
+
+    check_files(file)
+    new_path(path, force)
+    for one in file:
+        check_results(one)
+    return path
+
+
 def _default(file: list[Path], field: str | None, series: list[str] | None) -> Path:
-    """Name of the figure: of the file, and of what is drawn of it."""
+    """Return the name of the figure: of the file, and of the quantity that is drawn."""
     if field is None and not series:
         return file[0].with_suffix(".png") if len(file) == 1 else file[0].with_name("motion.png")
     drawn = field or "-".join(series or ())
@@ -142,26 +140,27 @@ def _check_options(field: str | None, series: list[str] | None, **given: object)
         raise SceneError("--body: has no effect without --field or --series")
 
 
-def _field_figure(
+def _draw_field(
     file: list[Path],
+    path: Path,
     name: str,
     time: float | None,
-    bodies: list[str] | None,
-    limits: tuple[float, float] | None,
-    arrows: bool,
     plane: tuple[str, float | None] | None,
-    against: str | None = None,
-) -> Figure:
-    from mpmfw.plots import field, side_by_side
+    against: str | None,
+    force: bool,
+    looks: dict[str, Any],
+) -> list[Path]:
+    """Draw a field of all runs, and its difference against a contact in a second figure."""
+    from mpmfw.plots import field, side_by_side, write_figure
+    from mpmfw.results.replacing import check_new
 
-    chosen = bodies or None
-    if len(file) == 1:
-        return field(
-            file[0], name, time, bodies=chosen, limits=limits, arrows=arrows, plane=plane, against=against
-        )
-    if plane is not None:
-        raise SceneError(f"--plane {plane[0]}: takes one FILE")
-    return side_by_side(file, name, time, bodies=chosen, limits=limits, arrows=arrows)
+    if len(file) > 1:
+        return [write_figure(side_by_side(file, name, time, **looks), path)]
+    figures = {path: field(file[0], name, time, plane=plane, **looks)}
+    if against is not None:
+        beside = check_new(path.with_stem(f"{path.stem}-difference"), force)
+        figures[beside] = field(file[0], name, time, bodies=looks["bodies"], against=against)
+    return [write_figure(figure, one) for one, figure in figures.items()]
 
 
 def _plane_of(text: str | None) -> tuple[str, float | None] | None:
@@ -173,24 +172,6 @@ def _plane_of(text: str | None) -> tuple[str, float | None] | None:
         return axis.strip(), float(place) if given else None
     except ValueError as error:
         raise SceneError(f"--plane {text}: expected AXIS or AXIS=AT, such as y=0.3") from error
-
-
-def _draw_series(
-    file: list[Path],
-    path: Path,
-    names: list[str],
-    bodies: list[str] | None,
-    pair: str | None,
-    axis: str | None,
-) -> Path:
-    from mpmfw.plots import history, write_figure
-
-    if bodies and len(bodies) > 1:
-        raise SceneError(f"--body {bodies[1]}: histories take one body or all of them")
-    figure = history(
-        file if len(file) > 1 else file[0], names, body=bodies[0] if bodies else None, pair=pair, axis=axis
-    )
-    return write_figure(figure, path)
 
 
 def animate(
@@ -213,20 +194,12 @@ def animate(
     the output, .gif or .mp4, chooses the format; .mp4 needs ffmpeg. By default a .gif named as the first
     FILE.
     """
-    from mpmfw.results.replacing import check_new
-
-    check_files(file)
-    path = check_writable(file[0].with_suffix(".gif") if output is None else output)
-    check_new(path, force)
-    scale = limits_of(limits)
-
     from mpmfw.plots.animation import animate as animate_runs
     from mpmfw.plots.animation import check_movie
-    from mpmfw.results import check_results
 
-    check_movie(path)
-    for one in file:
-        check_results(one)
+    check_files(file)
+    scale, path = limits_of(limits), file[0].with_suffix(".gif") if output is None else output
+    check_movie(_target(file, path, force))
     with outputs_progress("frames") as progress:
         animate_runs(
             file if len(file) > 1 else file[0],

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from mpmfw.cli.arguments import OutputOption, ReplaceOption
-from mpmfw.cli.errors import check_writable, figure_path
+from mpmfw.cli.errors import figure_path, new_path
 from mpmfw.cli.tables import Format, FormatOption, print_table, write_rows
 
 
@@ -40,10 +40,9 @@ def rank(
     that reaches a level. With --output a figure (PNG, PDF or SVG): the share of problems and levels that each
     method solves within a cost.
     """
-    from mpmfw.results.replacing import check_new
     from mpmfw.studies import ranking
 
-    output = None if output is None else check_new(check_writable(figure_path(output)), force)
+    output = None if output is None else new_path(figure_path(output), force)
 
     found = ranking.rank(results, by, _levels(levels))
     known = [name for name in ranking.QUANTITIES if found["over_best"].sel(quantity=name).notnull().any()]

@@ -34,7 +34,7 @@ def run(
 ) -> None:
     """Run SCENE and write its results, by default to a file named as the scene."""
     loaded = chosen_scene(scene, contact, shape, set_, trust)
-    path = result_path(output, loaded, "", "run", "run's results", force)
+    path = result_path(output, loaded, "run", force)
 
     from mpmfw.runs.run import run_to_file
 

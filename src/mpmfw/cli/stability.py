@@ -61,7 +61,7 @@ def stability(
     from mpmfw.results.replacing import check_new
 
     loaded = chosen_scene(scene, contact, shape, set_, trust)
-    path = result_path(output, loaded, "-stability", "stability", "map of stability", force)
+    path = result_path(output, loaded, "stability", force)
     check_new(path.with_suffix(".png"), force)
     numbers = {
         name: _numbers(name, text) for name, text in (("kappa", kappa), ("ratio", ratio), ("cfl", cfl))

@@ -83,7 +83,7 @@ def study(
     sources = [loaded.source.name, *(scene for scene in loaded.scenes.values() if isinstance(scene, str))]
     if any(source is not None and Path(source).resolve() == path.resolve() for source in sources):
         raise SceneError(f"--output {path}: is a file that the study reads; give another name")
-    check_result(path, "study", "study's results", force)
+    check_result(path, "study", force)
 
     from mpmfw.studies.study import study as run_study
 

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from mpmfw.cli.arguments import SchedulerOption, jobs_of
-from mpmfw.cli.errors import check_writable
+from mpmfw.cli.errors import check_writable, new_path
 from mpmfw.cli.progress import campaign_progress
 from mpmfw.errors import MpmfwError, SceneError
 
@@ -115,7 +115,7 @@ def _check_places(cases: Sequence[Path], output: Path, document: Path | None, fo
     if document.suffix != ".md":
         raise SceneError(f"--document {document}: expected a name that ends in .md")
     marked = document.is_file() and BEGIN in document.read_text(encoding="utf-8")
-    check_new(check_writable(document), force or marked)
+    new_path(document, force or marked)
 
 
 def _command(

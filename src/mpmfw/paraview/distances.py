@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from mpmfw.results.joining import loops
+from mpmfw.results.domains import loops
 from mpmfw.state.fields import FloatArray, IntArray
 
 

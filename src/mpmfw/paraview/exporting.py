@@ -17,8 +17,8 @@ import xarray as xr
 from mpmfw.errors import MpmfwError, ResultsWarning
 from mpmfw.paraview.meshes import Mesh, mesh_library, points_mesh, skipped_fields, surface_mesh, surfaces_of
 from mpmfw.results.domains import domains_of
-from mpmfw.results.outputs import Results, attribute, bodies_of, chosen_frames, opened_run, times_of
 from mpmfw.results.replacing import check_new, replace_bytes, replacement
+from mpmfw.results.selection import Results, bodies_of, chosen_frames, opened_run, times_of
 
 #: Root attributes of a run that go into every file.
 _ABOUT = ("title", "scene", "contact", "shape", "status", "commit", "versions")
@@ -112,7 +112,7 @@ def _export(
         folder.mkdir(parents=True, exist_ok=True)
         for earlier in sorted(folder.glob("[0-9][0-9][0-9][0-9][0-9].vtu")):
             check_new(earlier, force).unlink()
-    about = {name: attribute(tree, name) for name in _ABOUT if attribute(tree, name)}
+    about = {name: str(tree.attrs[name]) for name in _ABOUT if tree.attrs.get(name)}
     about["bodies"] = json.dumps({str(index): body for body, index in indices.items()})
     for done, index in enumerate(frames):
         for kind, mesh_of in kinds.items():

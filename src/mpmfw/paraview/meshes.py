@@ -12,7 +12,7 @@ import xarray as xr
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.paraview.distances import distances_in_plane, distances_in_space
 from mpmfw.results.domains import Domains, triangles_of
-from mpmfw.results.outputs import frame_of
+from mpmfw.results.selection import frame_of
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 
 #: Stored arrays that are the geometry of the mesh, not fields on it.

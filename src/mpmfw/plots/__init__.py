@@ -7,8 +7,7 @@ from mpmfw.plots.files import figures_of, plot_file, plot_files, write_figure
 from mpmfw.plots.histories import history
 from mpmfw.plots.plane_cut import plane_cut
 from mpmfw.plots.rendering import rendered
-from mpmfw.plots.rings import contact_force
-from mpmfw.plots.rolling import deviation, motion, positions
+from mpmfw.plots.rolling import contact_force, motion, positions
 from mpmfw.plots.scene import gap_history
 from mpmfw.plots.study import front, stages
 
@@ -16,7 +15,6 @@ __all__ = [
     "animate",
     "contact_force",
     "cost_bars",
-    "deviation",
     "field",
     "figures_of",
     "front",

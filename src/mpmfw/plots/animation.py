@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import matplotlib as mpl
 import xarray as xr
 from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
 
 from mpmfw.errors import SceneError
-from mpmfw.plots.field_figure import Drawing, labelled, panels_of
-from mpmfw.results.outputs import Results, chosen_frames, frame_at, opened, times_of
+from mpmfw.plots.field_figure import Drawing, labelled
 from mpmfw.results.replacing import replacement
-from mpmfw.results.selection import runs_of
+from mpmfw.results.selection import Results, chosen_frames, frame_at, times_of
 
 #: Pixels an inch: a column of 85 mm is 502 wide.
 _DPI = 150
@@ -44,7 +41,6 @@ class Movie:
         limits: tuple[float, float] | None = None,
         arrows: bool = False,
     ) -> None:
-        panels = panels_of(trees, name, bodies)
         first = next(iter(trees.values()))
         #: Times of the first run's outputs that are shown [s].
         self.times = times_of(first)[list(chosen_frames(first, every))].tolist()
@@ -52,7 +48,7 @@ class Movie:
             label: [frame_at(tree, _within(tree, time)) for time in self.times]
             for label, tree in trees.items()
         }
-        self._drawing = Drawing(panels, self.frames, limits, arrows=arrows)
+        self._drawing = Drawing(trees, name, self.frames, bodies, limits, arrows=arrows)
         self.figure = self._drawing.figure
         self.show(0)
         self.figure.canvas.draw()
@@ -120,31 +116,13 @@ def animate(
     if fps < 1:
         raise SceneError(f"fps {fps}: expected 1 or more")
     ffmpeg = check_movie(target)
-    with _runs(results, contact) as runs, labelled(runs) as trees, mpl.rc_context():
+    with labelled(results, contact=contact) as trees, mpl.rc_context():
         movie = Movie(trees, field, every=every, bodies=bodies, limits=limits, arrows=arrows)
         if ffmpeg is not None:
             mpl.rcParams["animation.ffmpeg_path"] = ffmpeg
         with replacement(target) as growing:
             _write(movie, growing, fps, progress)
     return target
-
-
-@contextmanager
-def _runs(results: Any, contact: str | None) -> Iterator[Any]:
-    """Runs by label, or a sequence of them; a file is closed at the end."""
-    if not isinstance(results, xr.DataTree | xr.Dataset | str | os.PathLike):
-        if contact is not None:
-            raise SceneError(f"contact {contact}: has no effect on several results; give one comparison")
-        yield results
-        return
-    with opened(results) as found:
-        compared = isinstance(found, xr.Dataset) and "status" in found
-        if contact is not None and not compared:
-            raise SceneError(f"contact {contact}: has no effect on a single run; give a comparison")
-        if isinstance(found, xr.Dataset) and compared:
-            yield runs_of(found, contact=contact)
-        else:
-            yield {"": found}
 
 
 def check_movie(path: Path) -> str | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -19,8 +20,7 @@ from mpmfw.plots.field_panel import Box, FieldPanel, Scales
 from mpmfw.plots.plane_cut import plane_cut
 from mpmfw.plots.style import PANEL, dress, journal_style, new_figure
 from mpmfw.plots.units import in_brackets, length_scale, readable, with_prefix
-from mpmfw.results.outputs import Results, attribute, frame_at, opened, opened_run
-from mpmfw.results.selection import runs_of
+from mpmfw.results.selection import Results, frame_at, opened, opened_run, runs_of
 from mpmfw.state.fields import FloatArray
 
 #: Drawings wider than this, in heights, stand one above the other; narrower ones two in a row.
@@ -51,7 +51,7 @@ def field(
         A run or a comparison, or the name of its file.
     name
         Of the field: ``von_mises``, ``velocity`` (its size), ``velocity_x``, ``stress_xy``,
-        ``in_plane_pressure``, ``volume_ratio`` …, see :func:`mpmfw.results.point_fields.point_fields`.
+        ``in_plane_pressure``, ``volume_ratio`` …, see :func:`mpmfw.results.point_fields.point_field`.
     time
         [s]; the nearest output is drawn, the last one by default.
     bodies
@@ -76,30 +76,23 @@ def field(
     SceneError
         There is no such field, body or time, or the run keeps no material points.
     """
-    with opened(results) as found:
-        if isinstance(found, xr.Dataset) and "status" in found:
-            if plane is not None:
+    with labelled(results, against=against, name=name) as trees:
+        drawn = name if against is None else f"{name}_difference"
+        tree = trees.get("")
+        if tree is None or tree.sizes.get("axis") != 3:
+            if plane is not None and tree is None:
                 raise SceneError("plane: has no effect on a comparison; mpmfw.select gives one run of it")
-            runs = runs_of(found, against, name)
-            name = name if against is None else f"{name}_difference"
-            return side_by_side(runs, name, time, bodies=bodies, limits=limits, arrows=arrows)
-        if against is not None:
-            raise SceneError(f"against {against}: has no effect on a single run; give a comparison")
-        with opened_run(found) as tree:
-            if tree.sizes.get("axis") != 3:
-                if plane is not None:
-                    raise SceneError("plane: has no effect on a run in 2D")
-                return side_by_side({"": tree}, name, time, bodies=bodies, limits=limits, arrows=arrows)
-            if arrows:
-                raise SceneError(
-                    "arrows: drawn of runs in 2D alone; mpmfw export shows forces in 3D in ParaView"
-                )
-            normal, at = plane or ("z", None)
-            return plane_cut(tree, name, time, normal=normal, at=at, bodies=bodies, limits=limits)
+            if plane is not None:
+                raise SceneError("plane: has no effect on a run in 2D")
+            return side_by_side(trees, drawn, time, bodies=bodies, limits=limits, arrows=arrows)
+        if arrows:
+            raise SceneError("arrows: drawn of runs in 2D alone; mpmfw export shows forces in 3D in ParaView")
+        normal, at = plane or ("z", None)
+        return plane_cut(tree, name, time, normal=normal, at=at, bodies=bodies, limits=limits)
 
 
 def side_by_side(
-    results: Mapping[str, Results] | Sequence[Results],
+    results: Results | Mapping[str, Results] | Sequence[Results],
     name: str = "von_mises",
     time: float | None = None,
     *,
@@ -122,27 +115,95 @@ def side_by_side(
         There is no such field, body or time, or a run keeps no material points.
     """
     with labelled(results) as trees:
-        panels = panels_of(trees, name, bodies)
         frames = {label: [frame_at(tree, time)] for label, tree in trees.items()}
-        drawing = Drawing(panels, frames, limits, arrows=arrows)
-        for label in panels:
+        drawing = Drawing(trees, name, frames, bodies, limits, arrows=arrows)
+        for label in trees:
             drawing.show(label, frames[label][0])
         return drawing.figure
 
 
+@contextmanager
+def labelled(
+    results: Results | Mapping[str, Results] | Sequence[Results],
+    *,
+    contact: str | None = None,
+    against: str | None = None,
+    name: str = "",
+) -> Iterator[dict[str, xr.DataTree]]:
+    """Context with runs by label; files are closed at the end.
+
+    A single run has the label "", those of a comparison their methods. Several runs keep their labels; those
+    of a sequence are contact and shape, or the files' names where these do not tell them apart.
+
+    Parameters
+    ----------
+    results
+        A run, a comparison, or several runs.
+    contact, against, name
+        Of a comparison, as of :func:`mpmfw.results.selection.runs_of`.
+    """
+    with ExitStack() as stack:
+        if isinstance(results, xr.DataTree | xr.Dataset | str | os.PathLike):
+            found = stack.enter_context(opened(results))
+            if isinstance(found, xr.Dataset) and "status" in found:
+                yield runs_of(found, against, name, contact=contact)
+                return
+            for option, value in (("contact", contact), ("against", against)):
+                if value is not None:
+                    raise SceneError(f"{option} {value}: has no effect on a single run; give a comparison")
+            yield {"": stack.enter_context(opened_run(found))}
+            return
+        if contact is not None:
+            raise SceneError(f"contact {contact}: has no effect on several results; give one comparison")
+        if not results:
+            raise SceneError("no results to draw")
+        runs = list(results.values() if isinstance(results, Mapping) else results)
+        trees = [stack.enter_context(opened_run(run)) for run in runs]
+        labels = list(map(str, results)) if isinstance(results, Mapping) else _labels(runs, trees)
+        yield dict(zip(labels, trees, strict=True))
+
+
+def _methods(tree: xr.DataTree) -> str:
+    return ", ".join(str(tree.attrs.get(key, "")) for key in ("contact", "shape"))
+
+
+def _labels(results: Sequence[Results], trees: Sequence[xr.DataTree]) -> list[str]:
+    methods = [_methods(tree) for tree in trees]
+    if len(set(methods)) == len(trees):
+        return methods
+    names = [
+        f"run {k + 1}" if isinstance(one, xr.DataTree | xr.Dataset) else Path(one).stem
+        for k, one in enumerate(results)
+    ]
+    return names if len(set(names)) == len(names) else [f"{k + 1}: {name}" for k, name in enumerate(names)]
+
+
 class Drawing:
-    """Panels with common scales, a colour bar, and what is needed to move them from output to output."""
+    """Panels of several runs with common scales and a colour bar, which move from output to output.
+
+    Parameters
+    ----------
+    trees
+        Runs by label.
+    name, bodies, limits, arrows
+        As of :func:`field`.
+    frames
+        The outputs of each run that will be shown; scales are those of all.
+    """
 
     @journal_style()
     def __init__(
         self,
-        panels: Mapping[str, FieldPanel],
+        trees: Mapping[str, xr.DataTree],
+        name: str,
         frames: Mapping[str, Sequence[int]],
+        bodies: Sequence[str] | None = None,
         limits: tuple[float, float] | None = None,
         *,
         arrows: bool = False,
     ) -> None:
-        self.panels = dict(panels)
+        panels = {label: FieldPanel(tree, name, bodies) for label, tree in trees.items()}
+        self.panels = panels
         self.scales, unit = _scales(self.panels, frames, limits, arrows=arrows)
         x0, x1, y0, y1 = self.scales.box
         ratio = (x1 - x0) / (y1 - y0)
@@ -163,7 +224,7 @@ class Drawing:
     @journal_style()
     def show(self, label: str, frame: int) -> None:
         """Draw one output of one panel."""
-        title = label or ", ".join(attribute(self.panels[label].tree, key) for key in ("contact", "shape"))
+        title = label or _methods(self.panels[label].tree)
         self.panels[label].show(self.axes[label], frame, self.scales, title)
 
     def _frame(self, axes: Any) -> None:
@@ -176,7 +237,7 @@ class Drawing:
         axes.grid(False)
 
     def _bar(self, unit: str, *, below: bool) -> None:
-        field = next(iter(self.panels.values())).field
+        about = next(iter(self.panels.values())).about
         bar = self.figure.colorbar(
             ScalarMappable(self.scales.norm, self.scales.colours),
             ax=list(self.axes.values()),
@@ -185,7 +246,7 @@ class Drawing:
             pad=0.02,
             extend=self.scales.extend,
         )
-        bar.set_label(in_brackets(field.label, unit))
+        bar.set_label(in_brackets(about["long_name"], unit))
         if self.scales.largest_force > 0.0:
             panel = next(iter(self.panels.values())).tree
             place = next(group for group in panel["surface"].children.values() if "force" in group.data_vars)
@@ -195,40 +256,6 @@ class Drawing:
             )
             text = f"contact force on surface nodes, longest arrow: {force}"
             self.figure.supxlabel(text, color="#D55E00")
-
-
-@contextmanager
-def labelled(results: Mapping[str, Results] | Sequence[Results]) -> Iterator[dict[str, xr.DataTree]]:
-    """Trees by label: as given, or contact and shape, or the files' names where those do not tell them apart.
-
-    Files are closed at the end.
-    """
-    with ExitStack() as stack:
-        if isinstance(results, Mapping):
-            yield {str(label): stack.enter_context(opened_run(one)) for label, one in results.items()}
-            return
-        trees = [stack.enter_context(opened_run(one)) for one in results]
-        yield dict(zip(_labels(results, trees), trees, strict=True))
-
-
-def _labels(results: Sequence[Results], trees: Sequence[xr.DataTree]) -> list[str]:
-    methods = [", ".join(attribute(tree, key) for key in ("contact", "shape")) for tree in trees]
-    if len(set(methods)) == len(trees):
-        return methods
-    names = [
-        f"run {k + 1}" if isinstance(one, xr.DataTree | xr.Dataset) else Path(one).stem
-        for k, one in enumerate(results)
-    ]
-    return names if len(set(names)) == len(names) else [f"{k + 1}: {name}" for k, name in enumerate(names)]
-
-
-def panels_of(
-    trees: Mapping[str, xr.DataTree], name: str, bodies: Sequence[str] | None = None
-) -> dict[str, FieldPanel]:
-    """One panel for each run."""
-    if not trees:
-        raise SceneError("no results to draw")
-    return {label: FieldPanel(tree, name, bodies) for label, tree in trees.items()}
 
 
 def _scales(
@@ -241,8 +268,8 @@ def _scales(
     """Common scales of all panels over all outputs that are drawn, and the unit of the colours."""
     found, boxes = zip(*(panel.survey(frames[label]) for label, panel in panels.items()), strict=True)
     low, high, colours = _colours(found) if limits is None else _checked(limits)
-    field = next(iter(panels.values())).field
-    size, unit = with_prefix(field.unit, max(abs(low), abs(high)))
+    units = next(iter(panels.values())).about["units"]
+    size, unit = with_prefix(units, max(abs(low), abs(high)))
     box = _with_margin(np.array(boxes))
     forces = [panel.largest_force(frames[label]) for label, panel in panels.items()] if arrows else [0.0]
     length, _ = length_scale(box[1] - box[0])

@@ -15,10 +15,9 @@ from matplotlib.colors import Normalize
 from mpmfw.errors import SceneError
 from mpmfw.plots.style import on_lines
 from mpmfw.plots.units import time_scale
-from mpmfw.results.domains import Domains, domains_of
-from mpmfw.results.joining import loops
-from mpmfw.results.outputs import bodies_of, frame_of, times_of
-from mpmfw.results.point_fields import PointField, point_field
+from mpmfw.results.domains import Domains, domains_of, loops
+from mpmfw.results.point_fields import point_field
+from mpmfw.results.selection import bodies_of, frame_of, times_of
 from mpmfw.state.fields import FloatArray
 
 #: Letters of a title that a panel of a journal's column has room for.
@@ -60,7 +59,7 @@ class FieldPanel:
     tree
         Results of a run in 2D; arrays are read when they are drawn.
     name
-        Of the field, see :func:`mpmfw.results.point_fields.point_fields`.
+        Of the field, see :func:`mpmfw.results.point_fields.point_field`.
     bodies
         Only these bodies.
 
@@ -77,7 +76,10 @@ class FieldPanel:
             )
         self.tree = tree
         self.bodies = bodies_of(tree, bodies)
-        self.field: PointField = point_field(tree, name, self.bodies[0])
+        self.name = name
+        points = tree[f"particles/{self.bodies[0]}"].to_dataset()
+        #: ``long_name`` and ``units`` of the field.
+        self.about = point_field(points.isel(time=slice(0), missing_dims="ignore"), name).attrs
         self.domains: dict[str, Domains | None] = {body: domains_of(tree, body) for body in self.bodies}
         outlined = tree["surface"].children if "surface" in tree.children else {}
         self.outlined = [body for body in self.bodies if body in outlined]
@@ -91,7 +93,7 @@ class FieldPanel:
         for frame in frames:
             for body in self.bodies:
                 data = frame_of(self.tree, f"particles/{body}", frame)
-                values = self.field.of(data)
+                values = point_field(data, self.name).values
                 known = values[np.isfinite(values)]
                 if len(known):
                     ends += [known.min(), known.max()]
@@ -134,7 +136,11 @@ class FieldPanel:
         for body in self.bodies:
             data = frame_of(self.tree, f"particles/{body}", frame)
             shapes = self._shapes(axes, body, data, scales)
-            shapes.set(norm=scales.norm, cmap=scales.colours, array=self.field.of(data) / scales.unit_size)
+            shapes.set(
+                norm=scales.norm,
+                cmap=scales.colours,
+                array=point_field(data, self.name).values / scales.unit_size,
+            )
             first = first or shapes
             self._drawn.append(axes.add_collection(shapes, autolim=False))
         for body in self.outlined:

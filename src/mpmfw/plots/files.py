@@ -14,8 +14,7 @@ from matplotlib.figure import Figure
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.plots.costs import cost_bars
 from mpmfw.plots.histories import history
-from mpmfw.plots.rings import contact_force
-from mpmfw.plots.rolling import deviation, motion, positions
+from mpmfw.plots.rolling import contact_force, motion, positions
 from mpmfw.plots.scene import (
     body_motion,
     energies,
@@ -30,10 +29,10 @@ from mpmfw.plots.stability import stability_figures
 from mpmfw.plots.study import study_figures
 from mpmfw.plots.style import at_last, drawn_reference, drawn_values, journal_style
 from mpmfw.results import open as open_results
-from mpmfw.results.outputs import series_of
 from mpmfw.results.references import RingsReference, RollingReference
 from mpmfw.results.replacing import check_new, replace_bytes
 from mpmfw.results.round_off import without_round_off
+from mpmfw.results.selection import series_of
 
 #: Series of a run that are drawn unasked.
 _OVERVIEW = (
@@ -129,15 +128,10 @@ def _rolling(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     figures = {
         "motion": (
             motion([dataset]),
-            "Displacement and velocity of the cylinder's centre of mass against the closed form.",
+            "Displacement, velocity and spin of the cylinder against the closed form, and displacement less "
+            "the closed form, without the runs whose cylinder sticks.",
         )
     }
-    if "angular_velocity" in dataset:
-        figures["deviation"] = (
-            deviation(dataset),
-            "Left: spin against the closed form. Right: displacement less the closed form, without the runs "
-            "whose cylinder sticks.",
-        )
     if "outline" in dataset and np.isfinite(at_last(dataset)["outline"].values).any():
         figures["positions"] = (
             positions(dataset),

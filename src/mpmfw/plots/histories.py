@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,8 +18,9 @@ from mpmfw.errors import SceneError
 from mpmfw.plots.field_figure import labelled
 from mpmfw.plots.style import PANEL, Look, combinations, dress, head, journal_style, legend_below, new_figure
 from mpmfw.plots.units import count_in, scaled_label, time_scale
-from mpmfw.results.outputs import Results, checked_name, opened, series_of
 from mpmfw.results.round_off import without_round_off
+from mpmfw.results.selection import Results, checked_name, opened, series_of
+from mpmfw.state.fields import FloatArray
 
 #: Letters of a legend that fit below one panel.
 _LETTERS = 52
@@ -27,6 +28,8 @@ _LETTERS = 52
 _MOST = 24
 _CYCLE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 _STYLES: tuple[Any, ...] = ("-", "--", "-.", ":")
+_EXACT: dict[str, Any] = {"color": "black", "linewidth": 0.8, "zorder": 5}
+_THIN: dict[str, Any] = {"linewidth": 0.5, "alpha": 0.6}
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,7 @@ class Curve:
         """``cylinder, x``; empty for a series of the whole run."""
         return ", ".join(str(value) for _, value in self.choice)
 
-    def of(self, series: xr.Dataset) -> np.ndarray[Any, np.dtype[np.float64]]:
+    def of(self, series: xr.Dataset) -> FloatArray:
         """Its values over the time; NaN where a run does not have it."""
         nothing = np.full(series.sizes["time"], np.nan)
         if self.name not in series:
@@ -59,6 +62,16 @@ class Curve:
         if any(value not in array[dim].values for dim, value in self.choice):
             return nothing
         return np.asarray(array.sel(dict(self.choice)).values, dtype=float)
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One curve of several runs, and the times and values of the reference beside it."""
+
+    curve: Curve
+    sources: Sequence[RunSeries]
+    title: str
+    exact: tuple[FloatArray, FloatArray] | None = None
 
 
 @journal_style()
@@ -89,29 +102,73 @@ def history(
     """
     if isinstance(results, str | os.PathLike):
         with opened(results) as read:  # the series alone, not the frames
-            series = series_of(read).load()
+            series = series_of(read)
             results = series if isinstance(read, xr.Dataset) else xr.DataTree.from_dict({"series": series})
-    found, key, compared = _sources(results)
-    selection = [names] if isinstance(names, str) else list(names)
-    curves = _curves(
-        [source.series for source in found], selection, {"body": body, "pair": pair, "axis": axis}
-    )
-    if len(found) == 1 and not compared:
-        return _of_one(found[0], curves)
-    return _of_several(found, curves, key, compared)
+    selection = {"body": body, "pair": pair, "axis": axis}
+    if isinstance(results, xr.Dataset):
+        panels, key = _compared(without_round_off(results), names, selection)
+        figure = _drawn(panels, results)
+        legend_below(figure, key)
+        return figure
+    runs = _runs(results)
+    curves = _curves([run.series for run in runs], names, selection)
+    if len(runs) == 1:
+        return _of_one(runs[0], curves)
+    figure = _drawn([Panel(curve, runs, curve.label) for curve in curves])
+    _legend(figure, [Line2D([], [], label=run.label, **run.look) for run in runs])
+    return figure
+
+
+#: A series, its unit, and times and values of its reference.
+Beside = tuple[xr.DataArray, str, FloatArray, FloatArray]
+
+
+@journal_style()
+def beside_reference(
+    comparisons: Sequence[tuple[xr.Dataset, str, Mapping[str, Beside]]], label: str, noisy: str = ""
+) -> Figure:
+    """Draw series of comparisons and their reference, which is black.
+
+    Parameters
+    ----------
+    comparisons
+        Comparisons, the titles of their panels, and the series by name, in the order of the panels.
+    label
+        Of the reference.
+    noisy
+        A series that is drawn with thin lines.
+    """
+    panels, keys = [], []
+    for dataset, title, series in comparisons:
+        arrays = {
+            name: array.reset_coords(drop=True).assign_attrs(units=unit)
+            for name, (array, unit, _, _) in series.items()
+        }
+        drawn, key = _compared(without_round_off(dataset.assign(arrays)), list(series), {})
+        keys.append(key)
+        for panel in drawn:
+            runs = panel.sources
+            if panel.curve.name == noisy:
+                runs = [replace(run, look={"color": run.look["color"], **_THIN}) for run in runs]
+            panels.append(Panel(panel.curve, runs, title, series[panel.curve.name][2:]))
+    figure = _drawn(panels, comparisons[0][0] if len(comparisons) == 1 else None)
+    key = max(keys, key=lambda rows: sum(map(len, rows)))
+    if any(len(times) for _, _, series in comparisons for _, _, times, _ in series.values()):
+        key[0].insert(0, Line2D([], [], label=label, **_EXACT))
+    legend_below(figure, key)
+    return figure
 
 
 def _of_one(source: RunSeries, curves: Sequence[Curve]) -> Figure:
-    """One panel a series, a colour for each body or pair, a style for each axis."""
+    """Draw a run: one panel a series, a colour for each body or pair, a style for each axis."""
     names = list(dict.fromkeys(curve.name for curve in curves))
     looks, key = _looks(curves)
-    panels = {name: [curve for curve in curves if curve.name == name] for name in names}
-    figure, grid = _figure(len(panels))
-    for axes, (name, own) in zip(grid, panels.items(), strict=True):
-        for curve in own:
-            _draw(
-                axes, source.series, curve, {"linewidth": 1.1, **looks.get(curve.label, {"color": "black"})}
-            )
+    figure, grid = _figure(len(names))
+    for axes, name in zip(grid, names, strict=True):
+        for curve in curves:
+            if curve.name == name:
+                look = {"linewidth": 1.1, **looks.get(curve.label, {"color": "black"})}
+                _draw(axes, source.series, curve, look)
         _dress(axes, [source], name, "")
     if key:
         _legend(figure, key)
@@ -119,7 +176,9 @@ def _of_one(source: RunSeries, curves: Sequence[Curve]) -> Figure:
 
 
 def _looks(curves: Sequence[Curve]) -> tuple[dict[str, dict[str, Any]], list[Artist]]:
-    """Colour and style by label, and the legend: a colour for each body or pair, a style for each axis."""
+    """Return colour and style by label, and the legend: a colour for each body or pair, a style for each
+    axis.
+    """
     colours: dict[Any, str] = {}
     styles: dict[Any, Any] = {}
     looks = {}
@@ -139,30 +198,23 @@ def _looks(curves: Sequence[Curve]) -> tuple[dict[str, dict[str, Any]], list[Art
 
 
 def _legend(figure: Figure, entries: Sequence[Artist]) -> None:
-    """As many entries in a line as their labels leave room for."""
+    """Add a legend with as many entries in a line as their labels leave room for."""
     longest = max(len(str(entry.get_label())) for entry in entries)
     most = max(1, int(_LETTERS * figure.get_figwidth() / PANEL / (longest + 8)))
     legend_below(figure, [entries[k : k + most] for k in range(0, len(entries), most)])
 
 
-def _of_several(
-    sources: Sequence[RunSeries],
-    curves: Sequence[Curve],
-    key: list[list[Artist]],
-    compared: xr.Dataset | None,
-) -> Figure:
-    """One panel for each curve, a colour or style for each run."""
-    figure, grid = _figure(len(curves))
+def _drawn(panels: Sequence[Panel], compared: xr.Dataset | None = None) -> Figure:
+    """Draw panels in two columns, with the head of the comparison that they are of."""
+    figure, grid = _figure(len(panels))
     if compared is not None:
         head(figure, compared)
-    for axes, curve in zip(grid, curves, strict=True):
-        for source in sources:
-            _draw(axes, source.series, curve, source.look)
-        _dress(axes, sources, curve.name, curve.label)
-    if compared is None:
-        _legend(figure, key[0])
-    else:
-        legend_below(figure, key)
+    for axes, panel in zip(grid, panels, strict=True):
+        for source in panel.sources:
+            _draw(axes, source.series, panel.curve, source.look)
+        if panel.exact is not None:
+            axes.plot(*panel.exact, **_EXACT)
+        _dress(axes, panel.sources, panel.curve.name, panel.title)
     return figure
 
 
@@ -187,7 +239,7 @@ def _draw(axes: Any, series: xr.Dataset, curve: Curve, look: Mapping[str, Any]) 
 
 
 def _dress(axes: Any, sources: Sequence[RunSeries], name: str, label: str) -> None:
-    """Labels with units; times in ms where all are short."""
+    """Add labels with units; times in ms where all are short."""
     last = max(float(source.series["time"].values[-1]) for source in sources)
     scale, unit = time_scale(last)
     count_in(axes.xaxis, 1.0 / scale)
@@ -196,44 +248,47 @@ def _dress(axes: Any, sources: Sequence[RunSeries], name: str, label: str) -> No
     dress(axes, f"time [{unit}]", words, label)
 
 
-def _sources(results: Any) -> tuple[list[RunSeries], list[list[Artist]], xr.Dataset | None]:
-    """The runs to draw, the rows of their legend, and the comparison that they are of."""
-    if isinstance(results, xr.Dataset):
-        return _compared(without_round_off(results))
-    with labelled({"": results} if isinstance(results, xr.DataTree) else results) as trees:
-        series = {label: without_round_off(series_of(tree).load()) for label, tree in trees.items()}
-    found = []
+def _runs(results: Any) -> list[RunSeries]:
+    with labelled(results) as trees:
+        series = {label: without_round_off(series_of(tree)) for label, tree in trees.items()}
+    runs = []
     for k, (label, data) in enumerate(series.items()):
         if data.sizes.get("time", 0) < 2:
             raise SceneError(f"{label or 'the run'}: no series with two outputs or more")
         look = {"color": _CYCLE[k % len(_CYCLE)], "linestyle": _STYLES[k % len(_STYLES)], "linewidth": 1.1}
-        found.append(RunSeries(label, data, look))
-    return found, [[Line2D([], [], label=one.label, **one.look) for one in found]], None
+        runs.append(RunSeries(label, data, look))
+    return runs
 
 
-def _compared(dataset: xr.Dataset) -> tuple[list[RunSeries], list[list[Artist]], xr.Dataset]:
+def _compared(
+    dataset: xr.Dataset, names: str | Sequence[str], selection: Mapping[str, str | None]
+) -> tuple[list[Panel], list[list[Artist]]]:
+    """Return a panel for each curve of a comparison, and the legend of the runs that have one of them."""
     if not {"contact", "shape"} <= set(dataset.dims) or dataset.sizes.get("time", 0) < 2:
         kind = dataset.attrs.get("kind", "")
         raise SceneError(f"these results{f' of a {kind!r}' if kind else ''} hold no series over time to draw")
-    look = Look(dataset)
-    points = dataset.sizes["time"]
-    found = [
-        RunSeries(f"{contact}, {shape}", run, look.line(contact, shape, points, turn))
-        for turn, (contact, shape, run) in enumerate(combinations(dataset))
-    ]
-    return found, look.key(), dataset
+    look, points = Look(dataset), dataset.sizes["time"]
+    curves = _curves([dataset.isel(dict.fromkeys(dataset["status"].dims, 0))], names, selection)
+    runs, drawn = [], []
+    for turn, (contact, shape, run) in enumerate(combinations(dataset)):
+        runs.append(RunSeries(f"{contact}, {shape}", run, look.line(contact, shape, points, turn)))
+        if any(np.isfinite(curve.of(run)).any() for curve in curves):
+            drawn.append((contact, shape))
+    key = look.key({contact for contact, _ in drawn}, {shape for _, shape in drawn})
+    return [Panel(curve, runs, curve.label) for curve in curves], key
 
 
 def _curves(
-    series: Sequence[xr.Dataset], names: Sequence[str], selection: Mapping[str, str | None]
+    series: Sequence[xr.Dataset], names: str | Sequence[str], selection: Mapping[str, str | None]
 ) -> list[Curve]:
-    """Every curve of the series that the choice leaves.
+    """Return every curve of the series that the selection leaves.
 
     Raises
     ------
     SceneError
         A name is unknown, or a choice is of nothing that the series have.
     """
+    names = [names] if isinstance(names, str) else names
     if not names:
         raise SceneError("no series named")
     known = {
@@ -244,27 +299,19 @@ def _curves(
     }
     arrays = {name: known[checked_name("series", name, sorted(known))] for name in names}
     for kind, label in selection.items():
-        if label is not None:
-            _check_choice(kind, label, arrays)
+        along = ("axis", "rotation") if kind == "axis" else (kind,)
+        having = [(array, dim) for array in arrays.values() for dim in along if dim in array.dims]
+        if label is not None and not having:
+            raise SceneError(f"{kind} '{label}': has no effect, since {', '.join(arrays)} has no {kind}")
+        for array, dim in having if label is not None else ():
+            checked_name(kind, str(label), [str(value) for value in array[dim].values])
     found = []
     for name, array in arrays.items():
-        dims = [str(dim) for dim in array.dims if dim != "time"]
+        dims = tuple(str(dim) for dim in array.dims if dim != "time")
+        chosen = [selection.get("axis" if dim == "rotation" else dim) for dim in dims]
         labels = [
-            [value for value in array[dim].values.tolist() if _choice(dim, selection) in (None, value)]
-            for dim in dims
+            [value for value in array[dim].values.tolist() if label in (None, value)]
+            for dim, label in zip(dims, chosen, strict=True)
         ]
         found += [Curve(name, tuple(zip(dims, one, strict=True))) for one in itertools.product(*labels)]
     return found
-
-
-def _choice(dim: str, selection: Mapping[str, str | None]) -> str | None:
-    return selection.get("axis" if dim == "rotation" else dim)
-
-
-def _check_choice(kind: str, label: str, arrays: Mapping[str, xr.DataArray]) -> None:
-    dims = ("axis", "rotation") if kind == "axis" else (kind,)
-    having = [(name, dim) for name, array in arrays.items() for dim in dims if dim in array.dims]
-    if not having:
-        raise SceneError(f"{kind} '{label}': has no effect, since {', '.join(arrays)} has no {kind}")
-    for name, dim in having:
-        checked_name(kind, label, [str(value) for value in arrays[name][dim].values])

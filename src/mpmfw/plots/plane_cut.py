@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.figure import Figure
@@ -15,8 +16,8 @@ from mpmfw.errors import SceneError
 from mpmfw.plots.style import journal_style
 from mpmfw.plots.units import in_brackets, with_prefix
 from mpmfw.results.domains import triangles_of
-from mpmfw.results.outputs import Results, bodies_of, frame_at, frame_of, opened_run, times_of
 from mpmfw.results.point_fields import point_field
+from mpmfw.results.selection import Results, bodies_of, frame_at, frame_of, opened_run, times_of
 from mpmfw.state.fields import FloatArray, IntArray
 
 #: Rounding of positions, which files have in single precision, over the bodies' extent.
@@ -75,14 +76,8 @@ def plane_cut(
         across = axes.index(normal)
         shown = [k for k in range(3) if k != across]
         frames = {body: frame_of(tree, f"particles/{body}", frame) for body in own}
-        fields = [point_field(tree, name, body) for body in own]
-        values = np.concatenate(
-            [
-                np.asarray(each.of(data), dtype=float)
-                for each, data in zip(fields, frames.values(), strict=True)
-            ]
-        )
-        unit = fields[0].unit
+        drawn = xr.concat([point_field(data, name) for data in frames.values()], "particle")
+        values, unit = drawn.values, drawn.attrs["units"]
         position = np.concatenate([data["position"].values for data in frames.values()]).astype(float)
         size = np.cbrt(np.concatenate([data["volume"].values for data in frames.values()]).astype(float))
         place = float(np.median(position[:, across])) if at is None else at
@@ -102,7 +97,7 @@ def plane_cut(
             if (facets := triangles_of(tree, body)) is not None
         ]
         colour = with_prefix(unit, float(np.abs(values[met]).max()))
-        label = in_brackets(fields[0].label, colour[1])
+        label = in_brackets(drawn.attrs["long_name"], colour[1])
         figure, panel = _drawn(position[met][:, shown], size[met], values[met] / colour[0], lines, label)
         if limits is not None:
             panel.collections[0].set_clim(*(end / colour[0] for end in limits))

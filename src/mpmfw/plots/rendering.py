@@ -18,8 +18,8 @@ from mpmfw.errors import SceneError
 from mpmfw.plots.style import PANEL, journal_style
 from mpmfw.plots.units import in_brackets, with_prefix
 from mpmfw.results.domains import triangles_of
-from mpmfw.results.outputs import Results, bodies_of, frame_at, frame_of, opened_run, times_of
 from mpmfw.results.point_fields import point_field
+from mpmfw.results.selection import Results, bodies_of, frame_at, frame_of, opened_run, times_of
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 
 #: Width and height of the picture in pixels: a journal's column at 300 dpi, drawn twice as large as it is
@@ -69,18 +69,18 @@ def rendered(
             raise SceneError("rendered draws runs in three dimensions; field draws those in two")
         frame = frame_at(tree, time)
         own = bodies_of(tree, bodies)
-        fields = {body: point_field(tree, name, body) for body in own}
         points = {body: frame_of(tree, f"particles/{body}", frame) for body in own}
-        values = {body: np.asarray(fields[body].of(points[body]), dtype=float) for body in own}
+        fields = {body: point_field(points[body], name) for body in own}
         surfaces = {body: _surface(tree, body, frame) for body in own}
         moment = f"t = {times_of(tree)[frame]:.4g} s"
-    every = np.concatenate(list(values.values()))
-    divisor, unit = with_prefix(fields[own[0]].unit, float(np.abs(every).max()))
+    every = np.concatenate([field.values for field in fields.values()])
+    about = fields[own[0]].attrs
+    divisor, unit = with_prefix(about["units"], float(np.abs(every).max()))
     scale = Normalize(every.min() / divisor, every.max() / divisor)
     plotter = vista.Plotter(off_screen=True, window_size=PIXELS)
     plotter.set_background("white")
     for body in own:
-        mesh, colours = _mesh(vista, points[body], values[body] / divisor, surfaces[body])
+        mesh, colours = _mesh(vista, points[body], fields[body].values / divisor, surfaces[body])
         limits = (scale.vmin, scale.vmax)
         plotter.add_mesh(
             mesh, scalars=colours, clim=limits, cmap="viridis", show_scalar_bar=False, ambient=0.4
@@ -88,7 +88,7 @@ def rendered(
     plotter.view_vector([-x for x in towards], viewup=(0.0, 0.0, 1.0))
     picture = plotter.screenshot(None, return_img=True)
     plotter.close()
-    return _framed(picture, scale, in_brackets(fields[own[0]].label, unit), moment)
+    return _framed(picture, scale, in_brackets(about["long_name"], unit), moment)
 
 
 def _pyvista() -> Any:

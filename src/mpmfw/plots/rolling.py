@@ -1,35 +1,44 @@
-"""The rolling cylinder: motion against the closed form, first and last position ([H17] fig. 1, 2)."""
+"""The scenes of [H17] beside their references: motion and positions of the cylinder, force of the rings."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
+from mpmfw.plots.histories import Beside, beside_reference
 from mpmfw.plots.style import (
     Look,
     combinations,
     drawn_reference,
     drawn_values,
-    dress,
     head,
     journal_style,
-    legend_below,
     new_figure,
     on_lines,
 )
-from mpmfw.results.references import RollingReference, cell_size, grid_lower_of, own_attributes
+from mpmfw.results import analysis
+from mpmfw.results.references import (
+    RingsReference,
+    RollingReference,
+    cell_size,
+    grid_lower_of,
+    own_attributes,
+    rings_table,
+)
+from mpmfw.state.fields import FloatArray
 
-_EXACT: dict[str, Any] = {"color": "black", "linewidth": 0.8, "zorder": 5}
+#: Of the averaged force of the rings [s].
+WINDOW = 100e-6
 
 
-@journal_style()
 def motion(datasets: Sequence[xr.Dataset]) -> Figure:
-    """Displacement and velocity of the cylinder's centre, one row for each comparison (slip, no slip).
+    """Displacement, velocity and spin of the cylinder, and its displacement less that of the closed form.
+
+    Runs whose cylinder hardly moves are left out of the last panel, where they would hide the others.
 
     Parameters
     ----------
@@ -41,80 +50,63 @@ def motion(datasets: Sequence[xr.Dataset]) -> Figure:
     ValueError
         A dataset is not of a rolling cylinder.
     """
-    figure = new_figure(2, len(datasets))
-    if len(datasets) == 1:
-        head(figure, datasets[0])
-    panels = figure.subplots(len(datasets), 2, squeeze=False)
-    for row, dataset in zip(panels, datasets, strict=True):
-        reference, look, time = _reference(dataset), Look(dataset), dataset["time"].values
-        for turn, (contact, shape, run) in enumerate(combinations(dataset)):
-            line = look.line(contact, shape, len(time), turn)
-            x = run["centre_of_mass"].sel(body=reference.body, axis="x").values
-            row[0].plot(time, x - x[0], **line)
-            row[1].plot(time, run["mean_velocity"].sel(body=reference.body, axis="x").values, **line)
-        row[0].plot(time, reference.solution.displacement(time), **_EXACT)
-        row[1].plot(time, reference.solution.velocity(time), **_EXACT)
-        case = "slip" if reference.solution.slips else "no slip"
+    comparisons = []
+    for dataset in datasets:
+        reference = drawn_reference(dataset)
+        if not isinstance(reference, RollingReference):
+            raise ValueError("not a comparison of a rolling cylinder")
+        solution, time = reference.solution, dataset["time"].values
+        run = dataset.sel(body=reference.body)
+        x = run["centre_of_mass"].sel(axis="x")
+        moved, velocity = x - x.isel(time=0), run["mean_velocity"].sel(axis="x")
+        exact = xr.DataArray(solution.displacement(time), {"time": dataset["time"]})
+        moves = abs(moved).max("time") > 0.5 * exact.where(moved.notnull()).max("time")
+        series: dict[str, Beside] = {
+            "displacement": (moved, "m", time, exact.values),
+            "velocity": (velocity, "m s-1", time, solution.velocity(time)),
+        }
+        if "angular_velocity" in run:
+            spin = -run["angular_velocity"].sel(rotation="z")
+            series["angular velocity, clockwise"] = (spin, "rad s-1", time, -solution.spin(time))
+        away = (moved - exact).where(moves)
+        series["displacement − closed form"] = (away, "m", time, np.zeros(len(time)))
+        title = "slip" if solution.slips else "no slip"
         if len(datasets) > 1 and drawn_values(dataset):
-            case = f"{case}, {drawn_values(dataset)}"
-        dress(row[0], "time [s]", "displacement [m]", case)
-        dress(row[1], "time [s]", "velocity [m/s]", case)
-        for axes in row:
-            axes.set_xlim(time[0], time[-1])
-    widest = max(datasets, key=lambda dataset: dataset["status"].size)
-    _legend(figure, widest)
-    return figure
+            title = f"{title}, {drawn_values(dataset)}"
+        comparisons.append((dataset, title, series))
+    return beside_reference(comparisons, "closed form")
 
 
-@journal_style()
-def deviation(dataset: xr.Dataset) -> Figure:
-    """Spin against the closed form, and by how much the displacement departs from it.
-
-    Runs whose cylinder hardly moves are left out of the second panel, where they would hide the others.
+def contact_force(dataset: xr.Dataset) -> Figure:
+    """Contact force of the rings as stored and averaged over 100 µs, and its impulse ([H17] figure 4).
 
     Parameters
     ----------
     dataset
-        Comparison of a rolling scene; the closed form (eq. 13 of [H17]) is drawn in black.
-
-    Raises
-    ------
-    ValueError
-        The dataset is not of a rolling cylinder.
+        Comparison; the finite-element reference is drawn if the scene is the one it was computed for. Methods
+        that report no contact force, such as ``none``, are left out.
     """
-    reference, look, time = _reference(dataset), Look(dataset), dataset["time"].values
-    exact = reference.solution.displacement(time)
-    figure = new_figure(2, 1)
-    head(figure, dataset)
-    spins, departs = figure.subplots(1, 2)
-    for turn, (contact, shape, run) in enumerate(combinations(dataset)):
-        line = look.line(contact, shape, len(time), turn)
-        spins.plot(time, -run["angular_velocity"].sel(body=reference.body, rotation="z").values, **line)
-        x = run["centre_of_mass"].sel(body=reference.body, axis="x").values
-        last = np.flatnonzero(np.isfinite(x))[-1:]
-        if np.all(np.abs(x[last] - x[0]) > 0.5 * exact[last]):
-            departs.plot(time, x - x[0] - exact, **line)
-    spins.plot(time, -reference.solution.spin(time), **_EXACT)
-    departs.axhline(0.0, **_EXACT)
-    dress(spins, "time [s]", "angular velocity, clockwise [rad/s]")
-    dress(departs, "time [s]", "displacement − closed form [m]")
-    for axes in (spins, departs):
-        axes.set_xlim(time[0], time[-1])
-    _legend(figure, dataset)
-    return figure
+    time, table = dataset["time"].values, rings_table("force")
+    force = -dataset["contact_force"].isel(pair=0).sel(axis="x")  # on the pair's second body
 
+    def over_time(function: Callable[[FloatArray], FloatArray]) -> xr.DataArray:
+        dims = [["time"]]
+        found: xr.DataArray = xr.apply_ufunc(
+            function, force, input_core_dims=dims, output_core_dims=dims, vectorize=True
+        )
+        return found.where(force.notnull())
 
-def _reference(dataset: xr.Dataset) -> RollingReference:
-    reference = drawn_reference(dataset)
-    if not isinstance(reference, RollingReference):
-        raise ValueError("not a comparison of a rolling cylinder")
-    return reference
-
-
-def _legend(figure: Figure, dataset: xr.Dataset) -> None:
-    contacts, shapes = Look(dataset).key()
-    exact = Line2D([], [], color="black", linewidth=0.8, label="closed form")
-    legend_below(figure, [[exact, *contacts], shapes])
+    known = isinstance(drawn_reference(dataset), RingsReference)
+    inside = (table["time"] <= time[-1]) & known
+    at, impulse = table["time"][inside], table["fine_impulse_Ns_per_m"]
+    exact = analysis.averaged(table["time"], impulse, WINDOW)
+    mean = over_time(lambda one: analysis.running_average(time, one, WINDOW))
+    series: dict[str, Beside] = {
+        "contact force": (force, "N m-1", at, table["fine_force_raw_N_per_m"][inside]),
+        "contact force, mean over 100 µs": (mean, "N m-1", at, exact[inside]),
+        "impulse": (over_time(lambda one: analysis.impulse(time, one)), "N s m-1", at, impulse[inside]),
+    }
+    return beside_reference([(dataset, "", series)], "finite elements, 0.5 mm", noisy="contact force")
 
 
 @journal_style()

@@ -1,7 +1,8 @@
-"""What a comparison's methods disagree about: one number for each body and pair, largest difference first."""
+"""Differences between the methods of a comparison: one number for each body and pair, the largest first."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -84,87 +85,60 @@ def refinement(dataset: xr.Dataset) -> dict[tuple[str, str], tuple[str, float]]:
 
 def _quantities(runs: xr.Dataset) -> Iterator[Difference]:
     if "centre_of_mass" in runs:
-        yield from _motion(runs)
+        centre, velocity = runs["centre_of_mass"], runs["mean_velocity"]
+        moved = centre - centre.isel(time=0)
+        yield from _each("displacement", "m", moved, moved.isel(time=-1), "largest displacement of any body")
+        yield from _each("velocity", "m/s", velocity, velocity.isel(time=-1), "largest velocity of any body")
+        if "angular_velocity" in runs:
+            spin = runs["angular_velocity"]
+            yield from _each("spin", "rad/s", spin, spin.isel(time=-1), "largest spin of any body")
+    per_metre = "/m" if runs.sizes.get("axis") == 2 else ""
     if "kinetic_energy" in runs and "strain_energy" in runs:
-        yield from _energies(runs)
+        yield from _energies(runs, f"J{per_metre}")
     if "contact_force" in runs:
-        yield from _impulses(runs)
+        steps = xr.DataArray(np.diff(runs["time"], prepend=runs["time"][:1]), {"time": runs["time"]})
+        impulse = (runs["contact_force"].fillna(0.0) * steps).sum("time")
+        end = impulse.where(_ended(runs))
+        yield from _each("impulse", f"N s{per_metre}", impulse, end, "largest impulse of any pair")
     if "min_gap" in runs:
-        depth = np.maximum(-_ordered(runs["min_gap"], "time", "pair"), 0.0)
-        for k, pair in enumerate(runs["pair"].values):
-            largest = _of_ended(runs, np.nan_to_num(depth[:, :, :, k]).max(axis=2))
-            yield Difference(f"{pair}: largest penetration", "m", largest, cell_size(runs), "a cell")
+        depth = (-runs["min_gap"]).clip(min=0.0).fillna(0.0).max("time").where(_ended(runs))
+        yield from _each("largest penetration", "m", cell_size(runs), depth, "a cell")
 
 
-def _motion(runs: xr.Dataset) -> Iterator[Difference]:
-    """Displacement and velocity of every body at the end, along each axis, and spin."""
-    centre = _ordered(runs["centre_of_mass"], "time", "body", "axis")
-    moved = centre - centre[:, :, :1]
-    velocity = _ordered(runs["mean_velocity"], "time", "body", "axis")
-    for what, unit, array, against in (
-        ("displacement", "m", moved, "largest displacement of any body"),
-        ("velocity", "m/s", velocity, "largest velocity of any body"),
-    ):
-        for k, body in enumerate(runs["body"].values):
-            for d, axis in enumerate(runs["axis"].values):
-                yield Difference(
-                    f"{body}: {what}, {axis}", unit, array[:, :, -1, k, d], _largest(array), against
-                )
-    if "angular_velocity" in runs:
-        spin = _ordered(runs["angular_velocity"], "time", "body", "rotation")
-        for k, body in enumerate(runs["body"].values):
-            for d, axis in enumerate(runs["rotation"].values):
-                yield Difference(
-                    f"{body}: spin, {axis}",
-                    "rad/s",
-                    spin[:, :, -1, k, d],
-                    _largest(spin),
-                    "largest spin of any body",
-                )
+def _each(
+    what: str, unit: str, scale: xr.DataArray | float, end: xr.DataArray, against: str
+) -> Iterator[Difference]:
+    """Yield a quantity at the end of the runs: of every body or pair, along every axis.
+
+    ``scale`` is a number, or the values of which the largest magnitude counts.
+    """
+    size = scale if isinstance(scale, float) else _largest(scale)
+    dims = [str(dim) for dim in end.dims if dim not in ("contact", "shape")]
+    for labels in itertools.product(*(end[dim].values.tolist() for dim in dims)):
+        values = end.sel(dict(zip(dims, labels, strict=True))).transpose("contact", "shape").values
+        owner, *axis = labels
+        yield Difference(", ".join([f"{owner}: {what}", *axis]), unit, values.astype(float), size, against)
 
 
-def _energies(runs: xr.Dataset) -> Iterator[Difference]:
-    """Energy of each kind at the end, of the largest mechanical energy at any time."""
-    kinetic, strain = (
-        _ordered(runs[name], "time", "body").sum(axis=3) for name in ("kinetic_energy", "strain_energy")
-    )
-    scale, against = _largest(kinetic + strain), "largest kinetic and strain energy"
-    unit = "J/m" if runs.sizes["axis"] == 2 else "J"
-    yield Difference("kinetic energy", unit, kinetic[:, :, -1], scale, against)
-    yield Difference("strain energy", unit, strain[:, :, -1], scale, against)
+def _energies(runs: xr.Dataset, unit: str) -> Iterator[Difference]:
+    """Yield energy of each kind at the end, of the largest mechanical energy at any time."""
+    kinds = {name: runs[f"{name}_energy"].sum("body", skipna=False) for name in ("kinetic", "strain")}
+    scale, against = _largest(kinds["kinetic"] + kinds["strain"]), "largest kinetic and strain energy"
+    end = {f"{name} energy": energy.isel(time=-1) for name, energy in kinds.items()}
     works = [name for name in ("frictional_work", "damping_work", "spring_work") if name in runs]
     if works:
-        taken = np.sum([np.nan_to_num(_ordered(runs[name], "time", "pair")) for name in works], axis=0).sum(
-            axis=3
-        )
-        yield Difference("dissipated by contact", unit, _of_ended(runs, taken[:, :, -1]), scale, against)
+        lost = sum(runs[name].isel(time=-1).fillna(0.0).sum("pair") for name in works)
+        end["dissipated by contact"] = xr.DataArray(lost).where(_ended(runs))
+    for name, energy in end.items():
+        yield Difference(name, unit, energy.transpose("contact", "shape").values, scale, against)
 
 
-def _impulses(runs: xr.Dataset) -> Iterator[Difference]:
-    """Impulse of every pair up to the end, along each axis."""
-    force = np.nan_to_num(_ordered(runs["contact_force"], "time", "pair", "axis"))
-    steps = np.diff(runs["time"].values, prepend=runs["time"].values[:1])
-    impulse = (force * steps[:, None, None]).sum(axis=2)
-    unit = "N s/m" if runs.sizes["axis"] == 2 else "N s"
-    for k, pair in enumerate(runs["pair"].values):
-        for d, axis in enumerate(runs["axis"].values):
-            total = _of_ended(runs, impulse[:, :, k, d])
-            yield Difference(
-                f"{pair}: impulse, {axis}", unit, total, _largest(impulse), "largest impulse of any pair"
-            )
+def _largest(array: xr.DataArray) -> float:
+    size = np.abs(array.values[np.isfinite(array.values)])
+    return float(size.max(initial=0.0))
 
 
-def _ordered(array: xr.DataArray, *dims: str) -> FloatArray:
-    return np.asarray(array.transpose("contact", "shape", *dims).values, dtype=float)
-
-
-def _largest(values: FloatArray) -> float:
-    known = values[np.isfinite(values)]
-    return float(np.abs(known).max()) if len(known) else 0.0
-
-
-def _of_ended(runs: xr.Dataset, values: FloatArray) -> FloatArray:
-    """The values of runs that came to their end; NaN of others."""
-    status = runs["status"].transpose("contact", "shape").values
-    ended = np.vectorize(is_complete, otypes=[bool])(status)
-    return np.where(ended, values, np.nan)
+def _ended(runs: xr.Dataset) -> xr.DataArray:
+    """Return the runs that came to their end, (contact, shape)."""
+    status = runs["status"]
+    return status.copy(data=np.vectorize(is_complete, otypes=[bool])(status.values))

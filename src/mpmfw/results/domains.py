@@ -98,6 +98,22 @@ def triangles_of(tree: xr.DataTree, body: str) -> IntArray | None:
     return joined(made)[1]
 
 
+def loops(following: IntArray) -> list[IntArray]:
+    """Split the segments of a surface into closed loops of nodes, the first node repeated at the end."""
+    left = dict.fromkeys(range(len(following)))
+    found = []
+    while left:
+        start = next(iter(left))
+        loop, node = [start], int(following[start])
+        left.pop(start)
+        while node in left:
+            left.pop(node)
+            loop.append(node)
+            node = int(following[node])
+        found.append(np.array([*loop, start]))
+    return found
+
+
 def _table(scene: dict[str, Any], body: str) -> Body:
     """A body of the scene that results carry; code that they name is not imported."""
     table = with_lengths(scene)["bodies"][body]

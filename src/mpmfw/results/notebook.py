@@ -1,32 +1,34 @@
-"""Histories, gaps, fields, tables and Pareto fronts for notebooks, of trees and datasets however these were
-made.
+"""Histories, gaps, fields, tables and Pareto fronts for notebooks, of trees, datasets and files.
 
 Each is a plain function, and a method of the accessor ``.mpmfw`` of xarray's trees and datasets.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+import functools
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
 import numpy as np
 import xarray as xr
 
 from mpmfw.errors import SceneError
-from mpmfw.results.outputs import (
+from mpmfw.results.point_fields import point_field
+from mpmfw.results.selection import (
     Results,
     bodies_of,
     checked_name,
     frame_at,
     frame_of,
-    opened,
     opened_run,
     series_of,
-    times_of,
 )
-from mpmfw.results.point_fields import point_field
 
 if TYPE_CHECKING:
     import pandas as pd
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 
 def history(
@@ -37,7 +39,7 @@ def history(
     pair: str | None = None,
     axis: str | None = None,
 ) -> xr.DataArray:
-    """A series over time.
+    """Return a series over time.
 
     Parameters
     ----------
@@ -58,9 +60,9 @@ def history(
     Raises
     ------
     SceneError
-        There is no such series, body, pair or axis; the message says what is there.
+        There is no such series, body, pair or axis; the message lists those that are there.
     """
-    dataset = _series(results)
+    dataset = series_of(results)
     array = dataset[checked_name("series", name, sorted(str(one) for one in dataset.data_vars))]
     for kind, label in {"body": body, "pair": pair, "axis": axis}.items():
         dim = "rotation" if kind == "axis" and "rotation" in array.dims else kind
@@ -73,7 +75,7 @@ def history(
 
 
 def gap(results: Results, pair: str | None = None) -> xr.DataArray:
-    """Least distance between the surfaces of a pair over time [m]; negative where they penetrate.
+    """Return the least distance between the surfaces of a pair over time [m]; negative where they penetrate.
 
     Parameters
     ----------
@@ -93,7 +95,7 @@ def gap(results: Results, pair: str | None = None) -> xr.DataArray:
 def field(
     results: Results, name: str = "von_mises", *, time: float | None = None, body: str | None = None
 ) -> xr.DataArray:
-    """A scalar field on the material points at one output.
+    """Return a scalar field on the material points at one output.
 
     Parameters
     ----------
@@ -101,7 +103,7 @@ def field(
         A run.
     name
         ``von_mises``, ``velocity`` (its size), ``velocity_x``, ``stress_xy`` …, see
-        :func:`mpmfw.results.point_fields.point_fields`.
+        :func:`mpmfw.results.point_fields.point_field`.
     time
         [s]; the nearest output, the last one by default.
     body
@@ -118,30 +120,20 @@ def field(
         There is no such field, body or time, or the run keeps no material points.
     """
     with opened_run(results) as tree:
-        return _field(tree, name, frame_at(tree, time), body)
-
-
-def _field(tree: xr.DataTree, name: str, index: int, body: str | None) -> xr.DataArray:
-    parts = []
-    for one in bodies_of(tree, None if body is None else [body]):
-        known = point_field(tree, name, one)
-        frame = frame_of(tree, f"particles/{one}", index)
-        position = np.asarray(frame["position"].values, dtype=float)
-        coords: dict[str, Any] = {
-            axis: ("particle", position[:, k], {"units": "m"})
-            for k, axis in enumerate("xyz"[: position.shape[1]])
-        }
-        coords["body"] = ("particle", [one] * len(position))
-        attributes = {"units": known.unit, "long_name": known.label}
-        parts.append(
-            xr.DataArray(known.of(frame), dims="particle", coords=coords, name=name, attrs=attributes)
-        )
-    joined = xr.concat(parts, "particle")
-    return joined.assign_coords(time=times_of(tree)[index])
+        index, parts = frame_at(tree, time), []
+        for one in bodies_of(tree, body):
+            frame = frame_of(tree, f"particles/{one}", index)
+            position = frame["position"].values.astype(float)
+            coords: dict[str, Any] = {
+                axis: ("particle", x, {"units": "m"}) for axis, x in zip("xyz", position.T, strict=False)
+            }
+            names = ("particle", [one] * len(position))
+            parts.append(point_field(frame, name).assign_coords(body=names, time=frame["time"], **coords))
+    return xr.concat(parts, "particle")
 
 
 def table(comparison: Results) -> pd.DataFrame:
-    """The table of a comparison: a row for each method, with errors, gaps and costs.
+    """Return the table of a comparison: a row for each method, with errors, gaps and costs.
 
     Parameters
     ----------
@@ -162,7 +154,7 @@ def table(comparison: Results) -> pd.DataFrame:
     from mpmfw.report import method_dims
     from mpmfw.report import table as rows_of
 
-    dataset = _series(comparison)
+    dataset = series_of(comparison)
     if "status" not in dataset or dataset.attrs.get("kind") != "compare":
         raise SceneError("these are no results of a comparison (mpmfw.compare)")
     rows = rows_of(dataset)
@@ -172,7 +164,7 @@ def table(comparison: Results) -> pd.DataFrame:
 
 
 def pareto(study: Results) -> pd.DataFrame:
-    """The runs of a study that no other one beats in error and in cost, the cheapest first.
+    """Return the runs of a study that no other one beats in error and in cost, the cheapest first.
 
     Parameters
     ----------
@@ -189,7 +181,7 @@ def pareto(study: Results) -> pd.DataFrame:
     SceneError
         The dataset is none of a study.
     """
-    dataset = _series(study)
+    dataset = series_of(study)
     if not {"error", "cpu_time", "pareto"} <= set(dataset.data_vars):
         raise SceneError("these are no results of a study (mpmfw.study)")
     rows = dataset[["error", "cpu_time", "pareto"]].to_dataframe()
@@ -197,7 +189,30 @@ def pareto(study: Results) -> pd.DataFrame:
     return front[["error", "cpu_time"]].sort_values("cpu_time")
 
 
-def _series(results: Results) -> xr.Dataset:
-    """Return the series of a run or a comparison; of a file not the frames."""
-    with opened(results) as found:
-        return series_of(found).load()
+def _method(function: Callable[Concatenate[Results, P], T]) -> Callable[Concatenate[Accessor, P], T]:
+    """Return a function of results as a method of their accessor."""
+
+    @functools.wraps(function)
+    def method(accessor: Accessor, /, *args: P.args, **kwargs: P.kwargs) -> T:
+        return function(accessor.results, *args, **kwargs)
+
+    return method
+
+
+@xr.register_datatree_accessor("mpmfw")  # type: ignore[no-untyped-call]
+@xr.register_dataset_accessor("mpmfw")  # type: ignore[no-untyped-call]
+class Accessor:
+    """Functions for notebooks as methods: ``tree.mpmfw.history("min_gap")`` is ``mpmfw.history(tree,
+    "min_gap")``.
+
+    It is registered once mpmfw has made or opened a result.
+    """
+
+    def __init__(self, results: xr.DataTree | xr.Dataset) -> None:
+        self.results = results
+
+    history = _method(history)
+    gap = _method(gap)
+    field = _method(field)
+    table = _method(table)
+    pareto = _method(pareto)

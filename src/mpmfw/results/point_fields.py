@@ -1,132 +1,106 @@
-"""Scalar fields of material points: those stored, components and sizes of vectors and tensors, and a few
-more.
-"""
+"""Scalar fields of material points: those stored, sizes, components, and a few that follow from them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from mpmfw.results.outputs import bodies_of, checked_name
+from mpmfw.errors import SceneError
+from mpmfw.plugin.discovery import did_you_mean
 from mpmfw.state.fields import FloatArray
 
-_AXES = "xyz"
 #: Where the name with spaces is not what a reader calls it.
 _WORDS = {"von_mises": "von Mises stress"}
 
 
-@dataclass(frozen=True)
-class PointField:
-    """One scalar for every material point.
+class _Part(NamedTuple):
+    """A scalar that follows from a stored array."""
 
-    Parameters
-    ----------
-    name
-        As it is asked for: ``von_mises``, ``velocity``, ``stress_xy`` …
-    label
-        In words, for an axis.
-    unit
-        SI unit as CF writes it; ``1`` if there is none.
-    of
-        From the material points of one body at one output to (n,) values.
-    """
-
-    name: str
+    array: str
     label: str
-    unit: str
-    of: Callable[[xr.Dataset], FloatArray]
+    of: Callable[
+        [FloatArray], FloatArray
+    ]  #: from the array's values, whose last axes are those of a vector or a tensor
 
 
-def point_fields(tree: xr.DataTree, body: str | None = None) -> dict[str, PointField]:
-    """All scalar fields that the stored material points of a run have, by name.
+def point_field(points: xr.Dataset, name: str) -> xr.DataArray:
+    """Return a scalar field of a body's material points at one output, or at all.
 
     Scalars are there by their own names. A vector gives its size under its name and its components as
     ``velocity_x``; a tensor its components as ``stress_xy``. Beyond these: ``volume_ratio``, det F;
     ``pressure``, −tr σ/3, in 3D; ``in_plane_pressure``, −(σ_xx + σ_yy)/2, in 2D, where the stress across the
     plane is not stored. A field that a plug-in stores under one of these names takes its place.
 
-    Raises
-    ------
-    SceneError
-        The run stored no material points.
-    """
-    points = tree[f"particles/{body or bodies_of(tree)[0]}"].to_dataset()
-    found: dict[str, PointField] = {}
-    for name, array in points.data_vars.items():
-        if "particle" in array.dims:
-            found |= _of_array(str(name), array)
-    return _derived(points) | found
+    Parameters
+    ----------
+    points
+        Stored arrays of the points.
+    name
+        Of the field.
 
-
-def point_field(tree: xr.DataTree, name: str, body: str | None = None) -> PointField:
-    """The field of that name.
+    Returns
+    -------
+    xarray.DataArray
+        (particle,) or (time, particle), with ``units``, ``1`` if there is none, and ``long_name``.
 
     Raises
     ------
     SceneError
-        There is none; the message lists what is there.
+        There is no such field; the message lists those that are there.
     """
-    fields = point_fields(tree, body)
-    return fields[checked_name("field", name, list(fields))]
+    parts = point_fields(points)
+    if name not in parts:
+        raise SceneError(f"no field '{name}'; {did_you_mean(name, list(parts))}")
+    part = parts[name]
+    stored = points[part.array]
+    values = part.of(stored.values.astype(float))
+    unit = "1" if name == "volume_ratio" else str(stored.attrs.get("units", "1"))
+    return xr.DataArray(
+        values, dims=stored.dims[: values.ndim], name=name, attrs={"units": unit, "long_name": part.label}
+    )
 
 
-def _of_array(name: str, array: xr.DataArray) -> dict[str, PointField]:
-    base = name.removesuffix("_difference")
-    unit, words = str(array.attrs.get("units", "1")), _WORDS.get(base, base.replace("_", " "))
-    words = words if base == name else f"difference of {words}"
-    inner = [dim for dim in array.dims if dim not in ("time", "particle")]
-    if not inner:
-        return {name: PointField(name, words, unit, lambda frame: _plain(frame[name]))}
-    axes = _AXES[: array.sizes[inner[0]]]
-    if inner == ["axis"]:
-        size = PointField(name, words, unit, lambda frame: np.linalg.norm(_plain(frame[name]), axis=1))
-        parts = {
-            f"{name}_{axis}": PointField(f"{name}_{axis}", f"{words}, {axis}", unit, _component(name, k))
-            for k, axis in enumerate(axes)
-        }
-        # The length of a position vector means nothing
-        return parts if name == "position" else {name: size, **parts}
-    if inner == ["axis", "axis2"]:
-        return {
-            f"{name}_{a}{b}": PointField(f"{name}_{a}{b}", f"{words}, {a}{b}", unit, _component(name, i, j))
-            for i, a in enumerate(axes)
-            for j, b in enumerate(axes)
-        }
-    return {}
-
-
-def _component(name: str, *index: int) -> Callable[[xr.Dataset], FloatArray]:
-    def of(frame: xr.Dataset) -> FloatArray:
-        values = _plain(frame[name])
-        for k in index:
-            values = values[:, k]
-        return values
-
-    return of
-
-
-def _derived(points: xr.Dataset) -> dict[str, PointField]:
+def point_fields(points: xr.Dataset) -> dict[str, _Part]:
+    """Return all fields that :func:`point_field` finds in the stored arrays, by name."""
     found = {}
     if "deformation_gradient" in points:
-        found["volume_ratio"] = PointField(
-            "volume_ratio",
-            "volume ratio det F",
-            "1",
-            lambda f: np.linalg.det(_plain(f["deformation_gradient"])),
-        )
+        found["volume_ratio"] = _Part("deformation_gradient", "volume ratio det F", np.linalg.det)
     if "stress" in points:
         dim = points["stress"].sizes["axis"]
-        name = "pressure" if dim == 3 else "in_plane_pressure"
-        label = "pressure" if dim == 3 else "in-plane pressure −(σxx + σyy)/2"
-        unit = str(points["stress"].attrs.get("units", "Pa"))
-        found[name] = PointField(
-            name, label, unit, lambda f: -np.trace(_plain(f["stress"]), axis1=1, axis2=2) / dim
+        name, label = (
+            ("pressure",) * 2 if dim == 3 else ("in_plane_pressure", "in-plane pressure −(σxx + σyy)/2")
         )
+        found[name] = _Part("stress", label, lambda stress: -np.trace(stress, axis1=-2, axis2=-1) / dim)
+    for array in points.data_vars:
+        if "particle" in points[array].dims:
+            found |= dict(_parts(str(array), points[array]))
     return found
 
 
-def _plain(array: xr.DataArray) -> FloatArray:
-    return np.asarray(array.values, dtype=float)
+def _parts(name: str, array: xr.DataArray) -> Iterator[tuple[str, _Part]]:
+    """Yield the size and the components of a stored array, by name."""
+    base = name.removesuffix("_difference")
+    words = _WORDS.get(base, base.replace("_", " "))
+    words = words if base == name else f"difference of {words}"
+    inner = [dim for dim in array.dims if dim not in ("time", "particle")]
+    axes = "xyz"[: array.sizes[inner[0]]] if inner else ""
+    if not inner:
+        yield name, _Part(name, words, lambda values: values)
+    elif inner == ["axis"]:
+        if name != "position":  # whose length means nothing
+            yield name, _Part(name, words, lambda values: np.linalg.norm(values, axis=-1))
+        for i, a in enumerate(axes):
+            yield f"{name}_{a}", _Part(name, f"{words}, {a}", _component(i))
+    elif inner == ["axis", "axis2"]:
+        for i, a in enumerate(axes):
+            for j, b in enumerate(axes):
+                part = _Part(name, f"{words}, {a}{b}", _component(i, j))
+                yield f"{name}_{a}{b}", part
+
+
+def _component(*index: int) -> Callable[[FloatArray], FloatArray]:
+    place: tuple[Any, ...] = (..., *index)
+    return lambda values: np.asarray(values[place])

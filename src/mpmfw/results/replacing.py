@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import re
+import shutil
 import uuid
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 import netCDF4
 
 from mpmfw.errors import MpmfwError, SceneError
-from mpmfw.results.room import check_room
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,6 +22,23 @@ if TYPE_CHECKING:
 #: Characters of a file's name that the name of its unfinished successor repeats: names have at most 255
 #: bytes.
 _REPEATED = 50
+
+#: Bytes that must be free beside a frame: the file's own tables, and the attributes of the end.
+_MARGIN = 1_000_000
+
+
+def check_room(path: str, size: int) -> None:
+    """Check that the disk of a file has room for ``size`` bytes and a margin.
+
+    A NetCDF file whose writing fails half-way cannot be opened again, and all frames before are lost.
+
+    Raises
+    ------
+    OSError
+        It has not.
+    """
+    if shutil.disk_usage(os.path.dirname(path) or ".").free < size + _MARGIN:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
 def check_replaceable(path: str | os.PathLike[str], kind: str, what: str) -> None:
@@ -150,8 +168,8 @@ def replace_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     """
     from xarray.backends import NetCDF4DataStore
 
-    check_room(os.path.realpath(path), dataset.nbytes, "results", anew=True)
     with replacement(path) as growing:
+        check_room(os.fspath(growing), dataset.nbytes)
         try:
             file: Any = netCDF4.Dataset(os.fspath(growing), "w", diskless=True, persist=True)
             dataset.dump_to_store(NetCDF4DataStore(file))  # type: ignore[no-untyped-call]

@@ -1,17 +1,176 @@
-"""One run of a comparison as a tree of its own, and the difference of a field between two runs."""
+"""Select from stored results: a run of a comparison, an output, a body; and the difference of two runs."""
 
 from __future__ import annotations
 
 import itertools
 import json
+import operator
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from mpmfw.errors import SceneError
-from mpmfw.results.outputs import Results, bodies_of, checked_name, frame_of, opened, series_of, times_of
+from mpmfw.plugin.discovery import did_you_mean
+from mpmfw.results import open as open_results
 from mpmfw.results.point_fields import point_field
+from mpmfw.results.reading import output_times
+from mpmfw.state.fields import FloatArray
+
+#: A run's tree or a comparison's dataset, or the name of its file.
+Results = xr.DataTree | xr.Dataset | str | os.PathLike[str]
+
+
+@contextmanager
+def opened(results: Results) -> Iterator[xr.DataTree | xr.Dataset]:
+    """Context with results; arrays of a file are read when they are used, and the file is closed at the end.
+
+    Raises
+    ------
+    MpmfwError
+        The file cannot be read.
+    """
+    if isinstance(results, xr.DataTree | xr.Dataset):
+        yield results
+        return
+    found = open_results(results, lazy=True)
+    try:
+        yield found
+    finally:
+        found.close()
+
+
+@contextmanager
+def opened_run(results: Results) -> Iterator[xr.DataTree]:
+    """Context with the tree of one run, as :func:`opened` gives it.
+
+    Raises
+    ------
+    SceneError
+        The results are those of a comparison, a study or a stability map, which keep no frames.
+    MpmfwError
+        The file cannot be read.
+    """
+    with opened(results) as found:
+        if not isinstance(found, xr.DataTree):
+            where = f"{os.fspath(results)}: " if isinstance(results, str | os.PathLike) else ""
+            kind = str(found.attrs.get("kind", "")) or "unknown"
+            raise SceneError(
+                f"{where}results of kind '{kind}' keep no frames; expected those of a run (mpmfw run)"
+            )
+        yield found
+
+
+def series_of(results: Results) -> xr.Dataset:
+    """Return the series of a run, or the dataset of a comparison, in memory; a run's frames are not read."""
+    with opened(results) as found:
+        if isinstance(found, xr.Dataset):
+            return found.load()
+        return found["series"].to_dataset().load() if "series" in found.children else xr.Dataset()
+
+
+def checked_name(kind: str, name: str, valid: Sequence[str]) -> str:
+    """Return the name if it is among the valid ones.
+
+    Raises
+    ------
+    SceneError
+        It is not; the message lists the names or the nearest.
+    """
+    if name not in valid:
+        raise SceneError(f"no {kind} '{name}'; {did_you_mean(name, valid) if valid else 'there is none'}")
+    return name
+
+
+def bodies_of(tree: xr.DataTree, selection: str | Sequence[str] | None = None) -> list[str]:
+    """Return the bodies whose material points are stored, in the scene's order: all, or those selected.
+
+    Raises
+    ------
+    SceneError
+        The run stored no material points, or there is no such body, or none is chosen.
+    """
+    groups = tree["particles"].children if "particles" in tree.children else {}
+    order = tree.coords["body"].values.tolist() if "body" in tree.coords else list(groups)
+    present = [str(name) for name in order if name in groups and groups[name].data_vars]
+    if not present:
+        why = "the run stored no material points; run it with output.particles = true"
+        raise SceneError(str(tree.attrs.get("fields", why)))
+    if selection is None:
+        return present
+    names = [selection] if isinstance(selection, str) else list(selection)
+    if not names:
+        raise SceneError(f"bodies: none is named; expected some of {', '.join(present)}, or None for all")
+    for name in names:
+        checked_name("body", name, present)
+    return [name for name in present if name in names]
+
+
+def times_of(tree: xr.DataTree) -> FloatArray:
+    """Return the times of the outputs that hold material points, or of all where none does [s]."""
+    points = tree["particles"].children.values() if "particles" in tree.children else ()
+    group = next((points for points in points if "time" in points.coords), None)
+    times = output_times(tree) if group is None else group.coords["time"]
+    return np.asarray(times.values, dtype=float)
+
+
+def frame_at(tree: xr.DataTree, time: float | None = None) -> int:
+    """Return the index of the output nearest to ``time`` [s], the last by default, among those that hold
+    material points.
+
+    Raises
+    ------
+    SceneError
+        The run has no output, or ``time`` is outside of them by more than half an interval.
+    """
+    times = times_of(tree)
+    if len(times) == 0:
+        raise SceneError("the run has no output")
+    if time is None:
+        return len(times) - 1
+    slack = 0.5 * float(np.median(np.diff(times))) if len(times) > 1 else 0.0
+    if not times[0] - slack <= time <= times[-1] + slack:
+        raise SceneError(
+            f"no output at {time:g} s; expected a time from {times[0]:g} to {times[-1]:g} s "
+            f"({len(times)} outputs)"
+        )
+    return int(np.argmin(np.abs(times - time)))
+
+
+def frame_of(tree: xr.DataTree, place: str, index: int) -> xr.Dataset:
+    """Read the arrays of one group at one output.
+
+    Parameters
+    ----------
+    place
+        Path of the group, such as ``particles/cylinder``.
+    index
+        Of the output among those that hold material points.
+    """
+    group, times = tree[place].to_dataset(), times_of(tree)
+    if group.sizes.get("time", len(times)) != len(times):  # a surface has more outputs
+        index = int(np.argmin(np.abs(group["time"].values - times[index])))
+    return group.isel(time=index, missing_dims="ignore").load()
+
+
+def chosen_frames(tree: xr.DataTree, every: int) -> range:
+    """Return the indices of the first output that holds material points and of each ``every``-th after it.
+
+    Raises
+    ------
+    SceneError
+        ``every`` is below 1 or not a whole number, or the run has no output.
+    """
+    try:
+        every = operator.index(every)
+    except TypeError:
+        raise SceneError(f"every {every!r}: expected a whole number") from None
+    if every < 1:
+        raise SceneError(f"every {every}: expected 1 or more")
+    return range(0, frame_at(tree) + 1, every)
 
 
 def select(comparison: Results, **choice: Any) -> xr.DataTree:
@@ -33,23 +192,19 @@ def select(comparison: Results, **choice: Any) -> xr.DataTree:
     SceneError
         There is no such dimension or label, or a dimension is left open.
     """
-    with opened(comparison) as found:
-        dataset = series_of(found)
-        if "status" not in dataset:
+    with opened(comparison) as dataset:
+        if not isinstance(dataset, xr.Dataset) or "status" not in dataset:
             raise SceneError("these are no results of a comparison (mpmfw.compare)")
-        index = {dim: _index(dataset, dim, choice.pop(dim, None)) for dim in map(str, dataset["status"].dims)}
+        index = {}
+        for dim in map(str, dataset["status"].dims):
+            labels = [str(label) for label in dataset[dim].values.tolist()]
+            label = choice.pop(dim, labels[0] if len(labels) == 1 else None)
+            if label is None:
+                raise SceneError(f"{dim}: expected one of {', '.join(labels)}")
+            index[dim] = labels.index(checked_name(dim, str(label), labels))
         for dim in choice:
             raise SceneError(f"{dim}: no dimension of the comparison; expected some of {', '.join(index)}")
         return _tree(dataset.isel(index).load())
-
-
-def _index(dataset: xr.Dataset, dim: str, label: Any) -> int:
-    labels = dataset[dim].values.tolist()
-    if label is None:
-        if len(labels) == 1:
-            return 0
-        raise SceneError(f"{dim}: expected one of {', '.join(map(str, labels))}")
-    return [str(one) for one in labels].index(checked_name(dim, str(label), [str(one) for one in labels]))
 
 
 def _tree(run: xr.Dataset) -> xr.DataTree:
@@ -57,12 +212,12 @@ def _tree(run: xr.Dataset) -> xr.DataTree:
     own = json.loads(run.attrs.get("methods", "{}")).get("/".join(map(str, labels.values())), {})
     attributes = {**run.attrs, **own, **labels, "kind": "run", "status": str(run["status"].item())}
     run = run.drop_vars(list(labels))
-    points = [name for name in run.data_vars if "particle" in run[name].dims]
-    series = run[[name for name in run.data_vars if "time" in run[name].dims]]
     root = xr.Dataset(
         coords={dim: run[dim] for dim in ("axis", "body", "pair") if dim in run}, attrs=attributes
     )
+    series = run[[name for name in run.data_vars if "time" in run[name].dims]]
     groups = {"/": root, "/series": series.dropna("time", how="all")}
+    points = [name for name in run.data_vars if "particle" in run[name].dims]
     if points:
         frames = run[points].rename({name: str(name).removeprefix("particle_") for name in points})
         frames = frames.rename(particle_time="time").dropna("time", how="all")
@@ -101,33 +256,27 @@ def runs_of(
     for chosen in (against, contact):
         if chosen is not None:
             checked_name("contact", chosen, contacts)
-    if contact is not None:
-        comparison = comparison.isel(contact=[contacts.index(contact)])
     runs = {}
     for labels in itertools.product(*(comparison[dim].values.tolist() for dim in dims)):
         choice = dict(zip(dims, labels, strict=True))
-        run = select(comparison, **choice)
-        reference = None if against is None else select(comparison, **{**choice, "contact": against})
-        if "particles" not in run.children or str(choice["contact"]) == against:
+        run, label = select(comparison, **choice), ", ".join(map(str, labels))
+        if "particles" not in run.children or contact not in (None, str(choice["contact"])):
             continue
-        if reference is not None and "particles" in reference.children:
-            run = difference(run, reference, name)
-        elif reference is not None:
-            continue
-        label = ", ".join(map(str, labels))
-        runs[label if against is None else f"{label} less {against}"] = run
+        if against is None:
+            runs[label] = run
+        elif str(choice["contact"]) != against:
+            reference = select(comparison, **{**choice, "contact": against})
+            if "particles" in reference.children:
+                runs[f"{label} less {against}"] = difference(run, reference, name)
     if not runs:
-        raise SceneError(
-            "no two runs of the comparison keep fields"
-            if against
-            else "no run of the comparison keeps fields"
-        )
+        which = "no two runs of the comparison keep" if against else "no run of the comparison keeps"
+        raise SceneError(f"{which} fields")
     return runs
 
 
 def difference(run: xr.DataTree, reference: xr.DataTree, name: str = "von_mises") -> xr.DataTree:
-    """Return a run whose material points have a further field, ``NAME_difference``: its own values less those
-    of the reference.
+    """Return a run with the field ``NAME_difference`` on its material points: its values less those of the
+    reference.
 
     Parameters
     ----------
@@ -135,45 +284,39 @@ def difference(run: xr.DataTree, reference: xr.DataTree, name: str = "von_mises"
         Two runs, of :func:`select`, :func:`mpmfw.run` or :func:`mpmfw.open`, with the same material points
         and outputs.
     name
-        Of a scalar field, see :func:`mpmfw.results.point_fields.point_fields`.
+        Of a scalar field, see :func:`mpmfw.results.point_fields.point_field`.
 
     Raises
     ------
     SceneError
         There is no such field, or the material points or the times of their outputs differ.
     """
-    groups = {f"particles/{body}": run[f"particles/{body}"].to_dataset() for body in bodies_of(run)}
-    times = times_of(run)
-    if len(times) != len(times_of(reference)) or not np.allclose(times, times_of(reference)):
+    times, others = times_of(run), times_of(reference)
+    if len(times) != len(others) or not np.allclose(times, others):
         raise SceneError("fields cannot be compared: the runs recorded their material points at other times")
-    for place, group in groups.items():
-        body = place.removeprefix("particles/")
-        own = point_field(run, name, body)
-        if body not in bodies_of(reference) or not same_points(group, reference[place].to_dataset()):
-            raise SceneError(f"fields cannot be compared: the material points of '{body}' differ")
-        values = [
-            own.of(frame_of(run, place, k))
-            - point_field(reference, name, body).of(frame_of(reference, place, k))
-            for k in range(len(times))
-        ]
-        attributes = {"units": own.unit, "long_name": f"difference of {own.label}"}
-        groups[place] = group.assign(
-            {f"{name}_difference": (("time", "particle"), np.array(values), attributes)}
-        )
     tree = run.copy()
-    for place, group in groups.items():
-        tree[place] = xr.DataTree(group)
+    for body in bodies_of(run):
+        points = run[f"particles/{body}"].to_dataset()
+        own = point_field(points, name)
+        if body not in bodies_of(reference):
+            raise SceneError(f"fields cannot be compared: the material points of '{body}' differ")
+        theirs = reference[f"particles/{body}"].to_dataset()
+        if not same_points(points, theirs):
+            raise SceneError(f"fields cannot be compared: the material points of '{body}' differ")
+        attributes = {**own.attrs, "long_name": f"difference of {own.attrs['long_name']}"}
+        change = own.copy(data=own.values - point_field(theirs, name).values).assign_attrs(attributes)
+        tree[f"particles/{body}"] = xr.DataTree(points.assign({f"{name}_difference": change}))
     return tree
 
 
 def same_points(one: xr.Dataset, other: xr.Dataset) -> bool:
-    """Return whether a body has the same material points in two runs: their masses, and their places but
-    for settling.
+    """Return whether a body has the same material points in two runs.
+
+    Masses must be equal. First positions may differ by half a point's size, as settling moves them.
     """
     if one.sizes["particle"] != other.sizes["particle"]:
         return False
-    begin, size = one["position"][0].values, np.sqrt(one["volume"][0].values.max())
-    if begin.shape[1] == 3:
-        size = float(one["volume"][0].max()) ** (1.0 / 3.0)
+    begin, end = one["position"][0].values, other["position"][0].values
+    size = float(one["volume"][0].max()) ** (1.0 / begin.shape[1])
     same = np.allclose(one["mass"].values, other["mass"].values, rtol=1e-6, equal_nan=True)
-    return bool(same and (np.abs(begin - other["position"][0].values) < 0.5 * size).all())
+    return bool(same and (np.abs(begin - end) < 0.5 * size).all())

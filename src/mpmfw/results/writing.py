@@ -18,7 +18,7 @@ from mpmfw.errors import MpmfwError
 from mpmfw.results import layout
 from mpmfw.results.frame import Frame, RunHeader
 from mpmfw.results.reading import read_run, tree_of
-from mpmfw.results.room import check_room
+from mpmfw.results.replacing import check_room
 from mpmfw.results.timeline import Timeline
 from mpmfw.results.writers import claim, release, replace_claimed
 from mpmfw.state.fields import AnyArray, Field
@@ -184,7 +184,7 @@ class RunWriter:
         try:
             with self._telling(first):
                 if self.path is not None:
-                    check_room(self.path, 2 * self._waiting_bytes, f"frame {first}")  # a new chunk takes more
+                    check_room(self.path, 2 * self._waiting_bytes)  # a new chunk takes more
                 self._write_groups()
                 self._dataset.sync()
                 # HDF5 flushes in an order of its own: only a second sync makes an output whose time is at the
@@ -210,7 +210,8 @@ class RunWriter:
         try:
             yield
         except (OSError, RuntimeError) as error:
-            raise MpmfwError(f"cannot write frame {frame} to '{self.path}': {error}") from error
+            reason = getattr(error, "strerror", None) or error
+            raise MpmfwError(f"cannot write frame {frame} to '{self.path}': {reason}") from error
 
     def take_place_of(self, path: str, descriptor: int | None) -> None:
         """Give the file the name of another, which was claimed with ``descriptor``; readers see the old or
@@ -240,7 +241,7 @@ class RunWriter:
             if self.path is None:
                 return netCDF4.Dataset("results.nc", "w", diskless=True, persist=False)
             self._lock = claim(self.path)
-            check_room(self.path, 0, "results", anew=True)
+            check_room(self.path, 0)
             return netCDF4.Dataset(self.path, "w")
         except OSError as error:
             raise MpmfwError(f"cannot create '{self.path}': {error.strerror or error}") from error

@@ -17,7 +17,7 @@ from mpmfw.campaigns.judging import Judge
 from mpmfw.campaigns.measures import measure_of
 from mpmfw.campaigns.outcome import COSTS, Cost
 from mpmfw.plugin.discovery import load
-from mpmfw.results.joining import STEPPING
+from mpmfw.results.concatenation import STEPPING
 from mpmfw.results.provenance import provenance
 from mpmfw.scene import Scene
 from mpmfw.state.fields import FloatArray

@@ -197,8 +197,8 @@ def _runs(given: str | os.PathLike[str] | xr.Dataset, by: str) -> Iterator[dict[
 
 def _opened(path: str | os.PathLike[str]) -> xr.Dataset:
     from mpmfw.results import check_results
-    from mpmfw.results.outputs import series_of
     from mpmfw.results.reading import read
+    from mpmfw.results.selection import series_of
 
     check_results(Path(path))
     return series_of(read(path))
