@@ -67,9 +67,9 @@ def motion(datasets: Sequence[xr.Dataset]) -> Figure:
         }
         if "angular_velocity" in run:
             spin = -run["angular_velocity"].sel(rotation="z")
-            series["angular velocity, clockwise"] = (spin, "rad s-1", time, -solution.spin(time))
+            series["clockwise spin"] = (spin, "rad s-1", time, -solution.spin(time))
         away = (moved - exact).where(moves)
-        series["displacement − closed form"] = (away, "m", time, np.zeros(len(time)))
+        series["displacement error"] = (away, "m", time, np.zeros(len(time)))
         title = "slip" if solution.slips else "no slip"
         if len(datasets) > 1 and drawn_values(dataset):
             title = f"{title}, {drawn_values(dataset)}"
