@@ -65,30 +65,35 @@ def mpmfw(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("radius = 1", "raduis = 1", "s.toml:28: bodies.block.geometry.raduis: unknown key; did you mean "
-                                     "'radius'?\n"),
-        ("end = 1", "end = [1]", "s.toml:7: time.end: [1] is an array; expected a time in s, a number or a "
-                                 "string such as "
-         "'5 us'\n"),
-        ("end = 1", 'end = "1 m"', "s.toml:7: time.end: '1 m' is not convertible to s; expected a time in s, "
-                                   "a number or a "
-         "string such as '5 us'\n"),
-        ('method = "none"', 'method = "nonne"', "s.toml:14: contact.method: no such contact plug-in: 'nonne' "
-                                                "is unknown; "
-         "did you mean 'none'? (one of adhesion, bardenhagen, barrier, hamad2017, hybrid, impulse, "
-         "lcp, midplane, nairn, none, particles, penalty, separate, or DETECTION+LAW)\n"),
-        ('"block", "floor"', '"blok", "floor"', "s.toml:17: contact.pairs[0].bodies[0]: no body 'blok'; did "
-                                                "you mean "
-         "'block'?\n"),
-        ("[shape]", '[stepping]\ntransfer = "flip"\ntransported = '
-                    'true\n[shape]', "s.toml:12: stepping.transported: has no "
-         "effect with transfer flip, only with aflip, apic and tpic\n"),
+        (
+            "radius = 1",
+            "raduis = 1",
+            "s.toml:28: bodies.block.geometry.raduis: unknown key; did you mean 'radius'?",
+        ),
+        ("end = 1", "end = [1]", "s.toml:7: time.end: [1] is an array; expected a time in s"),
+        ("end = 1", 'end = "1 m"', "s.toml:7: time.end: '1 m' is not convertible to s"),
+        (
+            '"none"',
+            '"nonne"',
+            "s.toml:14: contact.method: no such contact plug-in: 'nonne' is unknown; did you mean 'none'?",
+        ),
+        (
+            '"block", "floor"',
+            '"blok", "floor"',
+            "s.toml:17: contact.pairs[0].bodies[0]: no body 'blok'; did you mean 'block'?",
+        ),
+        (
+            "[shape]",
+            '[stepping]\ntransfer = "flip"\ntransported = true\n[shape]',
+            "s.toml:12: stepping.transported: has no effect",
+        ),
     ],
-)  # fmt: skip
-@pytest.mark.parametrize("command", ["run", "compare", "explain"])
-def test_a_bad_scene_is_status_2_and_one_message(mpmfw, command, old, new, message):
-    result = mpmfw(command, "s.toml", replace=(old, new))
-    assert (result.exit_code, result.stdout, result.stderr) == (2, "", message)
+)
+def test_a_bad_scene_is_status_2_and_one_message(mpmfw, old, new, message):
+    for command in ("run", "compare", "explain") if "raduis" in new else ("run",):
+        result = mpmfw(command, "s.toml", replace=(old, new))
+        assert (result.exit_code, result.stdout, result.stderr.count("\n")) == (2, "", 1)
+        assert result.stderr.startswith(message)
 
 
 @pytest.mark.parametrize(
@@ -170,27 +175,22 @@ HEAVY = (
 )
 
 
-@pytest.mark.parametrize(
-    ("code", "more"),
-    [
-        ("import mpmfw", ("typer", "pydantic", "mpmfw.errors")),
-        ("from mpmfw.cli import main; main(['--help'])", ("pydantic",)),
-        (
-            "from mpmfw.cli import main; main(['compare', '--help'])",
-            (),
-        ),  # Typer reads its options by pydantic
-    ],
-)
-def test_the_help_costs_no_heavy_import(code, more):
-    said = f"import atexit, sys; atexit.register(lambda: print('#', *[n for n in {HEAVY + more} if n in sys.modules])); "  # noqa: E501
-    found = subprocess.run([sys.executable, "-c", said + code], capture_output=True, text=True, check=True)
-    assert found.stdout.splitlines()[-1] == "#"
-
-
-def test_the_help_has_the_commands_first_sentences_whole(mpmfw):
-    listed = " ".join(mpmfw("--help").stdout.split())
-    assert "Run SCENE and write its results, by default to a file named as the scene." in listed
-    assert listed.count("...") == 1  # COMMAND [ARGS]...
+def test_neither_import_nor_help_costs_a_heavy_import():
+    code = f"""
+import sys
+import mpmfw
+from contextlib import suppress
+def loaded(*more):
+    print("#", [name for name in (*{HEAVY}, *more) if name in sys.modules])
+loaded("typer", "pydantic", "mpmfw.errors")
+from mpmfw.cli import main
+for arguments, more in ((["--help"], ["pydantic"]), (["compare", "--help"], [])):  # its options need pydantic
+    with suppress(SystemExit):
+        main(arguments)
+    loaded(*more)
+"""
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert [line for line in found.stdout.splitlines() if line.startswith("#")] == ["# []"] * 3
 
 
 def test_a_failing_run_is_status_1_and_says_where(mpmfw, monkeypatch):

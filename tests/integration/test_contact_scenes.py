@@ -73,6 +73,10 @@ def test_classical_block_does_not():
         assert sliding("bardenhagen") < 0.95
 
 
+def test_bodies_of_a_single_field_stick():
+    assert abs(sliding("none")) < 0.02
+
+
 def test_classical_block_slides_in_its_strongest_form():
     assert sliding("bardenhagen(criterion=position, normal=master)") == pytest.approx(1.0, abs=0.005)
 

@@ -10,8 +10,9 @@ from typing import Any
 import pytest
 
 import mpmfw
-from effects_table import CASES, Case, arrays_of, hooks_of
+from effects_table import CASES, LEAST, Case, arrays_of, hooks_of
 from mpmfw.runs.simulation import Simulation
+from scenes_for_tests import with_changes
 
 pytestmark = pytest.mark.effects
 each_case = pytest.mark.parametrize("case", CASES.values(), ids=CASES)
@@ -26,12 +27,13 @@ import json, sys
 from mpmfw.runs.simulation import Simulation
 parents = ("mpmfw_contact.", "mpmfw_load.", "mpmfw_shape.", "mpmfw_material.", "mpmfw.effects.")
 parents += tuple("mpmfw.contact." + name for name in ("nodes", "normal_bias", "shared_nodes", "springs", "surfaces"))
-found = {}
+own = lambda: [module for module in sys.modules if module.startswith(parents)]
+found = {"": own()}
 for name, scene in json.load(sys.stdin).items():
-    for module in [module for module in sys.modules if module.startswith(parents)]:
+    for module in own():
         del sys.modules[module]
     Simulation(scene).advance(2)
-    found[name] = [module for module in sys.modules if module.startswith(parents)]
+    found[name] = own()
 print(json.dumps(found))
 """  # noqa: E501
 
@@ -63,6 +65,7 @@ def test_exactly_the_hooks(case: Case) -> None:
 @pytest.mark.parametrize("name", CASES)
 def test_exactly_the_modules(name: str, imported: dict[str, list[str]]) -> None:
     assert set(imported[name]) == CASES[name].expected("modules")
+    assert set(imported[""]) <= LEAST.modules | {"mpmfw.effects.remedies", "mpmfw.effects.settling"}
 
 
 @each_case
@@ -106,18 +109,16 @@ def test_the_plan_is_on_where_the_scene_calls_for_it(name: str) -> None:
     effects = Simulation(CASES[name].scene).effects
     assert len({effect.name for effect in effects}) == len(effects)
     assert {effect.name for effect in effects if effect.on} == ALWAYS | PLANNED[name]
+    if name == "two bodies apart":
+        (reason,) = [effect.reason for effect in effects if effect.name == "contact search"]
+        assert "boxes of left-right are 1 m apart" in reason
 
 
-def test_the_plan_gives_reasons_and_distances() -> None:
-    reasons = {e.name: e.reason for e in Simulation(CASES["two bodies apart"].scene).effects}
-    assert reasons["contact search"] == (
-        "asleep until bodies are near: the boxes of left-right are 1 m apart at the start, its reach is 0.25 "
-        "m"
-    )
-    reasons = {e.name: e.reason for e in Simulation(CASES["frictionless"].scene).effects}
-    assert reasons["friction"] == "μ = 0 in every pair"
-    assert reasons["gravity"] == "no [gravity]"
-    assert reasons["settling"] == "no [settle]"
+def test_structures_of_absent_effects_are_none_and_energies_are_left_out() -> None:
+    state = Simulation(CASES["one body"].scene).state
+    assert (state.surface, state.particles.affine, state.particles.moment) == (None, None, None)
+    tree = mpmfw.run(with_changes(CASES["one body"].scene, output={"energy": False}))
+    assert not {name for name in tree["series"].data_vars if str(name).endswith("energy")}
 
 
 def test_the_ledger_says_which_works_there_are() -> None:

@@ -10,7 +10,6 @@ import io
 import os
 import re
 import shlex
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
@@ -18,7 +17,6 @@ from pathlib import Path
 import pytest
 
 from mpmfw.cli.app import app
-from mpmfw_testing import checks_of, examine, subject_of
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "guide" / "write-a-contact-law.md"
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
@@ -108,30 +106,3 @@ def test_its_commands_run_and_print_what_is_quoted(blocks, tmp_path):
     assert quoted == 1
     for name in ("film.nc", "laws.nc", "laws.html"):
         assert (tmp_path / name).is_file()
-
-
-def test_the_closed_form_of_its_own_tests_holds(package):
-    names: dict = {}
-    source = (package / "tests" / "test_film.py").read_text(encoding="utf-8")
-    exec(compile(source, "test_film.py", "exec"), names)
-    names["test_the_film_slows_a_block_as_its_closed_form_says"]("nodes+film(normal=master, resistance=600)")
-
-
-def test_a_film_fails_the_checks_that_it_must_and_no_other(package):
-    names: dict = {}
-    source = (package / "tests" / "test_film_on.py").read_text(encoding="utf-8")
-    exec(compile(source, "test_film_on.py", "exec"), names)
-    film = subject_of("nodes+film(resistance=1e4)", "contact")
-    outcomes = examine(film, checks_of("contact"), names["BY_DESIGN"])
-    assert [outcome.report for outcome in outcomes if outcome.wrong] == []
-    failed = {outcome.check for outcome in outcomes if outcome.status == "expected failure"}
-    assert failed == set(names["BY_DESIGN"])
-
-
-def test_its_package_passes_mypy(package, pytestconfig):
-    pytest.importorskip("mypy", reason="mypy comes with mpmfw[dev]")
-    # the core's and NumPy's types are read once, and kept with pytest's other notes
-    kept = pytestconfig.cache.mkdir("mypy") if hasattr(pytestconfig, "cache") else package / "mypy"
-    command = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(kept), "src/mpmfw_film"]
-    done = subprocess.run(command, cwd=package, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr

@@ -85,12 +85,3 @@ def test_scenes_of_a_page_run_with_its_classes(module, tmp_path, monkeypatch):
         assert any(place in scene.text for place in places.values())
         assert mpmfw.run(scene).attrs["status"] == "ok"
     assert texts or module.__name__ == "write_a_measure"
-
-
-def test_every_class_of_the_guide_is_here():
-    for page in GUIDE.glob("write-a*.md"):
-        if page.stem not in ("write-a-contact-law", "write-a-shape-function"):
-            found = re.findall(
-                r"^class (\w+)\((?!BaseModel|Reference)", page.read_text(encoding="utf-8"), re.M
-            )
-            assert set(found) == set(PAGES.get(page.stem, {})), page

@@ -45,7 +45,9 @@ def sums(series, *names):
 
 SCHEMES, TRANSFERS = ("usl", "musl", "usf"), ("flip", "pic", "apic", "tpic", "aflip")
 each_scheme = pytest.mark.parametrize("scheme", SCHEMES)
-each_transfer = pytest.mark.parametrize("transfer", TRANSFERS)
+each_way = pytest.mark.parametrize(
+    ("scheme", "transfer"), [*(("usl", each) for each in TRANSFERS), ("musl", "flip"), ("usf", "aflip")]
+)
 
 
 def falling(**keys):
@@ -103,8 +105,7 @@ def touching(scheme, transfer):
     return {**mapping, "output": {"ledger": True, "gap": False}}
 
 
-@each_scheme
-@each_transfer
+@each_way
 def test_dissipation_of_the_transfer_is_what_points_had_less_what_the_grid_has(scheme, transfer):
     """Kinetic and affine energy of the points, from their own series, against the grid's energy."""
     simulation, frames = Simulation(touching(scheme, transfer)), []
@@ -124,8 +125,7 @@ def test_dissipation_of_the_transfer_is_what_points_had_less_what_the_grid_has(s
     assert (transfer in ("flip", "pic")) == (not affine.any())
 
 
-@each_scheme
-@each_transfer
+@each_way
 def test_the_terms_add_up_to_the_energies_of_the_bodies(scheme, transfer):
     """As other series have them: the residual is taken from the ledger's own."""
     series = ledger(touching(scheme, transfer), time__end=0.05, time__output_interval=0.01)
@@ -347,21 +347,10 @@ def test_springs_loaded_at_first_may_give_what_they_hold(speed):
     assert energy.max() <= energy[0] + 1.01 * held
 
 
-@pytest.mark.parametrize("name", shipped_scenes())
-def test_every_shipped_scene_keeps_a_ledger_and_stops_where_energy_grows(name):
-    simulation = Simulation(load_scene(name))
-    plan = {effect.name: effect for effect in simulation.effects}
-    assert plan["energy ledger"].on
-    assert "stops within 20 steps where energy grows" in plan["energy ledger"].reason
+def test_every_shipped_scene_keeps_a_ledger_and_stops_where_energy_grows():
+    assert all(load_scene(name).output.ledger for name in shipped_scenes())
+    simulation = Simulation(load_scene("sliding-block"))
     assert simulation.manager.get_plugin("energy_ledger").guard is not None
-    assert {"transfer_dissipation", "energy_residual", "contact_work"} <= {f.name for f in simulation.fields}
-
-
-def test_the_plan_says_whether_energy_is_accounted():
-    off, on = (Simulation({**falling(), "output": {"ledger": asked}}) for asked in (False, True))
-    assert {e.name: e.on for e in off.effects}["energy ledger"] is False
-    assert {e.name: e.on for e in on.effects}["energy ledger"] is True
-    assert off.manager.get_plugin("energy_ledger") is None
 
 
 def test_the_ledger_changes_no_digit_of_the_motion():

@@ -148,20 +148,20 @@ def fate(mapping: dict[str, Any]) -> Fate:
     return found
 
 
-@pytest.mark.parametrize("speed", [0.05, 0.2, 0.5])
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(
+    ("name", "speed"), [("head-on", 0.05), ("flat", 0.05), *((name, 0.5) for name in SCENES)]
+)
 def test_bodies_keep_their_sides_up_to_the_speed_of_waves(name: str, speed: float) -> None:
     found = fate(SCENES[name](speed))
     assert not found.message
     assert found.behind < 0.0
     assert found.depth < 1.0
-    if speed == 0.05 and name in ("head-on", "flat"):
+    if speed == 0.05:
         assert found.depth < DEEP  # nothing is reported
     assert found.overlap < 0.16  # measured: 0.151 head-on at 0.5 c, where either body is four cells across
 
 
-@pytest.mark.parametrize("speed", [1.0, 2.0])
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(("name", "speed"), [("head-on", 1.0), *((name, 2.0) for name in SCENES)])
 def test_past_the_speed_of_waves_they_do_so_or_the_run_ends(name: str, speed: float) -> None:
     """Material that is struck at twice its wave speed may invert; what must not be is a good end with crossed
     bodies.
@@ -232,12 +232,11 @@ def pressed(angle: float, cell: float = CELL) -> dict[str, Any]:
     return scene(bodies, 350.0, cell=cell, materials={"stiff": material(1e7, 1000.0)}, output=output)
 
 
-@pytest.mark.parametrize("angle", [30.0, 60.0])
-def test_a_wedge_under_load_is_held_and_deep_penetration_is_reported(angle: float) -> None:
+def test_a_wedge_under_load_is_held_and_deep_penetration_is_reported() -> None:
     """It went 3 to 4 cells deep, and its force fell to a hundredth, as nodes deeper than the search radius
     were dropped.
     """
-    mapping = pressed(angle)
+    mapping = pressed(30.0)
     mapping["contact"]["penalty"] = {"kappa": 1.0}
     with pytest.warns(
         ResultsWarning,

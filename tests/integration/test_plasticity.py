@@ -56,15 +56,6 @@ def test_what_is_dissipated_is_in_the_ledger(dim: int) -> None:
     assert strain[height < 0.4].mean() > 3.0 * strain[height > 1.2].mean()
 
 
-def test_an_elastic_bar_has_no_such_series() -> None:
-    elastic = {"model": "neo_hookean", "yield_stress": None}
-    scene = bar(**elastic)
-    del scene["materials"]["soft"]["yield_stress"]
-    tree = mpmfw.run(scene)
-    assert "material_dissipation" not in tree["series"]
-    assert "plastic_strain" not in tree["particles/bar"]
-
-
 def test_a_run_goes_on_from_a_snapshot_with_its_history() -> None:
     simulation = Simulation(bar())
     simulation.advance(60)

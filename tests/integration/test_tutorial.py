@@ -31,16 +31,3 @@ def test_every_command_runs_and_prints_what_is_quoted(tutorial, tmp_path, monkey
     for figure in tutorial.FIGURE.findall(page):
         assert (tmp_path / figure).is_file()
         assert tutorial.PAGE.with_name(figure).is_file()
-
-
-@pytest.mark.parametrize(
-    ("line", "found"),
-    [
-        ("penalty  cpdi +1.1", True),
-        ("penalty cpdi …", True),
-        ("penalty cpdi", False),
-        ("penalty cpdi +1.2", False),
-    ],
-)
-def test_a_quoted_line_is_a_printed_one(tutorial, line, found):
-    assert tutorial.is_quoted(line, "head\npenalty cpdi  +1.1 \n") is found
