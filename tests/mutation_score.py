@@ -21,7 +21,7 @@ from typing import Any
 if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from faulty_plugins.load import faults as load_faults
+import faulty_plugins.planted
 from faulty_plugins.material import sound
 from mpmfw_testing import checks_of, examine, subject_of
 
@@ -41,23 +41,11 @@ class Found:
 
 def planted() -> Iterator[Found]:
     """The hand-planted faults of all kinds, each judged by the check that is meant for it."""
-    from integration import test_conformance_contact as contact
-    from integration import test_conformance_material as material
-    from integration import test_conformance_shape as shape
-    from integration import test_conformance_small as small
-
-    tables: dict[str, dict[Any, str]] = {
-        "contact": contact.FAULTS, "shape": shape.FAULTS, "material": material.FAULTS,
-        "load": load_faults.FAULTS,
-        **{kind: module.FAULTS for kind, module in small.MODULES.items()},
-    }  # fmt: skip
-    for kind, table in tables.items():
-        checks = {check.name: check for check in checks_of(kind)}  # type: ignore[arg-type]
-        for fault, meant in table.items():
-            (outcome,) = examine(subject_of(fault, kind), [checks[meant]])  # type: ignore[arg-type]
-            caught = meant if outcome.status == "failed" else ""
-            yield Found(kind, str(getattr(fault, "__name__", fault)), caught)
-    yield from (Found("contact", fault.__name__, "") for fault in contact.MISSED)
+    for kind, fault, meant in faulty_plugins.planted.planted():
+        checks: Any = [check for check in checks_of(kind) if check.name == meant]  # type: ignore[arg-type]
+        (outcome,) = examine(subject_of(fault, kind), checks)  # type: ignore[arg-type]
+        yield Found(kind, fault.__name__, meant if outcome.status == "failed" else "")
+    yield from (Found("contact", fault.__name__, "") for fault in faulty_plugins.planted.MISSED)
 
 
 def mutants(source: str) -> Iterator[tuple[str, str]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
@@ -25,21 +24,7 @@ class Softness(BaseModel):
 class IgnoredOption(PlainContact):
     """Accepts an option and drops it."""
 
-    name = "ignored-option"
     Options = Softness
-
-
-class Grip(BaseModel):
-    """An option with narrow bounds, which no usual number keeps."""
-
-    grip: float = Field(5.5, ge=5, le=6)
-
-
-class IgnoredWithinBounds(PlainContact):
-    """Accepts an option of narrow bounds and drops it."""
-
-    name = "ignored-within-bounds"
-    Options = Grip
 
 
 class Grade(BaseModel):
@@ -59,7 +44,6 @@ class Grade(BaseModel):
 class IgnoredBehindRefusals(PlainContact):
     """Drops an option, and refuses every value that the kit makes up."""
 
-    name = "ignored-behind-refusals"
     Options = Grade
 
 
@@ -80,8 +64,6 @@ class TooLongStep(Penalty):
 class WearsOut(PlainContact):
     """Friction falls with all that the object ever did: the next run inherits the last one's wear."""
 
-    name = "wears-out"
-
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
         self.steps = 0
@@ -100,8 +82,6 @@ class CountsElsewhere(PlainContact):
     anew.
     """
 
-    name = "counts-elsewhere"
-
     @hookimpl
     def setup(self, setup):
         PlainContact.setup(self, setup)
@@ -110,31 +90,6 @@ class CountsElsewhere(PlainContact):
     def friction(self, mu, normal, sticking):
         _CONTACTS[0] += 1
         return super().friction(mu / (1.0 + 1e-3 * _CONTACTS[0]), normal, sticking)
-
-
-class CountsByIterator(PlainContact):
-    """The same with a counter that is declared and cannot be saved: it does not say where it stands."""
-
-    name = "counts-by-iterator"
-    history = ("contacts",)
-
-    @hookimpl
-    def setup(self, setup):
-        PlainContact.setup(self, setup)
-        self.contacts = itertools.count()
-
-    def friction(self, mu, normal, sticking):
-        return super().friction(mu / (1.0 + 1e-3 * next(self.contacts)), normal, sticking)
-
-
-class ForgetsSprings(Penalty):
-    """At time zero the springs of friction lose their load."""
-
-    name = "forgets-springs"
-
-    def restart(self) -> None:
-        super().restart()
-        self.old.own.tangential.fill(0.0)
 
 
 class WorkOfOneInterval(Bardenhagen):
@@ -163,5 +118,3 @@ class RemembersWork(Bardenhagen):
 
 class Closed(Sealed, PlainContact):
     """Holds a function."""
-
-    name = "closed"

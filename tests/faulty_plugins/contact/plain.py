@@ -6,6 +6,8 @@ it."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from mpmfw.api import CONTACT_SERIES, ContactStrategy, hookimpl
@@ -19,6 +21,12 @@ class PlainContact(ContactStrategy):
     name = "plain"
     velocity_fields = "per_body"
     uses_friction = True
+
+    def __init_subclass__(cls, **keywords: Any) -> None:
+        """Name a law with a fault as its class is called."""
+        super().__init_subclass__(**keywords)
+        if "name" not in vars(cls):
+            cls.name = cls.__name__
 
     @hookimpl
     def declare_fields(self):

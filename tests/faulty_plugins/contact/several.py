@@ -10,19 +10,8 @@ from faulty_plugins.contact.plain import PlainContact
 from mpmfw.api import hookimpl
 
 
-class LastFriction(PlainContact):
-    """Every pair has the friction of the last."""
-
-    name = "last-friction"
-
-    def friction(self, _mu, normal, sticking):
-        return np.minimum(self.pairs[-1].friction * normal, sticking)
-
-
 class FirstBodysFriction(PlainContact):
     """A pair has the friction of the first pair that its first body is in."""
-
-    name = "first-bodys-friction"
 
     def exchanged(self, pair, m_a, m_b, relative, n):
         self.mu = next(other.friction for other in self.pairs if pair.first in (other.first, other.second))
@@ -32,47 +21,8 @@ class FirstBodysFriction(PlainContact):
         return np.minimum(self.mu * normal, sticking)
 
 
-class CentreLine(PlainContact):
-    """The normal is the line between the bodies' centres: right for discs, and for blocks that lie opposite
-    each other.
-    """
-
-    name = "centre-line"
-
-    def shared_nodes(self, grid, pair):
-        x, bodies = self.state.particles.position, self.state.bodies
-        first, second = (x[bodies[body].particles].mean(axis=0) for body in (pair.first, pair.second))
-        self.line = second - first
-        return super().shared_nodes(grid, pair)
-
-    def normal(self, outward_a, _outward_b, _position):
-        return np.broadcast_to(self.line, outward_a.shape)
-
-
-class StaleNormal(PlainContact):
-    """A node keeps the normal that it had when the bodies first shared it."""
-
-    name = "stale-normal"
-
-    def shared_nodes(self, grid, pair):
-        self.now = pair.index
-        return super().shared_nodes(grid, pair)
-
-    def normal(self, outward_a, outward_b, position):
-        if not hasattr(self, "kept"):
-            self.kept = np.full((len(self.pairs), 400, 400, position.shape[1]), np.nan)
-        at = tuple(np.round(position[:, :2] / self.h).astype(int).T + 200)
-        found = super().normal(outward_a, outward_b, position)
-        first = np.isnan(self.kept[self.now][at]).any(axis=1)
-        kept = np.where(first[:, None], found, self.kept[self.now][at])
-        self.kept[self.now][at] = kept
-        return kept
-
-
 class FullBuffer(PlainContact):
     """Has room for 64 shared nodes of a pair; the rest is dropped."""
-
-    name = "full-buffer"
 
     def shared_nodes(self, grid, pair):
         a, b = super().shared_nodes(grid, pair)
@@ -82,8 +32,6 @@ class FullBuffer(PlainContact):
 class EightPairs(PlainContact):
     """Has room for eight pairs that touch; the rest is dropped."""
 
-    name = "eight-pairs"
-
     def correct(self, grid):
         self.shared = [each for each in self.shared if len(each[1])][:8]
         super().correct(grid)
@@ -91,8 +39,6 @@ class EightPairs(PlainContact):
 
 class OneTouch(PlainContact):
     """Bodies that have met and parted are not asked again."""
-
-    name = "one-touch"
 
     def correct(self, grid):
         if not hasattr(self, "met"):
@@ -107,23 +53,8 @@ class OneTouch(PlainContact):
         super().correct(grid)
 
 
-class PlanarFriction(PlainContact):
-    """Friction along x and y alone."""
-
-    name = "planar-friction"
-
-    def exchanged(self, pair, m_a, m_b, relative, n):
-        flat = relative.copy()
-        if relative.shape[1] == 3:
-            along = (relative[:, 2] * n[:, 2])[:, None] * n
-            flat[:, 2] = along[:, 2]
-        return super().exchanged(pair, m_a, m_b, flat, n)
-
-
 class AbsoluteSpeed(PlainContact):
     """Softer where the bodies are fast, as seen from the grid."""
-
-    name = "absolute-speed"
 
     def correct(self, grid):
         p = self.state.particles
@@ -134,24 +65,8 @@ class AbsoluteSpeed(PlainContact):
         return super().effective_mass(pair, m_a, m_b) / (1.0 + self.fast / 10.0)
 
 
-class DrainsEnergy(PlainContact):
-    """Nodes that touch lose a fiftieth of their motion against each other: momentum stays, energy goes."""
-
-    name = "drains-energy"
-
-    def apply(self, grid, pair, a, b, j):
-        super().apply(grid, pair, a, b, j)
-        for nodes in (a, b):
-            if len(nodes):
-                mass = grid.mass[nodes]
-                mean = grid.momentum[nodes].sum(axis=0) / mass.sum()
-                grid.momentum[nodes] -= 0.1 * (grid.momentum[nodes] - mass[:, None] * mean)
-
-
 class TwentiethPerStep(PlainContact):
     """Takes a twentieth of the approach away in a step, however long that is."""
-
-    name = "twentieth-per-step"
 
     def effective_mass(self, pair, m_a, m_b):
         return 0.05 * super().effective_mass(pair, m_a, m_b)
@@ -159,8 +74,6 @@ class TwentiethPerStep(PlainContact):
 
 class WritesStress(PlainContact):
     """Relieves the stress of all points a little while bodies touch."""
-
-    name = "writes-stress"
 
     @hookimpl
     def after_momentum_projection(self, grid, phi, particles):
@@ -172,8 +85,6 @@ class WritesStress(PlainContact):
 class Remembers(PlainContact):
     """Keeps what it did in every step, for nobody."""
 
-    name = "remembers"
-
     def correct(self, grid):
         super().correct(grid)
         self.log = [*getattr(self, "log", []), grid.momentum.copy()]
@@ -181,8 +92,6 @@ class Remembers(PlainContact):
 
 class EveryOtherStep(PlainContact):
     """Acts in two steps, and rests in two."""
-
-    name = "every-other-step"
 
     @hookimpl
     def setup(self, setup):
@@ -197,8 +106,6 @@ class EveryOtherStep(PlainContact):
 
 class LightIsNothing(PlainContact):
     """Leaves nodes out that have less than a hundredth of the largest mass."""
-
-    name = "light-is-nothing"
 
     def shared_nodes(self, grid, pair):
         a, b = super().shared_nodes(grid, pair)

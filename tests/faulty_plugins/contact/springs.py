@@ -4,45 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from mpmfw.api import hookimpl
 from mpmfw_contact.penalty import Penalty, PenaltyLaw
-
-
-class FirstPairLaw(PenaltyLaw):
-    def forces(self, rows, old, dashpot, records) -> None:
-        super().forces(rows, old, dashpot, records)
-        if len(rows.own.tangential):
-            rows.own.tangential[: rows.count][rows.pair[: rows.count] > 0] = 0.0
-
-
-class FirstPairHistory(Penalty):
-    """Friction has a history between the first two bodies alone."""
-
-    name = "first-pair-history"
-    Law = FirstPairLaw
-
-
-class OthersLengthLaw(PenaltyLaw):
-    def stiffness(self, rows, old):
-        super().stiffness(rows, old)
-        n, surface, pairs = rows.count, self.state.surface, self.state.pairs
-        corner = surface.position[surface.facets]
-        length = np.linalg.norm(corner[:, -1] - corner[:, 0], axis=1)
-        of = surface.body[surface.facets[:, 0]]
-        mean = np.array([length[of == body.index].mean() for body in self.state.bodies])
-        ratio = np.array([mean[p.second] / mean[p.first] for p in pairs])[rows.pair[:n]]
-        for k in (rows.own.k, rows.own.limit_k):
-            k[:n] *= np.where(rows.sign[:n] > 0, ratio, 1.0 / ratio)
-        return rows.own.limit_k
-
-
-class OthersLength(Penalty):
-    """A point bears by the length of the other body's segments."""
-
-    name = "others-length"
-    Law = OthersLengthLaw
 
 
 class PerPointLaw(PenaltyLaw):
@@ -59,63 +22,6 @@ class PerPoint(Penalty):
 
     name = "per-point"
     Law = PerPointLaw
-
-
-class DashpotLaw(PenaltyLaw):
-    def forces(self, rows, old, dashpot, records) -> None:
-        super().forces(rows, old, dashpot * 300.0 * self.state.dt, records)
-
-
-class DashpotWithoutTime(Penalty):
-    """The dashpot's force is of the motion over a step, and not of the speed."""
-
-    name = "dashpot-without-time"
-    Law, defaults = DashpotLaw, {"damping": 0.3}
-
-
-class FadingLaw(PenaltyLaw):
-    def forces(self, rows, old, dashpot, records) -> None:
-        super().forces(rows, old, dashpot, records)
-        rows.own.tangential[: rows.count] *= 0.7
-
-
-class FadesPerStep(Penalty):
-    """Springs of friction lose three tenths of their load in every step, however long that is."""
-
-    name = "fades-per-step"
-    Law = FadingLaw
-
-
-class ForgetsAtOutputs(Penalty):
-    """Springs of friction lose their load when somebody asks for the series."""
-
-    name = "forgets-at-outputs"
-
-    @hookimpl
-    def diagnostics(self, state, interval) -> dict[str, Any]:
-        self.old.own.tangential.fill(0.0)
-        return Penalty.diagnostics(self, state, interval)
-
-
-class ShallowReach(Penalty):
-    """Loses points that are deeper than a twenty-fifth of a cell."""
-
-    name = "shallow-reach"
-
-    def find_rows(self, grid, phi, particles) -> None:
-        super().find_rows(grid, phi, particles)
-        gap = self.rows.gap[: self.rows.count]
-        gap[gap < -0.04 * grid.cell_size] = 1e-6 * grid.cell_size
-
-
-class FullRows(Penalty):
-    """Has room for 64 rows; the rest is dropped."""
-
-    name = "full-rows"
-
-    def find_rows(self, grid, phi, particles) -> None:
-        super().find_rows(grid, phi, particles)
-        self.rows.count = min(self.rows.count, 64)
 
 
 class HalfTheWork(Penalty):

@@ -14,8 +14,6 @@ from mpmfw.api import (
     Grid,
     LoadedFacets,
     Particles,
-    State,
-    Stencil,
     SurfaceLoad,
     hookimpl,
 )
@@ -27,6 +25,12 @@ class Sound(BodyLoad):
     """A spring towards a place, and drag."""
 
     name = "sound"
+
+    def __init_subclass__(cls, **keywords: Any) -> None:
+        """Name a plug-in with a fault as its class is called."""
+        super().__init_subclass__(**keywords)
+        if "name" not in vars(cls):
+            cls.name = cls.__name__
 
     def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
         to_the_place = np.cos(time) - particles.position[own]
@@ -44,19 +48,8 @@ class SoundWind(SurfaceLoad):
         return -np.maximum(along, 0.0)[:, None] * facets.normal
 
 
-class Infinite(Sound):
-    """Divides by a time that is zero at first."""
-
-    name = "infinite"
-
-    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
-        return super().forces(particles, own, time) / np.float64(time)
-
-
 class WrongShape(Sound):
     """One number for each point."""
-
-    name = "wrong_shape"
 
     def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
         return super().forces(particles, own, time)[:, 0]
@@ -65,46 +58,21 @@ class WrongShape(Sound):
 class Braking(Sound):
     """Writes the points' velocity in place of a force."""
 
-    name = "braking"
-
     def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
         particles.velocity[own] *= 0.999
-        return super().forces(particles, own, time)
-
-
-class Hardening(Sound):
-    """Writes the points' stress."""
-
-    name = "hardening"
-
-    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
-        particles.stress[own] += 1.0
         return super().forces(particles, own, time)
 
 
 class Everybody(Sound):
     """Adds to all nodes, whatever body is theirs."""
 
-    name = "everybody"
-
     @hookimpl
     def add_nodal_force(self, grid: Grid) -> None:
         grid.force[:, 0] += grid.mass * 1.0
 
 
-class FirstPoints(Sound):
-    """Reads the first points of all in place of its body's own."""
-
-    name = "first_points"
-
-    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
-        return super().forces(particles, slice(0, own.stop - own.start), time)
-
-
 class MeanOfAll(Sound):
     """Drag against the mean velocity of all bodies."""
-
-    name = "mean_of_all"
 
     def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:  # noqa: ARG002
         mean = particles.velocity.mean(axis=0)
@@ -112,20 +80,8 @@ class MeanOfAll(Sound):
         return force
 
 
-class Counting(Sound):
-    """Grows with every call."""
-
-    name = "counting"
-
-    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
-        self.calls = getattr(self, "calls", 0) + 1
-        return self.calls * super().forces(particles, own, time)
-
-
 class Latching(Sound):
     """Stays on once it was, in an attribute of its own."""
-
-    name = "latching"
 
     def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
         self.on = getattr(self, "on", False) or time > 1.0
@@ -135,8 +91,6 @@ class Latching(Sound):
 class Noisy(Sound):
     """Another force in every run."""
 
-    name = "noisy"
-
     def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
         return super().forces(particles, own, time) * (1.0 + 1e-3 * (clock.perf_counter_ns() % 1000))
 
@@ -144,33 +98,13 @@ class Noisy(Sound):
 class Pushing(Sound):
     """Changes the momentum beside its forces."""
 
-    name = "pushing"
-
     @hookimpl
     def after_momentum_update(self, grid: Grid, dt: float) -> None:
         grid.momentum[:, 0] += dt * grid.mass
 
 
-class Twice(Sound):
-    """Acts a second time after the momentum is integrated."""
-
-    name = "twice"
-
-    @hookimpl
-    def add_nodal_force(self, grid: Grid, state: State, phi: Stencil) -> None:
-        before = grid.force.copy()
-        BodyLoad.add_nodal_force(self, grid, state, phi)
-        self.again = grid.force - before
-
-    @hookimpl
-    def after_momentum_update(self, grid: Grid, dt: float) -> None:
-        grid.momentum += dt * self.again
-
-
 class Shaking(Sound):
     """Heats: adds opposite momenta to neighbouring nodes, whose sum is nothing."""
-
-    name = "shaking"
 
     @hookimpl
     def after_momentum_update(self, grid: Grid) -> None:
@@ -187,17 +121,6 @@ class EachPoint(BodyLoad):
 
     def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:  # noqa: ARG002
         return np.ones((own.stop - own.start, particles.dim))
-
-
-class FirstPoint(BodyLoad):
-    """As much as one point weighs."""
-
-    name = "first_point"
-
-    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:  # noqa: ARG002
-        force = np.zeros((own.stop - own.start, particles.dim))
-        force[0] = 10.0 * particles.mass[own][0]
-        return force
 
 
 @kernel
@@ -222,41 +145,13 @@ class PastTheEnd(BodyLoad):
 class Closed(Sealed, Sound):
     """Holds a function."""
 
-    name = "closed"
-
 
 class Forgetting(Forgetful, Sound):
     """Is sent without a number that it needs."""
-
-    name = "forgetting"
 
 
 class GrowsWithPoints(Sound):
     """A thousandth more for every point of the body."""
 
-    name = "grows_with_points"
-
     def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
         return (1.0 + 1e-3 * (own.stop - own.start)) * super().forces(particles, own, time)
-
-
-FAULTS: dict[type[Any], str] = {
-    Infinite: "runs",
-    WrongShape: "runs",
-    Braking: "writes-nothing",
-    Hardening: "writes-nothing",
-    Everybody: "own-body",
-    FirstPoints: "own-body",
-    MeanOfAll: "own-body",
-    Counting: "no-memory",
-    Latching: "no-memory",
-    Noisy: "no-memory",
-    Pushing: "impulse",
-    Twice: "impulse",
-    Shaking: "power",
-    EachPoint: "refinement",
-    FirstPoint: "refinement",
-    GrowsWithPoints: "refinement",
-    Closed: "sent",
-    Forgetting: "sent",
-}

@@ -18,13 +18,6 @@ class PreStressed(Sound):
         return super().stress(f) + 1e-6 * K * np.eye(f.shape[1])
 
 
-class EnergyFromNothing(Sound):
-    """Energy at rest."""
-
-    def energy_density(self, deformation_gradient: FloatArray) -> FloatArray:
-        return super().energy_density(deformation_gradient) + 1e-6 * K
-
-
 class TwiceTheShear(Sound):
     """The modulus that steps are made of is half of what acts."""
 
@@ -48,15 +41,6 @@ class RightForLeft(Sound):
         return np.swapaxes(f, 1, 2) @ f
 
 
-class FixedFibres(Sound):
-    """Stiffer along x, whichever way the body has turned."""
-
-    def stress(self, f: FloatArray) -> FloatArray:
-        found = super().stress(f)
-        found[:, 0, 0] += 0.1 * K * (np.linalg.det(f) - 1.0) ** 2
-        return found
-
-
 class Lopsided(Sound):
     """A stress that is not symmetric."""
 
@@ -76,22 +60,6 @@ class KirchhoffForCauchy(Sound):
         return (
             super().cauchy_stress(deformation_gradient) * np.linalg.det(deformation_gradient)[:, None, None]
         )
-
-
-class EnergyOfAnother(Sound):
-    """Energy of a stiffer material."""
-
-    def energy_density(self, deformation_gradient: FloatArray) -> FloatArray:
-        return 1.1 * super().energy_density(deformation_gradient)
-
-
-class PlaneWithoutDepth(Sound):
-    """In 2D the energy lacks F_zz."""
-
-    def energy_density(self, deformation_gradient: FloatArray) -> FloatArray:
-        found = super().energy_density(deformation_gradient)
-        depth = 0.01 * G * (np.linalg.det(deformation_gradient) - 1.0) ** 2
-        return found + depth if deformation_gradient.shape[1] == 2 else found
 
 
 class OutputsOfAnother(Sound):
@@ -189,13 +157,6 @@ class GivingBack(Sound):
         return 0.01 * self.energy_of_points(particles, own)
 
 
-class WrongShape(Sound):
-    """One energy for all points."""
-
-    def energy_density(self, deformation_gradient: FloatArray) -> FloatArray:
-        return super().energy_density(deformation_gradient).sum(keepdims=True)
-
-
 class NotANumber(Sound):
     """The logarithm of a negative number."""
 
@@ -212,21 +173,6 @@ class OutputsInThePlane(Sound):
         if deformation_gradient.shape[1] == 2:
             found[:, 2, 2] = 0.0
         return found
-
-
-class Yielding(Sound):
-    """Past 20 % of strain the stress stays, and the energy goes on."""
-
-    def stress(self, f: FloatArray) -> FloatArray:
-        strain = self.left(f) - np.eye(f.shape[1])
-        size = np.sqrt((strain**2).sum(axis=(1, 2)))[:, None, None]
-        return super().stress(f) * np.minimum(1.0, 0.7 / np.maximum(size, 1e-300))
-
-    def cauchy_stress(self, deformation_gradient: FloatArray) -> FloatArray:
-        f = np.tile(np.eye(3), (len(deformation_gradient), 1, 1))
-        dim = deformation_gradient.shape[1]
-        f[:, :dim, :dim] = deformation_gradient
-        return self.stress(f)
 
 
 class Closed(Sealed, Sound):

@@ -16,6 +16,12 @@ class Sound(FrictionLaw):
 
     name = "sound"
 
+    def __init_subclass__(cls, **keywords: Any) -> None:
+        """Name a plug-in with a fault as its class is called."""
+        super().__init_subclass__(**keywords)
+        if "name" not in vars(cls):
+            cls.name = cls.__name__
+
     def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
         super().slip_limit(rows, friction, dt)
         n = rows.count
@@ -39,7 +45,6 @@ class GrowthOptions(BaseModel, extra="forbid", frozen=True):
 class OneNumberNeedsAnother(Sound):
     """μ grows with the logarithm of the speed, by nothing unless it is told to; sound as well."""
 
-    name = "one-number-needs-another"
     Options = GrowthOptions
 
     def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
@@ -51,30 +56,14 @@ class OneNumberNeedsAnother(Sound):
 class DividesByNothing(Sound):
     """Forgets that the first step has no last one."""
 
-    name = "divides-by-nothing"
-
     def speed(self, rows: ContactRows, dt: float) -> FloatArray:
         with np.errstate(all="ignore"):
             slip: FloatArray = np.linalg.norm(rows.motion[: rows.count], axis=1) / dt
         return slip
 
 
-class SlidingRowsOnly(Sound):
-    """Says nothing of rows at rest."""
-
-    name = "sliding-rows-only"
-
-    def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
-        before = rows.friction.copy()
-        super().slip_limit(rows, friction, dt)
-        rest = self.speed(rows, dt) == 0.0
-        rows.friction[: rows.count][rest] = before[: rows.count][rest]
-
-
 class TurnsNormals(Sound):
     """Writes the normals anew."""
-
-    name = "turns-normals"
 
     def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
         super().slip_limit(rows, friction, dt)
@@ -84,26 +73,12 @@ class TurnsNormals(Sound):
 class FirstPair(Sound):
     """All pairs have the friction of the first."""
 
-    name = "first-pair"
-
     def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
         super().slip_limit(rows, np.full_like(friction, friction[0]), dt)
 
 
-class MeanSpeed(Sound):
-    """Takes the mean speed of all rows."""
-
-    name = "mean-speed"
-
-    def speed(self, rows: ContactRows, dt: float) -> FloatArray:
-        found = super().speed(rows, dt)
-        return np.full_like(found, found.mean())
-
-
 class WearsOut(Sound):
     """Falls with every call."""
-
-    name = "wears-out"
 
     def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
         self.calls = getattr(self, "calls", 0) + 1
@@ -113,8 +88,6 @@ class WearsOut(Sound):
 class AlongX(Sound):
     """Knows the motion along x alone."""
 
-    name = "along-x"
-
     def speed(self, rows: ContactRows, dt: float) -> FloatArray:
         slip: FloatArray = np.abs(rows.motion[: rows.count, 0])
         return slip / dt if dt > 0.0 else 0.0 * slip
@@ -122,8 +95,6 @@ class AlongX(Sound):
 
 class ByTheStep(Sound):
     """Takes the motion over a step, times 10 000, for the speed."""
-
-    name = "by-the-step"
 
     def speed(self, rows: ContactRows, dt: float) -> FloatArray:  # noqa: ARG002
         return super().speed(rows, 1e-4)
@@ -138,14 +109,11 @@ class Factor(BaseModel):
 class Dropped(Sound):
     """Accepts an option and drops it."""
 
-    name = "dropped"
     Options = Factor
 
 
 class WholeMotion(Sound):
     """Takes the approach for slip as well."""
-
-    name = "whole-motion"
 
     def speed(self, rows: ContactRows, dt: float) -> FloatArray:
         moved: FloatArray = np.linalg.norm(rows.motion[: rows.count], axis=1)
@@ -155,42 +123,10 @@ class WholeMotion(Sound):
 class ByArea(Sound):
     """A large row has more of it."""
 
-    name = "by-area"
-
     def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
         super().slip_limit(rows, friction, dt)
         rows.friction[: rows.count] *= 1.0 + rows.area[: rows.count]
 
 
-class OddNumbers(Sound):
-    """Points with an odd number have more of it."""
-
-    name = "odd-numbers"
-
-    def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
-        super().slip_limit(rows, friction, dt)
-        rows.friction[: rows.count] *= 1.0 + 0.1 * (rows.identity[: rows.count] % 2)
-
-
 class Closed(Sealed, Sound):
     """Holds a function."""
-
-    name = "closed"
-
-
-#: The check that is meant for each.
-FAULTS: dict[type[Any], str] = {
-    DividesByNothing: "runs",
-    SlidingRowsOnly: "runs",
-    TurnsNormals: "changes-nothing-else",
-    FirstPair: "each-for-itself",
-    MeanSpeed: "each-for-itself",
-    WearsOut: "no-memory",
-    AlongX: "frame",
-    ByTheStep: "units",
-    Dropped: "options",
-    WholeMotion: "slip",
-    ByArea: "share",
-    OddNumbers: "share",
-    Closed: "sent",
-}

@@ -112,17 +112,6 @@ class Hole(SoundSolid):
         return ((nodes, facets[1:]),)
 
 
-class Flipped(SoundSolid):
-    """One triangle runs the other way round."""
-
-    type: Literal["flipped"] = "flipped"
-
-    def surfaces(self, edge: float) -> tuple[tuple[FloatArray, IntArray], ...]:
-        ((nodes, facets),) = super().surfaces(edge)
-        facets[3] = facets[3][::-1]
-        return ((nodes, facets),)
-
-
 class Eight(Sound):
     """Two nodes of the outer outline are exchanged."""
 
@@ -132,24 +121,6 @@ class Eight(Sound):
         outer, inner = super().outlines(segment)
         outer[[3, 4]] = outer[[4, 3]]
         return outer, inner
-
-
-class Repeated(Sound):
-    """The first node is repeated at the end."""
-
-    type: Literal["repeated"] = "repeated"
-
-    def outlines(self, segment: float) -> tuple[FloatArray, ...]:
-        return tuple(np.concatenate([loop, loop[:1]]) for loop in super().outlines(segment))
-
-
-class Clockwise(Sound):
-    """All outlines run the other way round."""
-
-    type: Literal["clockwise"] = "clockwise"
-
-    def outlines(self, segment: float) -> tuple[FloatArray, ...]:
-        return tuple(loop[::-1].copy() for loop in super().outlines(segment))
 
 
 class FilledHole(Sound):
@@ -171,15 +142,6 @@ class Coarse(Sound):
         return super().outlines(0.4)
 
 
-class Many(Sound):
-    """Ten times as many nodes as needed."""
-
-    type: Literal["many"] = "many"
-
-    def outlines(self, segment: float) -> tuple[FloatArray, ...]:
-        return super().outlines(0.1 * segment)
-
-
 class Narrow(Sound):
     """Bounds are those of the unit square."""
 
@@ -188,26 +150,6 @@ class Narrow(Sound):
     @property
     def bounds(self) -> FloatArray:
         return np.array(self.centre) + np.array([[-0.9, -0.6], [0.9, 0.6]])
-
-
-class Wide(Sound):
-    """Bounds are those of the square round the ellipse."""
-
-    type: Literal["wide"] = "wide"
-
-    @property
-    def bounds(self) -> FloatArray:
-        return np.array(self.centre) + np.array([[-1.0, -1.0], [1.0, 1.0]])
-
-
-class WholeArea(Sound):
-    """The hole counts as a part of the body."""
-
-    type: Literal["whole-area"] = "whole-area"
-
-    @property
-    def exact_volume(self) -> float:
-        return float(np.pi * self.semi_axes[0] * self.semi_axes[1])
 
 
 class Rough(Sound):
@@ -229,15 +171,6 @@ class Origin(Sound):
     @property
     def centroid(self) -> FloatArray:
         return np.zeros(2)
-
-
-class OneSize(Sound):
-    """All points are of one size, whatever is asked for."""
-
-    type: Literal["one-size"] = "one-size"
-
-    def lattice(self, size: float, offset: tuple[float, ...]) -> Layout:  # noqa: ARG002
-        return super().lattice(0.4, offset)
 
 
 class SmallDomains(Sound):
@@ -263,15 +196,6 @@ class Shared(Sound):
         return kept
 
 
-class Random(Sound):
-    """Nodes are shifted by chance along the outline."""
-
-    type: Literal["random"] = "random"
-
-    def loop(self, half: tuple[float, float], number: int, larger: float = 1.0) -> FloatArray:
-        return super().loop(half, number, larger) + np.random.default_rng().uniform(0.0, 1e-9)
-
-
 class Hidden(Sound):
     """A part of what it is made of is no key."""
 
@@ -288,15 +212,6 @@ class Hidden(Sound):
     @property
     def exact_volume(self) -> float:
         return float(np.pi * (self.semi_axes[0] * self.semi_axes[1] - self.halves()[1][0] ** 2))
-
-
-class Unsent(Sound):
-    """Holds a function, which no other process can be sent."""
-
-    type: Literal["unsent"] = "unsent"
-
-    def model_post_init(self, _: Any) -> None:
-        self.__dict__["made"] = lambda: self.hole
 
 
 class Swelling(Sound):
@@ -317,14 +232,3 @@ class LeftHanded(Sound):
     @property
     def axes(self) -> FloatArray:
         return np.diag([1.0, -1.0])
-
-
-FAULTS: dict[Any, str] = {
-    FlatBounds: "runs", Hole: "closed", Flipped: "closed", Eight: "closed", Repeated: "closed",
-    Clockwise: "oriented",
-    FilledHole: "oriented", Coarse: "sides", Many: "sides", Narrow: "in-bounds", Wide: "in-bounds",
-    WholeArea: "volume",
-    Rough: "volume", Origin: "centroid", OneSize: "points", SmallDomains: "points", Shared: "repeatable",
-    Random: "repeatable",
-    Hidden: "saved", Unsent: "saved", Swelling: "moves", LeftHanded: "axes",
-}  # fmt: skip

@@ -1,0 +1,332 @@
+"""The conformance kit: bundled plug-ins pass, and each planted fault is caught by the check meant for it."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+import pytest
+from pydantic import BaseModel, Field
+
+import mpmfw.plugin.discovery
+from faulty_plugins.contact import keeping, momentum
+from faulty_plugins.contact.plain import PlainContact
+from faulty_plugins.load import faults as load_faults
+from faulty_plugins.material.sound import Sound as SoundMaterial
+from faulty_plugins.planted import PLANTED, WITHOUT, planted
+from faulty_plugins.shape import faults as shape_faults
+from faulty_plugins.shape.sound import Sound as SoundShape
+from faulty_plugins.small import friction, geometry, other_kinds
+from mpmfw.api import ContactStrategy, SceneError, hookimpl
+from mpmfw.campaigns.measures import MEASURES
+from mpmfw_contact.bardenhagen import Bardenhagen
+from mpmfw_contact.penalty import Penalty
+from mpmfw_testing import examine, subject_of
+from mpmfw_testing.contact.meeting import Meeting
+from mpmfw_testing.contact.motion import simulate
+from mpmfw_testing.examination import examine_one
+from mpmfw_testing.parametrised import checks_of
+
+STICKS = "one velocity field for all bodies: they stick where they meet, in every direction"
+ROUNDED = "one window spans all bodies, so that sums run in another order: equal to rounding only"
+LACKS_NONE = {
+    "pushes-apart": f"{STICKS}, and discs that meet in a point are hardly slowed",
+    "no-adhesion": STICKS,
+    "coulomb-cone": STICKS,
+    "frictionless": STICKS,
+    "unequal": f"{STICKS}, and discs that meet in a point are hardly slowed",
+    "three-bodies": "the common field strains the bodies at once, as in energy",
+    "met-again": f"{STICKS}, and discs that meet in a point are hardly slowed",
+    "energy": "the common field strains the bodies at once, and FLIP slows their points only by the forces "
+    "that follow",
+    "shift": "how many nodes the bodies share, and so how firmly they stick, depends on where they lie",
+    "rotation": "how many nodes the bodies share, and so how firmly they stick, depends on how they lie",
+    "asleep-apart": ROUNDED,
+    "bystander": ROUNDED,
+    "shapes": f"{STICKS}, and discs that meet in a point are hardly slowed",
+    "three-dimensions": "what bodies of one velocity field exchange is internal force: contact itself does nothing",  # noqa: E501
+}
+THROWN = "a node near a corner is behind the line of a far face too (eq. 10), a cell deep, and is thrown out along the near one"  # noqa: E501
+LAYER = "the interface layer has inertia and momentum of its own beside the material points'"
+LACKS_HAMAD_2017 = {
+    **dict.fromkeys(
+        (
+            "coulomb-cone",
+            "slip-on-the-cone",
+            "sticking",
+            "frictionless",
+            "time-step",
+            "three-bodies",
+            "step-length",
+        ),
+        THROWN,
+    ),
+    **dict.fromkeys(
+        ("equal-and-opposite", "moment-balance", "pushes-apart", "no-adhesion", "asleep-apart", "bystander"),
+        LAYER,
+    ),
+    **dict.fromkeys(("shapes", "reports"), LAYER),
+    "refinement": "a node bears by the penetration of its segment's ends: four times as many nodes give 20 % "
+    "more",
+}
+ORDER = "rows that say nearly the same share a force by their order, and within the tolerance"
+LACKS_LCP = {
+    "relabelling": ORDER,
+    "rotation": f"{ORDER}: a quarter turn is felt by 2e-4",
+}
+LACKS_NAIRN = {
+    "relabelling": "sums in another order decide whether a normal has turned by less than what ends its "
+    "regression",
+}
+LACKS_IMPULSE = {"relabelling": "a row that neither approaches nor parts takes part or not by rounding: 6e-9"}
+BUMPS = "spheres in the hollows of others: the surface is a row of bumps"
+LACKS_PARTICLES = {
+    "no-adhesion": f"{BUMPS}, which overlap where the bodies just touch, and push",
+    "coulomb-cone": f"{BUMPS}, whose normals are not that of the face",
+    "frictionless": f"{BUMPS}, which hold along the face",
+    "moment-balance": "friction acts on the points, and leaves a moment of the radii",
+    "sticking": "friction is that of the moment, also where it turns the slip round",
+    "step-length": "the force is the overlap over the square of the step",
+}
+LACKS_SEPARATE = {
+    "unequal": "no interaction: the bodies pass through each other",
+    "pushes-apart": "no interaction: the bodies pass through each other",
+    "met-again": "no interaction: the bodies pass through each other",
+    "many-contacts": "no interaction: the bodies pass through each other",
+    "shapes": "no interaction: the bodies pass through each other, with any shape function",
+    "three-dimensions": "no interaction: the bodies pass through each other, in space as well",
+}
+LINEAR_ELASTIC = {
+    "work": "σ = R C:(U − 1) Rᵀ is the gradient of its energy to second order of the strain alone: 5 % "
+    "off at 10 %",
+}
+LINEAR = {
+    "divergence-theorem": "∇N jumps at cell faces, so that Σ V ∇N is a quadrature of first order: 13 % off "
+    "with four points a cell edge. massless_boundary is declared for this, and surfaces are mapped by mass",
+}
+GIMP = {
+    "constant-stress-deformed": "uGIMP keeps its squares by definition (Bardenhagen & Kober 2004): after a "
+    "deformation they overlap and leave gaps. CPDI is what follows F",
+}
+CK = {
+    "translation": "nodes belong in turn to one grid and to the other: weights repeat after two cells, which "
+    "are one of the paper's",
+}
+
+MODULI = "bulk_modulus=5e6, shear_modulus=3e6"
+#: Kind and plug-in, and what it cannot pass, with the reason.
+SOUND = {
+    **{
+        ("contact", name): {}
+        for name in ("penalty", "bardenhagen", "hybrid", "barrier", "midplane", "adhesion")
+    },
+    ("contact", "hamad2017"): LACKS_HAMAD_2017,
+    ("contact", "lcp"): LACKS_LCP,
+    ("contact", "impulse"): LACKS_IMPULSE,
+    ("contact", "particles"): LACKS_PARTICLES,
+    ("contact", "nairn"): LACKS_NAIRN,
+    ("contact", "none"): LACKS_NONE,
+    ("contact", "separate"): LACKS_SEPARATE,
+    ("shape", "linear"): LINEAR,
+    ("shape", "gimp"): GIMP,
+    ("shape", "ck"): CK,
+    **{("shape", name): {} for name in ("cpdi", "cpdi2", "bspline", "cubic_bspline", SoundShape)},
+    ("material", f"neo_hookean({MODULI})"): {},
+    ("material", f"neo_hookean({MODULI}, energy=log)"): {},
+    ("material", f"linear_elastic({MODULI})"): LINEAR_ELASTIC,
+    ("material", f"j2({MODULI}, yield_stress=2e4, hardening_modulus=1e5)"): {},
+    ("material", SoundMaterial): {},
+    ("load", "drag(rate=2, medium=[[0, 1, 0], [1, 0, 3]])"): {},
+    ("load", "body_force(force=[3, -2])"): {},
+    ("load", "point_force(at=[0.1, 0.2], force=[3, -2])"): {},
+    ("load", load_faults.Sound): {},
+    ("load", load_faults.SoundWind): {},
+    ("friction", friction.Sound): {},
+    ("friction", friction.OneNumberNeedsAnother): {},
+    ("friction", "coulomb"): {},
+    ("friction", "stribeck(velocity=0.5)"): {},
+    ("friction", "mohr_coulomb(cohesion=10)"): {},
+    ("geometry", geometry.Sound): {},
+    ("geometry", geometry.SoundSolid): {},
+    ("geometry", "disc(centre=[0, 0], radius=1)"): {},
+    ("geometry", "ring(centre=[0.3, 0.2], inner_radius=0.5, outer_radius=0.8)"): {},
+    ("geometry", "rectangle(lower=[0, 0], upper=[1, 0.4], angle=0.3)"): {},
+    ("geometry", "polygon(points=[[0, 0], [2, 0], [1, 1], [1, 2]])"): {},
+    ("geometry", "box(lower=[0, 0, 0], upper=[1, 2, 1])"): {},
+    ("geometry", "ball(centre=[0, 0, 0], radius=1)"): {},
+    ("geometry", "cylinder(centre=[0, 0, 0], radius=1, length=2)"): {},
+    ("geometry", "torus(centre=[0, 0, 0], radius=1, tube_radius=0.3)"): {},
+    **{(kind, sound): {} for kind, (sound, _) in other_kinds.KINDS.items()},
+    **{("measure", name): {} for name in MEASURES},
+}
+
+#: Checks whose violations have nothing to show: two runs with the same motion, attributes, layouts of arrays.
+WITHOUT_PICTURE = {
+    "contact": {"options", "outputs", "changes-nothing-else", "no-growth", "sent", "shapes"},
+    "shape": {"sent", "dimensions", "options", "structure"},
+}
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _entry_points_are_read_once():
+    """Nothing is installed while these tests run; reading it anew for every simulation takes most of their
+    time.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(
+            mpmfw.plugin.discovery, "entry_points", functools.cache(mpmfw.plugin.discovery.entry_points)
+        )
+        yield
+
+
+def check_of(kind, name):
+    """The check of a kind with this name."""
+    return next(check for check in checks_of(kind) if check.name == name)
+
+
+def outcome(plugin, name, kind="contact", pictures=None, **options):
+    """What comes of one check."""
+    return examine_one(subject_of(plugin, kind, options), check_of(kind, name), pictures=pictures)
+
+
+@pytest.mark.parametrize(
+    ("kind", "plugin", "name"),
+    [(kind, plugin, check.name) for kind, plugin in SOUND for check in checks_of(kind)],
+    ids=lambda value: getattr(value, "__name__", value),
+)
+def test_bundled_plugins_pass_but_what_they_are_known_to_lack(kind, plugin, name):
+    found = examine_one(subject_of(plugin, kind), check_of(kind, name), SOUND[kind, plugin].get(name, ""))
+    assert not found.wrong, found.report
+
+
+def test_what_plugins_lack_is_named_after_checks():
+    for (kind, _), lacks in SOUND.items():
+        assert set(lacks) <= {check.name for check in checks_of(kind)}
+
+
+@pytest.mark.parametrize(
+    ("kind", "fault", "meant"), list(planted()), ids=lambda value: getattr(value, "__name__", value)
+)
+def test_every_fault_is_caught_by_the_check_meant_for_it(kind, fault, meant, tmp_path):
+    found = outcome(fault, meant, kind, tmp_path)
+    assert found.status == "failed", found.report
+    if kind in ("contact", "shape", "material"):  # the property is broken; the kit did not stumble
+        assert "Error" not in found.message or fault in (keeping.TooLongStep, momentum.NineEntries)
+    if kind in WITHOUT_PICTURE:
+        assert found.counterexample
+        assert (found.picture is None) == (meant in WITHOUT_PICTURE[kind]), found.report
+
+
+@pytest.mark.parametrize("kind", PLANTED)
+def test_every_check_has_a_fault_planted_for_it(kind):
+    assert set(PLANTED[kind]) | WITHOUT.get(kind, set()) == {check.name for check in checks_of(kind)}
+
+
+@pytest.mark.parametrize("kind", other_kinds.KINDS)
+def test_random_values_are_caught_in_kinds_with_the_generic_check(kind):
+    outcomes = examine(subject_of(other_kinds.KINDS[kind][1], kind), checks_of(kind))
+    assert [found.check for found in outcomes if found.wrong] == ["repeatable"]
+
+
+#: Checks for which faults were planted in the plain law, each once however many they are.
+PLAIN = sorted({name for _, fault, name in planted("contact") if issubclass(fault, PlainContact)})
+
+
+@pytest.mark.parametrize("name", PLAIN)
+def test_the_law_without_the_fault_passes_the_same_check(name):
+    found = outcome(PlainContact, name)
+    assert found.status == ("not applicable" if name == "options" else "passed"), found.report
+
+
+class RoundedWork(Bardenhagen):
+    """From one output to the next the recorded work loses its last bits."""
+
+    name = "rounded-work"
+    outputs = 0
+
+    @hookimpl
+    def diagnostics(self, state, interval):
+        self.outputs += 1
+        series = Bardenhagen.diagnostics(self, state, interval)
+        series["frictional_work"] = (1.0 - 1e-14 * self.outputs) * series["frictional_work"] - 1e-16
+        return series
+
+
+def test_a_rounding_of_the_recorded_work_is_no_fall():
+    motion = simulate(RoundedWork(), Meeting(form="discs", slide=0.5, friction=0.3).mapping(), 40)
+    assert np.diff(motion.of("frictional_work")[:, 0]).min() < 0.0
+    found = outcome(RoundedWork, "reports")
+    assert found.status == "passed", found.report
+
+
+class Film(ContactStrategy):
+    """Does nothing, with an option that it drops, and of which the only example is what it is configured
+    with.
+    """
+
+    name = "film"
+
+    class Options(BaseModel):
+        resistance: float = Field(0.0, ge=0.0, examples=[1e4])
+
+
+def test_an_option_that_has_the_value_of_its_example_is_compared_with_others():
+    found = outcome(Film(resistance=1e4), "options")
+    assert found.message == "an option is accepted and has no effect"
+    assert found.counterexample["value"] != 1e4
+
+
+class RefusesLinear(PlainContact):
+    """Says that it does not work with linear functions."""
+
+    name = "refuses-linear"
+
+    @hookimpl
+    def setup(self, setup):
+        if setup.shape == "linear":
+            raise SceneError("refuses-linear: needs gradients that are continuous, expected another shape")
+        PlainContact.setup(self, setup)
+
+
+def test_a_refused_shape_function_is_noted():
+    found = outcome(RefusesLinear, "shapes")
+    assert (found.status, found.message) == ("passed", "refuses: linear"), found.report
+
+
+def test_values_that_are_all_refused_acquit_no_option():
+    found = outcome(keeping.IgnoredBehindRefusals, "options")
+    assert "every value made up for 'grade' is refused or the default" in found.message
+    found = outcome(keeping.IgnoredBehindRefusals(grade="S355"), "options")
+    assert (found.message, found.counterexample["value"]) == (
+        "an option is accepted and has no effect",
+        "S235",
+    )
+
+
+def test_stiff_springs_with_their_true_limit_are_stable():
+    found = outcome(Penalty, "time-step", kappa=10.0)
+    assert found.status == "passed", found.report
+
+
+class Stumbling(Bardenhagen):
+    """Ends in an error of its own."""
+
+    name = "stumbling"
+
+    @hookimpl
+    def after_momentum_update(self, grid):
+        raise ZeroDivisionError(f"no impulse on {len(grid.mass)} nodes")
+
+
+def test_an_error_of_the_law_is_shown_with_its_place():
+    found = outcome(Stumbling, "runs")
+    assert found.status == "failed"
+    assert "no impulse on" in found.report
+    assert "test_conformance.py" in found.report
+
+
+def test_an_error_of_a_shape_function_is_shown_with_its_place():
+    found = outcome(shape_faults.Stumbling, "runs", "shape")
+    assert found.status == "failed"
+    assert "no weights" in found.report
+    assert "faults.py" in found.report
