@@ -36,6 +36,11 @@ STRATEGIES: dict[str, tuple[str, dict[str, Any]]] = {
     "nairn": ("nairn", {}),
     "particles": ("particles", {}),
 }
+#: Those that the conformance kit does not run; tests/integration/test_conformance.py asks the others.
+VARIANTS = [
+    *(name for name in STRATEGIES if name.startswith("bardenhagen-")),
+    *("penalty-one-pass", "lcp-nodes"),
+]
 #: Those that report an impulse.
 ACTING = [name for name in STRATEGIES if name not in ("none", "separate")]
 

@@ -1,4 +1,4 @@
-"""Two thousand mutated scenes: none ends in a traceback, hangs, is "ok" with NaN, runs code or touches other
+"""A thousand mutated scenes: none ends in a traceback, hangs, is "ok" with NaN, runs code or touches other
 files.
 """
 
@@ -18,7 +18,7 @@ import mpmfw
 from mpmfw.errors import SceneError
 from mpmfw.scene import load_scene
 
-MUTANTS = 2000
+MUTANTS = 1000
 KERNELS = os.environ.get("NUMBA_CACHE_DIR", f"{os.sep}kernels{os.sep}")
 AT_A_TIME = 100
 
@@ -97,12 +97,6 @@ def test_the_watch_sees_an_import(tmp_path, monkeypatch):
         _SEEN, found = None, _SEEN
         assert [entry for entry in found if entry.startswith("import")] == seen
     sys.modules.pop("pwned", None)
-
-
-def test_a_mutant_is_always_the_same():
-    texts = [mutant(number).text for number in range(50)]
-    assert texts == [mutant(number).text for number in range(50)]
-    assert len(set(texts)) > 45
 
 
 @pytest.mark.parametrize("path", ["../secret.msh", "/etc/passwd", "a/../../secret.msh", "link.msh"])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import mpmfw
-from contact_scenes import CELL, impact, run, simulation
+from contact_scenes import CELL, impact, run
 from mpmfw.errors import ResultsWarning
 from mpmfw.runs.simulation import Simulation
 
@@ -47,14 +47,6 @@ def test_a_block_slides_as_coulomb_says():
     found = np.polyfit(time[late], speed[late], 1)[0]
     exact = 10.0 * (np.sin(np.pi / 6.0) - 0.3 * np.cos(np.pi / 6.0))
     assert found == pytest.approx(exact, rel=0.02)  # two cells high: -1.1 %; with three +0.1 %
-
-
-def test_what_is_recorded_is_what_the_bodies_got():
-    motion = run(simulation("lcp", impact(friction=0.3)), 120)
-    gained = motion.momentum["left"][-1] - motion.momentum["left"][0]
-    np.testing.assert_allclose(motion.impulse[:, 0].sum(axis=0), gained, rtol=1e-9)
-    total = motion.total_momentum
-    assert np.abs(total - total[0]).max() < 1e-11 * np.abs(motion.momentum["left"]).max()
 
 
 def test_solutions_that_were_cut_short_are_told():

@@ -14,7 +14,6 @@ from pydantic import BaseModel
 import mpmfw
 from mpmfw.api import BodyLoad, FloatArray, LoadedFacets, Particles, SurfaceLoad
 from mpmfw.errors import PluginError, SceneError
-from mpmfw.plugin.discovery import available
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import BULK, DENSITY, SHEAR, SOFT, block, box, disc, two_blocks
 
@@ -76,13 +75,6 @@ def test_a_body_force_is_that_of_the_volume() -> None:
     np.testing.assert_allclose(momentum(sim), np.multiply([2.0, -7.0], 20e-4), rtol=1e-9)
 
 
-def test_a_body_force_goes_with_the_undeformed_volume() -> None:
-    sim = started(block(loads={"field": {"model": "body_force", "force": [2.0, -7.0]}}, time__step=1e-4))
-    sim.state.particles.volume *= 3.0
-    sim.step(1e-4)
-    np.testing.assert_allclose(momentum(sim), np.multiply([2.0, -7.0], 1e-4), rtol=1e-9)
-
-
 def test_a_body_force_of_rho_g_is_gravity() -> None:
     by_load = block(loads={"weight": {"model": "body_force", "force": [0.0, -10.0 * DENSITY]}})
     by_gravity = block(gravity={"vector": [0.0, -10.0]})
@@ -128,8 +120,7 @@ def with_no_velocity(scene: dict[str, Any]) -> dict[str, Any]:
     return scene
 
 
-@pytest.mark.parametrize("size", [0.125, 0.0625])
-@pytest.mark.parametrize("shape", ["cpdi", "gimp"])
+@pytest.mark.parametrize(("shape", "size"), [("cpdi", 0.125), ("cpdi", 0.0625), ("gimp", 0.125)])
 def test_a_total_force_on_a_side_does_not_depend_on_the_mesh(size: float, shape: str) -> None:
     """Half of the height, or another division into points: the sum is the force that was asked for."""
     sides = [{"side": "right", "force": [30.0, 5.0]}]
@@ -187,31 +178,6 @@ def test_a_force_on_a_thinner_plate_stresses_it_more() -> None:
         assert stress[:, 1, 1].mean() == pytest.approx(-100.0 / thickness, rel=0.01)
 
 
-def test_everything_of_a_thickness_of_two_is_twice_that_of_one() -> None:
-    """Two squares meet by springs with friction: motion and stress are the same, forces and energies twice as
-    large.
-    """
-    trees = []
-    for thickness in (1.0, 2.0):
-        changes = {f"bodies__{name}__thickness": thickness for name in ("left", "right")}
-        trees.append(
-            mpmfw.run(
-                two_blocks(
-                    "penalty", time__end=0.02, time__output_interval=0.01, output__ledger=True, **changes
-                )
-            )
-        )
-    one, two = (tree["series"] for tree in trees)
-    for name in ("centre_of_mass", "angular_velocity", "min_gap"):
-        np.testing.assert_allclose(two[name], one[name], rtol=1e-9, atol=1e-12)
-    assert abs(one["contact_force"].values).max() > 0.0
-    for name in ("contact_force", "kinetic_energy", "strain_energy", "frictional_work", "contact_work"):
-        scale = np.nanmax(np.abs(one[name].values))
-        np.testing.assert_allclose(two[name], 2.0 * one[name], rtol=1e-9, atol=1e-9 * scale)
-    assert one["contact_force"].attrs["units"] == "N"
-    assert one["kinetic_energy"].attrs["units"] == "J"
-
-
 @pytest.mark.parametrize("contact", ["penalty", "adhesion", "barrier", "midplane", "hybrid", "nodes+penalty"])
 def test_every_energy_goes_with_the_thickness(contact: str) -> None:
     """Of bodies of a quarter of a metre it is a quarter of that of one, to the bit: half steps and what
@@ -234,9 +200,16 @@ def test_every_energy_goes_with_the_thickness(contact: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "contact", ["penalty", "surfaces+lcp", "barrier", "midplane", "nodes+penalty(kappa=1)"]
+    ("contact", "left", "right"),
+    [
+        ("penalty", 1.0, 0.25),
+        ("penalty", 0.25, 1.0),
+        *(
+            (contact, 2.0, 0.25)
+            for contact in ("surfaces+lcp", "barrier", "midplane", "nodes+penalty(kappa=1)")
+        ),
+    ],
 )
-@pytest.mark.parametrize(("left", "right"), [(1.0, 0.25), (0.25, 1.0), (2.0, 0.25)])
 def test_two_bodies_touch_over_the_lesser_thickness(contact: str, left: float, right: float) -> None:
     """Squares with sides of 0.5 m: the rows have 0.5 m times the lesser thickness, whichever body comes
     first.
@@ -256,25 +229,6 @@ def test_two_bodies_touch_over_the_lesser_thickness(contact: str, left: float, r
     assert area(1.0, 1.0) == pytest.approx(0.5, rel=0.07)  # the squares' corners are no whole rows
 
 
-def test_a_spring_acts_over_the_lesser_thickness() -> None:
-    """A strip of 0.25 m and a plate overlap as two strips do, at rest: the force of their springs is the
-    same.
-    """
-
-    def force(left: float, right: float) -> float:
-        scene = with_no_velocity(two_blocks("penalty", time__end=1e-5, time__output_interval=1e-5))
-        scene["allow_overlap"] = True
-        scene["bodies"]["left"]["thickness"], scene["bodies"]["right"]["thickness"] = left, right
-        scene["bodies"]["right"]["geometry"] |= {"lower": [-0.006, -0.25], "upper": [0.494, 0.25]}
-        series = mpmfw.run(scene)["series"]
-        return float(np.abs(series["contact_force"].sel(axis="x")).max())
-
-    alike = force(0.25, 0.25)
-    assert alike > 0.0
-    assert force(1.0, 0.25) == pytest.approx(alike, rel=0.02)
-    assert force(0.25, 1.0) == pytest.approx(alike, rel=0.02)
-
-
 def test_traction_acts_on_the_area_of_its_own_body() -> None:
     """Two blocks apart, of two thicknesses: F = τ L t of each."""
     scene = with_no_velocity(two_blocks("separate", time__step=1e-5))
@@ -288,8 +242,8 @@ def test_traction_acts_on_the_area_of_its_own_body() -> None:
         assert p.mass[own] @ p.velocity[own, 0] == pytest.approx(3.0 * 0.5 * thickness * 5e-5, rel=1e-6)
 
 
-@pytest.mark.parametrize("contact", ["bardenhagen", "lcp"])
-def test_other_contacts_know_the_thickness(contact: str) -> None:
+@pytest.mark.parametrize("contact", ["bardenhagen", "lcp", "penalty"])
+def test_forces_go_with_the_thickness_and_motion_does_not(contact: str) -> None:
     trees = []
     for thickness in (None, 4.0):
         scene = two_blocks(contact, time__end=0.01, time__output_interval=0.01)
@@ -297,17 +251,13 @@ def test_other_contacts_know_the_thickness(contact: str) -> None:
             for body in scene["bodies"].values():
                 body["thickness"] = thickness
         trees.append(mpmfw.run(scene)["series"])
+    assert [tree["kinetic_energy"].attrs["units"] for tree in trees] == ["J m-1", "J"]
     np.testing.assert_allclose(trees[1]["centre_of_mass"], trees[0]["centre_of_mass"], rtol=1e-9)
     scale = np.nanmax(np.abs(trees[0]["contact_force"].values))
     assert scale > 0.0
     np.testing.assert_allclose(
         trees[1]["contact_force"], 4.0 * trees[0]["contact_force"], rtol=1e-9, atol=1e-9 * scale
     )
-
-
-def test_without_a_thickness_the_units_are_those_of_a_metre() -> None:
-    tree = mpmfw.run(block(time__end=1e-3, time__output_interval=1e-3))
-    assert tree["series/kinetic_energy"].attrs["units"] == "J m-1"
 
 
 @pytest.mark.parametrize(
@@ -420,19 +370,13 @@ PUSH = {"model": "point_force", "at": [0, 0], "force": [1, 0]}
 @pytest.mark.parametrize(
     ("load", "said"),
     [
-        (
-            {**DRAG, "model": "darg"},
-            r"a\.model: no such load plug-in: 'darg' is unknown; did you mean 'drag'",
-        ),
+        ({**DRAG, "model": "darg"}, r"a\.model: no such load plug-in: 'darg'"),
         ({**DRAG, "raet": 1.0}, r"a\.raet: unknown key; did you mean 'rate'"),
         ({**DRAG, "rate": "3 m"}, r"a\.rate: '3 m' is not convertible to 1/s"),
         ({**DRAG, "bodies": ["sold"]}, r"a\.bodies\[0\]: no body 'sold'; did you mean 'solid'"),
         ({**DRAG, "bodies": ["solid", "solid"]}, r"a\.bodies\[1\]: names 'solid' twice"),
         ({**DRAG, "medium": [1, 2, 3]}, r"a\.medium: has 3 entries; expected 2"),
-        (
-            {**PUSH, "at": [9, 0]},
-            r"a\.at: the nearest material point is .* cells away; expected a point of solid",
-        ),
+        ({**PUSH, "at": [9, 0]}, r"a\.at: the nearest material point is .* cells away"),
         ({**PUSH, "force": [[0, 1, 0], [0, 2, 0]]}, r"a\.force\[1\]: times must increase"),
     ],
 )
@@ -441,23 +385,9 @@ def test_a_load_that_cannot_be_meant_is_refused(load: dict[str, Any], said: str)
         Simulation(block(loads={"a": load}))
 
 
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ({"bodies__solid__sides": [{"side": "top", "force": [1.0]}]}, r"sides\[0\].force: has 1 entries"),
-        (
-            {"bodies__solid__sides": [{"side": "top", "force": [1, 2, 3]}]},
-            r"force: has 3 entries; expected 2",
-        ),
-        ({"bodies__solid__thickness": 0.0}, r"bodies\.solid\.thickness: must be greater than 0"),
-    ],
-)
-def test_what_cannot_be_meant_is_refused(changes: dict[str, Any], said: str) -> None:
-    with pytest.raises(SceneError, match=said):
-        Simulation(block(**changes))
-
-
-def test_a_thickness_in_space_is_refused() -> None:
+def test_a_thickness_in_space_and_one_of_nothing_are_refused() -> None:
+    with pytest.raises(SceneError, match=r"bodies\.solid\.thickness: must be greater than 0"):
+        mpmfw.load_scene(block(bodies__solid__thickness=0.0))
     with pytest.raises(SceneError, match=r"bodies\.solid\.thickness: is for two dimensions"):
         mpmfw.load_scene(box(bodies__solid__thickness=0.5))
 
@@ -482,7 +412,3 @@ def test_a_run_with_loads_goes_on_to_the_bit_from_where_it_was_saved(tmp_path: A
     second.load(tmp_path / "state")
     second.advance(10)
     np.testing.assert_array_equal(first.state.particles.velocity, second.state.particles.velocity)
-
-
-def test_the_bundled_loads_are_announced() -> None:
-    assert {"point_force", "body_force", "drag"} <= set(available("load"))

@@ -92,12 +92,6 @@ def test_series_of_ones_own_are_in_the_results_with_unit_and_labels() -> None:
     np.testing.assert_array_equal(series["box_asked"], [1, 2, 3])
 
 
-def test_two_tables_of_one_model_have_series_of_their_own() -> None:
-    scene = block(time__end=1e-3, time__output_interval=1e-3)
-    series = mpmfw.run({**scene, "outputs": {"a": {"model": "places"}, "b": {"model": "places"}}})["series"]
-    assert {"a_lowest", "b_lowest", "a_asked", "b_asked"} <= set(series.data_vars)
-
-
 def test_a_series_that_is_declared_and_not_given_ends_the_run() -> None:
     with pytest.raises(
         PluginError, match=r"'a' \(less\) answered with values of asked; expected asked, lowest"

@@ -40,8 +40,10 @@ class StrainVelocity:
         self.corrected.append(self.largest_approach(grid))
 
 
-@pytest.mark.parametrize("strategy", CLASSICAL)
-@pytest.mark.parametrize("shape", ["linear", "gimp", "cpdi"])
+@pytest.mark.parametrize(
+    ("strategy", "shape"),
+    [*((strategy, "cpdi") for strategy in CLASSICAL), ("bardenhagen", "linear"), ("bardenhagen", "gimp")],
+)
 def test_strain_sees_no_approach_at_shared_nodes(strategy, shape):
     sim = simulation(strategy, impact(shape={"method": shape}, stepping=MUSL))
     look = StrainVelocity(sim.contact)

@@ -183,13 +183,6 @@ def test_a_run_in_which_nobody_rests_is_the_same_to_the_bit() -> None:
             np.testing.assert_array_equal(one[name], other[name], err_msg=name)
 
 
-def test_all_asleep_goes_to_the_end_without_steps_of_anybody() -> None:
-    bodies = {"one": block((0.0, 0.0), (1.0, 1.0)), "two": block((6.0, 5.0), (7.0, 6.0))}
-    watch = Watch(scene(bodies, **SLEEP, time__end=2.0))
-    assert watch.changes[-1][1] == {"one", "two"}
-    assert watch.simulation.state.time == 2.0
-
-
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
@@ -197,8 +190,6 @@ def test_all_asleep_goes_to_the_end_without_steps_of_anybody() -> None:
         ({"contact__method": "lcp"}, "sleep: contact 'lcp' cannot leave bodies out"),
         ({"contact__penalty": {"passes": "one", "master": "first"}}, "sleep: contact 'penalty(master=first, passes=one)'"),  # noqa: E501
         ({"output__ledger": True}, "sleep: output.ledger measures all bodies in every step"),
-        ({"output__stability": True}, "sleep: output.stability measures all bodies in every step"),
-        ({"output__contact_moment": [0, 0]}, "sleep: output.contact_moment measures all bodies in every step"),  # noqa: E501
     ],
 )  # fmt: skip
 def test_what_is_refused(changes: dict[str, Any], said: str) -> None:

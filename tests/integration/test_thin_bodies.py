@@ -54,8 +54,7 @@ def growth(mapping: dict[str, Any], step: float, steps: int = 300) -> float:
     return grown
 
 
-@pytest.mark.parametrize("made", [bar, disc])
-@pytest.mark.parametrize("width", [0.05, 0.1, 0.25, 0.5])
+@pytest.mark.parametrize(("made", "width"), [(bar, 0.05), (bar, 0.25), (disc, 0.1), (disc, 0.5)])
 def test_default_step_of_a_thin_body_is_stable(made, width):
     mapping = scene(made(width), 0.5 * width)
     assert growth(mapping, Simulation(mapping).stable_step()) < 4.0

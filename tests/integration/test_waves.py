@@ -60,8 +60,9 @@ def vibrate(scene: dict[str, Any], end: str) -> tuple[float, float]:
     return float(frequency / FREQUENCY[end]), float(np.abs(q[last_period]).max() / q[0])
 
 
-@pytest.mark.parametrize("shape", ["linear", "gimp", "cpdi", "bspline"])
-@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize(
+    ("dim", "shape"), [*((2, shape) for shape in ("linear", "gimp", "cpdi", "bspline")), (3, "cpdi")]
+)
 def test_a_bar_with_free_ends_vibrates_at_its_own_frequency(dim: int, shape: str) -> None:
     frequency, amplitude = vibrate(bar(dim, shape, "free"), "free")
     assert frequency == pytest.approx(
@@ -70,8 +71,7 @@ def test_a_bar_with_free_ends_vibrates_at_its_own_frequency(dim: int, shape: str
     assert amplitude == pytest.approx(1.0, abs=0.01)
 
 
-@pytest.mark.parametrize("shape", ["linear", "gimp", "cpdi"])
-@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize(("dim", "shape"), [(2, "linear"), (2, "gimp"), (2, "cpdi"), (3, "linear")])
 def test_a_bar_with_a_fixed_end_vibrates_at_its_own_frequency(dim: int, shape: str) -> None:
     frequency, amplitude = vibrate(bar(dim, shape, "fixed"), "fixed")
     assert frequency == pytest.approx(1.0, abs=0.01)

@@ -1,7 +1,8 @@
 """Which case runs by which method, where: every pair of case, method, shift and turn meets.
 
 Where a case is about springs, methods without any are left out. All methods run with MPMFW_FULL_STABILITY
-set; else those that may fail run in a fourth of the cases each."""
+set; else a case runs by as many of those that must hold as visit all shifts and turns, and those that may
+fail run in a fourth of the cases each."""
 
 from __future__ import annotations
 
@@ -22,10 +23,30 @@ def rows(*, full: bool = FULL) -> list[Row]:
         for springs in (False, True):
             alike = [name for name in cases if CASES[name].springs == springs]
             able = [m for m in methods if applies(alike[0], m[0])]
-            for name, method, shift, turn in covering(alike, able, SHIFTS, TURNS):
+            rows = covering(alike, able, SHIFTS, TURNS)
+            if every == 1 and not full:
+                rows = fewest(rows, alike)
+            for name, method, shift, turn in rows:
                 if (cases.index(name) + methods.index(method)) % every == 0:
                     made.append((name, *method, shift, turn))
     return sorted(made, key=lambda row: cases.index(row[0]))
+
+
+def fewest(rows: list[tuple[Any, ...]], cases: list[str]) -> list[tuple[Any, ...]]:
+    """Keep of every case the rows that bring a new shift or turn, beginning with penalty contact and CPDI or
+    with the next of the other methods.
+    """
+    kept: list[tuple[Any, ...]] = []
+    for i, case in enumerate(cases):
+        own = [row for row in rows if row[0] == case]
+        seen: set[Any] = set()
+        methods = sorted({row[1] for row in own})
+        first = ("penalty", "cpdi") if i % 2 else methods[i // 2 % len(methods)]
+        for row in sorted(own, key=lambda row, first=first: row[1] != first):
+            if not seen >= set(row[2:]):
+                seen |= set(row[2:])
+                kept.append(row)
+    return kept
 
 
 def rows_in_space(*, full: bool = FULL) -> list[Row]:

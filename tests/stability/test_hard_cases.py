@@ -42,6 +42,7 @@ def test_every_case_is_shifted_and_turned():
     for case in CASES:
         assert {shift for name, _, _, shift, _ in made if name == case} == set(SHIFTS)
         assert {turn for name, *_, turn in made if name == case} == set(TURNS)
+    assert {row[1:3] for row in made} == set(METHODS)
 
 
 def test_cases_in_space_visit_every_place_and_method():

@@ -10,7 +10,7 @@ from mpmfw.validation import Place, Runs, full, known_red, methods, together
 
 cells = Runs(
     "cells",
-    methods=methods(settings={"": {}, "kappa 8": {"contact.penalty.kappa": 8.0}}),
+    methods=[*methods(when="full"), *methods(settings={"kappa 8": {"contact.penalty.kappa": 8.0}})],
     places=[Place("R/h = 5"), Place("R/h = 7", set={"grid.cell_size": 0.14285714}, when="full")],
     binds=["penalty, cpdi, kappa 8"],
 )

@@ -11,7 +11,7 @@ from mpmfw.validation import CLASSICAL, Runs, known_red, methods
 
 SERIES_ONLY = {"output.particles": False, "output.surface": False, "output.ledger": False}
 SHIPPED = {"no slip": "rolling-sphere-no-slip", "slip": "rolling-sphere-slip"}
-METHODS = [*methods(), *methods(CLASSICAL[:1], when="full"), *methods(CLASSICAL[1:])]
+METHODS = [*methods(), *methods(CLASSICAL, when="full")]
 #: Everything but the grid, about the plane's centre by (20°, 35°, 50°) about x, then y, then z.
 TURNED = {
     "grid.lower": [-2.0, -4.8, -5.2],
