@@ -211,13 +211,6 @@ def test_vary_adds_a_dimension_and_hints_at_the_figures(scene):
     assert "mpmfw plot v.nc" in result.stdout
 
 
-def test_a_request_that_no_method_can_meet_is_status_2(scene):
-    result = invoke("compare", scene, "--set", "time.step=1", "-o", "x.nc")
-    assert (result.exit_code, result.stdout) == (2, "")
-    assert "past the stability limit" in result.stderr
-    assert not (scene.parent / "x.nc").exists()
-
-
 def test_explain_schema_and_plugins(scene):
     explained = invoke("explain", scene, "--contact", "none")
     assert explained.exit_code == 0

@@ -115,13 +115,6 @@ def test_what_is_held_moves_as_prescribed_and_the_rest_follows() -> None:
     assert ("rotation of solid: lumped") in [effect.name for effect in sim.effects]
 
 
-def test_a_free_component_is_left_to_the_body() -> None:
-    sim = Simulation(block(boundaries={"table": {"model": "shaken"}}, gravity={"vector": [0, -10]}))
-    sim.advance(20)
-    p = sim.state.particles
-    assert p.mass @ p.velocity[:, 1] / p.mass.sum() == pytest.approx(-10.0 * sim.state.time, rel=1e-3)
-
-
 def test_the_work_of_a_boundary_condition_is_in_the_ledger() -> None:
     """∫ V·dP of what is held, which all moves with V(t), and the energy that the body has got by it."""
     changes = {"time__step": 1e-4, "time__output_interval": 1e-4}

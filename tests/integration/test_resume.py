@@ -372,13 +372,6 @@ def test_the_option_is_judged(tmp_path):
         resume(tmp_path / "run.nc", checkpoint=math.nan)
 
 
-def test_short_runs_write_no_checkpoint(tmp_path, monkeypatch):
-    monkeypatch.setattr("mpmfw.runs.restart.write_snapshot", lambda *_: pytest.fail("a checkpoint"))
-    monkeypatch.setattr("mpmfw.runs.restart.code_of", lambda *_: pytest.fail("sources are read"))
-    monkeypatch.setattr("mpmfw.runs.restart.ASKED_AFTER", 600.0)
-    mpmfw.run(BLOCKS, output=tmp_path / "run.nc")
-
-
 def test_the_command_goes_on_in_a_new_process(tmp_path):
     changes = {"settle.max_time": 0.05, "time.end": 0.6}
     path, reference = tmp_path / "run.nc", tmp_path / "reference.nc"

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 import mpmfw
 from mpmfw.campaigns.executors import InProcess
 from mpmfw.cli import app
-from mpmfw.errors import ResultsWarning, SceneError
+from mpmfw.errors import SceneError
 from mpmfw.scene.toml_text import toml_text
 from mpmfw.state.clock import STEP_STAGES
 from mpmfw.studies.study import relative_error
@@ -62,13 +62,6 @@ def test_a_study_has_error_cost_and_front_over_what_varies(folder):
     np.testing.assert_allclose(dataset["error"], relative)
 
 
-def test_what_is_finished_is_not_run_again(folder):
-    before = mpmfw.open(folder / "tiny.nc")
-    dataset, events = events_of(tiny_study(), folder / "tiny.nc")
-    assert events[-1].total == 0
-    xr.testing.assert_identical(dataset.drop_attrs(), before.drop_attrs())
-
-
 def test_a_changed_study_takes_what_still_applies(folder):
     wider = tiny_study(vary={"contact": ["penalty", "separate", "none"], "cell_size": [0.1]})
     dataset, events = events_of(wider, folder / "tiny.nc")
@@ -106,37 +99,6 @@ def test_an_error_is_asked_for_in_one_way_everywhere():
             relative_error(given)
     with pytest.raises(SceneError, match="expected a relative error"):
         relative_error("little")
-
-
-def test_a_repeat_that_fails_is_a_note(monkeypatch):
-    """It was dropped without a word."""
-
-    def broken(*_, **__):
-        raise RuntimeError("the disk is on fire")
-
-    def break_it(event):
-        if event.done == 1:
-            monkeypatch.setattr("mpmfw.campaigns.work.run", broken)
-
-    study = tiny_study(vary={"contact": ["penalty"]}, cost={"repeats": 2})
-    with pytest.warns(
-        ResultsWarning, match="a repeat for its cost did not end as the run did: .*the disk is on fire"
-    ):
-        dataset = mpmfw.study(study, jobs=1, progress=break_it)
-    assert (dataset["repeats"].item(), dataset["status"].item()) == (1, "ok")
-
-
-def test_processes_give_the_same_bits_and_say_that_they_shared(folder, tmp_path):
-    study = tiny_study(vary={"contact": ["separate", "penalty"], "cell_size": [0.2]})
-    dataset, events = events_of(study, tmp_path / "pool.nc", jobs=2)
-    assert [event.done for event in events] == [0, 1, 2]
-    assert_same(dataset, mpmfw.open(folder / "tiny.nc").sel(cell_size=[0.2]))
-    assert set(dataset["timing"].values.ravel()) == {"shared cores"}
-    assert dataset.attrs["timing"] == "shared cores"
-    alone, events = events_of(study, tmp_path / "pool.nc", jobs=2, timing="exclusive")
-    assert events[-1].total == 2
-    assert all(said.startswith("exclusive") for said in alone["timing"].values.ravel())
-    assert_same(dataset, alone)
 
 
 def test_a_run_that_fails_is_a_result(tmp_path):

@@ -20,7 +20,6 @@ from test_resume import same_results, stopped
 import mpmfw
 from mpmfw.errors import ResultsWarning, SceneError, SimulationError
 from mpmfw.plugin.discovery import available
-from mpmfw.runs.identity import key_of
 from mpmfw.runs.limits import cores
 from mpmfw.runs.run import resume
 from mpmfw.runs.simulation import Simulation
@@ -198,11 +197,6 @@ def test_more_than_there_are_cores_is_a_remark() -> None:
     scene = two_blocks("penalty", time__end=1e-3, time__output_interval=1e-3)
     with pytest.warns(ResultsWarning, match=f"threads: {cores() + 1} are more than the {cores()} cores"):
         mpmfw.run(scene, set={"threads": cores() + 1})
-
-
-def test_the_meaning_of_a_scene_is_the_same() -> None:
-    scene = two_blocks("penalty")
-    assert key_of(load_scene(scene)) == key_of(load_scene({**scene, "threads": 2}))
 
 
 @pytest.fixture

@@ -160,11 +160,9 @@ def test_a_block_that_slides_past_the_edge_of_another_is_not_suspect() -> None:
 
 
 @pytest.mark.parametrize("ledger", [False, True])
-@pytest.mark.parametrize(("growth", "suspect"), [(1.05, False), (1.2, True)])
-def test_energy_without_a_source_is_suspect_with_and_without_a_ledger(
-    growth: float, suspect: bool, ledger: bool
-) -> None:
-    """Two free bodies whose kinetic energy grows to ``growth`` of what it was."""
+def test_energy_without_a_source_is_suspect_with_and_without_a_ledger(ledger: bool) -> None:
+    """Two free bodies whose kinetic energy grows to 1.2 of what it was."""
+    growth = 1.2
     left, right = boxes([-0.6, -0.3], [-0.1, 0.3], [0.1, -0.3], [0.6, 0.3])
     end, pump = 0.01, Pump()
     pump.rate = 0.5 * math.log(growth) / end
@@ -172,9 +170,6 @@ def test_energy_without_a_source_is_suspect_with_and_without_a_ledger(
         (left, -SPEED), (right, SPEED), end=end, outputs=4, output__ledger=ledger, output__energy=ledger
     )
     status = run(made, pump).attrs["status"]
-    if not suspect:
-        assert status == "ok"
-        return
     assert status.startswith("suspect: energy")
     assert float(status.partition(" s, ")[2].partition(" of ")[0]) == pytest.approx(growth - 1.0, abs=0.006)
 

@@ -10,7 +10,7 @@ from yardstick.kernels import SHAPES
 from yardstick.plain import PlainLoop, compilers
 
 #: Dimensions, compiler, and whether the step is the one without a table.
-LOOPS = [(2, None, False), *((3, compiler, True) for compiler in compilers())]
+LOOPS = [(dim, compiler, dim == 3) for dim in (2, 3) for compiler in compilers()]
 
 
 @pytest.mark.parametrize(("dim", "compiler", "whole"), LOOPS)

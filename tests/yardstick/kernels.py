@@ -26,7 +26,6 @@ def measure_kernels(
     repeats: int = 30,
     *,
     dim: int = 2,
-    compiler: bool = True,
 ) -> list[dict[str, Any]]:
     """Cost of a step with affine transfer, update stress last, neo-Hookean material and no contact.
 
@@ -43,8 +42,6 @@ def measure_kernels(
         Pairs of samples.
     dim
         Number of space dimensions.
-    compiler
-        Use the C++ compilers that there are; else the plain loop is numba's (two dimensions only).
 
     Returns
     -------
@@ -53,22 +50,20 @@ def measure_kernels(
     loop, which ``loop`` describes; ``ratio``, the median over the repeats of total / plain, and its quartiles
     ``ratio_low`` and ``ratio_high``."""
     blocks = ((shape, make_block(shape, count, dim)) for shape in shapes for count in counts)
-    return [_measure(shape, block, repeats, compiler) for shape, block in blocks]
+    return [_measure(shape, block, repeats) for shape, block in blocks]
 
 
-def measure_rings(
-    shapes: Sequence[str] = SHAPES, repeats: int = 30, *, compiler: bool = True
-) -> list[dict[str, Any]]:
+def measure_rings(shapes: Sequence[str] = SHAPES, repeats: int = 30) -> list[dict[str, Any]]:
     """The same of the colliding rings' points, as one body without contact, in the order and between the grid
     lines of the scene.
 
     Parameters and rows are those of :func:`measure_kernels`.
     """
-    return [_measure(shape, make_rings(shape), repeats, compiler) for shape in shapes]
+    return [_measure(shape, make_rings(shape), repeats) for shape in shapes]
 
 
-def _measure(shape: str, block: Block, repeats: int, compiler: bool) -> dict[str, Any]:
-    plains = _plain_steps(shape, block, compiler)
+def _measure(shape: str, block: Block, repeats: int) -> dict[str, Any]:
+    plains = _plain_steps(shape, block)
     n = block.state.particles.count
     steps = max(1, -(-POINTS_PER_SAMPLE // n))
     _sample_block(block, 1)
@@ -97,14 +92,12 @@ def _measure(shape: str, block: Block, repeats: int, compiler: bool) -> dict[str
     }
 
 
-def _plain_steps(shape: str, block: Block, compiler: bool) -> dict[str, Callable[[], object]]:
-    """A step of every plain loop that there is, by what it is."""
+def _plain_steps(shape: str, block: Block) -> dict[str, Callable[[], object]]:
+    """A step of every plain loop that there is, by what it is; there must be a C++ compiler."""
     found: dict[str, Callable[[], object]] = {}
-    for path in (compiler and compilers()) or (None,):
+    for path in compilers():
         loop = PlainLoop(shape, block, compiler=path)
-        found[f"{loop.language}, table"] = loop.step
-        if loop.whole is not None:
-            found[f"{loop.language}, no table"] = loop.whole
+        found |= {f"{loop.language}, table": loop.step, f"{loop.language}, no table": loop.whole}
     return found
 
 

@@ -1,5 +1,4 @@
-"""The plain compiled loop that kernels are measured against: C++ where there is a compiler, else numba in
-scalars."""
+"""The plain compiled loop in C++ that kernels are measured against."""
 
 from __future__ import annotations
 
@@ -124,42 +123,35 @@ class PlainLoop:
     shape, block_
         The shape function and the block.
     compiler
-        Path of the compiler; None for numba.
+        Path of the C++ compiler.
 
     Attributes
     ----------
     language
-        The compiler's name, or ``numba``.
+        The compiler's name.
     problem
         Its arrays.
     stages
         One call without arguments for each of :data:`STAGES`, with an interpolation table.
     whole
-        The call of a whole step without a table; None with numba.
+        The call of a whole step without a table.
 
     Raises
     ------
     NotImplementedError
-        No compiler, and the block is not two-dimensional.
+        The compiler cannot make a library that can be loaded.
     """
 
-    def __init__(self, shape: str, block_: Block, *, compiler: str | None = None) -> None:
+    def __init__(self, shape: str, block_: Block, *, compiler: str) -> None:
         dim = block_.state.particles.dim
         self.problem = problem_of(block_, shape)
-        library = None if compiler is None else compiled_library(compiler)
-        self.language = "numba" if compiler is None or library is None else Path(compiler).name
-        self.stages: dict[str, Callable[[], object]]
-        self.whole: Callable[[], object] | None = None
-        if library is not None:
-            call = _foreign_calls(library, f"{shape}_{dim}", self.problem)
-            self.stages = {stage: call(stage) for stage in STAGES}
-            self.whole = call("step")
-        elif dim == 2:
-            from yardstick.plain_numba import calls
-
-            self.stages = calls(shape, self.problem)
-        else:
-            raise NotImplementedError("the plain loop in three dimensions needs a C++ compiler")
+        library = compiled_library(compiler)
+        if library is None:
+            raise NotImplementedError(f"{compiler} makes no library of the plain loop")
+        self.language = Path(compiler).name
+        call = _foreign_calls(library, f"{shape}_{dim}", self.problem)
+        self.stages: dict[str, Callable[[], object]] = {stage: call(stage) for stage in STAGES}
+        self.whole: Callable[[], object] = call("step")
 
     def step(self) -> None:
         """Take a step stage by stage."""
