@@ -39,49 +39,31 @@ def test_the_front_is_what_nothing_dominates(pairs):
 # -- conclusion and figures
 
 
-def made_up(problem=False, **changes):
+def made_up(problem=False):
     error = np.array([[[0.2, 0.05], [0.02, 0.004]], [[0.3, 0.009], [0.02, np.nan]]])
     cost = np.array([[[1.0, 8.0], [2.0, 20.0]], [[1.5, 9.0], [1.9, np.nan]]])
-    dims, coords = ("contact", "shape", "cell_size"), {}
+    dims = ("contact", "shape", "cell_size")
     coords = {"contact": ["bardenhagen", "penalty"], "shape": ["gimp", "cpdi"], "cell_size": [0.4, 0.2]}
     if problem:
         error, cost, dims = np.stack([error, error]), np.stack([cost, cost]), ("scene", *dims)
         coords["scene"] = ["slip", "no slip"]
     status = np.where(np.isfinite(error), "ok", "failed: it left the grid").astype(object)
-    on = np.stack([front(e, c) for e, c in zip(error, cost, strict=True)]) if problem else front(error, cost)
-    stages = ["shape", "projection", "force", "contact", "gather", "material"]
-    dataset = xr.Dataset(
+    arrays = {"error": error, "cpu_time": cost, "cpu_time_spread": 0.1 * cost, "status": status}
+    return xr.Dataset(
+        {name: (dims, values) for name, values in arrays.items()},
+        coords,
         {
-            "error": (dims, error),
-            "cpu_time": (dims, cost),
-            "cpu_time_spread": (dims, 0.1 * cost),
-            "pareto": (dims, on),
-            "status": (dims, status),
-            "timing": (dims, np.full(error.shape, "exclusive", dtype=object)),
-            "steps": (dims, np.full(error.shape, 100.0)),
-            "stage_time": ((*dims, "stage"), cost[..., None] * np.full(6, 1.0 / 6.0)),
-        },
-        coords={**coords, "stage": stages},
-        attrs={
-            "kind": "study",
-            "title": "made up",
-            "quantity": "end-displacement",
-            "under": 0.01,
-            "timing": "exclusive",
+            "kind": "study", "quantity": "end-displacement", "under": 0.01, "timing": "exclusive",
             "problem_dims": json.dumps(["scene"] if problem else []),
         },
-    )
-    return dataset.assign_attrs(changes)
+    )  # fmt: skip
 
 
 def test_the_cheapest_combination_under_an_error_is_named():
     (said,) = conclusions(made_up())
-    assert said.startswith(
-        "The cheapest combination under 1 % error is penalty, gimp, cell_size 0.2, 9 s ± 0.9 s"
-    )
+    assert "penalty, gimp, cell_size 0.2, 9 s ± 0.9 s" in said
     (said,) = conclusions(made_up(), under=0.1)
-    assert "bardenhagen, cpdi" not in said
     assert "penalty, cpdi, cell_size 0.4, 1.9 s" in said
     (said,) = conclusions(made_up(), under=0.001)
-    assert "no combination is under 0.1 %; the least, 0.4 %, has bardenhagen, cpdi, cell_size 0.2" in said
+    assert "0.4 %, has bardenhagen, cpdi, cell_size 0.2" in said
     assert [line.partition(":")[0] for line in conclusions(made_up(problem=True))] == ["slip", "no slip"]
