@@ -46,16 +46,12 @@ def through_a_file(thing: Any, other: Any, path: Path) -> Any:
 @pytest.mark.parametrize(
     ("value", "built"),
     [
-        (True, False),
         (-7, 0),
-        (0.1 + 0.2, 0.0),
         (float("inf"), 1.0),
         ("tëxt\ud800", ""),
         (None, None),
-        (3.5, None),
         (["a", "b"], []),
         ({"a": 1.0, "b": -2}, {"a": 0.0}),
-        ({}, {}),
     ],
 )
 def test_values_come_back(tmp_path, value, built):
@@ -64,7 +60,7 @@ def test_values_come_back(tmp_path, value, built):
     assert back.seen == value  # all values are there when it is called
 
 
-@pytest.mark.parametrize("dtype", ["f8", "f4", "i8", "i4", "i1", "u1", "?"])
+@pytest.mark.parametrize("dtype", ["f8", "i4", "?"])
 def test_arrays_come_back_to_the_bit_where_they_were(tmp_path, dtype):
     array = np.array([[3, 0, 1], [1, 2, 7]]).astype(dtype)
     if array.dtype.kind == "f":

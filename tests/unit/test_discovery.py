@@ -7,8 +7,7 @@ from typer.testing import CliRunner
 
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
-from mpmfw.plugin.discovery import KINDS, available, distribution_of, load
-from mpmfw.plugin.hooks import make_manager, register
+from mpmfw.plugin.discovery import available, load
 
 
 @pytest.fixture
@@ -84,18 +83,6 @@ def test_a_constructor_may_take_its_options_by_name_or_all_together(install, req
     source = f"{options}class Law:\n    name = 'taking'\n{own}    def __init__({constructor}): pass\n"
     install(distribution, {"taking": f"{distribution}:Law"}, source)
     assert load("contact", "taking").name == "taking"
-
-
-#: Kinds of which mpmfw brings none.
-STRANGERS = ("boundary", "output", "measure", "reference")
-
-
-@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in (*STRANGERS, "detection")])
-def test_every_bundled_plugin_has_its_name_and_no_hook_that_is_never_called(kind):
-    bundled = [name for name, entry in available(kind).items() if distribution_of(entry) == "mpmfw"]
-    assert bundled
-    for name in bundled:
-        register(make_manager(), object.__new__(load(kind, name)), name)
 
 
 def test_two_distributions_with_one_name_are_both_named(install):

@@ -9,7 +9,7 @@ from typing import Annotated
 import pytest
 from pydantic import BaseModel, Field
 
-from mpmfw.api import ContactStrategy, ImpulseLaw
+from mpmfw.api import ImpulseLaw
 from mpmfw.errors import SceneError
 from mpmfw_contact.penalty import Penalty
 from mpmfw_testing import check_plugin, subject_of
@@ -52,52 +52,6 @@ class Attracts(ImpulseLaw):
 
     def impulses(self, rows, grid, scratch, work, *, projected):  # noqa: ARG002
         rows.force[: rows.count] = -1e-3 * rows.normal[: rows.count]
-
-
-class Asks(ContactStrategy):
-    """Its constructor asks for more than options."""
-
-    name = "asks"
-
-    def __init__(self, stiffness):
-        super().__init__()
-        self.stiffness = stiffness
-
-
-class Raises(ContactStrategy):
-    """Its constructor fails."""
-
-    name = "raises"
-
-    def __init__(self, **options):
-        raise ZeroDivisionError(f"no gap in {options}")
-
-
-class Nameless(ContactStrategy):
-    """A law that scenes could not name."""
-
-
-class Unmarked(ContactStrategy):
-    """A forgotten mark."""
-
-    name = "unmarked"
-
-    def after_momentum_update(self, grid):
-        grid.momentum[:] = 0.0
-
-
-@pytest.mark.parametrize(
-    ("plugin", "said"),
-    [
-        (Asks, r"Asks\(…\) must be made from its options alone.*'stiffness'"),
-        (Raises, r"raises\(…\) cannot be made: ZeroDivisionError: no gap in \{\}"),
-        (Nameless, "Nameless: expected a class attribute 'name'"),
-        (Unmarked, r"after_momentum_update has the name of a hook; expected @hookimpl"),
-    ],
-)
-def test_an_error_of_the_author_is_one_message(plugin, said):
-    with pytest.raises(SceneError, match=said):
-        subject_of(plugin, "contact")
 
 
 class Some(BaseModel):
