@@ -143,6 +143,12 @@ def test_other_scenes_have_no_reference():
     assert np.isnan(cell_size_of({}))
 
 
+def test_penetration_is_the_depth_over_the_outputs():
+    measures = gap_measures(np.array([0.2, -0.1, np.nan, -0.3, 0.4]))
+    assert measures == pytest.approx({"gap": 0.4, "penetration": 0.1, "largest_penetration": 0.3})
+    assert all(np.isnan(value) for value in gap_measures(np.full(3, np.nan)).values())
+
+
 def test_energy_kept_adds_what_contact_stores_and_dissipates():
     run = xr.Dataset(
         {
@@ -153,9 +159,3 @@ def test_energy_kept_adds_what_contact_stores_and_dissipates():
         }
     )
     np.testing.assert_allclose(analysis.energy_kept(run), [1.0, 0.9, np.nan])
-
-
-def test_penetration_is_the_depth_over_the_outputs():
-    measures = gap_measures(np.array([0.2, -0.1, np.nan, -0.3, 0.4]))
-    assert measures == pytest.approx({"gap": 0.4, "penetration": 0.1, "largest_penetration": 0.3})
-    assert all(np.isnan(value) for value in gap_measures(np.full(3, np.nan)).values())

@@ -4,11 +4,9 @@ import numpy as np
 import pytest
 from matplotlib.collections import PolyCollection
 from PIL import Image, ImageSequence
-from typer.testing import CliRunner
 
 import mpmfw
 from drop_for_tests import drop, drop_scene
-from mpmfw.cli import app
 from mpmfw.errors import MpmfwError
 from mpmfw.plots.animation import Movie
 
@@ -84,21 +82,3 @@ def test_an_unfinished_picture_leaves_no_file(run, tmp_path):
     with pytest.raises(MpmfwError, match="cannot write"):
         mpmfw.animate(run, tmp_path / "drop.gif", progress=stop)
     assert list(tmp_path.iterdir()) == []
-
-
-def test_the_command(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    drop(output="d.nc")
-    result = CliRunner().invoke(app, ["animate", "d.nc", "--every", "4", "--field", "velocity_y"])
-    assert (result.exit_code, result.stdout, result.stderr) == (0, "d.gif\n", "")
-    with Image.open("d.gif") as image:
-        assert image.n_frames == 2
-    for arguments, message in (
-        (["-o", "d.avi"], "d.avi: expected a name that ends in .gif or .mp4\n"),
-        (["--force", "--field", "von_misses"], "no field 'von_misses'; did you mean 'von_mises'?"),
-        (["--force", "--limits", "3"], "--limits 3: expected two numbers"),
-        (["d.nc"], "d.nc: given twice"),
-    ):
-        result = CliRunner().invoke(app, ["animate", "d.nc", *arguments])
-        assert (result.exit_code, result.stdout) == (2, "")
-        assert result.stderr.startswith(message)

@@ -10,7 +10,6 @@ from mpmfw.plots import figures_of
 from mpmfw.report import table
 from mpmfw.results import Frame, RunHeader, RunWriter
 from mpmfw.results import open as open_results
-from mpmfw.results.concatenation import union_of_times
 from mpmfw.results.references import rings_table
 from mpmfw.scene.loading import shipped_scenes
 from mpmfw.state.clock import STEP_STAGES
@@ -183,11 +182,6 @@ def test_saved_and_opened(tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["c.nc", "c.nc.runs"]
     with pytest.raises(MpmfwError, match="no folder"):
         compare("any", ["none"], ["cpdi"], runner=Cylinder(), output=tmp_path / "nowhere" / "c.nc")
-
-
-def test_times_that_differ_by_round_off_are_one():
-    times = union_of_times([np.array([0.0, 0.1, 0.3]), np.array([0.0, 0.1, 0.1 * 3, 0.4])])
-    np.testing.assert_allclose(times, [0.0, 0.1, 0.3, 0.4])
 
 
 def test_table_finds_the_errors_that_were_put_in(rolling):

@@ -8,7 +8,6 @@ import pytest
 
 from faulty_plugins.small.geometry import Sound, SoundSolid
 from mpmfw.errors import SceneError
-from mpmfw.geometry.discretise import refuse_incomplete
 from mpmfw.runs.build import build
 from mpmfw.scene import load_scene
 
@@ -43,10 +42,3 @@ def test_its_keys_have_units_and_are_told_by_name() -> None:
     said = str(found.value)
     assert "bodies.egg.geometry.hole: '2 kg' is not convertible to m; expected a length in m" in said
     assert "bodies.egg.geometry.centra: unknown key; did you mean 'centre'?" in said
-
-
-def test_what_a_class_leaves_out_is_named() -> None:
-    from mpmfw.api import PlaneGeometry
-
-    with pytest.raises(SceneError, match="lacks outlines, region"):
-        refuse_incomplete(PlaneGeometry)

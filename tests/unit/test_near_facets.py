@@ -71,22 +71,6 @@ def ready(request):
     return detection, grid, sim.state.surface.position, way / np.linalg.norm(way, axis=1).max()
 
 
-@pytest.mark.parametrize("part", [0.0, 0.05, 0.3, 0.5])
-def test_they_give_what_the_search_gives(ready, part):
-    """Each of two bodies moves by that part of the skin."""
-    detection, grid, position, way = ready
-    position += part * SKIN_LENGTH * way
-    count = detection.near.find(detection.candidates)
-    if part < 0.3:
-        assert count != STALE
-    if count == STALE:
-        return
-    listed = found(detection)
-    assert count == (listed[0] >= 0).sum() > 20
-    for ours, theirs in zip(listed, searched(detection, grid), strict=True):
-        np.testing.assert_array_equal(ours, theirs)
-
-
 def test_they_are_stale_when_bodies_have_moved_by_the_skin(ready):
     detection, _, position, way = ready
     position += SKIN_LENGTH * way

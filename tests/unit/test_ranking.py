@@ -74,14 +74,6 @@ def test_silence_alone_is_no_virtue() -> None:
     assert noise.sel(contact="plain").item() == 2.0  # its run of 0.5 s is as quiet, and wrong by 30 %
 
 
-def test_energy_is_ranked_beside_the_error() -> None:
-    known = ONE.assign(energy=(ONE["error"].dims, [[0.03, 0.001], [0.0, 0.0], [0.04, np.nan]]))
-    cost = rank([known])["cost"].sel(quantity="energy", problem="S")
-    assert cost.sel(contact="fine").values.tolist() == [1.0, 1.0, 10.0, 10.0, 10.0]
-    assert cost.sel(contact="plain").values.tolist()[:2] == [2.0, 2.0]
-    assert not rank([ONE])["cost"].sel(quantity="energy").notnull().any()
-
-
 def test_a_law_that_ran_alone_stands_beside_the_others() -> None:
     mine = study(mine=[(0.04, 0.5), (0.008, 5.0)])
     ranking = rank([ONE, mine])

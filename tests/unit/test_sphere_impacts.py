@@ -55,25 +55,6 @@ def test_hertz_brings_a_sphere_to_rest_and_back(case):
     assert stiff * sphere.mass * deepest**1.5 == pytest.approx(sphere.force, rel=1e-3)
 
 
-def test_turning_sphere_comes_with_the_point_of_contact_that_its_table_names(case):
-    """Thrown or turned, against a slab, a cap or its twin: the point of contact moves along, and no other
-    way.
-    """
-    spheres = case["spheres"]
-    for given in ({"angle": 45.0}, {"spin": 3.0}, {"spin": 3.0, "partner": "twin"}):
-        bodies = spheres.scene("6 nylon", 6, pace=8.0, **given)["bodies"]
-        thrown = bodies["sphere"]
-        arm = -0.1 * spheres.NORMAL
-        point = np.add(thrown["velocity"], np.cross(thrown["angular_velocity"], arm))
-        wanted = 8.0 * (0.2 if "angle" in given else 0.3)
-        assert point @ spheres.ALONG == pytest.approx(wanted)
-        assert point @ spheres.NORMAL == pytest.approx(-1.6)
-        assert point @ spheres.ACROSS == pytest.approx(0.0, abs=1e-12)
-        if "twin" in bodies:
-            other = np.add(bodies["twin"]["velocity"], np.cross(bodies["twin"]["angular_velocity"], -arm))
-            assert other == pytest.approx(-point)
-
-
 def results(case, along: float, spin: float, back: float) -> xr.DataTree:
     """A run whose sphere has v_t = v_n before and these velocities over v_n after it, on a slab that
     stays.

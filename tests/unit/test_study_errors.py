@@ -60,12 +60,6 @@ def test_error_against_the_finest_run_interpolates_in_time():
     assert [one.error for one in found.values()] == pytest.approx(expected, nan_ok=True, abs=1e-5)
 
 
-def test_each_method_has_its_own_finest_run_unless_one_is_chosen():
-    judge, grid = judged({"quantity": "displacement", "kind": "finest"})
-    assert [judge.finest(index)[0] for index in grid.combinations] == [0, 0, 1, 1]
-    assert {judge.finest(index)[1] for index in grid.combinations} == {1}
-
-
 def test_error_against_a_file(tmp_path):
     (tmp_path / "way.csv").write_text("# made up\ntime,way\n0,0\n0.01,1\n0.02,2\n", encoding="utf-8")
     file = str(tmp_path / "way.csv")
