@@ -75,7 +75,7 @@ def moment(points, values):
     return np.sum(points[:, 0] * values[:, 1] - points[:, 1] * values[:, 0])
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", range(12))
 def test_rows_are_the_variations_of_gap_and_coordinate(seed):
     points = random_pair(seed)
     normal, tangential, _ = analytic(points)
@@ -84,7 +84,7 @@ def test_rows_are_the_variations_of_gap_and_coordinate(seed):
     np.testing.assert_allclose(tangential, d_xi, atol=1e-8)
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", range(12))
 def test_pair_leaves_no_force_and_no_moment(seed):
     points = random_pair(seed)
     for rows in analytic(points):
@@ -254,3 +254,20 @@ def test_a_candidate_ahead_of_a_segment_s_end_has_finite_rows():
     assert rows.count == 1
     for array in (rows.motion, rows.couple, rows.places.turn):
         assert np.isfinite(array).all()
+
+
+def test_a_node_that_meets_two_segments_alike_is_theirs_by_the_squares_of_their_lengths():
+    """w_i = L_i² / (L_1² + L_2²): lengths of 0.4 and 0.2 meet at the origin, just over the tip."""
+    top = [[1.0, 0.0], [0.4, 0.0], [0.0, 0.0], [-0.2, 0.0], [-1.0, 0.0]]
+    loops = join([[[0.0, -0.01], [0.5, 1.0], [-0.5, 1.0]], [[-1.0, -1.0], [1.0, -1.0], *top]])
+    found = empty_candidates(len(loops.body), 1)
+    found.master[0], found.facet[0], found.share[0, 0], found.gap[0], found.normal[0] = (
+        1,
+        6,
+        (0, 1),
+        -0.01,
+        (0, 1),
+    )
+    rows = rows_of(loops, found)
+    assert rows.count == 2
+    assert rows.area[:2] / rows.area[:2].sum() == pytest.approx([0.8, 0.2])
