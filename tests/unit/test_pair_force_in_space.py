@@ -103,7 +103,7 @@ def differences(value, position, step=1e-6):
 
 
 every_place = pytest.mark.parametrize("place", PLACES)
-seeds = pytest.mark.parametrize("seed", range(12))
+seeds = pytest.mark.parametrize("seed", range(8))
 
 
 @every_place

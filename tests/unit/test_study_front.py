@@ -48,9 +48,16 @@ def made_up(problem=False):
         error, cost, dims = np.stack([error, error]), np.stack([cost, cost]), ("scene", *dims)
         coords["scene"] = ["slip", "no slip"]
     status = np.where(np.isfinite(error), "ok", "failed: it left the grid").astype(object)
-    arrays = {"error": error, "cpu_time": cost, "cpu_time_spread": 0.1 * cost, "status": status}
+    timing = np.full(error.shape, "exclusive", dtype=object)
+    values = {
+        "error": error,
+        "cpu_time": cost,
+        "cpu_time_spread": 0.1 * cost,
+        "status": status,
+        "timing": timing,
+    }
     return xr.Dataset(
-        {name: (dims, values) for name, values in arrays.items()},
+        {name: (dims, each) for name, each in values.items()},
         coords,
         {
             "kind": "study", "quantity": "end-displacement", "under": 0.01, "timing": "exclusive",
