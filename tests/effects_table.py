@@ -62,7 +62,9 @@ LEAST = Brings(
         )
         for hook in hooks.split()
     ),
-    modules=frozenset(f"mpmfw.effects.{name}" for name in ("series", "verdict", "ledger_energies")),
+    modules=frozenset(
+        f"mpmfw.effects.{name}" for name in ("series", "verdict", "ledger_energies", "rotation")
+    ),
     series=frozenset(
         {
             *("centre_of_mass", "mean_velocity", "angular_velocity", "linear_momentum", "angular_momentum"),
@@ -158,7 +160,7 @@ EFFECTS = {
         "rotation",
         hooks="setup correct_inertia",
         arrays="layout/half_edges",
-        modules="mpmfw.effects.rotation mpmfw.effects.second_moments",
+        modules="mpmfw.effects.exact_rotation mpmfw.effects.second_moments",
     ),
     "none": brings(modules="mpmfw_contact.none"),
     "separate": brings(modules="mpmfw_contact.separate"),
@@ -203,8 +205,7 @@ EFFECTS = {
         "energy_ledger",
         hooks="declare_fields end_step diagnostics",
         modules="mpmfw.effects.ledger mpmfw.effects.ledger_energies mpmfw.effects.ledger_half_step "
-        "mpmfw.effects.energy_guard "
-        "mpmfw.effects.remedies",
+        "mpmfw.effects.energy_guard",
         series="transfer_dissipation energy_residual",
     ),
     "ledger of gravity": brings("energy_ledger", series="gravity_work"),

@@ -64,14 +64,7 @@ def make_shape(
     """The shape function ``name``, set up for ``particles``; CPDI domains are squares unless given."""
     setup = Setup(
         state=State(particles=particles, grid=grid, bodies=(), pairs=()),
-        layouts=(),
-        cell_size=grid.cell_size,
         shape=name,
-        massless_boundary=False,
-        scheme="usl",
-        transfer="flip",
-        bulk_frequency=1.0,
-        safety=0.5,
     )
     half = 0.5 * particles.initial_volume ** (1.0 / particles.dim)
     squares = half[:, None, None] * np.eye(particles.dim)

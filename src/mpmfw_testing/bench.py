@@ -42,12 +42,8 @@ def points_at_rest(position: FloatArray, volume: FloatArray, first: Any, stress:
 def set_up(plugin: Any, state: State, **facts: Any) -> tuple[Setup, BoundHooks]:
     """Set a plug-in up alone for a ``state``; ``facts`` replace or add to those of the setup. Return it and
     the hooks."""
-    size = state.grid.cell_size
-    known = {
-        "layouts": (), "cell_size": size, "shape": "none", "massless_boundary": False, "scheme": "usl",
-        "transfer": "flip", "bulk_frequency": 2.0 * state.bodies[0].wave_speed / size, "safety": 0.5,
-    }  # fmt: skip
-    setup = Setup(state=state, **{**known, **facts})
+    frequency = 2.0 * state.bodies[0].wave_speed / state.grid.cell_size
+    setup = Setup(state=state, **{"bulk_frequency": frequency, **facts})
     manager = make_manager()
     manager.register(plugin)
     manager.check_pending()

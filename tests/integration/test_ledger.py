@@ -233,7 +233,7 @@ def stopped(mapping):
     """What stops a run past the stability limit, which is let run so far."""
     simulation = Simulation({**mapping, "output": {"ledger": True}, "allow_unstable": True})
     simulation.manager.get_plugin("energy_ledger").guard = EnergyGuard.of(
-        simulation.state, simulation.remedies
+        simulation.state, simulation.setup.remedies
     )
     with pytest.raises(SimulationError, match="energy grew by") as caught:
         simulation.run()

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from mpmfw.effects.rotation import correct_rotation
+from mpmfw.effects.exact_rotation import correct_rotation
 from mpmfw.effects.side_rows import SideTable, meet, quadrature, splines
 from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, weigh_by_mass, weigh_plain
 

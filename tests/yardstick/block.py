@@ -104,7 +104,6 @@ def _block_of(layout: Layout, shape: str, cells: int, rng: np.random.Generator) 
     setup = Setup(
         state=state,
         layouts=(layout,),
-        cell_size=CELL_SIZE,
         shape=shape,
         massless_boundary=function.massless_boundary,
         scheme="usl",

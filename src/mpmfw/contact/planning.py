@@ -1,76 +1,69 @@
-"""What a scene calls for of its contact: friction, search, and the plug-ins that go with it."""
+"""Contact of a scene as an effect: its friction, its search, and the plug-ins that go with it."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from mpmfw.plugin.effect import Plan
+from mpmfw.plugin.checks import naming
+from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.pairs import overlapping
 from mpmfw.state.structs import Body
 
-if TYPE_CHECKING:
-    from mpmfw.runs.build import Build
+
+def from_setup(setup: Setup) -> Acts | str:
+    """Return the contact with its parts; note its velocity fields, friction and search."""
+    contact, law = setup.contact, setup.friction_law
+    if contact is None:
+        return "one body" if len(setup.bodies) == 1 else "not named"
+    with naming(contact, "its planning"):
+        setup.note(
+            "velocity field per body",
+            contact.velocity_fields == "per_body",
+            f"contact '{contact.name}' asks for {contact.velocity_fields}",
+        )
+        if not contact.uses_friction:
+            setup.note("friction", False, f"contact '{contact.name}' does not use it")
+        else:
+            frictional = "every pair" if law is not None and law.cohesive else _frictional(setup)
+            by = "" if law is None else f", by {law.label}"
+            setup.note("friction", bool(frictional), frictional + by if frictional else "μ = 0 in every pair")
+        _note_search(setup, contact.reach(setup.cell_size))
+        pairs = str(len(setup.pairs)) if setup.state.near is None else "those that come near"
+        reason = f"{contact.name} ({type(contact).__name__}), pairs: {pairs}"
+        return Acts(reason, [contact, *contact.parts()])
 
 
-def planned(made: Build, plan: Plan) -> None:
-    """Whether bodies act on each other, and how."""
-    count = len(made.state.bodies)
-    if made.contact is None:
-        plan.note("contact", False, "one body" if count == 1 else "not named")
-        return
-    acts = type(made.contact).__name__
-    pairs = str(len(made.state.pairs)) if made.state.near is None else "those that come near"
-    plan.note("contact", True, f"{made.contact.name} ({acts}), pairs: {pairs}")
-    per_body = made.contact.velocity_fields == "per_body"
-    plan.note(
-        "velocity field per body",
-        per_body,
-        f"contact '{made.contact.name}' asks for {made.contact.velocity_fields}",
-    )
-    if not made.contact.uses_friction:
-        plan.note("friction", False, f"contact '{made.contact.name}' does not use it")
-    else:
-        law = made.friction_law
-        frictional = "every pair" if law is not None and law.cohesive else _frictional(made)
-        by = "" if law is None else f", by {law.label}"
-        plan.note("friction", bool(frictional), frictional + by if frictional else "μ = 0 in every pair")
-    _search(made, plan, made.contact.reach(made.state.grid.cell_size))
-    plan.plugins += [made.contact, *made.contact.parts()]
-
-
-def _frictional(made: Build) -> str:
+def _frictional(setup: Setup) -> str:
     """The pairs with friction; where pairs are listed as they come near those that the scene names, and all
     others at once."""
-    named = [pair.label for pair in made.state.pairs if pair.mu > 0.0]
-    near = made.state.near
+    named = [pair.label for pair in setup.state.pairs if pair.mu > 0.0]
+    near = setup.state.near
     others = (
         [f"μ = {near.friction:g} in pairs without a value of their own"] if near and near.friction else []
     )
     return ", ".join([*named, *others])
 
 
-def _search(made: Build, plan: Plan, reach: float | None) -> None:
+def _note_search(setup: Setup, reach: float | None) -> None:
     """Note whether bodies are near enough to be searched at the start; without a reach there is no search."""
-    bodies = made.state.bodies
+    bodies = setup.state.bodies
     if reach is None or len(bodies) < 2:
         return
-    if made.state.near is None:
-        ends = [(bodies[pair.first], bodies[pair.second]) for pair in made.state.pairs]
+    if setup.state.near is None:
+        ends = [(bodies[pair.first], bodies[pair.second]) for pair in setup.state.pairs]
     else:
         lower, upper = (np.array([getattr(body, end) for body in bodies]) for end in ("lower", "upper"))
         near = overlapping(lower - 0.5 * reach, upper + 0.5 * reach)
         ends = [(bodies[a], bodies[b]) for a, b in zip(*(index.tolist() for index in near), strict=True)]
     if not ends:
         what = f"no two bodies' boxes are within its reach of {reach:.4g} m at the start"
-        plan.note("contact search", False, f"asleep until bodies are near: {what}")
+        setup.note("contact search", False, f"asleep until bodies are near: {what}")
         return
     apart = {f"{first.name}-{second.name}": _box_distance(first, second) for first, second in ends}
     nearest = min(apart, key=lambda label: apart[label])
     awake = apart[nearest] <= reach
     what = f"the boxes of {nearest} are {apart[nearest]:.4g} m apart at the start, its reach is {reach:.4g} m"
-    plan.note("contact search", awake, what if awake else f"asleep until bodies are near: {what}")
+    setup.note("contact search", awake, what if awake else f"asleep until bodies are near: {what}")
 
 
 def _box_distance(first: Body, second: Body) -> float:

@@ -8,16 +8,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mpmfw.effects.faces import FLAT, face_of, sides_of
+from mpmfw.effects.faces import FLAT, face_of
 from mpmfw.effects.side_rows import PlaneSides, SideTable, list_rows, meet, quadrature
 from mpmfw.errors import SceneError
 from mpmfw.plugin.hookspecs import hookimpl
-from mpmfw.plugin.setup import Setup
+from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import Body, Grid
 
 if TYPE_CHECKING:
-    from mpmfw.runs.build import Build
     from mpmfw.scene.tables import Settle, Side
     from mpmfw.state.numbers import Numbers
 
@@ -91,6 +90,15 @@ class Constraint:
         self.calls, self.left, self.work = calls, calls, 0.0
         #: While a scene settles, moving sides are held where they are.
         self.at_rest = False
+
+    @classmethod
+    def from_setup(cls, setup: Setup) -> Acts:
+        """Return the fixed and moving sides of all bodies."""
+        held, shape = list(setup.sides(loaded=False)), setup.shape_function
+        sides = tuple(_prescribed(setup, body, side) for body, side in held)
+        calls = 2 if setup.scheme == "usf" else 1
+        constraint = cls(sides, shape.boundary_degree, staggered=shape.staggered, calls=calls)
+        return Acts(", ".join(f"{body.name} {side.side}" for body, side in held), [constraint])
 
     def while_settling(self, asked: Settle | None) -> None:
         """Hold moving sides where they are, until ``asked`` is None."""
@@ -220,14 +228,7 @@ def _planes(sides: tuple[PrescribedSide, ...], grid: Grid, degree: int, grids: i
     )
 
 
-def planned(made: Build) -> Constraint:
-    """The fixed and moving sides of all bodies."""
-    sides = tuple(_prescribed(made, body, side) for body, side in sides_of(made, loaded=False))
-    calls = 2 if made.scheme == "usf" else 1
-    return Constraint(sides, made.shape.boundary_degree, staggered=made.shape.staggered, calls=calls)
-
-
-def _prescribed(made: Build, body: Body, side: Side) -> PrescribedSide:
+def _prescribed(setup: Setup, body: Body, side: Side) -> PrescribedSide:
     """A fixed or moving side.
 
     Raises
@@ -235,17 +236,17 @@ def _prescribed(made: Build, body: Body, side: Side) -> PrescribedSide:
     SceneError
         Nothing of the outline lies along it: it would hold a corner.
     """
-    normal, place = face_of(made, body, side)
-    tolerance = FLAT * made.state.grid.cell_size
+    normal, place = face_of(setup, body, side)
+    tolerance = FLAT * setup.cell_size
     at_side = [np.abs(loop @ normal - place) <= tolerance for loop in body.outlines]
     along = (on[corners].all(axis=1).any() for on, corners in zip(at_side, body.facets, strict=True))
     if body.outlines and not any(along):
         raise SceneError(
             f"bodies.{body.name}.sides: no part of the outline lies along the side '{side.side}'"
         )
-    axes = made.scene.bodies[body.name].geometry.axes
-    alone = made.state.grid.n_fields == len(made.state.bodies)
-    return PrescribedSide(body, normal, place, axes, _velocity(side, made.scene.dim), alone)
+    axes = setup.scene.bodies[body.name].geometry.axes
+    velocity = _velocity(side, setup.dim)
+    return PrescribedSide(body, normal, place, axes, velocity, alone=setup.field_per_body)
 
 
 def _velocity(side: Side, dim: int) -> FloatArray:

@@ -14,6 +14,7 @@ from mpmfw.kernels import kernel
 from mpmfw.kernels.types import Floats, Ints
 from mpmfw.plugin.hooks import Observer
 from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.fields import AnyArray, Field, FloatArray, IntArray
 from mpmfw.state.structs import Grid, State
 
@@ -77,6 +78,20 @@ class ContactMoment(Observer):
         self.impulse = np.zeros((len(state.bodies), 1 if state.grid.dim == 2 else 3))
         #: Momenta or forces of the nodes before contact.
         self._before = np.zeros((0, state.grid.dim))
+
+    @classmethod
+    def from_setup(cls, setup: Setup) -> Acts | str:
+        """Measure where every body has nodes of its own that contact acts on."""
+        about, contact = setup.scene.output.contact_moment, setup.contact
+        if contact is None:
+            return "no contact acts"
+        if not setup.field_per_body:
+            return f"contact '{contact.name}' gives bodies one velocity field"
+        if not any(hasattr(contact, hook) for hook in CONTACT_HOOKS):
+            return f"contact '{contact.name}' neither exerts forces nor changes momenta"
+        if about == "centre_of_mass":
+            return Acts("about centres of mass", [cls(contact, None, setup.state)])
+        return Acts(f"about {about} m", [cls(contact, about, setup.state)])
 
     @hookimpl
     def declare_fields(self) -> list[Field]:

@@ -15,8 +15,7 @@ GROWTH_LIMIT = 0.5
 #: Energy per stiffness and volume that counts as nothing: rounding in bodies at rest is no growth.
 NOTHING = 1e-12
 
-#: Where energy may come from: its name, and what helps, by the names of :mod:`mpmfw.effects.remedies` or in
-#: words.
+#: Where energy may come from: its name, and what helps, by the names of :attr:`Setup.remedies` or in words.
 CAUSES = {
     "contact": ("contact", ("step", "contact")),
     "inertia": ("the inertia correction", ("step", "rotation = 'lumped'")),
@@ -33,7 +32,7 @@ class EnergyGuard:
     nothing
         Energy that counts as nothing [J/m].
     remedies
-        What may help (:func:`mpmfw.effects.remedies.remedies`).
+        What may help (:attr:`mpmfw.plugin.setup.Setup.remedies`).
     """
 
     history = ("start", "given", "input", "loaded", "fallen", "depth")

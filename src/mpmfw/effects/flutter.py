@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.fields import AnyArray, FloatArray
 from mpmfw.state.structs import State
 
@@ -54,6 +55,12 @@ class Flutter:
         self.found: dict[str, float] = {}  #: by pair: least median of friction over its limit
         self.spread: dict[str, float] = {}  #: spread of the normal force then
         self.found_at: dict[str, float] = {}  #: time [s]
+
+    @classmethod
+    def from_setup(cls, setup: Setup) -> Acts:
+        """Compare the records of the scene's contact."""
+        assert setup.contact is not None
+        return Acts("", [cls(setup.contact.name, setup.dim)])
 
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:

@@ -8,12 +8,12 @@ import numpy as np
 
 from mpmfw.kernels.nodal import add_body_force
 from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import Grid, State
 from mpmfw.state.time_table import TimeTable
 
 if TYPE_CHECKING:
-    from mpmfw.runs.build import Build
     from mpmfw.scene.tables import Settle
 
 
@@ -34,6 +34,16 @@ class Gravity:
         #: While a scene settles, the gravity that it settles under.
         self.override: FloatArray | None = None
 
+    @classmethod
+    def from_setup(cls, setup: Setup) -> Acts:
+        """Return that of the scene; none where the scene only settles under one."""
+        gravity = setup.scene.gravity
+        if gravity is None:
+            still = TimeTable.constant([0.0] * setup.dim)
+            return Acts("[settle.gravity], while settling", [cls(still)])
+        table = TimeTable.constant(gravity.at(0.0)) if gravity.table is None else TimeTable(gravity.table)
+        return Acts("[gravity]", [cls(table)])
+
     def while_settling(self, asked: Settle | None) -> None:
         """Take the gravity of the settling, if it has one, and the scene's own again after it, when ``asked``
         is None.
@@ -49,11 +59,3 @@ class Gravity:
     def add_nodal_force(self, grid: Grid, state: State) -> None:
         """Body force on every velocity field."""
         add_body_force(grid.mass, self.at(state.time), grid.force, grid.spacing)
-
-
-def planned(made: Build) -> Gravity:
-    """That of the scene; none where the scene only settles under one."""
-    gravity = made.scene.gravity
-    if gravity is None:
-        return Gravity(TimeTable.constant([0.0] * made.scene.dim))
-    return Gravity(TimeTable.constant(gravity.at(0.0)) if gravity.table is None else TimeTable(gravity.table))

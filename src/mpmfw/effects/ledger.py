@@ -11,23 +11,19 @@ forces and the strain energy: the error of the strain's integration in time."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from mpmfw.effects.energy_guard import EnergyGuard
 from mpmfw.effects.ledger_energies import add_change, grid_energy, impulse_work, motion_energy
 from mpmfw.effects.ledger_half_step import HalfStep
-from mpmfw.effects.remedies import remedies
 from mpmfw.effects.series import StrainEnergies
-from mpmfw.plugin.effect import Plan
 from mpmfw.plugin.hooks import Observer
 from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.fields import AnyArray, Field, FloatArray
 from mpmfw.state.structs import Grid, State
-
-if TYPE_CHECKING:
-    from mpmfw.runs.build import Build
 
 #: Steps between two looks at the strain energy by what stops a run whose energy grows.
 CHECK_EVERY = 20
@@ -136,6 +132,25 @@ class EnergyLedger(Observer):
         self.half_steps, self.guard, self.running = half_steps, guard, False
         self.motion = self.start = self.lost = 0.0
         self._forget()
+
+    @classmethod
+    def from_setup(cls, setup: Setup) -> Acts | str:
+        """Return the ledger of the effects that act so far."""
+        contact, unstable = setup.contact, setup.allow_unstable
+        if contact is not None and contact.adds_mass:
+            # Its inertia is on the nodes and on no material point: every term would be that of two bodies.
+            return f"contact '{contact.name}' adds inertia of its own to the nodes"
+        ledger = cls(
+            setup.plugin("body_series").strain,
+            setup.state,
+            _terms(setup),
+            contact,
+            accounted="spring_work" in setup.contact_fields,
+            half_steps=setup.scheme == "usl",
+            guard=None if unstable else EnergyGuard.of(setup.state, setup.remedies),
+        )
+        stops = "runs on whatever it shows" if unstable else "stops within 20 steps where energy grows"
+        return Acts(f"output.ledger; works and transfer measured in every step; {stops}", [ledger])
 
     def _forget(self) -> None:
         """Begin all sums at zero."""
@@ -295,31 +310,16 @@ class EnergyLedger(Observer):
         return residual
 
 
-def planned(made: Build, plan: Plan, strain: StrainEnergies) -> EnergyLedger:
-    """Return the ledger of the plug-ins that are planned so far."""
-    contact = made.contact
-    declared = [] if contact is None or not hasattr(contact, "declare_fields") else contact.declare_fields()
-    return EnergyLedger(
-        strain,
-        made.state,
-        _terms(made, plan),
-        contact,
-        accounted="spring_work" in [field.name for field in declared],
-        half_steps=made.scheme == "usl",
-        guard=None if made.scene.allow_unstable else EnergyGuard.of(made.state, remedies(made)),
-    )
-
-
-def _terms(made: Build, plan: Plan) -> tuple[str, ...]:
-    """Works that the ledger can meet in this scene; the others have no series."""
+def _terms(setup: Setup) -> tuple[str, ...]:
+    """Return the works that the ledger can meet in this scene; the others have no series."""
     found: dict[str, list[str]] = {"gravity": [], "external": [], "contact": [], "inertia": []}
-    for plugin in plan.plugins:
+    for plugin in setup.plugins:
         if (does := getattr(plugin, "ledger_term", None)) is not None:
             term, text = does
             found[term].append(text)
-    if made.contact is not None:  # its work counts by the place where it is done
-        for term in dict.fromkeys(term for hook, term in TERMS.items() if hasattr(made.contact, hook)):
-            found[term].append(f"contact '{made.contact.name}'")
+    if setup.contact is not None:  # its work counts by the place where it is done
+        for term in dict.fromkeys(term for hook, term in TERMS.items() if hasattr(setup.contact, hook)):
+            found[term].append(f"contact '{setup.contact.name}'")
     for term, by in found.items():
-        plan.note(f"ledger: {term} work", bool(by), ", ".join(by) or "nothing in the scene does any")
+        setup.note(f"ledger: {term} work", bool(by), ", ".join(by) or "nothing in the scene does any")
     return tuple(term for term, by in found.items() if by)

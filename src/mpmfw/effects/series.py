@@ -10,7 +10,7 @@ import numpy as np
 from mpmfw.kernels.body_sums import sum_affine_energy, sum_motion
 from mpmfw.plugin.checks import of_points
 from mpmfw.plugin.hookspecs import hookimpl
-from mpmfw.plugin.setup import Setup
+from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.fields import (
     AFFINE_ENERGY,
     MATERIAL_WORK,
@@ -81,6 +81,14 @@ class BodySeries:
 
     def __init__(self, strain: StrainEnergies, *, affine: bool, energy: bool) -> None:
         self.strain, self.affine, self.energy = strain, affine, energy
+
+    @classmethod
+    def from_setup(cls, setup: Setup) -> Acts:
+        """Return the series, which every run has; those of energies if the scene wants them."""
+        energy = setup.scene.output.energy
+        setup.note("energies", energy, "series of every body" if energy else "output.energy = false")
+        strain = StrainEnergies(setup.material_of_bodies)
+        return Acts("", [cls(strain, affine=setup.state.particles.affine is not None, energy=energy)])
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
@@ -178,6 +186,11 @@ class VonMises:
 
     def __init__(self, materials: tuple[Any, ...]) -> None:
         self.materials = materials
+
+    @classmethod
+    def from_setup(cls, setup: Setup) -> Acts:
+        """Return the stress, wherever frames hold material points."""
+        return Acts("frames hold material points", [cls(setup.material_of_bodies)])
 
     @hookimpl
     def declare_fields(self) -> list[Field]:

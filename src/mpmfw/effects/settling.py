@@ -17,6 +17,7 @@ from mpmfw.errors import ResultsWarning
 from mpmfw.kernels import kernel
 from mpmfw.kernels.types import Floats
 from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.structs import Body, Grid, State
 
 if TYPE_CHECKING:
@@ -64,12 +65,12 @@ def damp_locally(
     return total
 
 
-def called_for(asked: Settle | None) -> tuple[bool, str]:
-    """Whether a scene settles, and the reason: the damping itself is registered only meanwhile."""
-    if asked is None:
-        return False, "no [settle]"
-    given_up = f"{CROSSINGS} crossings" if asked.max_time is None else f"{asked.max_time:g} s"
-    return True, f"[settle]: to {asked.tolerance:g} of the internal forces, for {given_up} at most"
+def from_setup(setup: Setup) -> Acts:
+    """Return why the scene settles; the damping is registered only meanwhile."""
+    asked = setup.scene.settle
+    assert asked is not None
+    longest = f"{CROSSINGS} crossings" if asked.max_time is None else f"{asked.max_time:g} s"
+    return Acts(f"[settle]: to {asked.tolerance:g} of the internal forces, for {longest} at most")
 
 
 def is_settled_for_good(scene: Scene) -> bool:

@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mpmfw.effects.faces import FLAT, face_of, sides_of
+from mpmfw.effects.faces import FLAT, face_of
 from mpmfw.errors import SceneError
 from mpmfw.plugin.load import LoadedFacets, SurfaceLoad, tracked
+from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.fields import FloatArray, IntArray
 from mpmfw.state.structs import Body
 from mpmfw.state.time_table import TimeTable
 
 if TYPE_CHECKING:
-    from mpmfw.runs.build import Build
     from mpmfw.scene.tables import Side
 
 
@@ -57,22 +57,21 @@ def facets_on_side(
     return np.asarray(own.start + np.flatnonzero(on_side[facets[own]].all(axis=1)), dtype=np.int64)
 
 
-def planned(made: Build) -> list[SideLoad]:
-    """The loaded sides of all bodies.
+def from_setup(setup: Setup) -> Acts:
+    """Return the loaded sides of all bodies.
 
     Raises
     ------
     SceneError
         No facet lies on one of them.
     """
-    surface = tracked(made.state)
-    loads = []
-    for body, side in sides_of(made, loaded=True):
-        normal, place = face_of(made, body, side)
-        tolerance = FLAT * made.state.grid.cell_size
-        own = surface.facets_of(body.index)
+    surface, loads = tracked(setup.state), []
+    for body, side in setup.sides(loaded=True):
+        normal, place = face_of(setup, body, side)
+        own, tolerance = surface.facets_of(body.index), FLAT * setup.cell_size
         loaded = facets_on_side(surface.position, surface.facets, own, normal, place, tolerance)
         if len(loaded) == 0:
             raise SceneError(f"bodies.{body.name}.sides: no surface facet lies on the side '{side.side}'")
         loads.append(SideLoad(body, side, loaded))
-    return loads
+    sides = ", ".join(f"{body.name} {side.side}" for body, side in setup.sides(loaded=True))
+    return Acts(sides, loads)

@@ -4,7 +4,7 @@ points."""
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -13,13 +13,10 @@ from mpmfw.kernels.rows import add_scaled_row
 from mpmfw.kernels.table import entries
 from mpmfw.kernels.types import Floats, Indices, Ints
 from mpmfw.plugin.hookspecs import hookimpl
-from mpmfw.plugin.setup import Setup
+from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.fields import MIN_GAP, AnyArray, Field
 from mpmfw.state.structs import Grid, State
 from mpmfw.state.surface import least_gaps, make_surface
-
-if TYPE_CHECKING:
-    from mpmfw.runs.build import Build
 
 SurfaceMap = Literal["plain", "mass_weighted"]
 
@@ -121,6 +118,20 @@ class SurfaceTracker:
     def __init__(self, surface_map: SurfaceMap, stage: str) -> None:
         self.map, self.stage = surface_map, stage
 
+    @classmethod
+    def from_setup(cls, setup: Setup) -> Acts:
+        """Make the surfaces, which a contact, a load or the least gap needs, and track them."""
+        contact, state = (setup.whole or setup).contact, setup.state
+        by_contact = contact is not None and contact.needs_surface
+        loaded = any(plugin.needs_surface for plugin in setup.named_plugins) or any(setup.sides(loaded=True))
+        stage = "contact" if by_contact else "force" if loaded else "gap"
+        state.surface = make_surface(state.bodies, state.grid.n_fields, stage)
+        chosen = contact.surface_map if contact is not None and by_contact else "auto"
+        if chosen == "auto":
+            chosen = "mass_weighted" if setup.massless_boundary else "plain"
+        setup.note(f"surface map {chosen}", True, f"shape {setup.shape}")
+        return Acts("for " + ", ".join(setup.surface_users), [cls(chosen, stage)])
+
     @hookimpl
     def setup(self, setup: Setup) -> None:
         """Mass of a full cell at every surface node."""
@@ -167,6 +178,11 @@ class GapDiagnostic:
     name = "gap"
     stage = "gap"
 
+    @classmethod
+    def from_setup(cls, setup: Setup) -> Acts:  # noqa: ARG003
+        """Return the diagnostic, which a scene of several bodies has unless it says otherwise."""
+        return Acts("output.gap", [cls()])
+
     @hookimpl
     def declare_fields(self) -> list[Field]:
         """The series."""
@@ -183,23 +199,3 @@ class GapDiagnostic:
             for end in ("first", "second")
         )
         return {"min_gap": least_gaps(surface, first, second, state.grid.spacing)}
-
-
-def planned(made: Build, *, loaded: bool, measured: bool) -> tuple[SurfaceMap, list[Any]]:
-    """Track the surfaces, of which a contact, a load on a side or the gap diagnostic has need.
-
-    Returns
-    -------
-    The map, and the plug-ins: the tracker, and the diagnostic if the gaps are ``measured``.
-    """
-    contact, state = (made.whole or made).contact, made.state
-    by_contact = contact is not None and contact.needs_surface
-    stage = "contact" if by_contact else "force" if loaded else "gap"
-    state.surface = make_surface(state.bodies, state.grid.n_fields, stage)
-    chosen: Any = contact.surface_map if contact is not None and by_contact else "auto"
-    if chosen == "auto":
-        chosen = "mass_weighted" if made.shape.massless_boundary else "plain"
-    plugins: list[Any] = [SurfaceTracker(chosen, stage)]
-    if measured:
-        plugins.append(GapDiagnostic())
-    return chosen, plugins

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.fields import AnyArray, Field
 from mpmfw.state.structs import State
 
@@ -49,6 +50,12 @@ class TimeStepSeries:
         self.limits = limits
         self.owners: list[str] = []
         self.last = 0
+
+    @classmethod
+    def from_setup(cls, setup: Setup) -> Acts:
+        """Record the limits of the run, and what the contact says of its own stability."""
+        monitors = [] if setup.contact is None else setup.contact.monitors()
+        return Acts("output.stability = true", [cls(setup.limits), *monitors])
 
     @hookimpl
     def declare_fields(self) -> list[Field]:

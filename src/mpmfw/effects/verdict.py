@@ -8,7 +8,7 @@ other: two thin bodies may pass through each other between two outputs. Settling
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,13 +17,10 @@ from mpmfw.effects.series import StrainEnergies
 from mpmfw.kernels import Facets
 from mpmfw.kernels.sides import fastest_approach, find_inside, least_own_gaps, node_normals
 from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.fields import AnyArray, FloatArray
 from mpmfw.state.structs import State, Surface
 from mpmfw.state.surface import make_surface
-
-if TYPE_CHECKING:
-    from mpmfw.plugin.effect import Plan
-    from mpmfw.runs.build import Build
 
 #: Penetration beyond that of the start, over the cell size, past which results carry a warning, and are
 #: suspect.
@@ -47,14 +44,8 @@ class Verdict:
 
     Parameters
     ----------
-    made
-        What was built of the scene.
-    strain
-        Strain energies of the bodies.
-    gravity
-        The plug-in, or None.
-    working
-        Plug-ins that do work on the bodies, with an attribute ``work`` [J/m].
+    setup
+        With the plug-ins that act so far: gravity, and those with an attribute ``work`` [J/m].
     """
 
     name = "verdict"
@@ -67,23 +58,26 @@ class Verdict:
         "closed", "closed_at",
     )  # fmt: skip
 
-    def __init__(self, made: Build, strain: StrainEnergies, gravity: Any, working: list[Any]) -> None:
-        state, contact = made.state, made.contact
-        self.state = state
-        self.strain, self.gravity, self.working = strain, gravity, working
+    def __init__(self, setup: Setup) -> None:
+        self.state, contact = setup.state, setup.contact
+        state = self.state
+        self.strain: StrainEnergies = setup.plugin("body_series").strain
+        self.gravity = setup.plugin("gravity")
+        working = (plugin for plugin in setup.plugins if hasattr(plugin, "ledger_term"))
+        self.working = [plugin for plugin in working if hasattr(plugin, "work")]
         self.springs = "" if contact is None else f"{contact.name}/energy"
         self.watched = contact is not None and contact.keeps_apart and len(state.bodies) > 1
         self.outlines = Outlines(state)
-        thinnest = min(body.geometry.width for body in made.scene.bodies.values())
+        thinnest = min(body.geometry.width for body in setup.scene.bodies.values())
         self.stride = min(state.grid.cell_size, 0.5 * thinnest)
         self.inside = np.full(self.outlines.surface.count, -1)
         self.overlap = np.zeros(0)  #: (pair,) deepest node at the start [m]
         self.overlap = self._depths(state)[0]
         overlaps = bool((self.overlap > 0.05 * state.grid.cell_size).any())
         #: Whether the energy at the start is known; not that of an overlap which has not settled.
-        self.start_is_known = not overlaps or made.scene.settle is not None
+        self.start_is_known = not overlaps or setup.scene.settle is not None
         #: Velocities' time less that of the strain, in steps.
-        self.half_step = 0.5 if made.scheme == "usf" else -0.5
+        self.half_step = 0.5 if setup.scheme == "usf" else -0.5
         self.running, self.due = False, 0.0
         self.next_energy = self.next_sides = self.next_own = 0
         self.nothing = self.start = self.first_work = self.gravity_work = self.most = 0.0
@@ -101,6 +95,14 @@ class Verdict:
         )
         self.closed: dict[str, float] = {}  #: by body: own gap over cell size
         self.closed_at: dict[str, float] = {}  #: and its time [s]
+
+    @classmethod
+    def from_setup(cls, setup: Setup) -> Acts:
+        """Return the verdict, which looks at steps where surfaces may meet or gravity changes."""
+        contact, gravity = setup.contact, setup.plugin("gravity")
+        touching = contact is not None and contact.keeps_apart and len(setup.bodies) > 1
+        changing = gravity is not None and len(gravity.table.times) > 1
+        return Acts("", [(VerdictOfSteps if touching or changing else Verdict)(setup)])
 
     def _begin(self, state: State) -> None:
         """Take the energy of time zero."""
@@ -343,15 +345,3 @@ def _nearest_points(state: State, surface: Surface) -> AnyArray:
         _, index = cKDTree(state.particles.position[body.particles]).query(surface.position[own])
         found[own] = body.particles.start + index
     return found
-
-
-def planned(made: Build, plan: Plan, strain: StrainEnergies) -> Verdict:
-    """The verdict of what is planned so far."""
-    working = [
-        plugin for plugin in plan.plugins if hasattr(plugin, "ledger_term") and hasattr(plugin, "work")
-    ]
-    gravity, contact = plan.plugin("gravity"), made.contact
-    touching = contact is not None and contact.keeps_apart and len(made.state.bodies) > 1
-    changing = gravity is not None and len(gravity.table.times) > 1
-    kind = VerdictOfSteps if touching or changing else Verdict
-    return kind(made, strain, gravity, working)

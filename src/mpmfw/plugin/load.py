@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from mpmfw.kernels.facets import area_vector, read_corners
 from mpmfw.kernels.types import Floats, Indices, Ints
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.named import NamedPlugIn
+from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import FloatArray, IntArray
 from mpmfw.state.structs import Grid, Particles, State, Stencil, Surface
 
@@ -170,6 +171,12 @@ class SurfaceLoad(Load):
     needs_surface = True
     #: Facets that it acts on, of all surfaces: (n,).
     facets: IntArray
+
+    def from_setup(self, setup: Setup) -> Self | str:
+        """Act on all facets of the load's bodies."""
+        own = [tracked(setup.state).facets_of(body.index) for body in self.bodies]
+        self.facets = np.concatenate([np.arange(each.start, each.stop) for each in own])
+        return self
 
     def traction(self, facets: LoadedFacets, time: float) -> FloatArray:
         """Force on each facet by its present area, (n, dim) [Pa].

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from mpmfw.errors import PluginError
 from mpmfw.plugin.base import PlugIn
+from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.fields import AnyArray, FloatArray
 from mpmfw.state.structs import Body, State
 
@@ -35,6 +36,10 @@ class NamedPlugIn(PlugIn):
         """
         return ()
 
+    def from_setup(self, setup: Setup) -> Self | str:  # noqa: ARG002
+        """Return the plug-in, ready for the bodies as they are built, or the reason why it does not act."""
+        return self
+
     def checked(
         self, answer: Any, shape: tuple[int, ...], state: State, *, missing: bool = False
     ) -> FloatArray:
@@ -57,6 +62,18 @@ class NamedPlugIn(PlugIn):
                 f"'{self.title}' ({self.name}) answered with {wrong}", step=state.steps, time=state.time
             )
         return np.ascontiguousarray(array)
+
+
+def from_setup(setup: Setup) -> Acts:
+    """Return the loads, boundary conditions and outputs that act."""
+    acting = []
+    for group, plugins in setup.named.items():
+        answers = {f"{name} ({each.label})": each.from_setup(setup) for name, each in plugins.items()}
+        left_out = {what: answer for what, answer in answers.items() if isinstance(answer, str)}
+        reasons = [f"{what}: {left_out[what]}" if what in left_out else what for what in answers]
+        setup.note(group, len(left_out) < len(answers), ", ".join(reasons) or f"no [{group}]")
+        acting += [answer for what, answer in answers.items() if what not in left_out]
+    return Acts("", acting)
 
 
 def shares_near(position: FloatArray, at: FloatArray, cell_size: float) -> FloatArray:

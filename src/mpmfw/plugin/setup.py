@@ -1,10 +1,11 @@
-"""What plug-ins are told once, before the first step."""
+"""The scene as it is built: bodies, methods, and the effects that act."""
 
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,26 +14,64 @@ from mpmfw.state.structs import Body, Pair, State
 
 if TYPE_CHECKING:
     from mpmfw.contact.friction import FrictionLaw
+    from mpmfw.contact.strategy import ContactStrategy
     from mpmfw.geometry import Layout
+    from mpmfw.plugin.material import Material
+    from mpmfw.plugin.named import NamedPlugIn
+    from mpmfw.plugin.shape_function import ShapeFunction
+    from mpmfw.scene import Scene
+    from mpmfw.scene.tables import Side
+    from mpmfw.step.transfer import Transfer
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """One effect: on or off, with its reason."""
+
+    name: str
+    on: bool
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Acts:
+    """An effect that acts: why, and the plug-ins that do it, in the order of their calls."""
+
+    reason: str
+    plugins: Sequence[Any] = ()
 
 
 @dataclass
 class Setup:
-    """Facts of the scene, after discretisation, and the place where plug-ins get their arrays."""
+    """The scene after discretisation: facts for plug-ins, their arrays, and the effects that act.
+
+    Plug-ins get it once, before the first step, in the hook ``setup``.
+    """
 
     state: State  #: of time zero
-    layouts: tuple[Layout, ...]  #: of each body
-    cell_size: float  #: h [m]
-    shape: str  #: name of the shape function
-    massless_boundary: bool  #: the shape function leaves boundary nodes without mass (linear, GIMP)
-    scheme: str  #: usl, musl or usf
-    transfer: str  #: flip, pic, apic, tpic or aflip
-    bulk_frequency: float  #: largest of 2 c / h over the bodies, of thin ones 2 c / √(h w) [1/s]
-    safety: float  #: fraction of the stability limit that a step may take
-    allow_unstable: bool = False  #: the scene lets a step exceed the stability limit
+    layouts: tuple[Layout, ...] = ()  #: of each body
+    shape: str = "none"  #: name of the shape function
+    massless_boundary: bool = False  #: the shape function leaves boundary nodes without mass (linear, GIMP)
+    scheme: str = "usl"  #: usl, musl or usf
+    transfer: str = "flip"  #: flip, pic, apic, tpic or aflip
     flip: float = 1.0  #: share of FLIP in the transfer
+    bulk_frequency: float = 1.0  #: largest of 2 c / h over the bodies, of thin ones 2 c / √(h w) [1/s]
+    safety: float = 0.5  #: fraction of the stability limit that a step may take
+    allow_unstable: bool = False  #: the scene lets a step exceed the stability limit
     friction_law: FrictionLaw | None = None  #: that the scene names; None is Coulomb's
     whole: Setup | None = None  #: that of all bodies, where these are those of them that are awake
+
+    # The core's own, which a plug-in alone on a bench has not:
+    scene: Scene = None  # type: ignore[assignment]
+    shape_function: ShapeFunction = None  # type: ignore[assignment]
+    contact: ContactStrategy | None = None
+    materials: dict[str, Material] = field(default_factory=dict)
+    exchange: Transfer = None  # type: ignore[assignment]
+    named: dict[str, dict[str, NamedPlugIn]] = field(default_factory=dict)  #: by table of the scene and name
+    limits: Callable[[], list[tuple[float, str]]] = list  #: every stable time step [s] with its owner
+    effects: list[Effect] = field(default_factory=list)  #: all of them, on and off
+    plugins: list[Any] = field(default_factory=list)  #: that act, in the order of their calls
+    rotations: dict[str, str] = field(default_factory=dict)  #: how every body's inertia is treated
 
     @property
     def bodies(self) -> tuple[Body, ...]:
@@ -61,6 +100,88 @@ class Setup:
     def dim(self) -> int:
         """Number of space dimensions."""
         return self.state.grid.dim
+
+    @property
+    def cell_size(self) -> float:
+        """Edge of a cell, h [m]."""
+        return self.state.grid.cell_size
+
+    @property
+    def field_per_body(self) -> bool:
+        """Whether every body has a velocity field of its own."""
+        return self.state.grid.n_fields == len(self.bodies)
+
+    def sides(self, *, loaded: bool) -> Iterator[tuple[Body, Side]]:
+        """Bodies and their sides under a load, or those whose motion is prescribed."""
+        for body in self.bodies:
+            for side in self.scene.bodies[body.name].sides:
+                if side.is_loaded == loaded:
+                    yield body, side
+
+    def is_held(self, body: Body) -> bool:
+        """Return whether the body has prescribed sides, or a boundary condition."""
+        named = any(body in boundary.bodies for boundary in self.named["boundaries"].values())
+        return named or any(body is held for held, _ in self.sides(loaded=False))
+
+    @property
+    def material_of_bodies(self) -> tuple[Material, ...]:
+        """The material that each body is made of."""
+        return tuple(self.materials[self.scene.bodies[body.name].material] for body in self.bodies)
+
+    @property
+    def named_plugins(self) -> list[NamedPlugIn]:
+        """Loads, boundary conditions and outputs."""
+        return [plugin for group in self.named.values() for plugin in group.values()]
+
+    @property
+    def contact_fields(self) -> list[str]:
+        """Names of the fields that the contact declares."""
+        declare = getattr(self.contact, "declare_fields", list)
+        return [field.name for field in declare()]
+
+    @property
+    def records_friction(self) -> bool:
+        """Whether the run records forces of Coulomb's friction, of all bodies."""
+        contact, near = self.contact, self.state.near
+        if self.whole is not None or contact is None or self.friction_law or not contact.uses_friction:
+            return False
+        frictional = any(pair.mu > 0.0 for pair in self.pairs) if near is None else near.has_friction
+        return frictional and "friction_force" in self.contact_fields
+
+    @functools.cached_property
+    def surface_users(self) -> list[str]:
+        """Whatever needs tracked surfaces."""
+        contact, whole = self.contact, self.whole
+        return [
+            *([f"contact '{contact.name}'"] if contact is not None and contact.needs_surface else []),
+            *(["loads on sides"] if any(self.sides(loaded=True)) else []),
+            *(f"'{plugin.title}'" for plugin in self.named_plugins if plugin.needs_surface),
+            *(["min_gap"] if self.scene.output.gap and len(self.bodies) > 1 else []),
+            *(["all bodies"] if whole is not None and whole.state.surface is not None else []),
+        ]
+
+    @functools.cached_property
+    def remedies(self) -> dict[str, str]:
+        """Advice for a run that fails, by the part of the run that it changes.
+
+        The parts are ``step``, ``scheme``, ``contact`` and ``shape``. A part is left out where nothing else
+        can be recommended: ``contact`` without a contact, ``scheme`` under USL and under linear shape
+        functions, which need MUSL."""
+        found = {"step": f"a smaller {'time.safety' if self.scene.time.step is None else 'time.step'}"}
+        if self.scheme != "usl" and self.shape != "linear":
+            found["scheme"] = "scheme 'usl'"
+        if self.contact is not None:
+            key = getattr(self.contact, "softer_by", None)
+            found["contact"] = "another contact" if key is None else f"a softer contact ({key})"
+        return {**found, "shape": f"another shape than '{self.shape}'"}
+
+    def note(self, name: str, on: bool, reason: str) -> None:
+        """Record an effect."""
+        self.effects.append(Effect(name, on, reason))
+
+    def plugin(self, name: str) -> Any:
+        """Return the plug-in of a name, or None."""
+        return next((plugin for plugin in self.plugins if plugin.name == name), None)
 
     @functools.cached_property
     def half_edges(self) -> FloatArray:

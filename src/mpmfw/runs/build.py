@@ -1,10 +1,8 @@
-"""From a scene to the state and the plug-ins that act on it."""
+"""From a scene to its bodies and methods, the :class:`mpmfw.plugin.setup.Setup`."""
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,34 +29,10 @@ from mpmfw.scene.options import NAMED
 from mpmfw.state.pairs import FEW, NearPairs
 from mpmfw.state.structs import Body, State, joined
 from mpmfw.state.windows import make_grid
-from mpmfw.step.transfer import Transfer, make_transfer
+from mpmfw.step.transfer import make_transfer
 
 if TYPE_CHECKING:
     from mpmfw.scene import Scene
-
-
-@dataclass
-class Build:
-    """What a simulation is made of, before its plug-ins are set up."""
-
-    scene: Scene
-    layouts: tuple[Layout, ...]
-    state: State
-    shape: ShapeFunction
-    contact: ContactStrategy | None
-    materials: dict[str, Material]
-    scheme: str
-    transfer: Transfer
-    bulk_frequency: float  #: largest 2 c / h over the bodies, of thin ones 2 c / √(h w) [1/s]
-    friction_law: FrictionLaw | None = None  #: that the scene names
-    #: Loads, boundary conditions and outputs by the scene's tables of them and its names.
-    named: dict[str, dict[str, NamedPlugIn]] = field(default_factory=dict)
-    whole: Build | None = None  #: of all bodies, where these are some of them (:func:`build_some`)
-
-    @property
-    def named_plugins(self) -> list[NamedPlugIn]:
-        """All of them."""
-        return [plugin for group in self.named.values() for plugin in group.values()]
 
 
 def build(
@@ -66,7 +40,7 @@ def build(
     contact: ContactStrategy | None = None,
     shape: ShapeFunction | None = None,
     loads: Mapping[str, Load] | None = None,
-) -> Build:
+) -> Setup:
     """Discretise the bodies and make the plug-ins that the scene names; objects take their place, ``loads``
     stand beside.
 
@@ -97,41 +71,41 @@ def build(
     return _put_together(scene, layouts, bodies, chosen_shape, chosen_contact, materials, loads or {})
 
 
-def build_some(made: Build, which: Sequence[int]) -> Build:
-    """Some of the bodies as they were at the start, by themselves; methods are made anew of the same options.
+def build_some(whole: Setup, which: Sequence[int]) -> Setup:
+    """Build some of the bodies as they were at the start; methods are made anew of the same options.
 
-    One body alone has no contact. What all bodies together decide stays: the largest wave speed, whether
-    there is friction, and whether surfaces are tracked."""
+    One body alone has no contact. All bodies together decide the largest wave speed, whether there is
+    friction, and whether surfaces are tracked."""
 
     def again(plugin: Any) -> Any:
         return None if plugin is None else type(plugin).from_options(plugin.options)
 
-    names = [made.state.bodies[index].name for index in which]
-    scene = made.scene.of_bodies(names)
+    names = [whole.bodies[index].name for index in which]
+    scene = whole.scene.of_bodies(names)
     used = dict.fromkeys(scene.bodies[name].material for name in names)
-    shape, contact = again(made.shape), again(made.contact) if len(names) > 1 else None
-    materials = {name: again(made.materials[name]) for name in used}
-    layouts = tuple(made.layouts[index] for index in which)
+    shape, contact = again(whole.shape_function), again(whole.contact) if len(names) > 1 else None
+    materials = {name: again(whole.materials[name]) for name in used}
+    layouts = tuple(whole.layouts[index] for index in which)
     bodies = make_bodies(scene, layouts, materials, per_body=True)
-    some = _put_together(scene, layouts, bodies, shape, contact, materials, {})
-    return dataclasses.replace(some, bulk_frequency=made.bulk_frequency, whole=made)
+    return _put_together(scene, layouts, bodies, shape, contact, materials, {}, whole)
 
 
 def _put_together(
     scene: Scene,
     layouts: tuple[Layout, ...],
     bodies: tuple[Body, ...],
-    chosen_shape: ShapeFunction,
-    chosen_contact: ContactStrategy | None,
+    shape: ShapeFunction,
+    contact: ContactStrategy | None,
     materials: dict[str, Material],
     loads: Mapping[str, Load],
-) -> Build:
-    """The state of the bodies, and what moves them, of methods that are made."""
-    per_body = chosen_contact is not None and chosen_contact.velocity_fields == "per_body"
-    scheme, name = scene.stepping.chosen(chosen_shape)
+    whole: Setup | None = None,
+) -> Setup:
+    """Make the state of the bodies, and what moves them, of methods that are made."""
+    per_body = contact is not None and contact.velocity_fields == "per_body"
+    scheme, name = scene.stepping.chosen(shape)
     transfer = make_transfer(
         name,
-        singular_spread=chosen_shape.singular_spread,
+        singular_spread=shape.singular_spread,
         transported=scene.stepping.transported,
         pic_fraction=scene.stepping.pic_fraction,
     )
@@ -141,26 +115,51 @@ def _put_together(
     for body in bodies:
         material = materials[scene.bodies[body.name].material]
         material.slices = joined(material.slices, body.particles)
-    state = State(particles, grid, bodies, ())
-    friction, named = _friction_law(scene, chosen_contact), _named(scene, bodies, loads)
-    _list_pairs(scene, state, chosen_contact, friction)
-    fastest = max(
-        2.0 * body.wave_speed / stable_length(grid.cell_size, scene.bodies[body.name].geometry.width)
-        for body in bodies
-    )
-    return Build(
-        scene,
+    setup = Setup(
+        State(particles, grid, bodies, ()),
         layouts,
-        state,
-        chosen_shape,
-        chosen_contact,
-        materials,
-        scheme,
-        transfer,
-        fastest,
-        friction,
-        named,
+        shape=shape.name,
+        massless_boundary=shape.massless_boundary,
+        scheme=scheme,
+        transfer=transfer.name,
+        flip=transfer.flip,
+        bulk_frequency=_bulk_frequency(scene, bodies) if whole is None else whole.bulk_frequency,
+        safety=scene.time.safety,
+        allow_unstable=scene.allow_unstable,
+        friction_law=_friction_law(scene, contact),
+        whole=whole,
+        scene=scene,
+        shape_function=shape,
+        contact=contact,
+        materials=materials,
+        exchange=transfer,
+        named=_named(scene, bodies, loads),
+        plugins=[*materials.values(), shape],
     )
+    _list_pairs(scene, setup.state, contact, setup.friction_law)
+    _note_methods(setup)
+    return setup
+
+
+def _bulk_frequency(scene: Scene, bodies: tuple[Body, ...]) -> float:
+    """Return the largest of 2 c / h over the bodies, of thin ones 2 c / √(h w) [1/s]."""
+    cell, of = scene.grid.cell_size, scene.bodies
+    return max(2.0 * b.wave_speed / stable_length(cell, of[b.name].geometry.width) for b in bodies)
+
+
+def _note_methods(setup: Setup) -> None:
+    """Note effects that are part of the transfer and of the shape function."""
+    transfer, stored = setup.exchange, setup.exchange.affine == "moment"
+    affine, moves = transfer.affine is not None, hasattr(setup.shape_function, "update_particle_domains")
+    chosen = "as auto for" if setup.scene.stepping.transfer == "auto" else "given, with"
+    setup.note("affine field", affine, f"transfer {transfer.name}, {chosen} shape {setup.shape}")
+    if affine:
+        how = "C is carried along with the motion" if transfer.transported else "C stays as gathered"
+        setup.note("transported affine gradient", transfer.transported, how)
+    how = "stores B, D⁻¹ comes at the next projection" if stored else "does not store B"
+    setup.note("affine moments", stored, f"transfer {transfer.name} {how}")
+    how = "moves its domains in every step" if moves else "has no domains that it would move"
+    setup.note("domain tracking", moves, f"shape {setup.shape} {how}")
 
 
 def _named(
@@ -294,22 +293,3 @@ def _check_methods(scene: Scene, shape: ShapeFunction, contact: ContactStrategy 
             raise SceneError(
                 f"{kind} '{plugin.name}' works in {works}{note}; the scene's grid is {scene.dim}D"
             )
-
-
-def make_setup(made: Build) -> Setup:
-    """Return what plug-ins are told of what was built."""
-    return Setup(
-        state=made.state,
-        layouts=made.layouts,
-        cell_size=made.state.grid.cell_size,
-        shape=made.shape.name,
-        massless_boundary=made.shape.massless_boundary,
-        scheme=made.scheme,
-        transfer=made.transfer.name,
-        flip=made.transfer.flip,
-        bulk_frequency=made.bulk_frequency,
-        safety=made.scene.time.safety,
-        allow_unstable=made.scene.allow_unstable,
-        friction_law=made.friction_law,
-        whole=None if made.whole is None else make_setup(made.whole),
-    )

@@ -11,6 +11,7 @@ import numpy as np
 
 from mpmfw.errors import PluginError, SimulationError
 from mpmfw.plugin.checks import described, naming
+from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.results import Frame, RunHeader, provenance
 from mpmfw.results.layout import is_static
 from mpmfw.state.fields import PARTICLE_FIELDS, SURFACE_FIELDS, AnyArray, Field
@@ -193,3 +194,8 @@ def _stored(field: Field) -> Field:
     """The field as the file has it: of material points in single precision, in which no picture differs."""
     moving = field.group == "particles" and np.dtype(field.dtype) == np.float64 and not is_static(field)
     return dataclasses.replace(field, dtype="f4") if moving else field
+
+
+def surface_frames(setup: Setup) -> Acts | str:
+    """Return why frames have surface nodes, or why not."""
+    return "no surface is tracked" if setup.state.surface is None else Acts("output.surface")

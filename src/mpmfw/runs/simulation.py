@@ -10,18 +10,17 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from mpmfw.effects.remedies import remedies
 from mpmfw.effects.settling import FLIP_SHARE, Settling, concern, is_settled_for_good, stop_motion
 from mpmfw.errors import Diverged, PluginError, SceneError, SimulationError
 from mpmfw.plugin.checks import bundled, declared_fields
-from mpmfw.plugin.effect import Effect
 from mpmfw.plugin.hooks import HOOKS, BoundHooks, make_manager, register
+from mpmfw.plugin.setup import Effect, Setup
 from mpmfw.results import Frame, RunHeader
 from mpmfw.runs.bodies import initial_velocity
-from mpmfw.runs.build import Build, build, make_setup, strategy
+from mpmfw.runs.build import build, strategy
 from mpmfw.runs.compilation import CompileTimer, import_numba_without_scipy
+from mpmfw.runs.effects import decide
 from mpmfw.runs.frames import Recorder, check_state_finite
-from mpmfw.runs.plan import plan_effects
 from mpmfw.runs.restart import read_snapshot, write_snapshot
 from mpmfw.runs.sizing import warnings_about
 from mpmfw.runs.timestep import TimeStep
@@ -85,51 +84,50 @@ class Simulation:
     ) -> None:
         import_numba_without_scipy()
         contact, shape = strategy("contact", contact), strategy("shape", shape)
-        made = build(
+        setup = build(
             _with_methods(scene, contact, shape),
             contact=None if contact is None or isinstance(contact, str) else contact,
             shape=None if shape is None or isinstance(shape, str) else shape,
             loads=loads or {},
         )
-        self._assemble(made, Clock(), made.scene.threads if threads is None else checked_threads(threads))
+        self._assemble(setup, Clock(), setup.scene.threads if threads is None else checked_threads(threads))
 
     @classmethod
-    def of(cls, made: Build, clock: Clock, threads: int) -> Simulation:
-        """The simulation of what is built already, on so many threads; its time goes to ``clock``."""
+    def of(cls, setup: Setup, clock: Clock, threads: int) -> Simulation:
+        """Return the simulation of what is built already, on so many threads; its time goes to ``clock``."""
         simulation = cls.__new__(cls)
-        simulation._assemble(made, clock, threads)
+        simulation._assemble(setup, clock, threads)
         return simulation
 
-    def _assemble(self, made: Build, clock: Clock, threads: int) -> None:
-        """Plan the effects, and set up all that acts."""
-        self.scene, self.clock, self._made = made.scene, clock, made
-        plan = plan_effects(made, self.limits)
-        self.state, self.contact, self.shape = made.state, made.contact, made.shape
-        self.scheme, self.transfer = made.scheme, made.transfer
-        self.effects: tuple[Effect, ...] = tuple(plan.effects)
-        self.remedies = remedies(made)
-        self.threads = threads
+    def _assemble(self, setup: Setup, clock: Clock, threads: int) -> None:
+        """Decide the effects, and set up all that acts."""
+        self.setup, self.clock, self.threads = setup, clock, threads
+        setup.limits = self.limits
+        decide(setup)
+        self.scene, self.state, self.contact = setup.scene, setup.state, setup.contact
+        self.shape, self.scheme, self.transfer = setup.shape_function, setup.scheme, setup.exchange
+        self.effects: tuple[Effect, ...] = tuple(setup.effects)
+        self.rotations = setup.rotations  #: how every body's rotational inertia is treated
         if threads > 1:
             from mpmfw.state.threads import Threads
 
             particles = self.state.particles
             count = min(threads, particles.count)
             particles.threads = Threads(count, rows_ascend=self.shape.rows_ascend)
-        self.rotations = plan.rotations  #: how every body's rotational inertia is treated
         self.manager = make_manager()
-        names = _registered_names(made)
-        for plugin in reversed(plan.plugins):  # pluggy calls the last registered first
+        names = _registered_names(setup)
+        for plugin in reversed(setup.plugins):  # pluggy calls the last registered first
             register(self.manager, plugin, names.get(id(plugin), str(plugin.name)))
         self._bind_hooks()
-        self._set_up(made)
+        self._set_up(setup)
 
-    def _set_up(self, made: Build) -> None:
+    def _set_up(self, setup: Setup) -> None:
         """Tell the plug-ins what they need, and lay the grid round the bodies."""
         answers = self.hook.declare_fields() or []
         self.fields: tuple[Field, ...] = declared_fields(
             zip(self._callers("declare_fields"), answers, strict=True)
         )
-        self.hook.setup(setup=make_setup(made))
+        self.hook.setup(setup=setup)
         reach = self.hook.particle_reach(particles=self.state.particles)
         lay_windows(self.state.grid, self.state.particles, reach, self.state.surface)
         list_near(self.state, self.hook)
@@ -139,7 +137,7 @@ class Simulation:
         self._time_step = TimeStep(
             self.scene,
             self.state,
-            2.0 / made.bulk_frequency,
+            2.0 / setup.bulk_frequency,
             self.shape.courant,
             self._callers("stable_timestep"),
         )
@@ -155,7 +153,7 @@ class Simulation:
         if self.scene.sleep is not None:
             from mpmfw.runs.sleeping import Sleep
 
-            self._sleep = Sleep(self, made)
+            self._sleep = Sleep(self, setup)
             self._step = self._sleep.step
 
     def _bind_hooks(self) -> None:
@@ -218,7 +216,7 @@ class Simulation:
         try:
             state.dt = self._step(state, self.hook, self.transfer, self.clock, length)
         except Diverged as error:
-            raise error.with_advice("; ".join(self.remedies.values())) from None
+            raise error.with_advice("; ".join(self.setup.remedies.values())) from None
         state.time, state.steps = time + state.dt, steps + 1
 
     def detect(self) -> None:
@@ -269,7 +267,7 @@ class Simulation:
 
     def _end_settling(self) -> None:
         """Loads, sides and transfer as the scene has them, no motion, and nothing recorded."""
-        self._settling, self.transfer = None, self._made.transfer
+        self._settling, self.transfer = None, self.setup.exchange
         stop_motion(self.state)
         self.clock.flush()
         self._tell_settling(None)
@@ -575,11 +573,11 @@ class _Watch:
             self.after_step()
 
 
-def _registered_names(made: Build) -> dict[int, str]:
+def _registered_names(setup: Setup) -> dict[int, str]:
     """Return the unique names of materials, loads and the like, which the scene names, by the identity of the
     plug-in.
     """
-    groups: list[Mapping[str, Any]] = [made.materials, *made.named.values()]
+    groups: list[Mapping[str, Any]] = [setup.materials, *setup.named.values()]
     return {id(plugin): f"{plugin.name} {name}" for group in groups for name, plugin in group.items()}
 
 

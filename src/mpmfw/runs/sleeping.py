@@ -15,7 +15,8 @@ import numpy as np
 from mpmfw.errors import SceneError
 from mpmfw.plugin.checks import bundled, described
 from mpmfw.plugin.load import BodyLoad, LoadedFacets, SurfaceLoad
-from mpmfw.runs.build import Build, build_some
+from mpmfw.plugin.setup import Acts, Setup
+from mpmfw.runs.build import build_some
 from mpmfw.state.clock import Clock
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 from mpmfw.state.history import NotSaved
@@ -41,15 +42,15 @@ SPARE = 16.0
 IMPULSES = ("impulse", "friction_impulse")
 
 
-def check(made: Build, plugins: list[Any]) -> None:
-    """Refuse what bodies cannot sleep beside.
+def from_setup(setup: Setup) -> Acts:
+    """Return when bodies fall asleep; refuse effects that bodies cannot sleep beside.
 
     Raises
     ------
     SceneError
         There is some of it.
     """
-    contact, output = made.contact, made.scene.output
+    contact, output = setup.contact, setup.scene.output
     if contact is None or contact.velocity_fields != "per_body":
         raise SceneError(
             "sleep: expected a contact with a velocity field for each body, in which one of them can be left "
@@ -66,11 +67,14 @@ def check(made: Build, plugins: list[Any]) -> None:
             raise SceneError(f"sleep: output.{key} measures all bodies in every step; expected {key} = false")
     if output.contact_moment is not None:
         raise SceneError("sleep: output.contact_moment measures all bodies in every step; expected none")
-    if made.named["boundaries"]:
+    if setup.named["boundaries"]:
         raise SceneError("sleep: the motion of [boundaries] is not known beforehand; expected sides")
-    for plugin in plugins:
+    for plugin in setup.plugins:
         if not bundled(type(plugin)):
             raise SceneError(f"sleep: {described(plugin)} would not know who is awake; expected bundled ones")
+    asked = setup.scene.sleep
+    assert asked is not None
+    return Acts(f"[sleep]: below {asked.strain:g} of the wave speed for {asked.crossings:g} crossings")
 
 
 class Sleep:
@@ -80,26 +84,26 @@ class Sleep:
     ----------
     whole
         The simulation of all bodies, before its first step.
-    made
-        What it was made of.
+    setup
+        Of all bodies.
     """
 
-    def __init__(self, whole: Any, made: Build) -> None:
-        asked = made.scene.sleep
+    def __init__(self, whole: Any, setup: Setup) -> None:
+        asked = setup.scene.sleep
         assert asked is not None
-        self.whole, self.made = whole, made
+        self.whole, self.setup = whole, setup
         self.part: Any = None  #: simulation of the bodies awake; None if these are all or none
-        self.scheme = SCHEMES[made.scheme]
-        bodies = made.state.bodies
+        self.scheme = SCHEMES[setup.scheme]
+        bodies = setup.state.bodies
         waves = np.array([body.wave_speed for body in bodies])
         longest = np.array([np.subtract(body.upper, body.lower).max() for body in bodies])
         self.bound: FloatArray = asked.strain * waves  #: (n_bodies,) [m/s]
         self.patience: FloatArray = asked.crossings * longest / waves  #: (n_bodies,) [s]
         self.moved = np.zeros(len(bodies))  #: last time at which a body was seen to move [s]
         self.asleep, self.sleepers = np.zeros(len(bodies), dtype=bool), 0
-        self.lower, self.upper = (np.zeros_like(made.state.grid.window_lower) for _ in range(2))
+        self.lower, self.upper = (np.zeros_like(setup.state.grid.window_lower) for _ in range(2))
         self.pulls: dict[int, list[AnyArray]] = {}  #: gravity and loads under which a body fell asleep
-        self.rates = {name: np.zeros((0, made.scene.dim)) for name in IMPULSES}
+        self.rates = {name: np.zeros((0, setup.scene.dim)) for name in IMPULSES}
         self.counted = 0.0  #: time up to which impulses of pairs asleep are counted [s]
         self.slept = np.zeros(len(bodies))  #: when a body fell asleep [s]
         self.seen: tuple[float, dict[str, FloatArray]] | None = None  #: time and impulses of the last look
@@ -111,7 +115,7 @@ class Sleep:
         ]
         self._gravity = whole.manager.get_plugin("gravity")
         self._gravity_changes = self._gravity is not None and len(self._gravity.table.times) > 1
-        self._contact = "" if made.contact is None else made.contact.name
+        self._contact = "" if setup.contact is None else setup.contact.name
 
     # -- the steps
     # ---------------------------------------------------------------------------------------------------
@@ -278,7 +282,7 @@ class Sleep:
         awake = np.flatnonzero(~self.asleep)
         self.part, self.seen, self.sleepers = None, None, len(self.asleep) - len(awake)
         if 0 < len(awake) < len(self.asleep):
-            self.part = type(whole).of(build_some(self.made, awake.tolist()), whole.clock, whole.threads)
+            self.part = type(whole).of(build_some(self.setup, awake.tolist()), whole.clock, whole.threads)
             self.part.started = True
             _hand_over(whole, self.part)
         running = self.running

@@ -1,0 +1,168 @@
+"""Rotational inertia correction: a free body turns with the inertia of its material, not of its lumped nodes.
+
+Lumping the mass at the nodes gives the grid body an inertia I_grid = Σ m_i |x_i − c|² that exceeds the true
+one, I, by m (h² + l_p²)/3 under CPDI: at R/h = 4 a rolling disc is 5 % too slow in its spin. Each body's
+acceleration is given the missing part, a_i += (1/I − 1/I_grid) τ × (x_i − c), τ being the torque of the
+step's whole momentum change about c. That is the inverse of a symmetric positive-definite rank-one change of
+the lumped mass matrix; it holds linear momentum exactly since Σ m_i (x_i − c) = 0.
+
+In 3D a body whose inertia differs from axis to axis changes its spin without a torque, I ω' = τ − ω × I ω,
+and the lumped one with I_grid in place of I: what is added is the difference of both. Else the body would
+keep I_grid ω, and not I ω."""
+
+from __future__ import annotations
+
+from mpmfw.effects.second_moments import inertia_of, moments_of_domains, moments_of_nodes
+from mpmfw.kernels import device, kernel, scratch
+from mpmfw.kernels.small_matrix import invert
+from mpmfw.kernels.types import Floats
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.plugin.setup import Setup
+from mpmfw.state.structs import Body, Grid, Particles
+
+
+@device
+def moment_of(arms: Floats, out: Floats) -> None:
+    """Σ r × f, into ``out`` (3,), of ``arms`` = Σ r ⊗ f (3, 3)."""
+    for i in range(3):
+        k, m = (i + 1) % 3, (i + 2) % 3
+        out[i] = arms[k, m] - arms[m, k]
+
+
+@device
+def answer_of(
+    inertia: Floats, inverse: Floats, impulse: Floats, spin: Floats, dt: float, out: Floats,
+    spacing: tuple[float, ...]
+) -> None:  # fmt: skip
+    """Δω = I⁻¹ (τ Δt − Δt ω × I ω), into ``out`` (3,), of a body that spins by ``spin``; ``impulse`` is τ
+    Δt.
+    """
+    momentum, left = scratch.vector(spacing), scratch.vector(spacing)
+    for i in range(3):
+        momentum[i] = 0.0
+        for j in range(3):
+            momentum[i] += inertia[i, j] * spin[j]
+    for i in range(3):
+        k, m = (i + 1) % 3, (i + 2) % 3
+        left[i] = impulse[i] - dt * (spin[k] * momentum[m] - spin[m] * momentum[k])
+    for i in range(3):
+        out[i] = 0.0
+        for j in range(3):
+            out[i] += inverse[i, j] * left[j]
+
+
+@device
+def spin_change(
+    true: Floats, lumped: Floats, torque: Floats, momentum: Floats, dt: float, spin: Floats,
+    spacing: tuple[float, ...]
+) -> None:  # fmt: skip
+    """Antisymmetric W = Δω×, Δω what the material answers to the step's torque less what the nodes do.
+
+    ``torque`` is Σ r ⊗ Δp and ``momentum`` Σ r ⊗ m v⁰, of which the antisymmetric parts are τ Δt and L. In 2D
+    Δω is (1/I − 1/I_grid) τ Δt. In 3D both bodies have a gyroscopic couple as well (:func:`answer_of`), at
+    the spin half a step on."""
+    a, b = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
+    inertia_of(true, a, spacing)
+    inertia_of(lumped, b, spacing)
+    if len(spacing) == 2:
+        alpha = (torque[0, 1] - torque[1, 0]) * (1.0 / a[0, 0] - 1.0 / b[0, 0])
+        spin[0, 0], spin[0, 1], spin[1, 0], spin[1, 1] = 0.0, -alpha, alpha, 0.0
+    else:
+        c, d = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
+        invert(a, c, spacing)
+        invert(b, d, spacing)
+        impulse, whole = scratch.vector(spacing), scratch.vector(spacing)
+        start, omega = scratch.vector(spacing), scratch.vector(spacing)
+        answer, of_nodes = scratch.vector(spacing), scratch.vector(spacing)
+        moment_of(torque, impulse)
+        moment_of(momentum, whole)
+        answer_of(b, d, whole, whole, 0.0, start, spacing)  # without a step: I_grid⁻¹ L
+        for i in range(3):
+            omega[i] = start[i]
+        for _ in range(2):
+            answer_of(a, c, impulse, omega, dt, answer, spacing)
+            answer_of(b, d, impulse, omega, dt, of_nodes, spacing)
+            for i in range(3):
+                omega[i] = start[i] + 0.5 * answer[i]
+        for i in range(3):
+            k, m = (i + 1) % 3, (i + 2) % 3
+            alpha = answer[i] - of_nodes[i]
+            spin[i, i], spin[m, k], spin[k, m] = 0.0, alpha, -alpha
+
+
+@kernel
+def correct_rotation(
+    first_particle: int, last_particle: int, first_node: int, last_node: int, mass: Floats, position: Floats,
+    deformation_gradient: Floats, half_edges: Floats, node_position: Floats, node_mass: Floats,
+    node_start_velocity: Floats,
+    node_momentum: Floats, dt: float, spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """(m v)_i += m_i W (x_i − c), W from the torque of this step's momentum change (times Δt) about the
+    centre c, and in 3D from the spin.
+
+    True second moment: Σ m ((x_p − c)(x_p − c)ᵀ + Σ_a r_a r_aᵀ / 3), r_a the half-edge vectors of the
+    deformed domain.
+    """
+    dim = len(spacing)
+    centre = scratch.vector(spacing)
+    true, lumped = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
+    torque, momentum = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
+    spin = scratch.matrix(spacing, spacing)
+    moments_of_nodes(first_node, last_node, node_position, node_mass, centre, lumped, spacing)
+    moments_of_domains(
+        first_particle, last_particle, mass, position, deformation_gradient, half_edges, centre, true, spacing
+    )
+    for d in range(dim):
+        for e in range(dim):
+            torque[d, e] = momentum[d, e] = 0.0
+    for i in range(first_node, last_node):
+        for d in range(dim):
+            arm = node_position[i, d] - centre[d]
+            for e in range(dim):
+                before = node_mass[i] * node_start_velocity[i, e]
+                torque[d, e] += arm * (node_momentum[i, e] - before)
+                if dim == 3:
+                    momentum[d, e] += arm * before
+    spin_change(true, lumped, torque, momentum, dt, spin, spacing)
+    for i in range(first_node, last_node):
+        for d in range(dim):
+            for e in range(dim):
+                node_momentum[i, d] += node_mass[i] * spin[d, e] * (node_position[i, e] - centre[e])
+
+
+class ExactRotation:
+    """The correction for every body that asks for it; velocity-correcting contact is part of the momentum
+    change."""
+
+    name = "rotation"
+    ledger_term = ("inertia", "exact rotation")
+
+    def __init__(self, bodies: tuple[Body, ...]) -> None:
+        self.bodies = bodies
+
+    @hookimpl
+    def setup(self, setup: Setup) -> None:
+        """Take the domains from the layout."""
+        self.half_edges = setup.half_edges
+
+    @hookimpl
+    def correct_inertia(self, grid: Grid, particles: Particles, dt: float) -> None:
+        """Correct each body's own velocity field, in the step of ``dt`` [s]."""
+        for body in self.bodies:
+            nodes = grid.field_nodes(body.field)
+            correct_rotation(
+                body.particles.start,
+                body.particles.stop,
+                nodes.start,
+                nodes.stop,
+                particles.mass,
+                particles.position,
+                particles.deformation_gradient,
+                self.half_edges,
+                grid.position,
+                grid.mass,
+                grid.start_velocity,
+                grid.momentum,
+                dt,
+                grid.spacing,
+            )
