@@ -1,4 +1,4 @@
-"""Arguments that several commands take, and how their text is read."""
+"""Arguments that several commands take, and how their text is read; wrong text raises a SceneError."""
 
 from __future__ import annotations
 
@@ -110,26 +110,14 @@ ArrowsOption: TypeAlias = Annotated[
 
 
 def jobs_of(jobs: int | None, scheduler: str | None, default: int | None = 1) -> int | None:
-    """Return the number of processes at a time; None beside a scheduler.
-
-    Raises
-    ------
-    SceneError
-        Both are given.
-    """
+    """Return the number of processes at a time; None beside a scheduler."""
     if scheduler is not None and jobs is not None:
         raise SceneError("--jobs: has no effect with --scheduler, whose workers are as many as they are")
     return None if scheduler is not None else jobs or default
 
 
 def assignments(texts: list[str] | None, option: str = "--set") -> dict[str, str]:
-    """Return ``KEY=VALUE`` texts as values by key.
-
-    Raises
-    ------
-    SceneError
-        A text has no key or no equals sign, or a key is given twice.
-    """
+    """Return ``KEY=VALUE`` texts as values by key."""
     found: dict[str, str] = {}
     for text in texts or []:
         key, equals, value = (part.strip() for part in text.partition("="))
@@ -144,13 +132,7 @@ def assignments(texts: list[str] | None, option: str = "--set") -> dict[str, str
 def chosen_scene(
     scene: str, contact: str | None, shape: str | None, set_: list[str] | None, trust: bool
 ) -> Scene:
-    """Load the scene with the methods and keys that the options choose.
-
-    Raises
-    ------
-    SceneError
-        The scene or an option is wrong, or two options choose the same thing.
-    """
+    """Load the scene with the methods and keys that the options choose."""
     from mpmfw.scene import load_scene
     from mpmfw.scene.requested import check_methods_run, friction_laws
     from mpmfw.scene.specification import written
@@ -179,11 +161,6 @@ def chosen_scene(
 def names(text: str | None, kind: Kind) -> list[str] | None:
     """Return the plug-ins between commas, each a name or a name with options, or None if the option is
     absent.
-
-    Raises
-    ------
-    SceneError
-        A name is empty, unknown or given twice; an option is unknown or refused.
     """
     from mpmfw.scene.specification import split_specifications, written
 
@@ -222,13 +199,7 @@ def variations(texts: list[str] | None) -> dict[str, list[Any]]:
 
 
 def check_files(files: Sequence[Path]) -> None:
-    """Check that every argument is a file, and that none is given twice.
-
-    Raises
-    ------
-    SceneError
-        One is a folder, is not there or comes twice.
-    """
+    """Check that every argument is a file, and that none is given twice."""
     for k, one in enumerate(files):
         if one.is_dir():
             raise SceneError(f"{one}: is a folder; give the name of a file")
@@ -239,13 +210,7 @@ def check_files(files: Sequence[Path]) -> None:
 
 
 def limits_of(text: str | None) -> tuple[float, float] | None:
-    """Return ``LOW,HIGH`` as numbers.
-
-    Raises
-    ------
-    SceneError
-        The text is not two finite numbers, the lower one first.
-    """
+    """Return ``LOW,HIGH`` as numbers."""
     if text is None:
         return None
     try:

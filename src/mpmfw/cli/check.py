@@ -133,13 +133,6 @@ def _run_with_bounds(arguments: list[str]) -> None:
     """Run the command in another process, whose kernels check every index.
 
     They have a cache of their own: numba's key does not say which way a kernel was compiled.
-
-    Raises
-    ------
-    MpmfwError
-        The process died, and by what signal.
-    typer.Exit
-        It ended with another status than 0, which is this one's as well.
     """
     import platformdirs
 
@@ -171,11 +164,6 @@ def _run_with_bounds(arguments: list[str]) -> None:
 def _kind_of(text: str, kind: str | None) -> Kind:
     """The kind that is asked for, or that of the class, or the only one of which there is a plug-in of this
     name.
-
-    Raises
-    ------
-    SceneError
-        No plug-in or several have the name.
     """
     from mpmfw.campaigns.measures import names_of_measures
     from mpmfw.plugin.discovery import available, choices, did_you_mean, load
@@ -212,13 +200,7 @@ def _options(texts: list[str] | None) -> dict[str, Any]:
 
 
 def _table(path: Path) -> dict[str, str]:
-    """The expected failures of a TOML file, at its top or in a table ``expected_failures``.
-
-    Raises
-    ------
-    SceneError
-        The file cannot be read or is no such table.
-    """
+    """The expected failures of a TOML file, at its top or in a table ``expected_failures``."""
     try:
         document = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:

@@ -80,11 +80,6 @@ def check_result(path: Path, kind: str, force: bool = False) -> Path:
     force
         Whether another result of the kind is replaced. A campaign whose finished runs lie beside its result
         continues from them, which replaces nothing.
-
-    Raises
-    ------
-    SceneError
-        There is another file, or a result that would be lost, or no file can be written.
     """
     from mpmfw.campaigns.store import own_files
     from mpmfw.results.replacing import check_replaceable
@@ -135,11 +130,6 @@ def result_path(output: Path | None, scene: Scene, kind: str, force: bool, **oth
         As :func:`check_result` takes them.
     others
         Files to write beside it, by the name of the option.
-
-    Raises
-    ------
-    SceneError
-        Two of the files are the same one, or as :func:`check_result`.
     """
     path = Path(f"{scene.name}{_RESULTS[kind][0]}.nc") if output is None else output
     taken = {}
@@ -155,26 +145,14 @@ def result_path(output: Path | None, scene: Scene, kind: str, force: bool, **oth
 
 
 def new_path(path: Path, force: bool) -> Path:
-    """Return the path of a figure, a page or an export, if it can be written without loss of a file.
-
-    Raises
-    ------
-    SceneError
-        No file can be written there, or one exists and ``force`` is false.
-    """
+    """Return the path of a figure, a page or an export, if it can be written without loss of a file."""
     from mpmfw.results.replacing import check_new
 
     return check_new(check_writable(path), force)
 
 
 def figure_path(path: Path) -> Path:
-    """Return the name of a figure's file, PNG where it says no format.
-
-    Raises
-    ------
-    SceneError
-        It says another than PNG, PDF and SVG.
-    """
+    """Return the name of a figure's file, PNG where it says no format."""
     if path.suffix.lower() not in ("", ".png", ".pdf", ".svg"):
         raise SceneError(
             f"{path}: figures are PNG, PDF or SVG files; give a name that ends in .png, .pdf or .svg"
@@ -183,13 +161,7 @@ def figure_path(path: Path) -> Path:
 
 
 def check_writable(path: Path) -> Path:
-    """Return the path, if a file can be written there; checked before long work.
-
-    Raises
-    ------
-    SceneError
-        The folder does not exist or does not let files be written, or the path is none of a file.
-    """
+    """Return the path, if a file can be written there; checked before long work."""
     folder = path.parent
     if os.path.islink(os.path.realpath(path)):
         raise SceneError(f"{path}: is a link that leads to itself; give the name of a file")

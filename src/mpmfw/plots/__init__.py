@@ -1,7 +1,7 @@
 """Figures of runs, comparisons and studies, as matplotlib figures that touch no global state."""
 
 from mpmfw.plots.animation import animate
-from mpmfw.plots.costs import cost_bars
+from mpmfw.plots.costs import cost_bars, stages
 from mpmfw.plots.field_figure import field, side_by_side
 from mpmfw.plots.files import figures_of, plot_file, plot_files, write_figure
 from mpmfw.plots.histories import history
@@ -9,7 +9,7 @@ from mpmfw.plots.plane_cut import plane_cut
 from mpmfw.plots.rendering import rendered
 from mpmfw.plots.rolling import contact_force, motion, positions
 from mpmfw.plots.scene import gap_history
-from mpmfw.plots.study import front, stages
+from mpmfw.plots.study import front
 
 __all__ = [
     "animate",

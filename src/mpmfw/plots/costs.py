@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import itertools
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from mpmfw.plots.style import combinations, dress, head, journal_style, legend_below, new_figure, on_lines
+from mpmfw.plots.study_grid import label_of, order_of, problems_of, resolution_of, runs_of, with_methods
+from mpmfw.plots.style import combinations, dress, head, journal_style, legend_below, new_figure
 from mpmfw.state.clock import STEP_STAGES
 
-_STAGE_COLOURS = ("#0072B2", "#56B4E9", "#009E73", "#D55E00", "#E69F00", "#CC79A7")
-#: Letters of a bar's name beside which a column leaves room for the bars.
-_FOR_A_COLUMN = 24
+#: Of the stages, and a grey for settling.
+_COLOURS = ("#0072B2", "#56B4E9", "#009E73", "#D55E00", "#E69F00", "#CC79A7", "#6B6B6B")
 
 
 @journal_style()
@@ -23,30 +26,102 @@ def cost_bars(dataset: xr.Dataset) -> Figure:
     dataset
         Of ``mpmfw.compare``.
     """
-    runs = list(combinations(dataset))
-    labels = [on_lines(f"{contact}, {shape}", 60) for contact, shape, _ in runs]
-    longest = max(len(line) for label in labels for line in label.splitlines())
-    figure = new_figure(1 if longest <= _FOR_A_COLUMN else 2, 1, 20.0 + 7.0 * len(runs))
+    rows = []
+    for contact, shape, run in combinations(dataset):
+        work = run["steps"] * run["material_points"]
+        times = 1e9 * run["cpu_stage"] / work.where(work > 0.0)
+        run = run.assign(stage_time=times)
+        rows.append({"contact": contact, "shape": shape, "dims": ["contact", "shape"], "run": run})
+    figure = new_figure(1, 1, 16.0 + 4.2 * (len(rows) + len(_places(rows)[1])))
     head(figure, dataset)
     axes = figure.subplots()
-    left = np.zeros(len(runs))
-    for stage, colour in zip(STEP_STAGES, _STAGE_COLOURS, strict=True):
-        widths = np.array([_share(run, stage) for _, _, run in runs])
-        axes.barh(np.arange(len(runs)), widths, left=left, color=colour, label=stage, height=0.7)
-        left = left + widths
-    axes.set_yticks(np.arange(len(runs)), labels)
-    for row, (_, _, run) in enumerate(runs):
-        if left[row] == 0.0:
-            axes.text(0.0, row, f" {str(run['status'].item()).partition(':')[0]}", va="center")
+    _draw_bars(axes, rows, list(STEP_STAGES))
     axes.invert_yaxis()
     dress(axes, "CPU time [ns per point and step]", "")
     axes.grid(False, axis="y")
-    stages = axes.get_legend_handles_labels()[0]
-    legend_below(figure, [stages[:3], stages[3:]])
+    handles = axes.get_legend_handles_labels()[0]
+    legend_below(figure, [handles[:3], handles[3:]])
     return figure
 
 
-def _share(run: xr.Dataset, stage: str) -> float:
-    """Nanoseconds of one stage per particle and step; a run without figures has no bar."""
-    work = float(run["steps"]) * float(run["material_points"])
-    return float(np.nan_to_num(1e9 * float(run["cpu_stage"].sel(stage=stage)) / work)) if work > 0.0 else 0.0
+@journal_style()
+def stages(dataset: xr.Dataset) -> Figure:
+    """CPU time by stage as stacked bars, one for each combination at the finest resolution that ran.
+
+    Parameters
+    ----------
+    dataset
+        Of ``mpmfw.study``.
+    """
+    named = with_methods(dataset)
+    resolution = resolution_of(named)
+    problems = list(problems_of(named))
+    bars = {title: list(runs_of(_finest(problem, resolution))) for title, problem in problems}
+    longest = max(len(rows) + len(_places(rows)[1]) for rows in bars.values())
+    columns = min(2, len(problems))
+    lines = -(-len(problems) // columns)
+    figure = new_figure(columns, lines, 16.0 + 4.2 * longest)
+    panels = figure.subplots(lines, columns, squeeze=False, sharex=True, sharey=True).ravel()
+    names = [str(name) for name in named["stage"].values]
+    for axes, (title, rows) in zip(panels, bars.items(), strict=False):
+        _draw_bars(axes, rows, names)
+        finest = "" if resolution is None else label_of(resolution, rows[0][resolution])
+        dress(axes, "CPU time [s]", "", ", ".join(part for part in (title, finest) if part))
+        axes.grid(False, axis="y")
+    panels[0].invert_yaxis()  # shared: the first combination on top of every panel
+    for axes in panels[len(problems) :]:
+        axes.remove()
+    drawn = [row["run"]["stage_time"] for rows in bars.values() for row in rows]
+    occurs = [any(float(times.sel(stage=name)) > 0.0 for times in drawn) for name in names]
+    handles = list(itertools.compress(panels[0].get_legend_handles_labels()[0], occurs))
+    legend_below(figure, [handles[:4], handles[4:]])
+    return figure
+
+
+def _finest(problem: xr.Dataset, resolution: str | None) -> xr.Dataset:
+    """The part of a problem at the finest resolution of which a cost is known."""
+    if resolution is None:
+        return problem
+    parts = [problem.sel({resolution: label}) for label in order_of(problem, resolution)[::-1]]
+    return next((part for part in parts if np.isfinite(part["cpu_time"]).any()), parts[0]).expand_dims(
+        resolution
+    )
+
+
+def _places(rows: list[dict[str, Any]]) -> tuple[list[float], dict[float, str]]:
+    """Where the bars are, and the contacts' names above theirs; none where only one of contact and shape
+    varies.
+    """
+    if not rows or not {"contact", "shape"} <= set(rows[0]["dims"]):
+        return [float(k) for k in range(len(rows))], {}
+    places: list[float] = []
+    heads: dict[float, str] = {}
+    at, last = 0.0, None
+    for row in rows:
+        if row["contact"] != last:
+            last = row["contact"]
+            heads[at] = str(last)
+            at += 1.0
+        places.append(at)
+        at += 1.0
+    return places, heads
+
+
+def _draw_bars(axes: Any, rows: list[dict[str, Any]], names: list[str]) -> None:
+    """Bars of the shape functions under the name of each contact, which may be long with its options."""
+    places, heads = _places(rows)
+    left = np.zeros(len(rows))
+    for name, colour in zip(names, itertools.cycle(_COLOURS), strict=False):
+        widths = np.array([float(np.nan_to_num(row["run"]["stage_time"].sel(stage=name))) for row in rows])
+        axes.barh(places, widths, left=left, color=colour, label=name, height=0.72)
+        left += widths
+    dims = ("shape",) if heads else ("contact", "shape")
+    labels = [", ".join(str(row[dim]) for dim in row["dims"] if dim in dims) for row in rows]
+    axes.set_yticks(places, labels)
+    axes.set_ylim(-0.8, max(places, default=0.0) + 0.8)
+    for place, contact in heads.items():
+        axes.text(0.01, place, contact, va="center", transform=axes.get_yaxis_transform())
+    for k, row in enumerate(rows):
+        status = str(row["run"]["status"].item()).partition(":")[0]
+        if status != "ok":
+            axes.text(left[k], places[k], f" {status}", va="center")

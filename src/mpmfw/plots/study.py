@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from typing import Any
 
 import numpy as np
@@ -12,15 +11,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from mpmfw.plots.costs import _STAGE_COLOURS
+from mpmfw.plots.costs import stages
 from mpmfw.plots.markers import Marker, draw_side_by_side
 from mpmfw.plots.study_grid import label_of, order_of, problems_of, resolution_of, runs_of, with_methods
 from mpmfw.plots.style import Look, dress, journal_style, legend_below, new_figure
 
 #: Marker sizes [pt] of the coarsest and the finest resolution.
 _SIZES = (5.5, 3.5)
-#: As in the figure of a comparison's costs, and a grey for settling.
-_COLOURS = (*_STAGE_COLOURS, "#6B6B6B")
 
 
 def study_figures(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
@@ -96,40 +93,6 @@ def front(dataset: xr.Dataset) -> Figure:
         drawn = [row for row in runs_of(problem) if _can_be_drawn(row["run"])]
         drawn.sort(key=lambda row: (not row["run"]["pareto"], float(row["run"]["cpu_time"])))
         draw_side_by_side(axes, [_marker(row, look, _size(named, resolution, row)) for row in drawn])
-    return figure
-
-
-@journal_style()
-def stages(dataset: xr.Dataset) -> Figure:
-    """CPU time by stage as stacked bars, one for each combination at the finest resolution that ran.
-
-    Parameters
-    ----------
-    dataset
-        Of ``mpmfw.study``.
-    """
-    named = with_methods(dataset)
-    resolution = resolution_of(named)
-    problems = list(problems_of(named))
-    bars = {title: list(runs_of(_finest(problem, resolution))) for title, problem in problems}
-    longest = max(len(rows) + len(_places(rows)[1]) for rows in bars.values())
-    columns = min(2, len(problems))
-    lines = -(-len(problems) // columns)
-    figure = new_figure(columns, lines, 16.0 + 4.2 * longest)
-    panels = figure.subplots(lines, columns, squeeze=False, sharex=True, sharey=True).ravel()
-    names = [str(name) for name in named["stage"].values]
-    for axes, (title, rows) in zip(panels, bars.items(), strict=False):
-        _draw_bars(axes, rows, names)
-        finest = "" if resolution is None else label_of(resolution, rows[0][resolution])
-        dress(axes, "CPU time [s]", "", ", ".join(part for part in (title, finest) if part))
-        axes.grid(False, axis="y")
-    panels[0].invert_yaxis()  # shared: the first combination on top of every panel
-    for axes in panels[len(problems) :]:
-        axes.remove()
-    drawn = [row["run"]["stage_time"] for rows in bars.values() for row in rows]
-    occurs = [any(float(times.sel(stage=name)) > 0.0 for times in drawn) for name in names]
-    handles = list(itertools.compress(panels[0].get_legend_handles_labels()[0], occurs))
-    legend_below(figure, [handles[:4], handles[4:]])
     return figure
 
 
@@ -260,52 +223,3 @@ def _key(dataset: xr.Dataset, look: Look, resolution: str | None) -> list[list[A
         [*sizes, *lines] if len(sizes) <= 2 else sizes,
         *([] if len(sizes) <= 2 else [lines]),
     ]
-
-
-def _finest(problem: xr.Dataset, resolution: str | None) -> xr.Dataset:
-    """The part of a problem at the finest resolution of which a cost is known."""
-    if resolution is None:
-        return problem
-    parts = [problem.sel({resolution: label}) for label in order_of(problem, resolution)[::-1]]
-    return next((part for part in parts if np.isfinite(part["cpu_time"]).any()), parts[0]).expand_dims(
-        resolution
-    )
-
-
-def _places(rows: list[dict[str, Any]]) -> tuple[list[float], dict[float, str]]:
-    """Where the bars are, and the contacts' names above theirs; none where only one of contact and shape
-    varies.
-    """
-    if not rows or not {"contact", "shape"} <= set(rows[0]["dims"]):
-        return [float(k) for k in range(len(rows))], {}
-    places: list[float] = []
-    heads: dict[float, str] = {}
-    at, last = 0.0, None
-    for row in rows:
-        if row["contact"] != last:
-            last = row["contact"]
-            heads[at] = str(last)
-            at += 1.0
-        places.append(at)
-        at += 1.0
-    return places, heads
-
-
-def _draw_bars(axes: Any, rows: list[dict[str, Any]], names: list[str]) -> None:
-    """Bars of the shape functions under the name of each contact, which may be long with its options."""
-    places, heads = _places(rows)
-    left = np.zeros(len(rows))
-    for name, colour in zip(names, itertools.cycle(_COLOURS), strict=False):
-        widths = np.array([float(np.nan_to_num(row["run"]["stage_time"].sel(stage=name))) for row in rows])
-        axes.barh(places, widths, left=left, color=colour, label=name, height=0.72)
-        left += widths
-    dims = ("shape",) if heads else ("contact", "shape")
-    labels = [", ".join(str(row[dim]) for dim in row["dims"] if dim in dims) for row in rows]
-    axes.set_yticks(places, labels)
-    axes.set_ylim(-0.8, max(places, default=0.0) + 0.8)
-    for place, contact in heads.items():
-        axes.text(0.01, place, contact, va="center", transform=axes.get_yaxis_transform())
-    for k, row in enumerate(rows):
-        status = str(row["run"]["status"].item()).partition(":")[0]
-        if status != "ok":
-            axes.text(left[k], places[k], f" {status}", va="center")
