@@ -103,7 +103,7 @@ def contact_force(dataset: xr.Dataset) -> Figure:
     mean = over_time(lambda one: analysis.running_average(time, one, WINDOW))
     series: dict[str, Beside] = {
         "contact force": (force, "N m-1", at, table["fine_force_raw_N_per_m"][inside]),
-        "force, mean over 100 µs": (mean, "N m-1", at, exact[inside]),
+        "mean over 100 µs": (mean, "N m-1", at, exact[inside]),
         "impulse": (over_time(lambda one: analysis.impulse(time, one)), "N s m-1", at, impulse[inside]),
     }
     return beside_reference([(dataset, "", series)], "finite elements, 0.5 mm", noisy="contact force")
