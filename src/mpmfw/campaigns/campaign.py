@@ -46,7 +46,7 @@ def campaign(
     set
         Values by key that all runs share.
     **running
-        ``executor``, ``jobs``, ``store``, ``repeats``, ``force``, ``progress`` and ``report``, as
+        ``executor``, ``jobs``, ``store``, ``repeats``, ``force``, ``progress`` and ``run_progress``, as
         :class:`mpmfw.campaigns.execution.Execution` takes them.
 
     Returns

@@ -23,7 +23,7 @@ class Running(TypedDict, total=False):
     repeats: Repeats
     force: bool
     progress: Progress | None
-    report: Callable[[float, int], None] | None
+    run_progress: Callable[[float, int], None] | None
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Execution:
         Runs of each point, for the spread of its cost; ``auto`` repeats short ones.
     force
         Whether runs may be past the limits of steps and frames.
-    progress, report
+    progress, run_progress
         Called after every run, and within runs that take place in this process.
     """
 
@@ -53,7 +53,7 @@ class Execution:
     repeats: Repeats = "auto"
     force: bool = False
     progress: Progress | None = None
-    report: Callable[[float, int], None] | None = None
+    run_progress: Callable[[float, int], None] | None = None
 
     @classmethod
     def of(cls, running: Mapping[str, Any], **others: Any) -> Execution:

@@ -77,7 +77,7 @@ def complete(
     repeats: Repeats = "auto",
     exclusive: bool = False,
     progress: Progress | None = None,
-    report: Callable[[float, int], None] | None = None,
+    run_progress: Callable[[float, int], None] | None = None,
 ) -> None:
     """Run what the store lacks, results and repeats, and keep each as it ends.
 
@@ -96,7 +96,7 @@ def complete(
         Whether costs have to be measured one at a time, in this process, after all results are there.
     progress
         Called at the start, where repeats begin, and after every run.
-    report
+    run_progress
         Called within every run that takes place in this process, as ``mpmfw.run`` calls its ``progress``.
     """
 
@@ -115,9 +115,9 @@ def complete(
     count = _Counter(progress, len(missing) * (1 + left) + sum(lacking(key) for key in tasks))
 
     def work(task: Task) -> Finished:
-        return run_once(task, report)
+        return run_once(task, run_progress)
 
-    once = work if report is not None and isinstance(executor, InProcess) else run_once
+    once = work if run_progress is not None and isinstance(executor, InProcess) else run_once
     _do(once, [replace(task, timing=executor.timing) for task in missing], store, executor, count, left)
     again = _rounds({key: (replace(task, timing=timer.timing), lacking(key)) for key, task in tasks.items()})
     count.total = count.done + len(again)

@@ -114,7 +114,7 @@ def choose(
             executor=scheduler,
             jobs=jobs_of(jobs, scheduler),
             progress=progress,
-            report=within,
+            run_progress=within,
             force=force,
         )
     _print(dataset, form)

@@ -88,7 +88,7 @@ def compare(
             vary=varied,
             output=path,
             progress=progress,
-            report=within,
+            run_progress=within,
             force=force,
             jobs=jobs_of(jobs, scheduler),
             executor=scheduler,

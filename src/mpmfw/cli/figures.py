@@ -68,6 +68,7 @@ def plot(
     side, fields under one colour scale. Without either, several FILEs that are comparisons of a rolling
     cylinder make one figure, a row each.
     """
+    check_files(file)
     output = None if output is None else figure_path(output)
     _check_options(
         field,
@@ -109,7 +110,6 @@ def _target(file: list[Path], path: Path, force: bool) -> Path:
     """Return the path to write, if it can be written without loss of a file and all FILEs are results."""
     from mpmfw.results import check_results
 
-    check_files(file)
     new_path(path, force)
     for one in file:
         check_results(one)

@@ -35,38 +35,32 @@ MOST = 6
 LARGEST_GAP = 3.0
 
 
-def travel(dataset: xr.Dataset) -> xr.DataArray:
-    """Largest displacement of every body's centre of mass over runs and outputs [m], by body."""
-    centre = dataset["centre_of_mass"].transpose("body", "axis", "time", ...)
-    away = (centre - centre.isel(time=0)).values
-    size = np.sqrt((away**2).sum(axis=1)).reshape(len(away), -1)
-    known = np.where(np.isfinite(size), size, 0.0)
-    return xr.DataArray(known.max(axis=1), {"body": dataset["body"]}, ("body",))
-
-
 def moving_bodies(dataset: xr.Dataset) -> list[str]:
-    """Bodies that do not stand still in every run, those that move furthest first."""
-    far = travel(dataset)
-    return [
-        str(name)
-        for name in far["body"].values[np.argsort(-far.values, kind="stable")]
-        if far.sel(body=name) > _STILL * far.max()
-    ]
+    """Return the bodies that do not stand still in every run, those that move furthest first."""
+    centre = dataset["centre_of_mass"]
+    away = centre - centre.isel(time=0)
+    far = _largest(_size(away, away), "body")
+    return [str(name) for name in far["body"].values[far.values > _STILL * far.values.max()]]
 
 
 def touching_pairs(dataset: xr.Dataset) -> list[str]:
-    """Pairs with a contact force in any run, largest first."""
-    force = np.abs(dataset["contact_force"].transpose("pair", ...).values).reshape(dataset.sizes["pair"], -1)
-    largest = np.where(np.isfinite(force), force, 0.0).max(axis=1)
-    return [str(dataset["pair"].values[k]) for k in np.argsort(-largest, kind="stable") if largest[k] > 0.0]
+    """Return the pairs with a contact force in any run, largest first."""
+    force = _largest(dataset["contact_force"], "pair")
+    return [str(name) for name in force["pair"].values[force.values > 0.0]]
+
+
+def _largest(array: xr.DataArray, dim: str) -> xr.DataArray:
+    """Return the largest finite magnitude for each label of a dimension, the largest first."""
+    size = abs(array).where(np.isfinite(array))
+    size = size.max([one for one in size.dims if one != dim]).fillna(0.0)
+    return size.isel({dim: np.argsort(-size.values, kind="stable")})
 
 
 def near_pairs(dataset: xr.Dataset) -> list[str]:
-    """Pairs whose gap is in the figure in any run: within so many cells, where their size is known."""
-    h = cell_size(at_last(dataset))
-    least = at_last(dataset)["min_gap"].transpose("pair", ...).values.reshape(dataset.sizes["pair"], -1)
-    near = (least < (LARGEST_GAP * h if h > 0.0 else np.inf)).any(axis=1)
-    return [str(name) for name in dataset["pair"].values[near]]
+    """Return the pairs that come within so many cells in any run, or all where their size is not known."""
+    h, gap = cell_size(at_last(dataset)), at_last(dataset)["min_gap"]
+    near = (gap < (LARGEST_GAP * h if h > 0.0 else np.inf)).any([dim for dim in gap.dims if dim != "pair"])
+    return [str(name) for name in dataset["pair"].values[near.values]]
 
 
 @journal_style()
