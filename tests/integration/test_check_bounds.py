@@ -5,14 +5,12 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 from mpmfw.cli import app
-from mpmfw_testing.past_the_end import say_lines
 
 TESTS = Path(__file__).resolve().parents[1]
 
@@ -40,36 +38,6 @@ def test_the_process_gets_the_request_and_its_status_is_the_commands(monkeypatch
     assert given[:3] == ["drag", "--kind", "load"]
     assert "--bounds" not in given
     assert given[-4:] == ["--set", "rate=2", "--only", "runs"]
-
-
-class Located:
-    """Stands for numba's dispatcher: compiled code that raises without a place, and the function that it was
-    made of.
-    """
-
-    def __init__(self, function: Callable[..., None]) -> None:
-        self.py_func = function
-
-    def __call__(self, *_arguments: object) -> None:
-        raise IndexError("index is out of bounds")
-
-
-def past_the_end(values: list[float]) -> None:
-    values[len(values)] = 1.0
-
-
-def not_in_python(_values: list[float]) -> None:
-    raise NotImplementedError
-
-
-def test_the_line_is_that_of_the_access_or_the_first_error_stands(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("numba.core.dispatcher.Dispatcher", Located)
-    say_lines()
-    with pytest.raises(IndexError, match="assignment index out of range") as found:
-        Located(past_the_end)([1.0])
-    assert found.traceback[-1].name == "past_the_end"
-    with pytest.raises(IndexError, match="index is out of bounds"):
-        Located(not_in_python)([1.0])
 
 
 @pytest.mark.long

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import functools
 
-import numpy as np
 import pytest
-from pydantic import BaseModel, Field
 
 import mpmfw.plugin.discovery
 from faulty_plugins.contact import keeping, momentum
@@ -14,16 +12,11 @@ from faulty_plugins.contact.plain import PlainContact
 from faulty_plugins.load import faults as load_faults
 from faulty_plugins.material.sound import Sound as SoundMaterial
 from faulty_plugins.planted import PLANTED, WITHOUT, planted
-from faulty_plugins.shape import faults as shape_faults
 from faulty_plugins.shape.sound import Sound as SoundShape
 from faulty_plugins.small import friction, geometry, other_kinds
-from mpmfw.api import ContactStrategy, SceneError, hookimpl
+from mpmfw.api import SceneError, hookimpl
 from mpmfw.campaigns.measures import MEASURES
-from mpmfw_contact.bardenhagen import Bardenhagen
-from mpmfw_contact.penalty import Penalty
 from mpmfw_testing import examine, subject_of
-from mpmfw_testing.contact.meeting import Meeting
-from mpmfw_testing.contact.motion import simulate
 from mpmfw_testing.examination import examine_one
 from mpmfw_testing.parametrised import checks_of
 
@@ -238,44 +231,6 @@ def test_the_law_without_the_fault_passes_the_same_check(name):
     assert found.status == ("not applicable" if name == "options" else "passed"), found.report
 
 
-class RoundedWork(Bardenhagen):
-    """From one output to the next the recorded work loses its last bits."""
-
-    name = "rounded-work"
-    outputs = 0
-
-    @hookimpl
-    def diagnostics(self, state, interval):
-        self.outputs += 1
-        series = Bardenhagen.diagnostics(self, state, interval)
-        series["frictional_work"] = (1.0 - 1e-14 * self.outputs) * series["frictional_work"] - 1e-16
-        return series
-
-
-def test_a_rounding_of_the_recorded_work_is_no_fall():
-    motion = simulate(RoundedWork(), Meeting(form="discs", slide=0.5, friction=0.3).mapping(), 40)
-    assert np.diff(motion.of("frictional_work")[:, 0]).min() < 0.0
-    found = outcome(RoundedWork, "reports")
-    assert found.status == "passed", found.report
-
-
-class Film(ContactStrategy):
-    """Does nothing, with an option that it drops, and of which the only example is what it is configured
-    with.
-    """
-
-    name = "film"
-
-    class Options(BaseModel):
-        resistance: float = Field(0.0, ge=0.0, examples=[1e4])
-
-
-def test_an_option_that_has_the_value_of_its_example_is_compared_with_others():
-    found = outcome(Film(resistance=1e4), "options")
-    assert found.message == "an option is accepted and has no effect"
-    assert found.counterexample["value"] != 1e4
-
-
 class RefusesLinear(PlainContact):
     """Says that it does not work with linear functions."""
 
@@ -301,32 +256,3 @@ def test_values_that_are_all_refused_acquit_no_option():
         "an option is accepted and has no effect",
         "S235",
     )
-
-
-def test_stiff_springs_with_their_true_limit_are_stable():
-    found = outcome(Penalty, "time-step", kappa=10.0)
-    assert found.status == "passed", found.report
-
-
-class Stumbling(Bardenhagen):
-    """Ends in an error of its own."""
-
-    name = "stumbling"
-
-    @hookimpl
-    def after_momentum_update(self, grid):
-        raise ZeroDivisionError(f"no impulse on {len(grid.mass)} nodes")
-
-
-def test_an_error_of_the_law_is_shown_with_its_place():
-    found = outcome(Stumbling, "runs")
-    assert found.status == "failed"
-    assert "no impulse on" in found.report
-    assert "test_conformance.py" in found.report
-
-
-def test_an_error_of_a_shape_function_is_shown_with_its_place():
-    found = outcome(shape_faults.Stumbling, "runs", "shape")
-    assert found.status == "failed"
-    assert "no weights" in found.report
-    assert "faults.py" in found.report

@@ -105,26 +105,6 @@ def test_a_number_in_the_plane_and_a_vector_in_space_with_units(scene, unit):
     powers_of(unit)
 
 
-@pytest.mark.parametrize("method", ["penalty", "bardenhagen"])
-def test_looking_changes_no_digit_of_the_motion(method):
-    plain, asked = (
-        recorded(cubes(method), about)["series"].to_dataset() for about in (None, [0.0, 0.0, 0.0])
-    )
-    assert "contact_moment" not in plain
-    for name in plain.data_vars:
-        np.testing.assert_array_equal(asked[name].values, plain[name].values, err_msg=str(name))
-
-
 def test_a_point_of_the_wrong_dimension_is_refused():
     with pytest.raises(SceneError, match=r"output\.contact_moment.*2"):
         recorded(two_blocks("penalty"), [0.0, 0.0, 0.0])
-
-
-def test_where_none_is_measured_the_plan_says_why():
-    from mpmfw.runs.simulation import Simulation
-
-    for method in ("none", "separate"):
-        simulation = Simulation(two_blocks(method, output={"contact_moment": "centre_of_mass"}))
-        (effect,) = [effect for effect in simulation.effects if effect.name == "contact moment"]
-        assert not effect.on
-        assert method in effect.reason

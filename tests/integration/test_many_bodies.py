@@ -184,18 +184,3 @@ def test_a_file_of_many_bodies_grows_in_proportion(tmp_path: Any) -> None:
         return path.stat().st_size
 
     assert size(80) < 2.3 * size(40)
-
-
-def test_a_last_frame_without_a_time_is_left_out_of_every_group(tmp_path: Any) -> None:
-    import netCDF4
-
-    path = tmp_path / "cut.nc"
-    mpmfw.run(
-        many_discs(FEW + 1, "penalty", radius=1.5, time={"end": 2e-4, "output_interval": 1e-4}), output=path
-    )
-    with netCDF4.Dataset(path, "a") as data:
-        data["time"][-1] = np.nan
-    tree = mpmfw.open(path)
-    assert tree["series"].sizes["time"] == 2
-    assert tree["particles/d0"].sizes["time"] == 2
-    assert tree["surface/d5"]["position"].shape[0] == 2

@@ -15,7 +15,7 @@ import mpmfw
 from mpmfw.api import BodyLoad, FloatArray, LoadedFacets, Particles, SurfaceLoad
 from mpmfw.errors import PluginError, SceneError
 from mpmfw.runs.simulation import Simulation
-from scenes_for_tests import BULK, DENSITY, SHEAR, SOFT, block, box, disc, two_blocks
+from scenes_for_tests import BULK, DENSITY, SHEAR, SOFT, block, box, two_blocks
 
 P_WAVE = BULK + 4.0 * SHEAR / 3.0
 HOOKE = {**SOFT, "model": "linear_elastic"}
@@ -42,17 +42,6 @@ def test_a_point_force_gives_its_impulse(make: Any) -> None:
     np.testing.assert_allclose(momentum(sim), np.multiply(force, 20e-4), rtol=1e-9)
 
 
-def test_a_point_force_in_time_gives_the_integral_of_its_table() -> None:
-    rows = [[1e-3, 0.0, 0.0], [2e-3, 4.0, 2.0]]
-    sim = started(
-        block(loads={"push": {"model": "point_force", "at": [0, 0], "force": rows}}, time__step=1e-4)
-    )
-    sim.advance(40)
-    # From the start of every step: 0 to 1 ms, the sum of 1 … 9 tenths to 2 ms, then 20 steps of the whole
-    exact = np.array([4.0, 2.0]) * (0.1 * sum(range(10)) + 20) * 1e-4
-    np.testing.assert_allclose(momentum(sim), exact, rtol=1e-9)
-
-
 @pytest.mark.parametrize("at", [[0.0, 0.0], [0.31, -0.17], [0.5, 0.5], [-0.5, 0.02]])
 def test_a_point_force_has_its_moment(at: list[float]) -> None:
     """One step gives L = Δt x × F, at a corner and on a side as well: the force acts at the place that was
@@ -67,12 +56,6 @@ def test_a_point_force_has_its_moment(at: list[float]) -> None:
     x = grid.position
     moment = float((x[:, 0] * nodal[:, 1] - x[:, 1] * nodal[:, 0]).sum())
     assert moment == pytest.approx(1e-4 * (at[0] * force[1] - at[1] * force[0]), abs=1e-12)
-
-
-def test_a_body_force_is_that_of_the_volume() -> None:
-    sim = started(block(loads={"field": {"model": "body_force", "force": [2.0, -7.0]}}, time__step=1e-4))
-    sim.advance(20)
-    np.testing.assert_allclose(momentum(sim), np.multiply([2.0, -7.0], 20e-4), rtol=1e-9)
 
 
 def test_a_body_force_of_rho_g_is_gravity() -> None:
@@ -260,30 +243,6 @@ def test_forces_go_with_the_thickness_and_motion_does_not(contact: str) -> None:
     )
 
 
-@pytest.mark.parametrize(
-    "loads",
-    [
-        {"push": {"model": "point_force", "at": [0.2, 0.1], "force": [2e4, 1e4]}},
-        {"field": {"model": "body_force", "force": [2e4, -1e4]}},
-        {"air": {"model": "drag", "rate": 30.0, "medium": [2.0, 0.0]}},
-    ],
-)
-def test_the_work_of_a_load_is_in_the_ledger(loads: dict[str, Any]) -> None:
-    """Work of the load = what the energy grew by and the transfer took away, to a thousandth."""
-    scene = block(loads=loads, bodies__solid__velocity=[1.0, 0.5], output__ledger=True)
-    series = mpmfw.run(scene)["series"]
-    work = series["external_work"].values[-1]
-    energy = float(
-        (series["total_energy"] + series.get("affine_energy", 0.0)).sum("body")[-1]
-        - (series["total_energy"] + series.get("affine_energy", 0.0)).sum("body")[0]
-    )
-    assert abs(work) > 1.0
-    assert energy == pytest.approx(
-        work - series["transfer_dissipation"].values[-1], rel=1e-3, abs=1e-3 * abs(work)
-    )
-    assert "contact_work" not in series
-
-
 class Wind(SurfaceLoad):
     """Traction c (u − v)·n n where the wind blows on the surface: by place, motion and direction."""
 
@@ -397,18 +356,3 @@ def test_a_point_force_asks_for_one_body() -> None:
         SceneError, match=r"loads\.a\.bodies: a point force acts on one body, not on left, right"
     ):
         Simulation(two_blocks("penalty", loads={"a": PUSH}))
-
-
-def test_a_run_with_loads_goes_on_to_the_bit_from_where_it_was_saved(tmp_path: Any) -> None:
-    loads = {
-        "push": {"model": "point_force", "at": [0.2, 0.1], "force": [[0.0, 1e4, 0.0], [0.02, 0.0, 1e4]]},
-        "air": {"model": "drag", "rate": 30.0},
-    }
-    scene = disc(loads=loads)
-    first, second = started(scene), started(scene)
-    first.advance(10)
-    first.save(tmp_path / "state")
-    first.advance(10)
-    second.load(tmp_path / "state")
-    second.advance(10)
-    np.testing.assert_array_equal(first.state.particles.velocity, second.state.particles.velocity)

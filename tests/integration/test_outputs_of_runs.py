@@ -49,11 +49,6 @@ def test_the_force_at_the_nearest_steps_integrates_to_the_impulse():
     )
 
 
-def test_outputs_denser_than_steps_are_one_a_step():
-    tree = run(time={"end": 0.005, "output_interval": 1e-5, "outputs": "nearest"})
-    assert tree["series"].sizes["time"] == tree.attrs["steps"] + 1
-
-
 def test_a_comparison_has_runs_of_other_steps_at_the_times_that_were_asked_for():
     scene = two_blocks("penalty", time={**DENSE, "outputs": "nearest"})
     joined = mpmfw.compare(scene, contact=["none", "penalty"], shape=["cpdi", "linear"])
@@ -76,19 +71,6 @@ def test_material_points_are_recorded_at_their_own_interval(outputs, tmp_path):
     same = every["particles/left"].to_dataset().sel(time=points["time"].values)
     np.testing.assert_array_equal(points["stress"], same["stress"])
     np.testing.assert_array_equal(tree["series/min_gap"], every["series/min_gap"])
-
-
-def test_readers_find_the_frame_and_the_outline_of_a_time():
-    time = {"end": 0.02, "output_interval": 0.001}
-    tree = run(time=time, output={"particle_interval": 0.005})
-    found = mpmfw.field(tree, "velocity_x", time=0.0101)
-    assert float(found["time"]) == pytest.approx(0.01)
-    stored = tree["particles/left/velocity"].sel(time=0.01, method="nearest")[:, 0]
-    np.testing.assert_array_equal(found.values[: len(stored)], stored)
-    from mpmfw.results.selection import frame_at, frame_of
-
-    outline = frame_of(tree, "surface/left", frame_at(tree, 0.01))
-    np.testing.assert_array_equal(outline["position"], tree["surface/left/position"][10])
 
 
 def test_material_points_are_stored_in_single_precision_and_the_rest_in_double():

@@ -4,15 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-import numba
 import numpy as np
 import pytest
 
 import mpmfw
-from mpmfw.effects.settling import stop_motion
 from mpmfw.runs.simulation import Simulation
-from mpmfw.state.clock import STEP_STAGES
-from mpmfw.state.structs import State
 
 DENSITY, HEIGHT, G = 1000.0, 0.5, 10.0
 
@@ -125,34 +121,6 @@ def test_apic_starts_with_the_spin_that_was_asked_for(shape: str) -> None:
     np.testing.assert_allclose(
         gradient, np.broadcast_to([[0.0, -2.0], [2.0, 0.0]], gradient.shape), atol=1e-7
     )
-
-
-def test_settling_tells_its_cpu_time_by_stage() -> None:
-    sim = Simulation(column(gravity={"vector": [0.0, -G]}, settle={"tolerance": 0.1}))
-    sim.run()
-    costs = sim.costs()
-    by_stage = {stage: costs[f"settle_cpu_{stage}"] for stage in STEP_STAGES}
-    assert all(seconds > 0.0 for stage, seconds in by_stage.items() if stage != "contact")
-    assert by_stage["contact"] == 0.0
-    assert sum(by_stage.values()) == pytest.approx(costs["settle_time"])
-    assert costs["settle_steps"] > costs["steps"]
-    assert costs["settle_time"] > costs["cpu_time"]
-
-
-def test_compilation_is_taken_out_of_settling_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A kernel is compiled while the scene settles: taken out twice, a stage's time would be negative."""
-
-    def compile_and_stop(state: State) -> None:
-        numba.njit(lambda matrix: np.sort(np.linalg.inv(matrix).ravel()).sum())(np.eye(3))
-        stop_motion(state)
-
-    monkeypatch.setattr("mpmfw.runs.simulation.stop_motion", compile_and_stop)
-    sim = Simulation(column(gravity={"vector": [0.0, -G]}, settle={"tolerance": 0.1}))
-    sim.run()
-    costs = sim.costs()
-    assert all(seconds >= 0.0 for name, seconds in costs.items() if name.startswith("settle_cpu_"))
-    assert costs["settle_time"] > 0.0
-    assert sim.compile_time > 0.1
 
 
 def held_block(shift: float) -> dict[str, Any]:

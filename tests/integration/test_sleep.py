@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -196,19 +193,3 @@ def test_what_is_refused(changes: dict[str, Any], said: str) -> None:
     with pytest.raises(SceneError) as refused:
         Simulation(hit(**SLEEP, **changes))
     assert str(refused.value).startswith(said)
-
-
-def test_nothing_of_it_in_other_runs() -> None:
-    """Neither modules nor calls."""
-    code = (
-        "import sys; sys.path.insert(0, 'tests'); sys.path.insert(0, 'tests/integration')\n"
-        "from test_sleep import hit\n"
-        "from mpmfw.runs.simulation import Simulation\n"
-        "from mpmfw.step import SCHEMES\n"
-        "s = Simulation(hit())\n"
-        "assert s._step is SCHEMES['usl'] and s._sleep is None\n"
-        "assert not {'mpmfw.runs.sleeping', 'mpmfw.state.numbers'} & set(sys.modules)\n"
-    )
-    subprocess.run(
-        [sys.executable, "-c", code], check=True, cwd=Path(__file__).parents[2], env={**os.environ}
-    )

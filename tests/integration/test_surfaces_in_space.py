@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import mpmfw
-from mpmfw.errors import SceneError
 from mpmfw.geometry.solid import turning
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
@@ -138,20 +136,6 @@ def test_impact_keeps_momentum_and_pushes_apart(method):
     assert touched > 20
     assert particles.velocity[ball].mean(axis=0)[2] > speed[2] + 0.3
     np.testing.assert_allclose(momentum(particles), before, atol=1e-12 * np.abs(before).max())
-
-
-def test_bodies_that_overlap_at_the_start_are_refused():
-    bodies = {"one": box((0, 0, 0), (2, 2, 2), 0.5), "other": box((1, 1, 1.9), (3, 3, 4), 0.5)}
-    with pytest.raises(
-        SceneError, match=r"bodies\.one and bodies.other overlap at the start, by 0\.025 m at one node"
-    ):
-        Simulation(load_scene(scene(bodies)))
-
-
-def test_the_least_gap_is_measured():
-    bodies = {"one": box((0, 0, 0), (2, 2, 2), 0.5), "other": box((0.5, 0.5, 2.5), (2, 2, 4), 0.5)}
-    tree = mpmfw.run(scene(bodies, time={"end": 1e-4, "output_interval": 1e-4}))
-    np.testing.assert_allclose(tree["series"]["min_gap"], 0.5 * CELL, rtol=1e-12)
 
 
 @pytest.mark.parametrize("contact", ["penalty", "adhesion"])

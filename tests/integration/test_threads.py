@@ -261,21 +261,6 @@ os._exit(0)
     assert run_python(code) == "both"
 
 
-def test_one_thread_imports_nothing_of_it() -> None:
-    code = """
-import sys
-from scenes_for_tests import two_blocks
-from mpmfw.runs.simulation import Simulation
-simulation = Simulation(two_blocks("penalty"))
-simulation.advance(2)
-from mpmfw.kernels import projection
-compiled = [len(signature) for signature in projection.add_internal_force.signatures]
-assert simulation.state.particles.threads is None
-print([name for name in sys.modules if name in ("mpmfw.state.threads", "mpmfw.kernels._waiting")], len(compiled))
-"""  # noqa: E501
-    assert run_python(code) == "[] 1"
-
-
 def run_python(code: str) -> str:
     """What a Python process prints."""
     tests = str(Path(__file__).resolve().parents[1])

@@ -228,14 +228,6 @@ class Descending(Sound):
         )
 
 
-class Stumbling(Sound):
-    """Ends in an error of its own."""
-
-    @hookimpl
-    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:  # noqa: ARG002
-        raise ZeroDivisionError("no weights")
-
-
 class Remembering(Sound):
     """Weights are mixed with those of the step before."""
 
