@@ -111,17 +111,3 @@ if FULL:
 def reason(case: str, contact: str, shape: str) -> str | None:
     """Why a method is known to fail a case; None if it must hold."""
     return KNOWN.get((case, contact, shape))
-
-
-#: Failures at places that the tests do not visit; only the page of the documentation has them all.
-_ELSEWHERE: dict[tuple[str, str, str], str] = {
-    ("step-0.9", "penalty", "cpdi2"): CHATTERS,
-    ("stack", "bardenhagen", "cpdi2"): LEANS,
-    ("stack", "bardenhagen", "bspline"): LEANS,
-    ("stack", "nairn", "cpdi"): PLANES,
-}
-
-
-def placed_reason(case: str, contact: str, shape: str) -> str | None:
-    """Why a method fails a case at some other place; None if nothing is known of that."""
-    return _ELSEWHERE.get((case, contact, shape))
