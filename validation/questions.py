@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -30,8 +29,6 @@ ROLLING_WINDOW, RINGS_WINDOW = 0.02, 100e-6
 #: Mass of the rolling cylinder [kg/m].
 CYLINDER_MASS = 1000.0 * np.pi * RADIUS**2
 
-BLUE, ORANGE, GREEN, PINK, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "0.4"
-REFERENCE: dict[str, Any] = {"color": "black", "linewidth": 0.9, "linestyle": "--"}
 
 __all__ = ["GRAVITY", "PRESSURE", "RADIUS", "SERIES_ONLY", "Points", "points_of"]
 

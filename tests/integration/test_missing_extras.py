@@ -18,6 +18,7 @@ SCHEDULER = ["--scheduler", "tcp://127.0.0.1:1"]
     ("module", "arguments", "extra"),
     [
         ("hypothesis", ["check", "neo_hookean"], "testing"),
+        ("pytest", ["validate", "hertz", "--quick"], "testing"),
         ("distributed", ["compare", "scene.toml", *SCHEDULER], "dask"),
         ("distributed", ["validate", "hertz", "--quick", *SCHEDULER], "dask"),
     ],

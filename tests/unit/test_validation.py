@@ -157,6 +157,22 @@ def test_runs_at_places_and_in_versions(suite, tmp_path):
 
 
 @pytest.mark.parametrize(
+    "misspelt",
+    [
+        ('matches("penalty, *")', 'matches("penlty, *")'),
+        ('by_method("penalty*")', 'by_method("penlty*")'),
+        ('"penalty, c*": "known"', '"penlty, c*": "known"'),
+        ('run.at("fine")', 'run.at("fein")'),
+        ("by=in_place,", "by=in_place, binds=['penlty, *'],"),
+    ],
+    ids=lambda pair: pair[1],
+)
+def test_a_pattern_that_fits_no_method_or_place_is_refused(suite, tmp_path, misspelt):
+    (result,) = results(suite(a=RUNS.replace(*misspelt)), tmp_path)
+    assert "fits no name of the full version" in result.error
+
+
+@pytest.mark.parametrize(
     ("cases", "arguments", "status", "said"),
     [
         ({"a": GREEN, "b": RED}, [], 1, "RED: b: by hand, six: 8 (5 … 7)"),

@@ -30,9 +30,8 @@ scene = Runs(
 @scene
 def test_scene(run):
     at = run.place.at
-    run.gate(
-        f"Q / (μ P) at the output nearest to a half, {at}", run.of(tractions.partial_slip_by_stress, "share")
-    )
+    quantity = f"Q / (μ P) at the output nearest to a half, {at}"
+    run.gate(quantity, run.of(tractions.partial_slip_by_stress, "share"))
     if run.method.matches("penalty*"):
         for quantity, key, reference, tolerance, unit in (
             (f"c / a by the shear, error, {at}", "stick", 0.0, 0.05, ""),

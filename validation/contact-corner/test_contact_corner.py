@@ -2,10 +2,10 @@
 # cost: 100
 
 import expansion
+from classical import MASTER, POSITION
 
 from mpmfw.validation import SHAPES, Place, Runs, full, methods, together
 
-MASTER = {"contact.bardenhagen.normal": "master"}
 SLOPES = ("mid-height", "bottom corners", "top corners")
 #: Loading is slow enough if half the speed gives the same slopes.
 SLOWLY = {
@@ -42,7 +42,7 @@ every = Runs(
             ["cpdi", "gimp"],
             settings={
                 "stiffer body's normal": MASTER,
-                "stiffer body's normal, position": {**MASTER, "contact.bardenhagen.criterion": "position"},
+                "stiffer body's normal, position": {**MASTER, **POSITION},
             },
             when="full",
         ),

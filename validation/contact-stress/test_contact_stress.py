@@ -7,10 +7,11 @@ from math import inf
 
 import drawn
 import measures
+from classical import POSITION, specified
 
 from mpmfw.validation import RECOMMENDED, SHAPES, Place, Runs, full, methods, together
 
-GIVEN = {"contact.bardenhagen.normal": "specified", "contact.bardenhagen.direction": [0.0, 1.0]}
+GIVEN = specified(0.0, 1.0)
 WRONG = {"wrong map": {"contact.penalty.map": "mass_weighted"}}
 UNLIKE = {"bodies.upper.particles.size": "0.45 cells", "bodies.upper.segment": "0.22 cells"}
 #: Methods that run at every offset: the recommended ones, and classical contact in both forms.
@@ -46,7 +47,7 @@ every = Runs(
             settings={
                 "": {},
                 "normal given": GIVEN,
-                "normal given, position": {**GIVEN, "contact.bardenhagen.criterion": "position"},
+                "normal given, position": {**GIVEN, **POSITION},
             },
             when="full",
         ),

@@ -53,19 +53,9 @@ def check_elements(case: Case) -> None:
         rotation = verify.rotation_error(1.0)
         internal, contact = verify.internal_gradient_error(), verify.contact_gradient_error()
         balance = verify.contact_balance_error()
-    case.gate(
-        "force of a rigid rotation by 1 rad",
-        rotation,
-        reference=0.0,
-        tolerance=(0.0, 1e-12),
-        method="elements",
-    )
-    case.gate(
-        "force against energy differences", internal, reference=0.0, tolerance=(0.0, 1e-7), method="elements"
-    )
-    case.gate(
-        "force against energy differences", contact, reference=0.0, tolerance=(0.0, 1e-7), method="contact"
-    )
+    case.gate("force of a rigid rotation by 1 rad", rotation, 0.0, (0.0, 1e-12), method="elements")
+    case.gate("force against energy differences", internal, 0.0, (0.0, 1e-7), method="elements")
+    case.gate("force against energy differences", contact, 0.0, (0.0, 1e-7), method="contact")
     case.gate("resultant and moment", balance, reference=0.0, tolerance=(0.0, 1e-12), method="contact")
 
 
@@ -75,14 +65,8 @@ def check_vibration(case: Case) -> dict[float, float]:
     for size in (2e-3, 1e-3):
         with case.timed():
             errors[size] = verify.breathing_error(size)
-        case.gate(
-            "breathing frequency of a ring, error",
-            100.0 * errors[size],
-            reference=0.0,
-            tolerance=(-0.1, 0.1),
-            unit="%",
-            method=f"{1e3 * size:g} mm",
-        )
+        quantity = "breathing frequency of a ring, error"
+        case.gate(quantity, 100.0 * errors[size], 0.0, (-0.1, 0.1), "%", f"{1e3 * size:g} mm")
     order = float(np.log2(errors[2e-3] / errors[1e-3]))
     case.gate("order of its convergence", order, reference=2.0, tolerance=(1.8, 2.2), method="2 and 1 mm")
     return errors
@@ -91,17 +75,9 @@ def check_vibration(case: Case) -> dict[float, float]:
 def check_conservation(case: Case, collision: Collision) -> None:
     """Energy and momentum, and the time at which the rings meet."""
     method = f"{1e3 * collision.size:g} mm"
-    case.gate(
-        "energy balance, largest departure",
-        100.0 * collision.energy_error,
-        reference=0.0,
-        tolerance=(0.0, 0.2),
-        unit="%",
-        method=method,
-    )
-    case.gate(
-        "linear momentum", collision.momentum_error, reference=0.0, tolerance=(0.0, 1e-12), method=method
-    )
+    quantity = "energy balance, largest departure"
+    case.gate(quantity, 100.0 * collision.energy_error, 0.0, (0.0, 0.2), "%", method)
+    case.gate("linear momentum", collision.momentum_error, 0.0, (0.0, 1e-12), method=method)
     step = collision.time[1]
     phases = contact_phases(collision.time, collision.force)
     # Polygons of N corners that meet side to corner are R (1 - cos(π/N)) further apart than circles.
@@ -121,13 +97,7 @@ def check_distance(case: Case, collision: Collision) -> None:
     """Curves and stresses against the fine reference."""
     method, apart = f"{1e3 * collision.size:g} mm", distance(collision)
     force, impulse = LIMITS[1e3 * collision.size]
-    case.gate(
-        "force averaged over 100 µs, L2 error",
-        apart.force,
-        reference=0.0,
-        tolerance=(0.0, force),
-        method=method,
-    )
+    case.gate("force averaged over 100 µs, L2 error", apart.force, 0.0, (0.0, force), method=method)
     for quantity, value, most in (
         ("impulse curve, largest error over the total", apart.impulse, 100.0 * impulse),
         ("total impulse, error", abs(apart.total), 1.5),
@@ -163,21 +133,9 @@ def check_coarse(case: Case, collision: Collision) -> None:
     apart = distance(collision, "coarse")
     within = 0.5 * LIMITS[2.0][0], 50.0 * LIMITS[2.0][1]
     method = "2 mm, against the shipped 2 mm"
-    case.gate(
-        "force averaged over 100 µs, L2 difference",
-        apart.force,
-        reference=0.0,
-        tolerance=(0.0, within[0]),
-        method=method,
-    )
-    case.gate(
-        "impulse curve, largest difference over the total",
-        100.0 * apart.impulse,
-        reference=0.0,
-        tolerance=(0.0, within[1]),
-        unit="%",
-        method=method,
-    )
+    case.gate("force averaged over 100 µs, L2 difference", apart.force, 0.0, (0.0, within[0]), method=method)
+    quantity = "impulse curve, largest difference over the total"
+    case.gate(quantity, 100.0 * apart.impulse, 0.0, (0.0, within[1]), "%", method)
 
 
 def show_choices(case: Case) -> None:
@@ -192,9 +150,5 @@ def show_choices(case: Case) -> None:
         with case.timed():
             apart = distance(collide(2e-3, **choice))
         case.show("force averaged over 100 µs, L2 error", apart.force, method=f"2 mm, {said}")
-        case.show(
-            "impulse curve, largest error over the total",
-            100.0 * apart.impulse,
-            unit="%",
-            method=f"2 mm, {said}",
-        )
+        quantity = "impulse curve, largest error over the total"
+        case.show(quantity, 100.0 * apart.impulse, unit="%", method=f"2 mm, {said}")

@@ -7,6 +7,7 @@ from math import inf
 
 import drawing
 import rolling
+from classical import LITERAL, MASTER, POSITION, specified
 
 from mpmfw.validation import CONTACTS, RECOMMENDED, SHAPES, Runs, methods, together
 
@@ -18,27 +19,14 @@ METHODS = [
         shape=RECOMMENDED, settings={"rotation = lumped": {"bodies.cylinder.rotation": "lumped"}}, when="full"
     ),
     # [H17] with increments that add up below Coulomb's cap, and to the letter.
-    *methods(
-        ["hamad2017"],
-        settings={"": {}, "literal": {"contact.hamad2017.friction_law": "literal"}},
-        when="full",
-    ),
-    *methods(
-        ["bardenhagen"],
-        SHAPES,
-        settings={"criterion = position": {"contact.bardenhagen.criterion": "position"}},
-        when="full",
-    ),
+    *methods(["hamad2017"], settings={"": {}, "literal": LITERAL}, when="full"),
+    *methods(["bardenhagen"], SHAPES, {"criterion = position": POSITION}, when="full"),
     # Specified: out of the cylinder, the pair's first body, the normal that the two surfaces really have.
     *methods(
         ["bardenhagen"],
         settings={
-            "normal = master": {"contact.bardenhagen.normal": "master"},
-            "position and specified normal": {
-                "contact.bardenhagen.criterion": "position",
-                "contact.bardenhagen.normal": "specified",
-                "contact.bardenhagen.direction": [0.0, -1.0],
-            },
+            "normal = master": MASTER,
+            "position and specified normal": {**POSITION, **specified(0.0, -1.0)},
         },
         when="full",
     ),

@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+import closed
 import criteria
 import made
+import plain
 from matrix import matrix
 from placing import placed
 
-from mpmfw.validation import Case, CaseRun, Place, Runs, RunSet, Version, methods
+from mpmfw.validation import CLASSICAL, Case, CaseRun, Place, Runs, RunSet, Version, methods
 
 #: Penalty contact in its strongest form; what it holds are gates as well.
 STRONGEST = "penalty(kappa=16, linear_to=0.03)"
-OTHERS = [
-    "bardenhagen",
-    "bardenhagen(criterion=position, normal=master)",
-    "nairn",
-    "surfaces+impulse",
-    "lcp",
-]
+OTHERS = [*CLASSICAL, "nairn", "surfaces+impulse", "lcp"]
 #: Every method runs at every place, with every cell.
 MOVES: dict[str, dict[str, Any]] = {
     "shifted": {"shift": [0.31, 0.17]},
@@ -32,43 +28,68 @@ COARSER = {"coarser": {"coarser": 1.4}} | {
 }
 
 
+#: Limits of a scene with sharp corners, whose last node bears all.
+SHARP = {"penetration": (0.0, 0.2)}
+#: Gates of several cases: quantity, function, limits and unit; the function's name is the gate's key.
+FRICTION = ("T/(mu N)", criteria.friction, (0.0, 1.0001), "1")
+SYMMETRY = ("departure from mirror symmetry", criteria.symmetry, (0.0, 1e-6), "cells")
+RESTS = ("drift at rest", closed.rests, (0.0, 0.01), "cells")
+EVERYWHERE = (
+    ("deepest penetration", criteria.penetration, (0.0, 0.1), "cells"),
+    ("energy residual", criteria.energy, (0.0, 0.5), "%"),
+    ("momentum made", criteria.momentum, (0.0, 1e-10), "1"),
+)
+
+
+def place(
+    at: str,
+    scene: str | Callable[..., Any] | None = None,
+    sharp: bool = False,
+    misses: Mapping[str, Any] | None = None,
+    set: Mapping[str, Any] | None = None,
+    when: str = "full",
+    **make: Any,
+) -> Place:
+    """Return a scene of a field; ``make`` are the arguments of its function.
+
+    ``misses``: limits, by key, that penalty contact with CPDI does not hold today, with the reason, or with
+    reasons by method. They are shown and decide nothing.
+    """
+    reasons = misses or {}
+    shown = {key: {"penalty, cpdi": why} if isinstance(why, str) else why for key, why in reasons.items()}
+    return Place(at, set or {}, scene, make, SHARP if sharp else {}, shown, when)
+
+
+def shared(
+    name: str, sharp: bool = False, misses: Mapping[str, Any] | None = None, when: str = "full"
+) -> Place:
+    """Return a scene of :mod:`plain`, which other cases run as well."""
+    return place(name, plain.named, sharp, misses, when=when, name=name)
+
+
 def scenes(places: Sequence[Place], set: Mapping[str, Any] | None = None) -> Runs:
     """Return the runs of a field's scenes."""
+    strongest = methods([STRONGEST], settings={"safety 0.3": {"time.safety": 0.3}}, bound=True, when="full")
+    moved = [Version(at, change=placed, args=args, when="full") for at, args in {**MOVES, **COARSER}.items()]
     return Runs(
         "scenes",
         scene=made.scene,
-        methods=[
-            *methods(),
-            *methods(OTHERS, when="full"),
-            *methods([STRONGEST], settings={"safety 0.3": {"time.safety": 0.3}}, bound=True, when="full"),
-        ],
+        methods=[*methods(), *methods(OTHERS, when="full"), *strongest],
         places=places,
-        versions=[
-            Version(),
-            *(
-                Version(at, change=placed, args=args, when="full")
-                for at, args in {**MOVES, **COARSER}.items()
-            ),
-        ],
+        versions=[Version(), *moved],
         set={"output.surface": False} if set is None else set,
     )
 
 
-def held(run: CaseRun) -> None:
-    """Record what every scene must hold."""
-    at = run.place.at
-    for quantity, measure, most, unit in (
-        ("deepest penetration", criteria.penetration, 0.1, "cells"),
-        ("energy residual", criteria.energy, 0.5, "%"),
-        ("momentum made", criteria.momentum, 1e-10, "1"),
-    ):
-        run.gate(f"{at}: {quantity}", run.of(measure), tolerance=(0.0, most), unit=unit, key=measure.__name__)
+def held(run: CaseRun, *gates: tuple[Any, ...]) -> None:
+    """Record what every scene must hold, and further gates."""
+    for quantity, measure, tolerance, unit in (*EVERYWHERE, *gates):
+        quantity = f"{run.place.at}: {quantity}"
+        run.gate(quantity, run.of(measure), tolerance=tolerance, unit=unit, key=measure.__name__)
 
 
 def scores(case: Case, runs: RunSet) -> None:
-    """Record of each method how many scenes, places and cells it holds, and at what cost; draw the
-    matrices.
-    """
+    """Record how much each method holds, and at what cost; draw the matrices."""
     for method, same in runs.by_method():
         for place in dict.fromkeys(run.place.at for run in same):
             here = [run for run in same if run.place.at == place]

@@ -12,6 +12,31 @@ SOLID = {"E": 1e6, "nu": 0.4, "rho": 1000.0}
 Bodies = dict[str, dict[str, Any]]
 
 
+def box(left: float, bottom: float, right: float, top: float, **body: Any) -> dict[str, Any]:
+    """Return a block."""
+    return {"box": [left, bottom, right, top], **body}
+
+
+def plane(left: float, bottom: float, right: float, top: float, **body: Any) -> dict[str, Any]:
+    """Return a block that is fixed below."""
+    return box(left, bottom, right, top, fixed="bottom", **body)
+
+
+def disc(x: float, y: float, radius: float, **body: Any) -> dict[str, Any]:
+    """Return a disc."""
+    return {"disc": [x, y, radius], **body}
+
+
+def polygon(*points: Sequence[float], **body: Any) -> dict[str, Any]:
+    """Return a polygon, anticlockwise."""
+    return {"points": list(points), **body}
+
+
+def force(body: str, *rows: Sequence[float]) -> dict[str, Any]:
+    """Return a body force over time: rows of time [s] and vector [N/m³]."""
+    return {"model": "body_force", "bodies": [body], "force": list(rows)}
+
+
 def scene(
     cell: float,
     end: float,

@@ -5,14 +5,12 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from driven import displaced, root_mean_square
 from manufactured import WAVE, AxisAligned, Motion, Vortex
 
 from mpmfw.errors import SimulationError
-from mpmfw.state.fields import FloatArray
 from mpmfw.validation import SHAPES, Case, Method, methods
 
 MOTIONS: dict[str, tuple[str, Motion]] = {
@@ -44,8 +42,6 @@ FINEST = 0.0125
 #: What the transfer between points and grid does depends on the number of steps, and not on their length; at
 #: h = 1/16 it hides the truncation in time of the motion above. That of one eight times as fast stands out.
 FAST = AxisAligned(rate=8.0 * math.pi * WAVE, end=2.75 * 2.0 / (8.0 * WAVE))
-COLOURS = dict(zip(SHAPES, ("#D55E00", "#E69F00", "#0072B2", "#56B4E9", "#009E73"), strict=True))
-MARKERS = dict(zip(SHAPES, "s^oDv", strict=True))
 
 
 def test_manufactured_solutions(case: Case) -> None:
@@ -56,31 +52,27 @@ def test_manufactured_solutions(case: Case) -> None:
         for method in methods(("",), shapes):
             in_space(case, method, motion, cells)
     if not case.quick:
-        times = {}
         for method in methods(("",), ("cpdi", "cpdi2")):
-            times[method.shape, "fast"] = in_time(case, method, FAST, "axis-aligned, fast", True)
-            slow = MOTIONS["axis-aligned"][1]
-            times[method.shape, "slow"] = in_time(case, method, slow, "axis-aligned", False)
+            in_time(case, method, FAST, "axis-aligned, fast", True)
+            in_time(case, method, MOTIONS["axis-aligned"][1], "axis-aligned", False)
 
 
-def in_space(case: Case, method: Method, motion: str, cells: tuple[int, ...]) -> FloatArray:
+def in_space(case: Case, method: Method, motion: str, cells: tuple[int, ...]) -> None:
     """Errors at h = 1 / cells with a step in proportion, and the observed orders."""
     scene, exact = MOTIONS[motion]
     errors = np.full(len(cells), np.nan)
     with case.timed():
         for k, count in enumerate(cells):
             try:
-                errors[k] = root_mean_square(
-                    np.subtract(*displaced(scene, exact, method.shape, 1.0 / count, COURANT))
-                )
+                found, expected = displaced(scene, exact, method.shape, 1.0 / count, COURANT)
+                errors[k] = root_mean_square(found - expected)
             except SimulationError as error:
                 case.failed(method, f"{motion}, h = 1/{count}: {error}")
     largest = amplitude(motion)
     for k, count in enumerate(cells):
         error = 100.0 * errors[k] / largest
-        case.show(
-            f"{motion}: rms error at h = 1/{count}, of the rms displacement", error, unit="%", method=method
-        )
+        quantity = f"{motion}: rms error at h = 1/{count}, of the rms displacement"
+        case.show(quantity, error, unit="%", method=method)
     expected = ORDER[method.shape][list(MOTIONS).index(motion)]
     for k in range(1, len(cells)):
         quantity = f"{motion}: order in space, h = 1/{cells[k - 1]} to 1/{cells[k]}"
@@ -89,7 +81,6 @@ def in_space(case: Case, method: Method, motion: str, cells: tuple[int, ...]) ->
             case.gate(quantity, order, method=method, tolerance=(LEAST, math.inf), reference=expected)
         else:
             case.show(quantity, order, reference=expected, method=method)
-    return errors
 
 
 def amplitude(motion: str) -> float:
@@ -106,7 +97,7 @@ def amplitude(motion: str) -> float:
     return float(np.sqrt(weight @ square / weight.sum()))
 
 
-def in_time(case: Case, method: Method, motion: Motion, speed: str, binds: bool) -> FloatArray:
+def in_time(case: Case, method: Method, motion: Motion, speed: str, binds: bool) -> None:
     """Differences from a very small step at h = 1/16 [m], by step; and their orders."""
     with case.timed():
         finest, *ends = (
@@ -119,23 +110,3 @@ def in_time(case: Case, method: Method, motion: Motion, speed: str, binds: bool)
         quantity = f"{speed}: order in time, c Δt / h = {STEPS[k - 1]:g} to {STEPS[k]:g}"
         limits = {"tolerance": (LEAST, math.inf), "reference": TIME_ORDER}
         case.gate(quantity, order, method=method, binds=binds and k == len(STEPS) - 1, **limits)
-    return errors
-
-
-def draw(axes: Any, size: FloatArray, errors: FloatArray, shape: str) -> None:
-    """One curve; CPDI2 lies on CPDI and is hollow."""
-    axes.loglog(
-        size, errors, color=COLOURS[shape], marker=MARKERS[shape], linewidth=0.9, **marker_look(shape)
-    )
-
-
-def marker_look(shape: str) -> dict[str, Any]:
-    """Small and filled, or large and hollow."""
-    return {"markerfacecolor": "none", "markersize": 6.0} if shape == "cpdi2" else {"markersize": 3.0}
-
-
-def slopes(axes: Any, size: FloatArray, errors: FloatArray, orders: tuple[int, ...]) -> None:
-    """Reference slopes from just below the coarsest error."""
-    for order, style in zip(orders, (":", "--"), strict=True):
-        line = 0.55 * errors[0] * (size / size[0]) ** order
-        axes.loglog(size, line, color="0.4", linewidth=0.8, linestyle=style)

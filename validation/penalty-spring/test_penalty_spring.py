@@ -50,9 +50,7 @@ def judge_limit(case: Case) -> None:
                 0.01 if case.quick else 0.001,
             )
         error = 100.0 * (found / spring.LIMIT - 1.0)
-        case.gate(
-            "largest stable step, error", error, method=method, tolerance=(-2.0, 2.0), unit="%", reference=0.0
-        )
+        case.gate("largest stable step, error", error, 0.0, (-2.0, 2.0), "%", method)
     sim = Simulation(spring.scene(-1e-8))
     sim.start()
     sim.step(0.1 * spring.LIMIT)
@@ -105,10 +103,5 @@ def judge_pairs(case: Case) -> None:
         method = f"penalty, cpdi, {label}"
         case.show("step that holds, over h / c", pair.found / pair.bulk, method=method)
         said = min(pair.reported, 0.8 * pair.bulk)
-        case.show(
-            "limit that is refused beyond, over the step that holds",
-            said / pair.found,
-            tolerance=(-math.inf, 1.0),
-            reference="≤ 1",
-            method=method,
-        )
+        quantity = "limit that is refused beyond, over the step that holds"
+        case.show(quantity, said / pair.found, "≤ 1", (-math.inf, 1.0), method=method)

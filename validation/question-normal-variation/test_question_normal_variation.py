@@ -71,15 +71,8 @@ def test_impact(run):
 def change(case, runs, roll, label, beside=""):
     """Record how far one setting moves the end of a roll; gates are for the Q term with the usual springs."""
     value = runs.of(differences.at_end, label=label, beside=beside)
-    case.gate(
-        f"{roll}: change of the displacement at 10 m",
-        value,
-        "",
-        LARGEST,
-        "%",
-        method=f"penalty, cpdi, {label}",
-        binds=label == "with Q",
-    )
+    quantity = f"{roll}: change of the displacement at 10 m"
+    case.gate(quantity, value, "", LARGEST, "%", method=f"penalty, cpdi, {label}", binds=label == "with Q")
 
 
 @together(no_slip)

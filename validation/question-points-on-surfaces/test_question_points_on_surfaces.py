@@ -25,6 +25,7 @@ FOLDER = Path(__file__).parents[1]
 sys.path += [str(FOLDER / name) for name in ("contact-corner", "question-two-pass", "hertz", "hard")]
 from criteria import energy, penetration  # noqa: E402
 from expansion import PLACES, expansion_of, placed  # noqa: E402
+from plain import SCENES  # noqa: E402
 from pressure import of_forces  # noqa: E402
 from sliding import acceleration_error  # noqa: E402
 
@@ -96,14 +97,8 @@ def _corner(case: Case, method: Method, name: str) -> None:
         tree = _run(name, str(FOLDER / "contact-corner" / "scene.toml"), placed(0.5e-3, offset))
         expansion = expansion_of(tree)
         worst = max((expansion.slope_error(height) for height in PLACES.values()), key=abs)
-        case.show(
-            f"contact-corner, side at {offset:g} h: worst slope, error",
-            worst,
-            tolerance=(-5.0, 5.0),
-            unit="%",
-            reference=0.0,
-            method=method,
-        )
+        quantity = f"contact-corner, side at {offset:g} h: worst slope, error"
+        case.show(quantity, worst, 0.0, (-5.0, 5.0), "%", method)
 
 
 def _motions(case: Case, method: Method, name: str) -> None:
@@ -113,13 +108,10 @@ def _motions(case: Case, method: Method, name: str) -> None:
     tree = _run(name, NO_SLIP.scene, SERIES_ONLY)
     found = measures(motion_of(tree), NO_SLIP)
     for quantity in ("displacement", "spin"):
-        case.show(
-            f"rolling, no slip: {quantity}, error", found[quantity], unit="%", reference=0.0, method=method
-        )
+        case.show(f"rolling, no slip: {quantity}, error", found[quantity], 0.0, unit="%", method=method)
     cost = cost_of(tree)
-    case.show(
-        "rolling, no slip: CPU time of a step", 1e3 * cost["cpu"] / cost["steps"], unit="ms", method=method
-    )
+    quantity = "rolling, no slip: CPU time of a step"
+    case.show(quantity, 1e3 * cost["cpu"] / cost["steps"], unit="ms", method=method)
 
 
 def _hertz(case: Case, method: Method, name: str) -> None:
@@ -128,18 +120,16 @@ def _hertz(case: Case, method: Method, name: str) -> None:
         found = of_forces(_run(name, str(FOLDER / "hertz" / "scene.toml"), settings))
         for key, unit, limit in (("peak", "%", 10.0), ("fitted peak", "%", 10.0), ("width", "h", 1.0)):
             quantity = f"hertz, h = {cell:g} m: {key}, error"
-            case.show(
-                quantity, found[key], tolerance=(-limit, limit), unit=unit, reference=0.0, method=method
-            )
+            case.show(quantity, found[key], 0.0, (-limit, limit), unit, method)
 
 
 def _hard(case: Case, method: Method, name: str) -> None:
-    """The scenes of the suite ``hard`` that are files, with their limits of penetration."""
-    for file in sorted((FOLDER / "hard" / "scenes").glob("*.toml")):
-        tree, deepest = _run(name, str(file)), 0.2 if file.stem in SHARP else 0.1
+    """Record plain scenes of the suite ``hard``, with their limits of penetration."""
+    for scene, mapping in sorted(SCENES.items()):
+        tree, deepest = _run(name, mapping), 0.2 if scene in SHARP else 0.1
         for key, unit, measure, most in (
             ("penetration", "cells", penetration, deepest),
             ("energy", "%", energy, 0.5),
         ):
             value = measure(tree)
-            case.show(f"{file.stem}: {key}", value, tolerance=(0.0, most), unit=unit, method=method)
+            case.show(f"{scene}: {key}", value, tolerance=(0.0, most), unit=unit, method=method)

@@ -1,105 +1,37 @@
-"""Question: how stiff the contact springs should be."""
-# cost: 70
+"""Question: how stiff the contact springs should be: penetration, accuracy and stable time step over κ.
 
-# The stiffness factor κ: penetration, accuracy and stable time step, from 0.01 to 100. Of two blocks at
-# rest the penetration is p h / (κ M), and the limit of the time step 2 / sqrt(ω_bulk² + ω²) = (h/c) /
-# sqrt(1 + κ). From κ = 0.1 on, below which the penetration is deeper than a segment is long.
+Of two blocks at rest the penetration is p h / (κ M), and the limit of the time step 2 / sqrt(ω_bulk² + ω²)
+= (h/c) / sqrt(1 + κ). From κ = 0.1 on, below which the penetration is deeper than a segment is long.
+"""
+# cost: 70
 
 import blocks
 import questions
+from classical import over
+from rolling import SERIES_ONLY
 
 from mpmfw.validation import Runs, methods, together
 
-blocks_runs = Runs(
+
+def stiffnesses(values, when=""):
+    """Return penalty contact with each κ."""
+    return methods(settings=over("contact.penalty.kappa", "kappa {:.3g}", values), when=when)
+
+
+DECADES = (0.01, 0.1, 1.0, 10.0, 100.0)
+HALF_DECADES = [10.0 ** (k / 2) for k in range(-4, 5)]
+
+at_rest = Runs(
     "blocks",
-    scene="../contact-stress/scene.toml",
-    methods=[
-        *methods(
-            settings={
-                "kappa 0.01": {"contact.penalty.kappa": 0.01},
-                "kappa 0.0316": {"contact.penalty.kappa": 0.03162277660168379},
-                "kappa 0.1": {"contact.penalty.kappa": 0.1},
-                "kappa 0.316": {"contact.penalty.kappa": 0.31622776601683794},
-                "kappa 1": {"contact.penalty.kappa": 1.0},
-                "kappa 3.16": {"contact.penalty.kappa": 3.1622776601683795},
-                "kappa 10": {"contact.penalty.kappa": 10.0},
-                "kappa 31.6": {"contact.penalty.kappa": 31.622776601683793},
-                "kappa 100": {"contact.penalty.kappa": 100.0},
-            },
-            when="full",
-        ),
-        *methods(
-            settings={
-                "kappa 0.1": {"contact.penalty.kappa": 0.1},
-                "kappa 1": {"contact.penalty.kappa": 1.0},
-                "kappa 10": {"contact.penalty.kappa": 10.0},
-            },
-            when="quick",
-        ),
-    ],
+    "../contact-stress/scene.toml",
+    [*stiffnesses(HALF_DECADES, "full"), *stiffnesses(DECADES[1:4], "quick")],
     set={"output.stability": True},
 )
-
-
-@blocks_runs
-def test_blocks_runs(run):
-    run.gate(
-        "blocks: penetration",
-        run.of(blocks.of_blocks, "depth"),
-        run.of(blocks.of_blocks, "closed depth"),
-        unit="h",
-    )
-    run.gate(
-        "blocks: limit of the time step",
-        run.of(blocks.of_blocks, "limit"),
-        run.of(blocks.of_blocks, "closed limit"),
-        unit="h/c",
-    )
-    run.gate("blocks: largest departure of σ_yy", run.of(questions.of_blocks, "departure"), 0.0, unit="%")
-
-
-rolling = Runs(
-    "rolling",
-    scene="rolling-cylinder-no-slip",
-    methods=methods(
-        settings={
-            "kappa 0.01": {"contact.penalty.kappa": 0.01},
-            "kappa 0.1": {"contact.penalty.kappa": 0.1},
-            "kappa 1": {"contact.penalty.kappa": 1.0},
-            "kappa 10": {"contact.penalty.kappa": 10.0},
-            "kappa 100": {"contact.penalty.kappa": 100.0},
-        }
-    ),
-    set={"output.particles": False, "output.surface": False, "output.ledger": False},
-    when="full",
-)
-
-
-@rolling
-def test_rolling(run):
-    for quantity, key, reference, unit in (
-        ("rolling: displacement, error", "displacement", 0.0, "%"),
-        ("rolling: acceleration, error", "acceleration", 0.0, "%"),
-        ("rolling: spin, error", "spin", 0.0, "%"),
-        ("rolling: mean penetration", "penetration", "", "h"),
-        ("rolling: steps", "steps", "", ""),
-        ("rolling: CPU time", "cpu", "", "s"),
-    ):
-        run.gate(quantity, run.of(questions.of_rolling, key, roll="no slip"), reference, None, unit)
-
-
+rolling = Runs("rolling", "rolling-cylinder-no-slip", stiffnesses(DECADES), set=SERIES_ONLY, when="full")
 rings = Runs(
     "rings",
-    scene="colliding-rings",
-    methods=methods(
-        settings={
-            "kappa 0.01": {"contact.penalty.kappa": 0.01},
-            "kappa 0.1": {"contact.penalty.kappa": 0.1},
-            "kappa 1": {"contact.penalty.kappa": 1.0},
-            "kappa 10": {"contact.penalty.kappa": 10.0},
-            "kappa 100": {"contact.penalty.kappa": 100.0},
-        }
-    ),
+    "colliding-rings",
+    stiffnesses(DECADES),
     set={
         "output.particles": False,
         "output.ledger": False,
@@ -110,19 +42,41 @@ rings = Runs(
 )
 
 
+@at_rest
+def test_at_rest(run):
+    for quantity, key, unit in (("penetration", "depth", "h"), ("limit of the time step", "limit", "h/c")):
+        value, closed = (run.of(blocks.of_blocks, name) for name in (key, f"closed {key}"))
+        run.gate(f"blocks: {quantity}", value, closed, unit=unit)
+    run.gate("blocks: largest departure of σ_yy", run.of(questions.of_blocks, "departure"), 0.0, unit="%")
+
+
+@together(at_rest)
+def test_exponent(case, runs):
+    case.gate("blocks: exponent of the penetration in kappa", runs.of(blocks.exponent), -1.0, (-1.03, -0.97))
+
+
+@rolling
+def test_rolling(run):
+    for quantity, key, reference, unit in (
+        ("displacement, error", "displacement", 0.0, "%"),
+        ("acceleration, error", "acceleration", 0.0, "%"),
+        ("spin, error", "spin", 0.0, "%"),
+        ("mean penetration", "penetration", "", "h"),
+        ("steps", "steps", "", ""),
+        ("CPU time", "cpu", "", "s"),
+    ):
+        value = run.of(questions.of_rolling, key, roll="no slip")
+        run.gate(f"rolling: {quantity}", value, reference, unit=unit)
+
+
 @rings
 def test_rings(run):
     for quantity, key, unit in (
-        ("rings: impulse curve, largest error", "impulse_curve_error", "%"),
-        ("rings: force over 100 us, L2 error", "force_error_100us", ""),
-        ("rings: noise of the force", "noise", "%"),
-        ("rings: largest penetration", "largest_penetration", "h"),
-        ("rings: steps", "steps", ""),
-        ("rings: CPU time", "cpu", "s"),
+        ("impulse curve, largest error", "impulse_curve_error", "%"),
+        ("force over 100 us, L2 error", "force_error_100us", ""),
+        ("noise of the force", "noise", "%"),
+        ("largest penetration", "largest_penetration", "h"),
+        ("steps", "steps", ""),
+        ("CPU time", "cpu", "s"),
     ):
-        run.gate(quantity, run.of(questions.of_rings, key), "", None, unit)
-
-
-@together(blocks_runs)
-def test_together_1(case, runs):
-    case.gate("blocks: exponent of the penetration in kappa", runs.of(blocks.exponent), -1.0, (-1.03, -0.97))
+        run.gate(f"rings: {quantity}", run.of(questions.of_rings, key), unit=unit)

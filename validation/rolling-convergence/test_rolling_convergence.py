@@ -79,9 +79,7 @@ def _record(case: Case, roll: Roll, method: Method, size: float, found: dict[str
         limit = _limit(roll, method, size, name)
         binds = name == "displacement" and _bound(roll, method, size)
         within = (-limit, limit)
-        case.gate(
-            quantity, found[name], tolerance=within, unit="%", reference=against, method=method, binds=binds
-        )
+        case.gate(quantity, found[name], against, within, "%", method=method, binds=binds)
 
 
 def _bound(roll: Roll, method: Method, size: float) -> bool:
@@ -148,6 +146,4 @@ def _richardson(case: Case, lumped: Errors) -> None:
         against = "rigid 0 %" if elastic is None else f"rigid 0 %, elastic {elastic:+g} %"
         what = f"no slip: {NAMES[name]}"
         case.show(f"{what}, Richardson's order", order, reference=2.0, method=WITHOUT)
-        case.show(
-            f"{what}, Richardson's limit of the error", limit, unit="%", reference=against, method=WITHOUT
-        )
+        case.show(f"{what}, Richardson's limit of the error", limit, against, unit="%", method=WITHOUT)

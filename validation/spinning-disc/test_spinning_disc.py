@@ -1,54 +1,39 @@
-"""Spinning disc."""
-# cost: 22
+"""Spinning disc: angular momentum, radius and energy over one turn, and the inertia that answers a torque.
 
-# Angular momentum, radius and energy of a disc over one turn, and the inertia that answers a torque:
-# every transfer with every scheme, every shape function, every treatment of rotational inertia. Against
-# the static solution. Those that auto runs with USL and aflip.
+Every transfer with every scheme, every shape function, every treatment of rotational inertia, against the
+static solution.
+"""
+# cost: 22
 
 import torque
 import turning
+from classical import over
 
 from mpmfw.validation import RECOMMENDED, SHAPES, Runs, methods
 
-turn = Runs(
-    "turn",
-    methods=[
-        *methods([""], RECOMMENDED, when="quick"),
-        *methods([""], SHAPES, when="full"),
-        *methods(
-            [""],
-            settings={
-                "flip, usl": {"stepping.transfer": "flip", "stepping.scheme": "usl"},
-                "flip, musl": {"stepping.transfer": "flip", "stepping.scheme": "musl"},
-                "flip, usf": {"stepping.transfer": "flip", "stepping.scheme": "usf"},
-                "pic, usl": {"stepping.transfer": "pic", "stepping.scheme": "usl"},
-                "pic, musl": {"stepping.transfer": "pic", "stepping.scheme": "musl"},
-                "pic, usf": {"stepping.transfer": "pic", "stepping.scheme": "usf"},
-                "apic, usl": {"stepping.transfer": "apic", "stepping.scheme": "usl"},
-                "apic, musl": {"stepping.transfer": "apic", "stepping.scheme": "musl"},
-                "apic, usf": {"stepping.transfer": "apic", "stepping.scheme": "usf"},
-                "tpic, usl": {"stepping.transfer": "tpic", "stepping.scheme": "usl"},
-                "tpic, musl": {"stepping.transfer": "tpic", "stepping.scheme": "musl"},
-                "tpic, usf": {"stepping.transfer": "tpic", "stepping.scheme": "usf"},
-                "aflip, usl": {"stepping.transfer": "aflip", "stepping.scheme": "usl"},
-                "aflip, musl": {"stepping.transfer": "aflip", "stepping.scheme": "musl"},
-                "aflip, usf": {"stepping.transfer": "aflip", "stepping.scheme": "usf"},
-                "aflip, usl, C not transported": {
-                    "stepping.transfer": "aflip",
-                    "stepping.scheme": "usl",
-                    "stepping.transported": False,
-                },
-                "flip, usl, 5 % pic": {
-                    "stepping.transfer": "flip",
-                    "stepping.scheme": "usl",
-                    "stepping.pic_fraction": 0.05,
-                },
-                "rotation exact": {"bodies.disc.rotation": "exact"},
-                "rotation lumped": {"bodies.disc.rotation": "lumped"},
-            },
-            when="full",
-        ),
-    ],
+ROTATION = over("bodies.disc.rotation", "rotation {}", ("exact", "lumped"))
+
+
+def stepping(transfer, scheme, **further):
+    """Return a transfer and a scheme, with further options."""
+    options = {"transfer": transfer, "scheme": scheme, **further}
+    return {f"stepping.{key}": value for key, value in options.items()}
+
+
+TRANSFERS = ("flip", "pic", "apic", "tpic", "aflip")
+STEPPING = {
+    **{f"{one}, {scheme}": stepping(one, scheme) for one in TRANSFERS for scheme in ("usl", "musl", "usf")},
+    "aflip, usl, C not transported": stepping("aflip", "usl", transported=False),
+    "flip, usl, 5 % pic": stepping("flip", "usl", pic_fraction=0.05),
+}
+PLAIN = [*methods([""], RECOMMENDED, when="quick"), *methods([""], SHAPES, when="full")]
+
+turn = Runs("turn", methods=[*PLAIN, *methods([""], settings={**STEPPING, **ROTATION}, when="full")])
+inertia = Runs(
+    "inertia",
+    methods=[*PLAIN, *methods([""], ["gimp", "cpdi", "cpdi2", "bspline"], ROTATION, when="full")],
+    set={"bodies.disc.angular_velocity": 0.0},
+    by=torque.inertia,
 )
 
 
@@ -60,39 +45,12 @@ def test_turn(run):
         ("energy, change per turn", "energy", 0.0, None, "%"),
     ):
         run.gate(quantity, run.of(turning.change, key), reference, tolerance, unit)
-    run.gate(
-        "strain energy over kinetic, mean",
-        run.of(turning.change, "strain"),
-        run.of(turning.change, "static strain"),
-        unit="%",
-    )
+    strain, static = (run.of(turning.change, key) for key in ("strain", "static strain"))
+    run.gate("strain energy over kinetic, mean", strain, static, unit="%")
 
 
-scene = Runs(
-    "",
-    methods=[
-        *methods([""], RECOMMENDED, when="quick"),
-        *methods([""], SHAPES, when="full"),
-        *methods(
-            [""],
-            ["gimp", "cpdi", "cpdi2", "bspline"],
-            settings={
-                "rotation exact": {"bodies.disc.rotation": "exact"},
-                "rotation lumped": {"bodies.disc.rotation": "lumped"},
-            },
-            when="full",
-        ),
-    ],
-    set={"bodies.disc.angular_velocity": 0.0},
-    by=torque.inertia,
-)
-
-
-@scene
-def test_scene(run):
-    run.gate(
-        "inertia under a torque on the disc, error", run.of(torque.answer, "disc", scale=100.0), 0.0, 0.5, "%"
-    )
-    run.gate(
-        "inertia under a torque on its rim, error", run.of(torque.answer, "rim", scale=100.0), 0.0, 0.5, "%"
-    )
+@inertia
+def test_inertia(run):
+    for where, key in (("the disc", "disc"), ("its rim", "rim")):
+        value = run.of(torque.answer, key, scale=100.0)
+        run.gate(f"inertia under a torque on {where}, error", value, 0.0, 0.5, "%")

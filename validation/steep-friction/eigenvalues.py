@@ -59,14 +59,7 @@ def _check_limit(case: Case, rates: dict[tuple[str, float], np.ndarray], coarse:
         ("change by finer elements", change, "finite elements, no springs"),
         ("springs to h = 0 against none", line / at("impulses", fine) - 1.0, "finite elements"),
     ):
-        case.gate(
-            f"{QUANTITY}, {said}",
-            100.0 * value,
-            tolerance=(-5.0, 5.0),
-            reference=0.0,
-            unit="%",
-            method=method,
-        )
+        case.gate(f"{QUANTITY}, {said}", 100.0 * value, 0.0, (-5.0, 5.0), "%", method)
 
 
 def _show_damping(case: Case) -> None:

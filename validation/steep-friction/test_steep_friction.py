@@ -96,13 +96,8 @@ def _show_other_growth(case: Case) -> None:
                     ("growth", sigma, rate, "1/s"),
                     ("frequency", frequency, near, "Hz"),
                 ):
-                    case.show(
-                        f"{said} of the bounce at mu = 0.3, 40 deg",
-                        value,
-                        reference=reference,
-                        unit=unit,
-                        method=method,
-                    )
+                    quantity = f"{said} of the bounce at mu = 0.3, 40 deg"
+                    case.show(quantity, value, reference, unit=unit, method=method)
 
 
 def _bounces(case: Case, method: Method, friction: float) -> Iterator[tuple[np.ndarray, np.ndarray]]:
@@ -124,14 +119,7 @@ def _judge_growth(
     rate, frequency = lowest(modes_of(incline(size, elastic=True), friction, contact))
     found = growth_of(time, y, frequency)
     label = f"the bounce at mu = {friction:g}, 40 deg"
-    case.gate(
-        f"growth of {label}",
-        found[0],
-        tolerance=(0.9 * rate, 1.1 * rate),
-        reference=rate,
-        unit="1/s",
-        method=method,
-    )
+    case.gate(f"growth of {label}", found[0], rate, (0.9 * rate, 1.1 * rate), "1/s", method)
     case.gate(
         f"frequency of {label}",
         found[1],
@@ -177,14 +165,7 @@ def check_cures(case: Case) -> list[Row]:
     for size in (0.1,) if case.quick else (0.1, 0.05):
         found = _elements(case, "springs", size, steep, viscosity=VISCOSITY)
         for one in found:
-            case.gate(
-                _error_at(one),
-                one.error,
-                tolerance=(-1.0, 1.0),
-                reference=0.0,
-                unit="%",
-                method=f"{named('springs', size)}, viscous",
-            )
+            case.gate(_error_at(one), one.error, 0.0, (-1.0, 1.0), "%", f"{named('springs', size)}, viscous")
     rows: list[Row] = []
     cures: Sequence[tuple[str, str, dict[str, Any], tuple[float, float] | None]] = (
         ("penalty", PIC_LABEL, PIC, (-2.0, 2.0)),

@@ -60,6 +60,12 @@ def validate(
     page are of all cases whose results, made by the code of today, lie in the output folder. Such a case is
     not run again.
     """
+    try:
+        import pytest  # noqa: F401
+    except ImportError as error:
+        raise SceneError(
+            "validate runs cases by pytest, not installed: pip install 'mpmfw[testing]'"
+        ) from error
     from mpmfw.validation.page import summary, write_csv, write_page
     from mpmfw.validation.suite import find_cases, kept, run_cases, suite_of
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import fnmatch
 import itertools
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -27,6 +27,24 @@ RECOMMENDED = ("cpdi", "cpdi2")
 full, quick = pytest.mark.full, pytest.mark.quick
 #: ``@known_red(method, quantity, reason)``: this gate is known not to hold; the case fails if it holds.
 known_red = pytest.mark.known_red
+
+#: Names of the methods and places of all full versions in this process.
+_METHODS: set[str] = set()
+_PLACES: set[str] = set()
+
+
+def _fits(name: str, patterns: Iterable[str], known: Iterable[str]) -> bool:
+    """Return whether a pattern fits a name.
+
+    Raises
+    ------
+    ValueError
+        A pattern fits none of the known names: it is misspelt, and its gate would be lost.
+    """
+    for pattern in patterns:
+        if not fnmatch.filter(known, pattern):
+            raise ValueError(f"'{pattern}' fits no name of the full version: {', '.join(sorted(known))}")
+    return any(fnmatch.fnmatchcase(name, pattern) for pattern in patterns)
 
 
 @dataclass(frozen=True)
@@ -51,8 +69,14 @@ class Method:
         )
 
     def matches(self, *patterns: str) -> bool:
-        """Return whether a pattern, such as ``penalty, cpdi*``, fits its name."""
-        return any(fnmatch.fnmatchcase(str(self), pattern) for pattern in patterns)
+        """Return whether a pattern, such as ``penalty, cpdi*``, fits its name.
+
+        Raises
+        ------
+        ValueError
+            A pattern fits no method of the full version of any runs.
+        """
+        return _fits(str(self), patterns, _METHODS)
 
     def __str__(self) -> str:
         return ", ".join(filter(None, (self.contact, self.shape, self.label)))
@@ -86,6 +110,11 @@ class Place:
     within: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     open: Mapping[str, str | Mapping[str, str]] = field(default_factory=dict)
     when: str = ""
+
+    @property
+    def open_methods(self) -> list[str]:
+        """Return the patterns of methods in ``open``."""
+        return [pattern for reason in self.open.values() if not isinstance(reason, str) for pattern in reason]
 
     def is_open(self, key: str, method: Method) -> bool:
         """Return whether a method is known to miss the limit of this key here."""
@@ -123,6 +152,15 @@ class Runs:
     when: str = ""
     done: list[CaseRun] = field(default_factory=list)
     started: int = 0
+
+    def __post_init__(self) -> None:
+        if self.when == "quick":
+            return
+        names = [str(method) for method in self.methods if method.when != "quick"]
+        _METHODS.update(names)
+        _PLACES.update(place.at for place in self.places if place.when != "quick")
+        for patterns in (self.binds, *(place.open_methods for place in self.places)):
+            _fits("", patterns, names)
 
     def __call__(self, function: Callable[..., Any]) -> Any:
         return pytest.mark.runs(self)(function)
@@ -180,8 +218,9 @@ class CaseRun:
     _measured: dict[str, Any] = field(default_factory=dict)
 
     def at(self, *patterns: str) -> bool:
-        """Return whether a pattern fits the name of its place."""
-        return any(fnmatch.fnmatchcase(self.place.at, pattern) for pattern in patterns)
+        """Return whether a pattern fits the name of its place; ValueError if one fits no place of the full
+        version."""
+        return _fits(self.place.at, patterns, _PLACES)
 
     def of(
         self,

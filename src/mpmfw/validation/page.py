@@ -21,19 +21,9 @@ from mpmfw.validation.suite import CaseResult
 
 BEGIN, END = "<!-- mpmfw validate: begin -->", "<!-- mpmfw validate: end -->"
 COLUMNS = (
-    "case",
-    "method",
-    "quantity",
-    "reference",
-    "value",
-    "unit",
-    "least",
-    "most",
-    "verdict",
-    "seconds",
-    "note",
+    "case", "method", "quantity", "reference", "value", "unit", "least", "most", "verdict", "seconds", "note",
     "reason",
-)
+)  # fmt: skip
 #: Colours of a page's figures; fewer make a smaller file.
 PALETTE = 96
 

@@ -25,7 +25,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Announce the marks of cases."""
+    """Announce the marks of cases, and leave out tests of the other version."""
+    other = "full" if _version(config) == "quick" else "quick"
+    asked = config.option.markexpr
+    config.option.markexpr = f"({asked}) and not {other}" if asked else f"not {other}"
     for mark in ("full", "quick", "runs(runs)", "together(runs, ...)", "known_red(method, quantity, reason)"):
         config.addinivalue_line("markers", mark)
 
@@ -41,14 +44,6 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         points = mark.args[0].points(_version(metafunc.config))
         names = [" | ".join(filter(None, (p.at, v.at, str(m)))) for p, v, m in points]
         metafunc.parametrize("run", points, indirect=True, ids=names)
-
-
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out tests of the other version."""
-    other = "full" if _version(config) == "quick" else "quick"
-    left_out = [item for item in items if item.get_closest_marker(other)]
-    config.hook.pytest_deselected(items=left_out)
-    items[:] = [item for item in items if item not in left_out]
 
 
 @pytest.fixture(scope="module")

@@ -137,9 +137,9 @@ class Case:
             except (SimulationError, SceneError) as error:
                 self.failed(method, str(error))
 
-    def show(self, quantity: str, value: float, **limits: Any) -> None:
-        """Record a value that decides nothing."""
-        self.gate(quantity, value, binds=False, **limits)
+    def show(self, *row: Any, **named: Any) -> None:
+        """Record a value that decides nothing; arguments as of :meth:`gate`."""
+        self.gate(*row, **named, binds=False)
 
     def gate(
         self,

@@ -2,146 +2,77 @@
 
 # cost: 60
 
-# Open is what penalty contact with CPDI, plain or in its strongest form (held.py), does not hold today,
-# with the reason; it is shown and decides nothing.
+from held import held, place, scenes, scores, shared
+from made import plane, polygon
 
-from held import held, scenes, scores
+from mpmfw.validation import full, known_red, together
 
-from mpmfw.validation import Place, full, known_red, together
+#: A half plane with a crack of 1 m by 0.5 m.
+CRACK = polygon(
+    [-1.2, -0.6], [1.2, -0.6], [1.2, 0.5], [0.5, 0.5], [0.0, 0.0], [-0.5, 0.5], [-1.2, 0.5], fixed="bottom"
+)
+IN_HOLE = {
+    "penetration": {
+        "penalty, cpdi": "the rims' corners cut into the flanks: 0.40 cells",
+        "penalty(kappa=16*": (
+            "the crushed tip unfolds in the hole at 0.98 s: 0.46 cells for a moment, 0.20 until then"
+        ),
+    },
+    "energy": "error in time of springs, 0.52 %: 0.23 % with half of the step",
+}
+#: A corner has the force of one node's spring.
+TIP = {"penetration": "the tip, pressed in by 7 kN, has the force of one node's spring: 0.39 cells"}
+FLANKS = {"penetration": "the tip between both flanks has the force of one node's spring: 0.13 cells"}
+LIPS = {"penetration": "the lips' corners have the force of one node's spring: 0.24 cells"}
+CORNER = {"penetration": "a corner that bears 7 kN has the force of one node's spring: 0.35 cells"}
 
 every = scenes(
     [
-        Place("spikes", scene="../scenes/spikes.toml", within={"penetration": (0.0, 0.2)}),
-        Place(
-            "spike-in-wedge",
-            scene="../scenes/spike-in-wedge.toml",
-            within={"penetration": (0.0, 0.2)},
-            open={
-                "penetration": {
-                    "penalty, cpdi": (
-                        "the tip, pressed in by 7 kN, has the force of one node's spring: 0.39 cells"
-                    )
-                }
-            },
-            when="full",
-        ),
-        Place(
-            "wedge-in-wedge",
-            scene="../scenes/wedge-in-wedge.toml",
-            open={
-                "penetration": {
-                    "penalty, cpdi": (
-                        "the tip between both flanks has the force of one node's spring: 0.13 cells"
-                    )
-                }
-            },
-            when="full",
-        ),
-        Place(
-            "spike-in-hole",
-            scene="../scenes/spike-in-hole.toml",
-            within={"penetration": (0.0, 0.2)},
-            open={
-                "penetration": {
-                    "penalty, cpdi": "the rims' corners cut into the flanks: 0.40 cells",
-                    "penalty(kappa=16*": (
-                        "the crushed tip unfolds in the hole at 0.98 s: 0.46 cells for a moment, "
-                        "0.20 until then"
-                    ),
-                },
-                "energy": {"penalty, cpdi": "error in time of springs, 0.52 %: 0.23 % with half of the step"},
-            },
-            when="full",
-        ),
-        Place(
+        shared("spikes", True, when=""),
+        shared("spike-in-wedge", True, TIP),
+        shared("wedge-in-wedge", misses=FLANKS),
+        shared("spike-in-hole", True, IN_HOLE),
+        place(
             "spike-in-crack",
-            make={
-                "cell": 0.1,
-                "end": 0.5,
-                "bodies": {
-                    "crack": {
-                        "points": [
-                            [-1.2, -0.6],
-                            [1.2, -0.6],
-                            [1.2, 0.5],
-                            [0.5, 0.5],
-                            [0.0, 0.0],
-                            [-0.5, 0.5],
-                            [-1.2, 0.5],
-                        ],
-                        "fixed": "bottom",
-                    },
-                    "spike": {"points": [[0.0, 0.05], [0.5, 3.05], [-0.5, 3.05]], "velocity": [1.0, 0.0]},
-                },
+            sharp=True,
+            cell=0.1,
+            end=0.5,
+            bodies={
+                "crack": CRACK,
+                "spike": polygon([0.0, 0.05], [0.5, 3.05], [-0.5, 3.05], velocity=[1.0, 0.0]),
             },
-            within={"penetration": (0.0, 0.2)},
-            when="full",
         ),
-        Place(
+        place(
             "wedge-in-crack",
-            make={
-                "cell": 0.1,
-                "end": 0.8,
-                "bodies": {
-                    "crack": {
-                        "points": [
-                            [-1.2, -0.6],
-                            [1.2, -0.6],
-                            [1.2, 0.5],
-                            [0.5, 0.5],
-                            [0.0, 0.0],
-                            [-0.5, 0.5],
-                            [-1.2, 0.5],
-                        ],
-                        "fixed": "bottom",
-                    },
-                    "wedge": {"points": [[0.0, 0.05], [0.75, 1.55], [-0.75, 1.55]]},
-                },
-            },
-            within={"penetration": (0.0, 0.2)},
-            open={
-                "penetration": {
-                    "penalty, cpdi": "the lips' corners have the force of one node's spring: 0.24 cells"
-                }
-            },
-            when="full",
+            sharp=True,
+            misses=LIPS,
+            cell=0.1,
+            end=0.8,
+            bodies={"crack": CRACK, "wedge": polygon([0.0, 0.05], [0.75, 1.55], [-0.75, 1.55])},
         ),
-        Place(
+        place(
             "sliding-spike",
-            make={
-                "cell": 0.1,
-                "end": 0.6,
-                "bodies": {
-                    "floor": {"box": [-2.0, -0.3, 2.0, 0.0], "fixed": "bottom"},
-                    "spike": {"points": [[-1.0, 0.02], [-0.5, 3.02], [-1.5, 3.02]], "velocity": [1.0, 0.0]},
-                },
+            sharp=True,
+            misses=CORNER,
+            cell=0.1,
+            end=0.6,
+            bodies={
+                "floor": plane(-2.0, -0.3, 2.0, 0.0),
+                "spike": polygon([-1.0, 0.02], [-0.5, 3.02], [-1.5, 3.02], velocity=[1.0, 0.0]),
             },
-            within={"penetration": (0.0, 0.2)},
-            open={
-                "penetration": {
-                    "penalty, cpdi": "a corner that bears 7 kN has the force of one node's spring: 0.35 cells"
-                }
-            },
-            when="full",
         ),
-        Place(
+        place(
             "sliding-wedge",
-            make={
-                "cell": 0.1,
-                "end": 0.6,
-                "bodies": {
-                    "lower": {
-                        "points": [[-1.2, -0.2], [1.2, -0.2], [1.2, 0.0], [-1.2, 1.2]],
-                        "fixed": "bottom",
-                    },
-                    "upper": {"points": [[-0.8, 1.02], [-0.8, 1.42], [0.0, 1.42], [0.0, 0.62]]},
-                },
+            sharp=True,
+            cell=0.1,
+            end=0.6,
+            bodies={
+                "lower": polygon([-1.2, -0.2], [1.2, -0.2], [1.2, 0.0], [-1.2, 1.2], fixed="bottom"),
+                "upper": polygon([-0.8, 1.02], [-0.8, 1.42], [0.0, 1.42], [0.0, 0.62]),
             },
-            within={"penetration": (0.0, 0.2)},
-            when="full",
         ),
-        Place("cliff-edges", scene="../scenes/cliff-edges.toml", within={"penetration": (0.0, 0.2)}),
-        Place("internal-edges", scene="../scenes/internal-edges.toml", when="full"),
+        shared("cliff-edges", True, when=""),
+        shared("internal-edges"),
     ]
 )
 
