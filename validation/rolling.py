@@ -56,8 +56,7 @@ class Roll:
 
 
 def _roll(scene: str) -> Roll:
-    """The rigid cylinder of a shipped scene (eq. 13 of [H17]), with the friction of the scene itself: 0.286,
-    as the text of [H17]; 2/7 in its formula is 0.02 % more acceleration."""
+    """Return the rigid cylinder of a shipped scene (eq. 13 of [H17]), with the scene's friction, 0.286."""
     known = reference_of({"scene": shipped_scenes()[scene]})
     assert isinstance(known, RollingReference)
     return Roll(scene, known.solution)

@@ -28,9 +28,7 @@ OTHERS = {
 
 
 def draw(runs: Sequence[CaseRun]) -> Figure:
-    """Penalty contact by its forces at both cell sizes, and all methods by the stress of points at the coarse
-    ones.
-    """
+    """Draw penalty contact by its forces at both cell sizes, and all methods by stress at the coarse one."""
     figure = new_figure(2, 1, 66.0)
     axes = figure.subplots(1, 2, sharey=True)
     penalty = [run for run in runs if str(run.method) == "penalty, cpdi"]

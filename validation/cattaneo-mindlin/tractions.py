@@ -1,6 +1,4 @@
-"""Pressure and shear along the contact, by the forces of surface nodes and by the stress of points, beside
-the closed form.
-"""
+"""Pressure and shear along the contact, by nodal forces and by stress, beside the closed form."""
 
 from __future__ import annotations
 
@@ -85,9 +83,7 @@ def of_forces(tree: xr.DataTree, k: int) -> Tractions:
 
 
 def of_stress(tree: xr.DataTree, k: int) -> Tractions:
-    """At output ``k``, from the stress of the block's points within half a cell of its top, which every
-    method has.
-    """
+    """Return them at output ``k`` from the stress of points within half a cell of the block's top."""
     h = float(tree.attrs["cell_size"])
     surface, points = (tree[f"{group}/block"].to_dataset().isel(time=k) for group in ("surface", "particles"))
     top = surface["position"].values[surface["position"].values[:, 1] > TOUCH[1] - 0.5 * HEIGHT]
@@ -111,9 +107,7 @@ def half_way(tree: xr.DataTree) -> int:
 
 
 def partial_slip(tree: xr.DataTree) -> dict[str, float]:
-    """At half of the load that slides: ``share`` and ``cone`` [1], error of ``stick`` [1], of ``pressure``
-    and ``shear`` [%].
-    """
+    """Return ``share`` and ``cone`` [1], errors of ``stick`` [1], ``pressure`` and ``shear`` [%]."""
     found = of_forces(tree, half_way(tree))
     return {**_errors(found), "cone": _over_the_cone(tree, half_way(tree))}
 
@@ -151,9 +145,7 @@ def _errors(found: Tractions) -> dict[str, float]:
 
 
 def _over_the_cone(tree: xr.DataTree, k: int) -> float:
-    """Largest |T| over μ N of the nodes that bear, along a contact whose slope is half of the cylinder's:
-    both bodies yield.
-    """
+    """Return the largest |T| over μ N; the contact has half of the cylinder's slope: both bodies yield."""
     position, force, length = _nodes(tree, k)
     middle = np.sum(position[:, 0] * force[:, 1]) / force[:, 1].sum()
     moved = tree["surface/cylinder"]["position"].isel(time=[0, k]).values[:, :, 0]
@@ -168,9 +160,7 @@ def _over_the_cone(tree: xr.DataTree, k: int) -> float:
 
 
 def _nodes(tree: xr.DataTree, k: int) -> tuple[Array, Array, Array]:
-    """Position (n, 2) [m], contact force (n, 2) [N/m] and length (n,) [m] of the nodes of the cylinder's
-    underside.
-    """
+    """Return position [m], force [N/m], (n, 2) each, and length (n,) [m] of nodes of the underside."""
     surface = tree["surface/cylinder"].to_dataset().isel(time=k)
     position, after = surface["position"].values, surface["next"].values
     length = 0.5 * np.linalg.norm(position[after] - position, axis=1)

@@ -24,9 +24,7 @@ PLACES = {"mid-height": 0.5, "bottom corners": 0.0, "top corners": 1.0}  #: heig
 
 
 def slopes(run: xr.DataTree) -> dict[str, float]:
-    """Errors of the slope at :data:`PLACES` and the ``worst`` of them, and kinetic over strain ``energy``, at
-    most [%].
-    """
+    """Return errors of the slope at PLACES, their ``worst``, and kinetic over strain ``energy`` [%]."""
     found = expansion_of(run)
     errors = {name: found.slope_error(height) for name, height in PLACES.items()}
     return {**errors, "worst": max(errors.values(), key=abs), "energy": 100.0 * found.energy_ratio}
@@ -40,8 +38,7 @@ def change(runs: Sequence[CaseRun]) -> dict[str, float]:
 
 
 def placed(cell_size: float, offset: float) -> dict[str, object]:
-    """Values of the scene for a cell size [m], with the left side at −5 mm + ``offset`` cells and the lower
-    contact at −5 mm + 0.13 cells."""
+    """Return values for a cell size [m], with the left side ``offset`` cells past −5 mm."""
     left, bottom = -5e-3 + offset * cell_size, -5e-3 + 0.13 * cell_size
     top = bottom + HEIGHT
     return {
@@ -69,9 +66,7 @@ class Expansion:
         return np.array([np.interp(height, self.height, row) for row in self.lateral])
 
     def slope(self, height: float) -> float:
-        """Least-squares slope of the displacement over the strain, through zero, over the last 80 % of the
-        strain [m].
-        """
+        """Least-squares slope of displacement over strain, through zero, over the last 80 % [m]."""
         chosen = self.strain > 0.2 * self.strain[-1]
         strain, lateral = self.strain[chosen], self.at(height)[chosen]
         return float(strain @ lateral / (strain @ strain))
@@ -87,9 +82,7 @@ class Expansion:
 
 
 def expansion_of(tree: xr.DataTree) -> Expansion:
-    """Measure the block of a run; its strain is its own, since contact springs take a part of the sides'
-    motion.
-    """
+    """Measure the block; contact springs take a part of the sides' motion, so its strain is measured."""
     position = tree["surface/block"]["position"].values
     moved = position - position[0]
     lower, upper = position[0].min(axis=0), position[0].max(axis=0)
@@ -107,8 +100,6 @@ def expansion_of(tree: xr.DataTree) -> Expansion:
 def _along(
     start: Array, moved: Array, side: npt.NDArray[np.bool_], lower: Array, upper: Array
 ) -> tuple[Array, Array]:
-    """Heights (k,) over the block's and x displacements (time, k) of the nodes of a side, from bottom to
-    top.
-    """
+    """Return heights (k,) over the block's and x displacements (time, k) of a side's nodes, from below."""
     order = np.flatnonzero(side)[np.argsort(start[side, 1])]
     return (start[order, 1] - lower[1]) / (upper[1] - lower[1]), moved[:, order, 0]

@@ -17,9 +17,7 @@ SLOWLY = {
 
 
 def place(at, offset, size=0.0005):
-    """Return cells of a size, the block's left side at −5 mm + so many cells, the lower contact at −5 mm +
-    0.13 cells.
-    """
+    """Return the block ``offset`` cells past −5 mm, with the lower contact 0.13 cells past it."""
     side, below = -0.005 + offset * size, -0.005 + 0.13 * size
     above = below + 0.01
     corners = {

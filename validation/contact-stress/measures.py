@@ -42,9 +42,7 @@ class Points:
         return float(100.0 * (np.average(self.ratio[near], weights=self.volume[near]) - 1.0))
 
     def oscillation(self, margin: float = 0.0) -> float:
-        """Largest departure of σ_yy from −p near the interface [%]; ``margin`` [cells] leaves out the
-        walls.
-        """
+        """Largest departure of σ_yy from −p near the interface [%], ``margin`` cells off the walls."""
         edge = margin * self.cell_size
         chosen = self.near & (self.x > edge) & (self.x < WIDTH - edge)
         return float(100.0 * np.abs(self.ratio[chosen] - 1.0).max())
@@ -87,9 +85,7 @@ def _interface(tree: xr.DataTree) -> float:
 
 
 def stress(tree: xr.DataTree) -> dict[str, float]:
-    """Errors of σ_yy [%]: of its ``mean``, its largest ``departure``, that ``off the walls`` by two cells,
-    and ``l2``.
-    """
+    """Return errors of σ_yy [%]: ``mean``, largest ``departure``, two cells ``off the walls``, ``l2``."""
     points = points_of(tree)
     departure, off = points.oscillation(), points.oscillation(margin=2.0)
     return {"mean": points.mean_error, "departure": departure, "off the walls": off, "l2": points.l2_error}

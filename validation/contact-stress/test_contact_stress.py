@@ -1,6 +1,4 @@
-"""Contact stress under a block: σ_yy = −p at the interface, for every method and for wrong surface-to-grid
-maps.
-"""
+"""Contact stress under a block: σ_yy = −p at the interface, also with wrong surface-to-grid maps."""
 # cost: 50
 
 from math import inf

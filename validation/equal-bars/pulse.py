@@ -43,9 +43,7 @@ class Pulse(NamedTuple):
 
 
 def against_closed_form(tree: DataTree) -> dict[str, float] | None:
-    """Relative errors of plateau and duration, ripple over the pressure [%], and the gap [h] where contact
-    begins.
-    """
+    """Return errors of plateau and duration, ripple over the pressure, and the gap [h] at contact."""
     time, pressure, _ = series(tree)
     if pressure is None:
         return None
@@ -64,9 +62,7 @@ def rebound(tree: DataTree) -> float:
 
 
 def series(tree: DataTree) -> tuple[FloatArray, FloatArray | None, FloatArray]:
-    """Time [s], pressure on the left bar [Pa] or None if there is no contact force, its mean velocity
-    [m/s].
-    """
+    """Return time [s], pressure on the left bar [Pa], None without contact, and its velocity [m/s]."""
     data = tree["series"].to_dataset().sel(axis="x")
     velocity = data["mean_velocity"].sel(body="left").values
     if "contact_force" not in data:
@@ -90,9 +86,7 @@ def pulse(time: FloatArray, pressure: FloatArray) -> Pulse:
 
 
 def crossing(time: FloatArray, pressure: FloatArray, between: tuple[int, int]) -> float:
-    """Time at which the line through two outputs is at half the pressure [s]; the first output if it begins
-    there.
-    """
+    """Return the time [s] at which the line through two outputs is at half the pressure."""
     i, j = max(between[0], 0), min(between[1], len(time) - 1)
     if pressure[i] == pressure[j]:
         return float(time[i])

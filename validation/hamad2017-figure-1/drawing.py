@@ -76,8 +76,7 @@ def as_published(motions: Motions) -> Figure:
 
 
 def spin_and_departure(motions: Motions) -> Figure:
-    """Angular velocity, and displacement less the closed form: the first tells methods apart that the second
-    does not."""
+    """Draw angular velocity, and displacement less the closed form."""
     figure = new_figure(2, 2)
     panels = figure.subplots(2, 2, sharex="row")
     for (left, right), (roll, runs), room in zip(panels, motions.items(), _DEPARTURES, strict=True):
@@ -99,9 +98,7 @@ def spin_and_departure(motions: Motions) -> Figure:
 
 
 def all_shapes(motions: Motions) -> Figure:
-    """Displacement less the closed form with every shape function: penalty left, then classical, plain and
-    strongest.
-    """
+    """Draw displacement less the closed form with every shape function, by contact."""
     contacts = ["penalty", *CLASSICAL]
     look = Look(xr.Dataset(coords={"contact": contacts, "shape": list(SHAPES)}))
     figure = new_figure(3, 2)

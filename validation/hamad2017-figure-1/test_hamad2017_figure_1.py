@@ -1,6 +1,4 @@
-"""Rolling cylinder, figure 1 of [H17]: displacement, velocity and spin, with slip and without, with every
-method.
-"""
+"""Rolling cylinder, figure 1 of [H17]: displacement, velocity and spin, with slip and without."""
 # cost: 195
 
 from math import inf

@@ -35,7 +35,5 @@ def _longest_edge(corners: FloatArray) -> float:
 
 
 def draw(runs: Sequence[CaseRun]) -> Figure:
-    """First and last position with penalty contact and with the classical one, in its plainest form and in
-    its strongest.
-    """
+    """Draw the first and the last position with penalty contact and with classical contact."""
     return positions({run.method: run.results for run in runs if not run.method.label})

@@ -77,9 +77,7 @@ def forces(curves: Mapping[Method, Curves], elements: Collision) -> Figure:
 
 
 def impulse_and_energy(curves: Mapping[Method, Curves], elements: Collision) -> Figure:
-    """Impulse and kinetic energy above, below their departures from the fine finite elements with the
-    gates.
-    """
+    """Draw impulse and kinetic energy, and their departures from the fine finite elements."""
     figure = new_figure(2, 2, 55.0)
     (left, right), (below_left, below_right) = figure.subplots(2, 2, sharex=True)
     runs, energy = _of_penalty(curves), rings_table("energy")
@@ -109,9 +107,7 @@ def impulse_and_energy(curves: Mapping[Method, Curves], elements: Collision) -> 
 
 
 def methods_compared(curves: Mapping[Method, Curves]) -> Figure:
-    """Force over 100 µs: the strategies with CPDI, the shape functions with penalty contact; impulse of
-    both.
-    """
+    """Draw force over 100 µs and impulse: all contacts with CPDI, all shapes with penalty."""
     figure = new_figure(2, 2, 55.0)
     panels = figure.subplots(2, 2, sharex=True, sharey="row")
     look = Look(xr.Dataset(coords={"contact": list(CONTACTS), "shape": list(SHAPES)}))

@@ -26,9 +26,7 @@ def collision() -> Collision:
 
 
 def apart() -> dict[str, float]:
-    """Distances of the elements from the fine ones: of ``total`` and ``impulse``, ``force`` and ``kinetic``
-    energy.
-    """
+    """Return distances from the fine elements: ``total``, ``impulse``, ``force`` and ``kinetic``."""
     found = distance(collision())
     return {name: float(getattr(found, name)) for name in ("total", "impulse", "force", "kinetic")}
 

@@ -24,9 +24,7 @@ def stops(run: xr.DataTree) -> float:
 
 
 def slides(run: xr.DataTree) -> float | None:
-    """Acceleration of a block down an incline, against g (sin θ − μ cos θ) [% of it]; None if it must
-    stick.
-    """
+    """Return the acceleration down an incline against g (sin θ − μ cos θ) [% of it]; None if it sticks."""
     exact, along, time = _incline(run)
     return None if exact <= 0.0 else float(100.0 * (2.0 * np.polyfit(time, along, 2)[0] / exact - 1.0))
 
@@ -96,17 +94,13 @@ def bounces(run: xr.DataTree) -> float:
 
 
 def hands_over(run: xr.DataTree) -> float:
-    """A bar meets a longer one of the same section and solid and stays where it is: the momentum that it
-    keeps [%].
-    """
+    """Return the momentum that a bar keeps which meets a longer one of the same section and solid [%]."""
     momentum = run["series"]["linear_momentum"].sel(body="short").values
     return float(100.0 * (momentum[-1] @ momentum[0]) / (momentum[0] @ momentum[0]))
 
 
 def reverses(run: xr.DataTree) -> float:
-    """Way of a block on a shaken plane at the end, against the rigid block's [% of the farthest that this
-    goes].
-    """
+    """Return the way of a block on a shaken plane against the rigid block's [% of its farthest]."""
     scene = scene_of(run)
     rows = np.array(scene["gravity"]["table"])
     down = rows[0, 1:] / np.linalg.norm(rows[0, 1:])
@@ -140,9 +134,7 @@ def pushed(run: xr.DataTree) -> float:
 
 
 def presses(run: xr.DataTree) -> float:
-    """Share of a flat punch's force that its middle half bears, against 1/3 from p = F/(π √(a² − x²)) [% of
-    it].
-    """
+    """Return the share of force on a punch's middle half against 1/3, of p = F/(π √(a² − x²)) [% of it]."""
     ground = run["surface"]["ground"].to_dataset().isel(time=-1)
     down = np.array(scene_of(run)["gravity"]["vector"])
     x = ground["position"].values @ [-down[1], down[0]] / np.linalg.norm(down)

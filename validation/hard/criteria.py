@@ -1,6 +1,4 @@
-"""What the hard scenes must hold: penetration, energy, momentum, friction, mirror symmetry, and closed
-forms.
-"""
+"""Limits of the hard scenes: penetration, energy, momentum, friction, mirror symmetry."""
 
 from __future__ import annotations
 
@@ -34,26 +32,20 @@ def energy(run: xr.DataTree) -> float:
 
 
 def largest_dissipation(runs: Sequence[CaseRun]) -> float:
-    """Largest share of the energy put in that a method loses in a scene as it stands, beside friction and
-    plastic work [%].
-    """
+    """Return the largest share of energy put in that is lost, beside friction and plastic work [%]."""
     stand = [run for run in runs if run.version.change is None]
     found = [dissipation(run.results, run.scene) for run in stand if "series" in run.results]
     return 100.0 * max((lost for lost in found if np.isfinite(lost)), default=float("nan"))
 
 
 def momentum(run: xr.DataTree) -> float | None:
-    """Largest change of the whole momentum, over the sum of what the bodies bring; None where something acts
-    on them.
-    """
+    """Return the largest change of momentum over what the bodies bring; None where something acts on them."""
     change = momentum_change(run, load_scene(scene_of(run)))
     return None if np.isnan(change) else change
 
 
 def friction(run: xr.DataTree) -> float | None:
-    """Largest |T| over μ |N| of a pair that touches with flat faces; None without friction, or where it bears
-    little.
-    """
+    """Return the largest |T| over μ |N| of a pair; None without friction, or where it bears little."""
     coefficient = float(scene_of(run)["contact"].get("friction", 0.0))
     along = run["series"]["friction_force"].values
     whole = run["series"]["contact_force"].values

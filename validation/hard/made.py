@@ -195,9 +195,7 @@ def arch(stones: int, radius: float = 1.0, thickness: float = 0.3, cell: float =
 
 
 def stack(plates: int, speed: float, cell: float = 0.02) -> dict[str, Any]:
-    """A square of steel hits a stack of loose plates of its width, 0.02 m thick and 0.002 m apart, in their
-    middle.
-    """
+    """Return a square of steel that hits a stack of loose plates, 0.02 m thick and 0.002 m apart."""
     steel = {"E": 210e9, "nu": 0.3, "rho": 7850.0}
     bodies: Bodies = {"hammer": {"box": [-0.202, -0.1, -0.002, 0.1], "velocity": [speed, 0.0], **steel}}
     for k in range(plates):
@@ -223,9 +221,7 @@ def cogs(teeth: int, spin: float = 5.0, cell: float = 0.05) -> dict[str, Any]:
 
 
 def _wheel(x: float, y: float, teeth: int, phase: float) -> list[list[float]]:
-    """Trapezoidal teeth from a radius of 0.4 m to one of 0.5 m; a tooth (phase 0) or a gap (0.5) on the x
-    axis.
-    """
+    """Return trapezoidal teeth from 0.4 m to 0.5 m; a tooth (phase 0) or a gap (0.5) on the x axis."""
     points = []
     for k in range(teeth):
         for along, radius in ((-0.22, 0.4), (-0.12, 0.5), (0.12, 0.5), (0.22, 0.4)):
@@ -235,9 +231,7 @@ def _wheel(x: float, y: float, teeth: int, phase: float) -> list[list[float]]:
 
 
 def piled(rows: Sequence[int], side: float = 0.2, cell: float = 0.05, settled: bool = True) -> dict[str, Any]:
-    """Layers of squares on a floor, as many in each as ``rows`` says, in touch: a tower of ones, a
-    pyramid.
-    """
+    """Return layers of squares on a floor, as many in each as ``rows`` says: a tower of ones, a pyramid."""
     wide = max(rows) * 1.2 * side
     bodies: Bodies = {"floor": {"box": [-wide, -0.1, wide, 0.0], "fixed": "bottom"}}
     for k, many in enumerate(rows):
@@ -248,9 +242,7 @@ def piled(rows: Sequence[int], side: float = 0.2, cell: float = 0.05, settled: b
 
 
 def filling(discs: int, across: int, radius: float = 0.1, cell: float = 0.08) -> dict[str, Any]:
-    """A box is filled with discs that fall into it, ``across`` in a row, every other row by half of a gap
-    aside.
-    """
+    """Return a box that is filled with falling discs, ``across`` in a row, every other row aside."""
     pitch = 2.15 * radius
     half = 0.5 * pitch * across + 0.4 * radius
     bodies = _walls(half, 0.8 * pitch * discs / across)

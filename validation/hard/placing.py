@@ -75,9 +75,7 @@ def _moved(body: dict[str, Any], rotation: np.ndarray, offset: np.ndarray, angle
 
 
 def _to_level(points: np.ndarray, moved: np.ndarray) -> np.ndarray:
-    """The turned polygon with what was its lower side drawn down to a level one, at the depth of its lowest
-    corner or below.
-    """
+    """Return the turned polygon, its lower side drawn down to a level one below its lowest corner."""
     low = points[:, 1].min()
     k = next(k for k in range(len(points)) if points[k, 1] == low and points[(k + 1) % len(points), 1] == low)
     ends = moved[[k, (k + 1) % len(points)]]

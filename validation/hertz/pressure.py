@@ -1,6 +1,4 @@
-"""Contact pressure of the cylinder: from the forces of the surface nodes, and from the stress of the
-points.
-"""
+"""Contact pressure of the cylinder, by nodal forces and by the stress of points."""
 
 from __future__ import annotations
 
@@ -45,9 +43,7 @@ class Profile:
 
     @property
     def fit(self) -> tuple[float, float]:
-        """(p0 [Pa], b [m]) of p² = p0² (1 − x²/b²), least squares over the windows above a fifth of the
-        peak.
-        """
+        """(p0 [Pa], b [m]) of p² = p0² (1 − x²/b²), by windows above a fifth of the peak."""
         chosen = self.pressure > 0.2 * self.pressure.max()
         if chosen.sum() < 3:
             return np.nan, np.nan
@@ -90,9 +86,7 @@ def from_forces(tree: xr.DataTree) -> Profile:
 
 
 def from_stress(tree: xr.DataTree) -> Profile:
-    """Pressure as −σ_yy of the points within half a cell of the cylinder's rim, weighted by volume: for every
-    method.
-    """
+    """Return the pressure as −σ_yy of points within half a cell of the rim, weighted by volume."""
     points = tree["particles/cylinder"].to_dataset()
     start, end = points.isel(time=0), points.isel(time=-1)
     h = float(tree.attrs["cell_size"])
@@ -107,9 +101,7 @@ def from_stress(tree: xr.DataTree) -> Profile:
 
 
 def of_forces(tree: xr.DataTree) -> dict[str, float]:
-    """Errors by the forces: ``peak``, ``fitted peak`` and ``load`` [%], ``width`` and ``touching``
-    [cells].
-    """
+    """Return errors: ``peak``, ``fitted peak`` and ``load`` [%], ``width`` and ``touching`` [cells]."""
     profile = from_forces(tree)
     return {
         "peak": profile.peak_error,
@@ -127,9 +119,7 @@ def of_stress(tree: xr.DataTree) -> dict[str, float]:
 
 
 def orders(runs: Sequence[CaseRun]) -> dict[str, float]:
-    """Observed orders of the errors by the forces, and the ``most`` that one is over that of the coarser
-    cells.
-    """
+    """Return observed orders, and the ``most`` that an error is over that of the coarser cells."""
     profiles = sorted((from_forces(run.results) for run in runs), key=lambda one: -one.cell_size)
     sizes = np.array([one.cell_size for one in profiles])
     errors = {

@@ -1,6 +1,4 @@
-"""Pair force: what the penalty contact's kernel puts on a slave node and a segment, against finite
-differences.
-"""
+"""Pair force: penalty contact's kernel on a slave node and a segment, against finite differences."""
 
 # cost: 3
 
@@ -145,9 +143,7 @@ def balance(points: FloatArray, force: FloatArray) -> tuple[float, float]:
 
 
 def kernel_balance(pairs: list[FloatArray], rng: np.random.Generator) -> tuple[float, float]:
-    """Balance of the forces that the compiled kernel puts on a touching pair that slides, friction
-    included.
-    """
+    """Return the balance of the kernel's forces on touching pairs that slide, with friction."""
     worst = np.zeros(2)
     for points in pairs:
         gap, _ = gap_and_coordinate(points)
@@ -173,9 +169,7 @@ def kernel_force(points: FloatArray, moved: FloatArray) -> FloatArray:
 
 
 def row_of(points: FloatArray, moved: FloatArray, *, tilts: bool = False) -> SurfaceRows:
-    """The row of one slave node of body 0 and one segment of body 1; its grid's nodes are the three
-    points.
-    """
+    """Return the row of one slave node and one segment; the grid's nodes are the three points."""
     gap, xi = gap_and_coordinate(points)
     along = (points[2] - points[1]) / np.hypot(*(points[2] - points[1]))
     body, follow = np.array([0, 1, 1]), np.array([0, 2, 1])

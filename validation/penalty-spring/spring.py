@@ -40,9 +40,7 @@ def scene(gap: float, shape: str = "cpdi", **bodies: Any) -> Any:
 
 
 def stays(step: float, shape: str = "cpdi", steps: int = 600) -> bool:
-    """Whether the pressed masses, a thousandth beside rest, stay in contact and within a half of the rest's
-    depth.
-    """
+    """Return whether the pressed masses, a thousandth beside rest, stay within half of the rest's depth."""
     depth = PRESSURE * HEIGHT / STIFFNESS
     pressed = {
         f"{body}__sides": [{"side": side, "pressure": PRESSURE}]
@@ -82,9 +80,7 @@ class Impact(NamedTuple):
 
 
 def impact(steps: float, phase: float, shape: str = "cpdi") -> Impact:
-    """Let the masses fly into each other: ``steps`` a contact, and the first touch after ``phase`` of a
-    step.
-    """
+    """Let the masses meet: ``steps`` a contact, the first touch after ``phase`` of a step."""
     step = CONTACT / steps
     share = SPEED / (LIGHT + HEAVY)
     moving = {"tip__velocity": [share * HEAVY, 0.0], "plate__velocity": [-share * LIGHT, 0.0]}
@@ -104,9 +100,7 @@ def impact(steps: float, phase: float, shape: str = "cpdi") -> Impact:
 
 
 def exact_gain(steps: float, phase: float) -> float:
-    """The same with numbers: v ← v + Δt ω² max(−x, 0), x ← x + Δt v, by symplectic Euler as the stepper does
-    it.
-    """
+    """Return the gain of v ← v + Δt ω² max(−x, 0), x ← x + Δt v, symplectic Euler."""
     step = 1.0 / steps
     gap, velocity, touched = phase * step, -1.0, False
     while not (touched and gap > 0.0):
@@ -125,9 +119,7 @@ class Pair(NamedTuple):
 
 
 def realistic(values: dict[str, Any], steps: int) -> Pair:
-    """Press two blocks from rest and see which step lets their velocities grow past four times those of a
-    small step.
-    """
+    """Press two blocks and find the step at which velocities pass four times those of a small step."""
     loaded = load_scene(FOLDER / "pair.toml", set=values)
     sim = Simulation(loaded)
     bulk = sim.limits()[0][0]

@@ -30,9 +30,7 @@ PAIRS: dict[str, dict[str, Any]] = {
 
 
 def test_penalty_spring(case: Case) -> None:
-    """Bisect the step, sweep the phase of an impact, and compare what the strategy says of realistic
-    pairs.
-    """
+    """Bisect the step, sweep the phase of an impact, and compare realistic pairs."""
     judge_limit(case)
     judge_impacts(case)
     if not case.quick:

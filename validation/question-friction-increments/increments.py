@@ -23,9 +23,7 @@ MODULUS, CELL, SEGMENT = 10e6, 0.4, 0.1  #: M of the cylinder [Pa], h [m], lengt
 
 
 def viscous(run: xr.DataTree, roll: str) -> dict[str, float]:
-    """Error of the displacement under a ``viscous`` friction of the same size, and how far the run is
-    ``apart`` from it [%].
-    """
+    """Return the error under ``viscous`` friction of the same size, and how far it is ``apart`` [%]."""
     series = run["series"].to_dataset()
     width = float(series["contact_count"][1:].mean()) * SEGMENT
     drag = viscosity(MODULUS, width, CELL, time_step_of(run))

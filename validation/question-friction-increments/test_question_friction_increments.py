@@ -96,9 +96,7 @@ def test_steps_with_slip(case, runs):
 
 
 def over_steps(case, runs, roll):
-    """Record that the return map's answer stands, and that the literal law's moves with the step and does not
-    settle.
-    """
+    """Record that the return map settles over the step, and that the literal law does not."""
     scatter = runs.of(increments.scatter)
     case.gate(f"{roll}: return map, displacement, range over time steps", scatter, "", (0.0, 0.1), "%")
     if not case.quick:

@@ -26,9 +26,7 @@ class Difference:
 
 
 def at_end(runs: Sequence[CaseRun], label: str, beside: str) -> float | None:
-    """Change of the displacement when the rigid cylinder has moved by 10 m [%]; none if one of the two did
-    not end.
-    """
+    """Return the change of displacement after 10 m [%]; None if one of the two did not end."""
     found = _of_rolling(runs, label, beside)
     end = (SLIP if runs and runs[0].runs == "slip" else NO_SLIP).end
     return None if found is None else float(np.interp(end, found.time, found.values))

@@ -16,9 +16,7 @@ SPEED = math.sqrt((SOLID["bulk_modulus"] + 4.0 / 3.0 * SOLID["shear_modulus"]) /
 
 
 def impact(seed: int) -> dict[str, Any]:
-    """Two squares of three cells, turned at random, that meet at 0.01 to 0.16 of the speed of waves, a little
-    off centre.
-    """
+    """Return two squares that meet off centre, turned, at 0.01 to 0.16 of the wave speed."""
     random = np.random.default_rng(seed)
     angles = random.uniform(0.0, 0.5 * math.pi, 2)
     speed = 10.0 ** random.uniform(-2.0, -0.8)

@@ -1,6 +1,4 @@
-"""Detection at quadrature points of the segments, and springs without rules: the experiment that the case
-compares with.
-"""
+"""Detection at quadrature points of segments, and springs without rules, for comparison."""
 
 from __future__ import annotations
 
@@ -114,9 +112,7 @@ class QuadratureOptions(SurfacesOptions):
 
 
 class Quadrature(Surfaces):
-    """Gauss points of every segment against the closest segment of each other body: no rule for corners, ties
-    or sides.
-    """
+    """Gauss points of every segment against the closest segment of each other body."""
 
     name = "quadrature"
     Options = QuadratureOptions
@@ -162,9 +158,7 @@ class Quadrature(Surfaces):
 
 
 class PlainSprings(PenaltyLaw):
-    """Penalty springs of the area that detection gives, without the rules for areas that change while
-    loaded.
-    """
+    """Penalty springs without the rules for areas that change while loaded."""
 
     name = "plain"
 

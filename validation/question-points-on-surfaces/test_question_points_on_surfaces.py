@@ -1,6 +1,4 @@
-"""Surface nodes against quadrature points: stress, corners, sliding, rolling, impacts, Hertz, a stack and
-hard scenes.
-"""
+"""Question: contact at surface nodes or at quadrature points."""
 
 # cost: 360
 

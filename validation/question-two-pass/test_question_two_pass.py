@@ -1,6 +1,4 @@
-"""Question: balanced two-pass contact against master and slave: symmetry, noise, accuracy, contact stress,
-cost.
-"""
+"""Question: balanced two-pass contact against master and slave: symmetry, noise, accuracy, cost."""
 # cost: 60
 
 import questions

@@ -34,9 +34,7 @@ Errors = dict[float, dict[str, float]]  #: by cell size
 
 
 def test_rolling_convergence(case: Case) -> None:
-    """Refine both cases; the classical contact, in its plainest form and in its strongest, to h = 0.2
-    only.
-    """
+    """Refine both cases; classical contact to h = 0.2 only."""
     sizes = SIZES[:2] if case.quick else SIZES
     mended, lumped = Method("penalty", "cpdi"), Method("penalty", "cpdi", LUMPED, WITHOUT)
     classical = [Method(contact, "cpdi") for contact in CLASSICAL]

@@ -1,6 +1,4 @@
-"""What the sphere has after the impact, against rigid spheres, Maw, Barber and Fawcett's elastic one, and
-Hertz.
-"""
+"""The sphere after the impact, against rigid spheres, Maw, Barber and Fawcett's elastic one, and Hertz."""
 
 from __future__ import annotations
 
@@ -104,9 +102,7 @@ def largest(runs: Sequence[CaseRun], of: str) -> float:
 
 
 def _changes(found: dict[str, float], taken: float) -> dict[str, float]:
-    """Errors [%] of both changes if friction takes ``taken`` along the plane, over m and the velocity of the
-    point of contact.
-    """
+    """Return errors of both changes [%] if friction takes ``taken`` along the plane."""
     return {
         "along": 100.0 * (-found["along"] / taken - 1.0),
         "spin": 100.0 * (found["spin"] / (2.5 * taken) - 1.0),

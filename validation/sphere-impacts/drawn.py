@@ -30,9 +30,7 @@ PANELS = {"5 steel": "thrown", "6 nylon": "turned"}
 
 
 def draw(runs: Sequence[CaseRun]) -> Figure:
-    """ψ2 over ψ1 of Maw, Barber and Fawcett, the rigid limits, and every run; coarse cells hollow, fine ones
-    filled.
-    """
+    """Draw ψ2 over ψ1 of Maw, Barber and Fawcett, the rigid limits, and all runs; coarse cells hollow."""
     figure = new_figure(2, 1, 66.0)
     shown: dict[str, Line2D] = {}
     for axes, (test, done) in zip(figure.subplots(1, 2, sharey=True), PANELS.items(), strict=True):

@@ -40,9 +40,7 @@ def psi(slope: float, poisson: float) -> float:
 
 @functools.cache
 def rebound(slope: float, poisson: float, springs: int = SPRINGS, steps: int = STEPS) -> float:
-    """What is left of the velocity of the point of contact along the plane after the impact, of ``slope``
-    times μ v_n.
-    """
+    """Return the velocity of the point of contact after the impact, over ``slope`` times μ v_n."""
     x = (np.arange(springs) + 0.5) / springs * 1.02
     each, dt, stiff = 2.0 * (x[1] - x[0]), CONTACT_TIME / steps, ratio(poisson)
     depth, velocity, sliding = 0.0, SPEED, slope * SPEED
@@ -59,9 +57,7 @@ def rebound(slope: float, poisson: float, springs: int = SPRINGS, steps: int = S
 
 
 def sliding_limit(poisson: float = 0.3) -> float:
-    """Departure of the solution from that of sliding throughout, ψ2 = ψ1 − 4 χ, at ψ1 = 4 χ, beyond the
-    limit.
-    """
+    """Return the departure from sliding throughout, ψ2 = ψ1 − 4 χ, at ψ1 = 4 χ, beyond the limit."""
     slope = (sliding_from(poisson) + 1.0) / ratio(poisson)
     return psi(slope, poisson) * rebound(slope, poisson)
 

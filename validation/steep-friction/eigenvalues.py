@@ -1,6 +1,4 @@
-"""Eigenvalues of the finite elements about steady sliding: growth over friction, and how it depends on the
-elements.
-"""
+"""Eigenvalues of the finite elements about steady sliding: growth over friction and element size."""
 
 from __future__ import annotations
 
@@ -20,9 +18,7 @@ QUANTITY = "growth of the lowest mode, mu = 0.3"
 
 
 def check_modes(case: Case) -> dict[tuple[str, float], np.ndarray]:
-    """Growth rate of the lowest mode that flutters, over friction: (n, 2) μ and σ by contact and element
-    size.
-    """
+    """Record the growth rate of the lowest mode that flutters, over friction."""
     sizes = (0.1, 0.05) if case.quick else (0.1, 0.05, 1.0 / 30.0)
     rates: dict[tuple[str, float], np.ndarray] = {}
     for size in sizes:

@@ -105,9 +105,7 @@ def growth_of(time: np.ndarray, y: np.ndarray, near: float) -> tuple[float, floa
 
 
 def onset(slides: list[Measured], limit: float = 1.0) -> float:
-    """Least μ from which on no error of the acceleration is within ``limit`` [%]; infinite if the last one
-    is.
-    """
+    """Return the least μ beyond which all errors exceed ``limit`` [%]; infinite if the last does not."""
     found = math.inf
     for one in sorted(slides, key=lambda one: one.friction, reverse=True):
         if abs(one.error) <= limit:

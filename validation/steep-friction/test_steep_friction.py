@@ -44,9 +44,7 @@ Row = tuple[Method | str, list[Measured]]
 
 
 def test_steep_friction(case: Case) -> None:
-    """Eigenvalues, then the growth of small motions, then the motion over friction and tilt, then what ends
-    it.
-    """
+    """Judge eigenvalues, growth of small motions, motion over friction and tilt, and cures."""
     check_modes(case)
     check_growth(case)
     check_onset(case)
@@ -56,9 +54,7 @@ def test_steep_friction(case: Case) -> None:
 
 
 def check_growth(case: Case) -> list[tuple[str, float, float]]:
-    """Growth of the bounce in motion against the eigenvalue: of the finite elements themselves, then of
-    mpmfw.
-    """
+    """Judge the growth of the bounce against the eigenvalue, of elements and of mpmfw."""
     grown: list[tuple[str, float, float]] = []
     for contact, size, friction in (
         ("springs", 0.1, 0.3),
@@ -158,9 +154,7 @@ def check_onset(case: Case) -> list[Row]:
 
 
 def check_cures(case: Case) -> list[Row]:
-    """What ends the chatter: viscosity of the solid, PIC, the flat body's normal; and what does not:
-    dashpots.
-    """
+    """Judge viscosity of the solid, PIC and the flat body's normal, which end the chatter, and dashpots."""
     steep = [(0.7, STEEP), (0.9, 50.0)]
     for size in (0.1,) if case.quick else (0.1, 0.05):
         found = _elements(case, "springs", size, steep, viscosity=VISCOSITY)

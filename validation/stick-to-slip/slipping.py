@@ -35,9 +35,7 @@ def time_of_slip(run: xr.DataTree) -> float:
 
 
 def slid_before(run: xr.DataTree) -> float | None:
-    """Sliding at 0.9 of the time at which slip begins, over the threshold [%]; none of a run that ends before
-    it does.
-    """
+    """Return the slip at 0.9 of the slip load over the threshold [%]; None of a run that ends before."""
     time, start = run["series"]["time"].values, FRICTION * GRAVITY / rate_of(run)
     if time[-1] < start:
         return None
@@ -55,9 +53,7 @@ def friction_at_end(run: xr.DataTree) -> float | None:
 
 
 def sliding(run: xr.DataTree) -> np.ndarray:
-    """Mean tangential displacement of the block's lower face over that of the plane's face below it [m],
-    (time,).
-    """
+    """Return the mean displacement of the block's lower face over that of the plane below it [m], (time,)."""
     block = run["surface/block"]["position"].values
     plane = run["surface/plane"]["position"].values
     lower = np.isclose(block[0, :, 1], block[0, :, 1].min(), atol=0.01 * LENGTH)

@@ -50,7 +50,5 @@ def distance(collision: Collision, reference: str = "fine") -> Distance:
 
 
 def regenerate() -> Collision:
-    """The curve of 2 mm, the mesh size of [H17]: what stands in for its finite-element program in figure
-    4.
-    """
+    """Return the curve of 2 mm, the mesh size of [H17], for its program in figure 4."""
     return collide(2e-3)

@@ -63,9 +63,7 @@ def inside(points: Floats, nodes: Integers, k: int, xi: float, dx: float, dy: fl
 
 @compiled
 def box(points: Floats, nodes: Integers) -> tuple[float, float, float, float]:
-    """Least and greatest x, least and greatest y of an outline [m]; a point outside of them touches
-    nothing.
-    """
+    """Return least and greatest x, least and greatest y of an outline [m]."""
     left, right, bottom, top = np.inf, -np.inf, np.inf, -np.inf
     for node in nodes:
         left, right = min(left, points[node, 0]), max(right, points[node, 0])

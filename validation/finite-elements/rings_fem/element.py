@@ -59,9 +59,7 @@ def solid_of(mesh: Mesh, bulk: float = BULK, shear: float = SHEAR, density: floa
 
 @compiled
 def deform(points: Floats, solid: Solid, e: int, gradient: Floats) -> float:
-    """Fill (4, 4) F11, F12, F21, F22 = Σ_a x_a ⊗ ∂N_a/∂X at the quadrature points; returns θ, the mean of det
-    F.
-    """
+    """Fill F11, F12, F21, F22 at the quadrature points, (4, 4), and return θ, the mean of det F."""
     volume, reference = 0.0, 0.0
     for q in range(4):
         f11, f12, f21, f22 = 0.0, 0.0, 0.0, 0.0

@@ -11,9 +11,7 @@ from rings_fem.mesh import Mesh
 
 
 def draw_von_mises(axes: Any, snapshot: Snapshot, mesh: Mesh, most: float = 20e6) -> PolyCollection:
-    """Draw each element in its deformed shape in mm, coloured by its mean stress in MPa, 0 to ``most``
-    [Pa].
-    """
+    """Draw each deformed element [mm], coloured by its mean stress, 0 to ``most`` [Pa], in MPa."""
     drawn = PolyCollection(
         list(1e3 * snapshot.points[mesh.elements]),
         array=1e-6 * snapshot.element_von_mises,

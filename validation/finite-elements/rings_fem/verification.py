@@ -1,6 +1,4 @@
-"""What the elements, the contact and the time integration must do, against closed forms and finite
-differences.
-"""
+"""Elements, contact and time integration against closed forms and finite differences."""
 
 from __future__ import annotations
 
@@ -121,9 +119,7 @@ def contact_gradient_error() -> float:
 
 
 def contact_balance_error() -> float:
-    """Resultant and moment of the contact forces over the largest force (and its arm), where rings
-    overlap.
-    """
+    """Return resultant and moment of the contact forces over the largest, where rings overlap."""
     points, left, right = overlapping()
     force = np.zeros_like(points)
     add_contact_force(points, left, right, force)
