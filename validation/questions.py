@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -60,6 +61,37 @@ def of_rolling(tree: xr.DataTree, roll: str) -> dict[str, float]:
 def of_rings(tree: xr.DataTree) -> dict[str, float]:
     """What the cases measure of the rings, the ``noise`` of their force [%], and their cost."""
     return {**measures_of(tree), "noise": rings_noise(tree), **costs_of(tree)}
+
+
+#: Of a roll and of the rings: quantity, measure, reference and unit.
+ROLL = (
+    ("displacement, error", "displacement", 0.0, "%"),
+    ("acceleration, error", "acceleration", 0.0, "%"),
+    ("spin, error", "spin", 0.0, "%"),
+    ("mean penetration", "penetration", "", "h"),
+)
+IMPACT = (
+    ("impulse curve, largest error", "impulse_curve_error", "", "%"),
+    ("force over 100 us, L2 error", "force_error_100us", "", ""),
+    ("noise of the force", "noise", "", "%"),
+    ("largest penetration", "largest_penetration", "", "h"),
+)
+COST = (("CPU time of a step", "step", "", "ms"), ("share of contact", "share", "", "%"))
+WHOLE_COST = (("steps", "steps", "", ""), ("CPU time", "cpu", "", "s"))
+
+
+def record_roll(run: Any, prefix: str, roll: str, *cost: tuple[Any, ...], noise: bool = False) -> None:
+    """Record errors and cost of a roll, and the noise of its force."""
+    for quantity, key, reference, unit in (*ROLL, *cost):
+        run.gate(f"{prefix}: {quantity}", run.of(of_rolling, key, roll=roll), reference, unit=unit)
+    if noise:
+        run.gate(f"{prefix}: noise of the normal force", run.of(rolling_noise), unit="%")
+
+
+def record_impact(run: Any, prefix: str, *rows: tuple[Any, ...]) -> None:
+    """Record measures of the rings."""
+    for quantity, key, reference, unit in rows:
+        run.gate(f"{prefix}: {quantity}", run.of(of_rings, key), reference, unit=unit)
 
 
 def of_blocks(tree: xr.DataTree) -> dict[str, float]:

@@ -40,8 +40,7 @@ def points_at_rest(position: FloatArray, volume: FloatArray, first: Any, stress:
 
 
 def set_up(plugin: Any, state: State, **facts: Any) -> tuple[Setup, BoundHooks]:
-    """Set a plug-in up alone for a ``state``; ``facts`` replace or add to those of the setup. Return it and
-    the hooks."""
+    """Set a plug-in up alone; ``facts`` replace or add to those of the setup. Return it and the hooks."""
     frequency = 2.0 * state.bodies[0].wave_speed / state.grid.cell_size
     setup = Setup(state=state, **{"bulk_frequency": frequency, **facts})
     manager = make_manager()

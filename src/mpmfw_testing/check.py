@@ -92,8 +92,7 @@ class Check:
 
     @classmethod
     def of(cls, function: Callable[[Subject], str | None]) -> Check:
-        """Return the check of a function, whose name and whose docstring's first sentence state the
-        property."""
+        """Return the check of a function, whose name and docstring's first sentence state the property."""
         text = " ".join((function.__doc__ or "").split())
         return cls(function.__name__.replace("_", "-"), re.split(r"(?<=\.)\s", text)[0], function)
 
@@ -105,8 +104,7 @@ def within(
     case: Mapping[str, object] | None = None,
     picture: Picture | None = None,
 ) -> None:
-    """Raise a violation unless ``measured`` is at most ``bound``; what is not a number is beyond any
-    bound."""
+    """Raise a violation unless ``measured`` is at most ``bound``; NaN is beyond any bound."""
     if not measured <= bound:
         raise Violation(message, case, picture, measured=float(measured), bound=float(bound))
 

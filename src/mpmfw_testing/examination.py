@@ -66,8 +66,7 @@ def examine(
 
 
 def named(outcome: Outcome, causes: dict[tuple[str, ...], str]) -> Outcome:
-    """The outcome, with the name of the check that failed before by the same line of code, which is noted in
-    ``causes``."""
+    """Return the outcome with the check that failed before by the same line; ``causes`` notes it."""
     if not outcome.where:
         return outcome
     first = causes.setdefault(outcome.where[-2:], outcome.check)
@@ -81,8 +80,7 @@ def examine_one(
     pictures: Path | None = None,
     folder: Path | None = None,
 ) -> Outcome:
-    """Run one check; a non-empty ``justification`` means that it must fail. ``folder`` takes the scene of a
-    counterexample."""
+    """Run one check, which must fail if justified; ``folder`` takes a counterexample's scene."""
     started = time.perf_counter()
     forget()
     violation = reason = note = None

@@ -99,8 +99,7 @@ def _remembered(experiment: Experiment) -> Callable[[dict[str, Any]], str | None
 
 
 def _others(model: type[BaseModel], name: str) -> Iterator[dict[str, Any]]:
-    """No other option, then each choice of each other option that has a few, and a value of each other
-    number."""
+    """No other option, then each choice, or another number, of each other option."""
     yield {}
     fields = [(other, field) for other, field in model.model_fields.items() if other != name]
     for other, field in sorted(fields, key=lambda one: not choices(one[1].annotation)):

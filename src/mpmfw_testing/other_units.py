@@ -23,8 +23,7 @@ def factor_of(unit: str, length: float = 1.0, time: float = 1.0, density: float 
 
 
 def options_in_units(subject: Subject, units: Mapping[str, float]) -> dict[str, Any]:
-    """The options whose fields have a unit, times its factor; vectors as a whole; a table in time has two,
-    and stays."""
+    """Return the options that have a unit, times its factor; tables in time stay."""
     if subject.plugin is None or not options_of(subject.plugin):
         return {}
     made = subject.make()

@@ -49,8 +49,7 @@ def whole(part: type[Any], kind: Kind, options: Mapping[str, Any]) -> type[Any]:
 
 
 def _partners(kind: Kind) -> list[type[Any]]:
-    """Installed parts that say of themselves that others are checked with them; facets, and laws of forces,
-    ask for more and come first."""
+    """Installed parts that declare ``checks_others``; facets and laws of forces come first."""
     plugins = [load(kind, name) for name in available(kind)]
     declared = [
         plugin for plugin in plugins if vars(plugin).get("checks_others")

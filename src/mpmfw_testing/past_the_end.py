@@ -1,5 +1,4 @@
-"""Which line of a kernel reads or writes past the end of an array, where every index is asked
-(``NUMBA_BOUNDSCHECK=1``)."""
+"""Lines of kernels that go past the end of an array (``NUMBA_BOUNDSCHECK=1``)."""
 
 from __future__ import annotations
 

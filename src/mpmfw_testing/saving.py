@@ -1,5 +1,4 @@
-"""A counterexample as files that anybody can run: its scene, and the program that runs it with the
-plug-in."""
+"""A counterexample as files: its scene, and the program that runs it with the plug-in."""
 
 from __future__ import annotations
 

@@ -21,8 +21,7 @@ _LIBRARY = re.compile(
 
 
 class _Enough(BaseException):
-    """Ends the shrinking: what has been found by then is taken. No ``Exception``, so that hypothesis lets it
-    pass."""
+    """End the shrinking with what was found. Not an ``Exception``: hypothesis lets it pass."""
 
 
 def hypothesis() -> Any:
@@ -134,8 +133,7 @@ def try_all(
 
 
 class _Trials:
-    """Runs the trials of one search, and keeps what they found: the last violation is that of the smallest
-    case."""
+    """Run the trials of one search; the last violation kept is that of the smallest case."""
 
     def __init__(self, trial: Callable[..., None], most: int, names: Mapping[str, str]) -> None:
         self.trial, self.most, self.names = trial, most, names
@@ -196,8 +194,7 @@ def raised(error: BaseException) -> Violation:
 
 
 def _lines(error: BaseException) -> list[str]:
-    """The traceback's lines in code that is neither mpmfw's core nor a library's; the last one of all if
-    there is none."""
+    """Lines of the traceback outside mpmfw's core and libraries; the last one if there is none."""
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if not Path(frame.filename).resolve().is_relative_to(_CORE)]
     strange = [frame for frame in own if not _LIBRARY.search(frame.filename)]

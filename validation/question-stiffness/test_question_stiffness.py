@@ -57,26 +57,9 @@ def test_exponent(case, runs):
 
 @rolling
 def test_rolling(run):
-    for quantity, key, reference, unit in (
-        ("displacement, error", "displacement", 0.0, "%"),
-        ("acceleration, error", "acceleration", 0.0, "%"),
-        ("spin, error", "spin", 0.0, "%"),
-        ("mean penetration", "penetration", "", "h"),
-        ("steps", "steps", "", ""),
-        ("CPU time", "cpu", "", "s"),
-    ):
-        value = run.of(questions.of_rolling, key, roll="no slip")
-        run.gate(f"rolling: {quantity}", value, reference, unit=unit)
+    questions.record_roll(run, "rolling", "no slip", *questions.WHOLE_COST)
 
 
 @rings
 def test_rings(run):
-    for quantity, key, unit in (
-        ("impulse curve, largest error", "impulse_curve_error", "%"),
-        ("force over 100 us, L2 error", "force_error_100us", ""),
-        ("noise of the force", "noise", "%"),
-        ("largest penetration", "largest_penetration", "h"),
-        ("steps", "steps", ""),
-        ("CPU time", "cpu", "s"),
-    ):
-        run.gate(f"rings: {quantity}", run.of(questions.of_rings, key), unit=unit)
+    questions.record_impact(run, "rings", *questions.IMPACT, *questions.WHOLE_COST)

@@ -64,35 +64,14 @@ def test_blocks(run):
 
 @rolling
 def test_rolling(run):
-    for quantity, key, reference, unit in (
-        ("displacement, error", "displacement", 0.0, "%"),
-        ("acceleration, error", "acceleration", 0.0, "%"),
-        ("spin, error", "spin", 0.0, "%"),
-        ("mean penetration", "penetration", "", "h"),
-        ("CPU time of a step", "step", "", "ms"),
-        ("share of contact", "share", "", "%"),
-    ):
-        value = run.of(questions.of_rolling, key, roll="slip")
-        run.gate(f"rolling: {quantity}", value, reference, unit=unit)
-    run.gate("rolling: noise of the normal force", run.of(questions.rolling_noise), unit="%")
-
-
-IMPACT = (
-    ("impulse curve, largest error", "impulse_curve_error", "%"),
-    ("force over 100 us, L2 error", "force_error_100us", ""),
-    ("noise of the force", "noise", "%"),
-    ("largest penetration", "largest_penetration", "h"),
-    ("CPU time of a step", "step", "ms"),
-)
+    questions.record_roll(run, "rolling", "slip", *questions.COST, noise=True)
 
 
 @rings
 def test_rings(run):
-    for quantity, key, unit in IMPACT:
-        run.gate(f"rings: {quantity}", run.of(questions.of_rings, key), unit=unit)
+    questions.record_impact(run, "rings", *questions.IMPACT, questions.COST[0])
 
 
 @stiff_rings
 def test_stiff_rings(run):
-    for quantity, key, unit in IMPACT[:3]:
-        run.gate(f"rings, kappa 1: {quantity}", run.of(questions.of_rings, key), unit=unit)
+    questions.record_impact(run, "rings, kappa 1", *questions.IMPACT[:3])

@@ -51,43 +51,19 @@ blocks = Runs(
 @rings
 def test_rings(run):
     run.gate("rings: mirror error", run.of(questions.of_rings, "mirror"), 0.0, (0.0, 0.01), "h")
-    of_whole_impact = (
-        ("impulse curve, largest error", "impulse_curve_error", "%"),
-        ("force over 100 us, L2 error", "force_error_100us", ""),
-        ("largest penetration", "largest_penetration", "h"),
-    )
-    for quantity, key, unit in (
-        ("noise of the force", "noise", "%"),
-        ("CPU time of a step", "step", "ms"),
-        ("share of contact", "share", "%"),
-        *(() if run.case.quick else of_whole_impact),
-    ):
-        run.gate(f"rings: {quantity}", run.of(questions.of_rings, key), unit=unit)
+    impulse, force, noise, penetration = questions.IMPACT
+    whole_impact = () if run.case.quick else (impulse, force, penetration)
+    questions.record_impact(run, "rings", noise, *questions.COST, *whole_impact)
 
 
 @no_slip
 def test_no_slip(run):
-    rolls(run, "no slip")
+    questions.record_roll(run, "rolling, no slip", "no slip", *questions.COST, noise=True)
 
 
 @slip
 def test_slip(run):
-    rolls(run, "slip")
-
-
-def rolls(run, roll):
-    """Record errors, noise and cost of a roll."""
-    for quantity, key, reference, unit in (
-        ("displacement, error", "displacement", 0.0, "%"),
-        ("acceleration, error", "acceleration", 0.0, "%"),
-        ("spin, error", "spin", 0.0, "%"),
-        ("mean penetration", "penetration", "", "h"),
-        ("CPU time of a step", "step", "", "ms"),
-        ("share of contact", "share", "", "%"),
-    ):
-        value = run.of(questions.of_rolling, key, roll=roll)
-        run.gate(f"rolling, {roll}: {quantity}", value, reference, unit=unit)
-    run.gate(f"rolling, {roll}: noise of the normal force", run.of(questions.rolling_noise), unit="%")
+    questions.record_roll(run, "rolling, slip", "slip", *questions.COST, noise=True)
 
 
 @block

@@ -1,5 +1,4 @@
-"""What more of the same must leave as it is: more contacts, more points on a surface, another meeting, a
-faster frame."""
+"""Checks with more contacts, more points on a surface, a second meeting, and a moving frame."""
 
 from __future__ import annotations
 
@@ -171,8 +170,7 @@ def step_length(subject: Subject) -> None:
 def _by_time(
     motion: Motion, meeting: Meeting, time: FloatArray, direction: FloatArray | None = None
 ) -> FloatArray:
-    """Impulse on the second block along the line between the bodies, or a direction, up to every time [N
-    s/m]."""
+    """Impulse on the second block along the line between the bodies, by time [N s/m]."""
     along = meeting.normal if direction is None else direction
     taken = np.concatenate([[0.0], np.cumsum(motion.impulse[:, 1] @ along)])
     by_step = np.concatenate([[0.0], np.cumsum(motion.dt)])

@@ -42,8 +42,7 @@ def equal_and_opposite(meeting: Meeting, motion: Motion) -> None:
 
 
 def require_balance(motion: Motion, picture: Picture | None = None) -> None:
-    """Raise a violation unless the impulses of every step add up to zero, to rounding of the largest
-    step's."""
+    """Raise a violation unless the impulses of every step add up to zero."""
     largest = max((nodal.magnitude() for nodal in motion.nodal), default=0.0)
     for step, nodal in enumerate(motion.nodal):
         within(

@@ -16,8 +16,7 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
 
 
 def impulses_at(motion: Motion, step: int | None = None) -> Picture:
-    """The bodies before a step and the nodal impulses of contact in it; by default the step with the
-    largest."""
+    """Draw the bodies before a step and its nodal impulses; by default the largest step's."""
 
     def picture(axes: Any) -> None:
         chosen = motion.largest_step if step is None and motion.nodal else (step or 0)
@@ -56,8 +55,7 @@ def histories(curves: Mapping[str, tuple[FloatArray, FloatArray]], what: str) ->
 
 
 def places(first: Motion, second: Motion, back: Callable[[FloatArray], FloatArray] = np.asarray) -> Picture:
-    """Material points at the end of two runs that should be the same; ``back`` undoes the second's
-    placement."""
+    """Draw the points at the end of two runs; ``back`` undoes the second's placement."""
 
     def picture(axes: Any) -> None:
         for motion, turn, colour, marker, label in (

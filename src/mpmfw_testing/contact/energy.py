@@ -51,8 +51,7 @@ def energy(_meeting: Meeting, motion: Motion) -> None:
 
 
 def require_no_gain(motion: Motion, message: str) -> None:
-    """Raise a violation where the bodies have more energy than at the start, by more than ``GROWTH`` of
-    it."""
+    """Raise a violation where the bodies gain more than ``GROWTH`` of their energy."""
     energy = motion.energy / motion.energy[0]
     time = np.concatenate([[0.0], np.cumsum(motion.dt)])
     within(

@@ -1,5 +1,4 @@
-"""Where a value that is no number came from: the first array that has one, and the hook after which it
-did."""
+"""The first array with a value that is not a number, and the hook after which it had one."""
 
 from __future__ import annotations
 
@@ -13,8 +12,7 @@ from mpmfw.api.types import AnyArray, Grid, hookimpl
 
 
 class FiniteWatch:
-    """A plug-in that looks at what contact writes before and after each of its hooks, until something is no
-    number."""
+    """Look at what contact writes before and after its hooks, until a value is not a number."""
 
     name = "contact_finite_watch"
 
@@ -62,8 +60,7 @@ class FiniteWatch:
             return
 
     def _not_finite(self, grid: Grid) -> Iterator[tuple[str, int, str]]:
-        """Name, index and place of the first such entry of each array; what massless nodes have is never
-        read."""
+        """Name, index and place of the first such entry of each array, without massless nodes."""
         rows: Any = getattr(self.contact, "rows", None)
         for name in ("normal", "force") if isinstance(rows, ContactRows) else ():
             for index in _bad(getattr(rows, name)[: rows.count])[:1]:

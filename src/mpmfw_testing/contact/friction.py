@@ -1,5 +1,4 @@
-"""Friction: within Coulomb's cone, on its surface in slip, no more than sticking needs, and none where there
-is none."""
+"""Friction: within Coulomb's cone, on it in slip, no more than sticking needs."""
 
 from __future__ import annotations
 

@@ -1,5 +1,4 @@
-"""The scene of most checks: two bodies that meet, part, or slide along each other, described by a few
-numbers."""
+"""The scene of most checks: two bodies that meet, part, or slide along each other."""
 
 from __future__ import annotations
 
@@ -85,8 +84,7 @@ class Meeting:
 
     @property
     def origin(self) -> FloatArray:
-        """Middle of the first body's face [m]: within a cell, not on a line of the grid, unless it is shifted
-        there."""
+        """Middle of the first body's face [m], within a cell unless it is shifted to a grid line."""
         within = OFFSET[0] * self.normal + OFFSET[1] * self.tangent
         return np.asarray(CELL * (within + np.array([self.shift, self.rise])))
 
@@ -116,8 +114,7 @@ class Meeting:
 
     @property
     def duration(self) -> float:
-        """Time in which the bodies meet, and an elastic wave crosses the slower one three times and back
-        [s]."""
+        """Time of the approach and of three passages of a wave through the slower body and back [s]."""
         approach = CELL * max(self.gap, 0.0) / abs(self.speed) if self.speed else 0.0
         return approach + 6.0 * DEPTH / slowest(self.stiffer, self.heavier)
 

@@ -71,8 +71,7 @@ def three_dimensions(subject: Subject) -> None:
 
 
 def _same_along_each_axis(subject: Subject) -> None:
-    """Cubes that meet along y and z, and slide along both other axes with friction, move as along x, turned,
-    to 1 %."""
+    """Compare cubes that meet and slide along y and z with those along x, to 1 %."""
     reference: Motion | None = None
     for axis, k in AXES.items():
         normal = np.eye(3)[k]
@@ -89,8 +88,7 @@ def _same_along_each_axis(subject: Subject) -> None:
 
 
 def _cubes(normal: FloatArray, velocity: FloatArray, heavier: float, friction: float) -> dict[str, object]:
-    """Two cubes a tenth of a cell apart; the first comes with ``velocity`` along ``normal``, or from the
-    other side."""
+    """Two cubes a tenth of a cell apart; the first comes with ``velocity`` along ``normal``."""
     side = np.sign(velocity @ normal)
     apart = 0.5 * (EDGE + 0.1 * CELL) * normal * side
     at = CELL * sum(share * np.roll(np.abs(normal), k) for k, share in enumerate((0.3, 0.2, 0.1)))

@@ -1,5 +1,4 @@
-"""State: nothing is carried from one run to the next, and time zero forgets the records but not the
-contact."""
+"""State: runs are independent, and time zero resets the records but not the contact."""
 
 from __future__ import annotations
 

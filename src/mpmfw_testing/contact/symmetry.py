@@ -99,8 +99,7 @@ def _placed_elsewhere(
     exactly: Callable[[Meeting], bool],
     said: str,
 ) -> None:
-    """Hold meetings of discs placed elsewhere against the one at home; where ``exactly``, the motion must be
-    the same."""
+    """Compare meetings of discs elsewhere with the one at home, or its bits if ``exactly``."""
     home = Meeting(form="discs")
     reference = simulate(subject, home.mapping(), duration=home.duration)
 
@@ -136,8 +135,7 @@ def _same_exchange(reference: Motion, motion: Motion, home: Meeting, meeting: Me
 
 
 def difference(reference: Motion, motion: Motion, back: Any = np.asarray) -> float:
-    """Largest difference of centres [cells] and momenta (over the largest) of two runs; ``back`` undoes a
-    placement."""
+    """Largest difference of centres [cells] and relative momenta; ``back`` undoes a placement."""
     names = [b.name for b in reference.simulation.state.bodies]
     others = [b.name for b in motion.simulation.state.bodies]
     order = [others.index(name) for name in names]

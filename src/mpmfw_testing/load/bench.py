@@ -21,8 +21,7 @@ STEP = 1e-5
 
 
 def scene(dim: int, size: float, *, beside: bool) -> dict[str, Any]:
-    """A body round the origin that moves, of points of a ``size`` [m], in cells of 0.5 m; ``beside`` it one
-    at rest before it."""
+    """A moving body of points of a ``size`` [m] in cells of 0.5 m; ``beside`` it one at rest."""
     places = {"other": -2.5, "loaded": -0.5} if beside else {"loaded": -0.5}
     bodies: dict[str, dict[str, Any]] = {}
     for name, left in places.items():
@@ -87,8 +86,7 @@ class Bench:
         self.simulation.start()
 
     def nodal_forces(self, time: float = 0.0) -> FloatArray:
-        """Forces (n_nodes, dim) [N] that the load adds to the nodes at a ``time`` [s], where the body is
-        now."""
+        """Forces (n_nodes, dim) [N] that the load adds to the nodes at a ``time`` [s]."""
         simulation, state = self.simulation, self.state
         grid = state.grid
         phi = interpolate(state, simulation.hook, simulation.clock)

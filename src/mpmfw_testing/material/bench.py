@@ -77,8 +77,7 @@ class Bench:
 
 
 def path(dim: int, count: int, size: float, steps: int, seed: int = 0) -> FloatArray:
-    """Deformations (steps + 1, n, dim, dim): to about ``size`` of stretch and shear and most of the way back,
-    turning."""
+    """Deformations (steps + 1, n, dim, dim) with stretch and shear of ``size``, and back, turning."""
     rng = np.random.default_rng(seed)
     direction, spin = rng.uniform(-1.0, 1.0, (2, count, dim, dim))
     spin = 0.5 * (spin - np.swapaxes(spin, 1, 2))

@@ -17,8 +17,7 @@ SIZES, STEPS = (1e-3, 0.1, 0.4), 2000
 
 
 def _history(bench: Bench, steps: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Work of the stress since the first step, stored energy and lost energy at every step, (n_steps, n)
-    [J/m^3]."""
+    """Work, stored and lost energy at every step, (n_steps, n) [J/m^3]."""
     work, energy, lost = [np.zeros(steps.shape[1])], [], []
     before: FloatArray | None = None
     for k, f in enumerate(steps):

@@ -61,8 +61,7 @@ def two_points(subject: Subject, position: FloatArray, edge: float) -> Placement
 
 
 def velocity_gradient(motion: str, dim: int) -> FloatArray:
-    """L of a motion for one step of 1 s, (dim, dim) [1/s]; four steps stretch by about 1.4 or turn by about
-    30°."""
+    """L of a motion, (dim, dim) [1/s]; four steps of 1 s stretch by 1.4 or turn by 30°."""
     stretch, spin = np.zeros((dim, dim)), np.zeros((dim, dim))
     stretch[0, 0], stretch[1, 1] = 0.09, -0.03
     spin[0, 1], spin[1, 0] = -0.13, 0.13
@@ -124,8 +123,7 @@ def search_motions(
 def require(
     measured: float, bound: float, message: str, placement: Placement, point: int, **numbers: object
 ) -> None:
-    """Raise a violation with the picture of the point if ``measured`` is above ``bound`` or is not a
-    number."""
+    """Raise a violation with the point's picture if ``measured`` is above ``bound`` or NaN."""
     if not measured <= bound:
         raise Violation(
             message, numbers, picture_of(placement, point), measured=float(measured), bound=float(bound)

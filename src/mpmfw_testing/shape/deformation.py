@@ -166,8 +166,7 @@ def _support(block: Placement) -> float:
 
 
 def _inside(block: Placement, reach: float, deformation: FloatArray) -> AnyArray:
-    """Whether all points that could feel a node are there: a box of half-edge ``reach`` round it is in the
-    block."""
+    """Return whether a box of half-edge ``reach`` round each node is in the block."""
     start, half = block.layouts[0].position, block.layouts[0].half_edges[0].diagonal()
     low, high = start.min(axis=0) - half, start.max(axis=0) + half
     inside = np.ones(len(block.grid.position), dtype=bool)

@@ -65,8 +65,7 @@ class Placement:
         return stencil
 
     def surface_table(self, position: FloatArray) -> Stencil:
-        """N_i at points on the boundary of the last body, in the windows as they are; ``position`` is (n,
-        dim) [m]."""
+        """N_i at boundary points ``position`` (n, dim) [m] of the last body."""
         fields = self.grid.n_fields
         first = np.array([0] * fields + [len(position)], dtype=np.int64)
         stencil: Stencil = self.hook.interpolate_surface(position=position, first=first, grid=self.grid)
@@ -93,15 +92,13 @@ class Placement:
             self.hook.update_particle_domains(particles=p, grid=g, dt=1.0)
 
     def half_edges(self, index: int) -> FloatArray:
-        """Half-edge vectors of the domain F R_0 of point ``index`` as it would be if it followed F, (dim,
-        dim) [m]."""
+        """Half-edge vectors F R_0 of the domain of point ``index``, (dim, dim) [m]."""
         edges: FloatArray = self.particles.deformation_gradient[index] @ self.setup.half_edges[index]
         return edges
 
 
 def boxes(position: FloatArray, edge: float) -> Layout:
-    """Square or cubic domains: ``position`` of the centres (n, dim) [cells from the first node], ``edge``
-    [cells]."""
+    """Square or cubic domains: centres (n, dim) and ``edge`` [cells from the first node]."""
     dim = position.shape[1]
     return layout_of_boxes(np.array(ORIGIN[:dim]) + CELL * position, np.full(position.shape, CELL * edge))
 

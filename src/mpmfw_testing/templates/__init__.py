@@ -69,15 +69,13 @@ def write_package(kind: str, name: str, folder: Path) -> Path:
 
 
 def _folder(name: str) -> Path:
-    """Return the folder of a template: beside this file, or in the documentation of the checkout that it runs
-    from."""
+    """Return the folder of a template: beside this file, or in the checkout's documentation."""
     package = Path(__file__).parent
     return package / name if (package / name).is_dir() else package.parents[2] / "docs" / name
 
 
 def _renamed(text: str, kind: str, name: str) -> str:
-    """Return the text with another name of the plug-in and its class; where it is a word of prose, after a
-    blank, it stays."""
+    """Return the text with the plug-in's name and class; as a word of prose it stays."""
     _, known, of_class = TEMPLATES[kind]
     text = text.replace("KIND", kind).replace(
         f"mpmfw-{known.replace('_', '-')}", f"mpmfw-{name.replace('_', '-')}"
