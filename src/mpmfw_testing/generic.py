@@ -29,9 +29,12 @@ def unchanged(who: str, *owners: Any, but: Collection[str] = (), **case: object)
     """Raise a violation if the block changes a bit of the owners' arrays, ``but`` those of some names."""
 
     def arrays() -> dict[str, AnyArray]:
-        found = [owner.arrays() if hasattr(owner, "arrays") else vars(owner) for owner in owners]
-        items = ((name, array) for each in found for name, array in each.items() if name not in but)
-        return {name: array for name, array in items if isinstance(array, np.ndarray)}
+        found: dict[str, AnyArray] = {}
+        for owner in owners:
+            held = owner.arrays() if hasattr(owner, "arrays") else vars(owner)
+            own = {f"{type(owner).__name__}.{name}": each for name, each in held.items() if name not in but}
+            found |= {name: each for name, each in own.items() if isinstance(each, np.ndarray)}
+        return found
 
     before = {name: array.copy() for name, array in arrays().items()}
     yield

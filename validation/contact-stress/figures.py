@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from measures import Points
+from measures import Points, points_of
 
 from mpmfw.plots.style import dress, legend_below, new_figure
+from mpmfw.validation import CaseRun
 
 #: Panels: title, range of the ordinate, and the methods with their look.
 PANELS: tuple[tuple[str, tuple[float, float], tuple[str, ...]], ...] = (
@@ -39,8 +40,9 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73")
 MARKERS = ("o", "s", "^")
 
 
-def interface_figure(results: Mapping[str, Points]) -> Figure:
-    """σ_yy / (−p) of the rows of points nearest to the interface, lower block filled, upper block open."""
+def interface(runs: Sequence[CaseRun]) -> Figure:
+    """Draw σ_yy / (−p) of the points nearest to the interface, lower block filled, upper block open."""
+    results = {str(run.method): points_of(run.results) for run in reversed(runs)}
     figure = new_figure(2, 2, 62.0)
     axes = figure.subplots(2, 2).ravel()
     for panel, (title, limits, labels) in zip(axes, PANELS, strict=True):
@@ -52,19 +54,10 @@ def interface_figure(results: Mapping[str, Points]) -> Figure:
         dress(panel, "x [m]", "σ_yy / (−p) [1]", title)
         panel.set_ylim(*limits)
         panel.legend(loc="lower center")
+    block: dict[str, Any] = {"color": "0.3", "marker": "o", "markersize": 3.5, "linewidth": 0.9}
     handles = [
-        Line2D([], [], color="0.3", marker="o", markersize=3.5, linewidth=0.9, label="lower block"),
-        Line2D(
-            [],
-            [],
-            color="0.3",
-            marker="o",
-            markersize=3.5,
-            linewidth=0.9,
-            linestyle=":",
-            mfc="w",
-            label="upper block",
-        ),
+        Line2D([], [], **block, label="lower block"),
+        Line2D([], [], **block, linestyle=":", mfc="w", label="upper block"),
         Line2D([], [], color="0.2", linewidth=0.8, label="closed form"),
         Line2D([], [], color="0.88", linewidth=6, label="± 3 %"),
     ]
@@ -88,8 +81,11 @@ def _rows(panel: Any, points: Points, label: str, colour: str, marker: str) -> N
         )
 
 
-def convergence_figure(curves: Mapping[str, Sequence[Points]]) -> Figure:
-    """L2 error and departure away from the walls over the cell size, with slopes for reference."""
+def convergence(runs: Sequence[CaseRun]) -> Figure:
+    """Draw L2 error and departure away from the walls over the cell size, with slopes for reference."""
+    curves: dict[str, list[Points]] = {}
+    for run in runs:
+        curves.setdefault(str(run.method), []).append(points_of(run.results))
     figure = new_figure(2, 1, 62.0)
     axes = figure.subplots(1, 2)
     looks = zip(curves.items(), ("#0072B2", "#56B4E9", "#D55E00", "#E69F00"), "oDs^", strict=False)

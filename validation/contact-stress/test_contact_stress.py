@@ -3,7 +3,7 @@
 
 from math import inf
 
-import drawn
+import figures
 import measures
 from classical import POSITION, specified
 
@@ -136,10 +136,10 @@ def test_orders(case, runs):
 @full
 @together(every, wrong)
 def test_figure(case, runs):
-    case.figure("", drawn.interface(runs))
+    case.figure("", figures.interface(runs))
 
 
 @full
 @together(convergence)
 def test_figure_convergence(case, runs):
-    case.figure("convergence", drawn.convergence(runs))
+    case.figure("convergence", figures.convergence(runs))

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from pressure import HALF_WIDTH, PEAK, Profile
+from pressure import HALF_WIDTH, PEAK, Profile, from_forces, from_stress
 
 from mpmfw.plots.style import dress, legend_below, new_figure
+from mpmfw.validation import CaseRun
 
 Profiles = Mapping[tuple[str, float], Profile]
 COLOURS = ("#E69F00", "#0072B2", "#009E73", "#7F3C8D")
@@ -18,8 +19,19 @@ MARKERS = ("s", "o", "^", "D")
 CLASSICAL = ("bardenhagen, cpdi", "bardenhagen, cpdi, normal given", "none, cpdi", "bardenhagen, gimp")
 
 
-def pressure_figure(profiles: Profiles) -> Figure:
-    """Penalty contact at all cell sizes, and the other methods at the scene's, against the semi-ellipse."""
+def _profiles(runs: Sequence[CaseRun]) -> Profiles:
+    """By method and cell size [m]; of penalty contact by its forces."""
+    return {
+        (str(run.method), run.scene.grid.cell_size): (
+            from_forces(run.results) if run.method.contact == "penalty" else from_stress(run.results)
+        )
+        for run in runs
+    }
+
+
+def pressures(runs: Sequence[CaseRun]) -> Figure:
+    """Draw penalty contact at all cell sizes, and the other methods at the scene's, against Hertz."""
+    profiles = _profiles(runs)
     figure = new_figure(2, 1, 66.0)
     axes = figure.subplots(1, 2, sharey=True)
     sizes = sorted({size for method, size in profiles if method == "penalty, cpdi"}, reverse=True)
@@ -47,8 +59,9 @@ def _draw(panel: Any, profile: Profile, colour: str, marker: str, label: str) ->
     panel.plot(x, p, color=colour, marker=marker, markersize=3, linewidth=0.8, linestyle="--", label=label)
 
 
-def convergence_figure(profiles: Profiles) -> Figure:
-    """Errors of the largest pressure, of the fitted p0 and of the fitted b over the cell size."""
+def convergence(runs: Sequence[CaseRun]) -> Figure:
+    """Draw errors of the largest pressure, of the fitted p0 and of the fitted b over the cell size."""
+    profiles = _profiles(runs)
     figure = new_figure(1, 1, 68.0)
     panel = figure.subplots()
     handles: list[Any] = []

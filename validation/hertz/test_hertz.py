@@ -5,7 +5,7 @@ half-width; the scene has 3.
 """
 # cost: 100
 
-import drawn
+import figures
 import pressure
 from classical import POSITION, specified
 
@@ -76,5 +76,5 @@ def test_orders(case, runs):
 @full
 @together(every, convergence)
 def test_figure(case, runs):
-    case.figure("", drawn.pressures(runs))
-    case.figure("convergence", drawn.convergence(runs))
+    case.figure("", figures.pressures(runs))
+    case.figure("convergence", figures.convergence(runs))

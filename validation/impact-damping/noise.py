@@ -1,7 +1,8 @@
-"""Noise of a force, and where the energy goes."""
+"""Noise of a force, and where the energy goes, of a run and of the finite elements."""
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from dataclasses import dataclass
 
@@ -86,3 +87,19 @@ def _errors(time: FloatArray, impulses: FloatArray) -> dict[int, float]:
         window: relative_l2(time, *(averaged(time, one, 1e-6 * window) for one in (impulses, exact)))
         for window in (50, 100, 200)
     }
+
+
+def of_run(tree: xr.DataTree) -> dict[str, float]:
+    """Return the numbers of :class:`Found`, errors of the force under their window [µs]."""
+    return _numbers(found_of(tree))
+
+
+def of_elements(run: str) -> dict[str, float]:
+    """Return the same of the ``fine`` or ``coarse`` finite elements, whose energies are not known."""
+    return _numbers(of_finite_elements(run))
+
+
+def _numbers(found: Found) -> dict[str, float]:
+    fields = {field.name: getattr(found, field.name) for field in dataclasses.fields(found)}
+    numbers = {name: value for name, value in fields.items() if isinstance(value, float)}
+    return {**numbers, **{str(window): error for window, error in found.errors.items()}}

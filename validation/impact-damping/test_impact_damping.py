@@ -5,7 +5,7 @@ fine finite elements. The answer again with a quarter of the material points.
 """
 # cost: 190
 
-import drawn
+import noise
 from classical import over
 
 from mpmfw.validation import Runs, methods
@@ -64,21 +64,21 @@ NOISE = (
 @springs
 def test_springs(run):
     for quantity, key, reference in NOISE:
-        run.gate(quantity, run.of(drawn.of_run, key), reference)
+        run.gate(quantity, run.of(noise.of_run, key), reference)
     for quantity, key in (
         ("energy lost, of the start", "lost"),
         ("of it in contact dashpots", "damping"),
         ("of it in the transfer", "transfer"),
     ):
-        run.gate(quantity, run.of(drawn.of_run, key, scale=100.0), 0.0, None, "%")
+        run.gate(quantity, run.of(noise.of_run, key, scale=100.0), 0.0, None, "%")
     for quantity, key, reference, tolerance, unit in (
         ("rebound velocity", "rebound", 25.03, None, "m/s"),
         ("drift of linear momentum", "momentum", 0.0, (0.0, 1e-12), ""),
         ("(energy + dissipation) / E0, most", "most", 1.0, (0.0, 1.005), ""),
     ):
-        run.gate(quantity, run.of(drawn.of_run, key), reference, tolerance, unit)
+        run.gate(quantity, run.of(noise.of_run, key), reference, tolerance, unit)
     if run.method.matches("*damping*"):
-        least = run.of(drawn.of_run, "least_damping")
+        least = run.of(noise.of_run, "least_damping")
         run.gate("least increment of damping work / E0", least, tolerance=(-1e-12, 1.0), binds=True)
 
 
@@ -86,5 +86,5 @@ def test_elements(case):
     for size, name in (("0.5 mm", "fine"), ("2 mm", "coarse")):
         for quantity, key, reference in NOISE:
             with case.timed():
-                value = drawn.of_elements(run=name)[key]
+                value = noise.of_elements(run=name)[key]
             case.gate(quantity, value, reference, method=f"finite elements, {size}, no damping")
