@@ -59,8 +59,7 @@ def bounds(law: FrictionLaw, rows: ContactRows, mu: FloatArray = MU, dt: float =
 
 
 def runs(subject: Subject) -> None:
-    """Every row has a bound that is finite and not negative. Every row of two and three dimensions gets a
-    finite μ and a of at least 0, in the first step, whose Δt is 0, as well."""
+    """Every row has a bound that is finite and not negative. Also in the first step, whose Δt is 0."""
     for dim in (2, 3):
         for dt in (0.0, STEP):
             law = subject.make()
@@ -102,8 +101,7 @@ def no_memory(subject: Subject) -> None:
 
 
 def frame(subject: Subject) -> None:
-    """Turned rows, and rows seen from the other side, have the same bound. Rows that are turned, with their
-    motion, or seen from the other side have the same bounds, to 1e-12."""
+    """Turned rows, and rows seen from the other side, have the same bound. To 1e-12."""
     turns: dict[str, Any] = {
         "turned": np.array([[0.8, -0.6], [0.6, 0.8]]),
         "seen from the other side": -np.eye(2),
@@ -144,8 +142,7 @@ def share(subject: Subject) -> None:
 
 
 def units(subject: Subject) -> None:
-    """The bound goes with the speed, however long a step is. In steps half as long, with half the motion in
-    each, the bounds are the same, to 1e-12: they go with the speed."""
+    """The bound goes with the speed, however long a step is. Half the step has half the motion."""
     law = subject.make()
     rows = rows_of(law, 2)
     rows.motion[:] *= 0.5

@@ -26,8 +26,7 @@ VOLUMES = {2: 1e-9, 3: 1e-3}
 
 
 def runs(subject: Subject) -> None:
-    """It answers with bounds, surfaces and points. Bounds, surfaces and points at several sizes are finite,
-    of the right shapes, and not empty."""
+    """It answers with bounds, surfaces and points. Finite, of the right shapes, at several sizes."""
     geometry, dim, extent = _made(subject)
     if geometry.bounds.shape != (2, dim) or not (geometry.bounds[0] < geometry.bounds[1]).all():
         raise Violation(
@@ -137,8 +136,7 @@ def sides(subject: Subject) -> None:
 
 
 def in_bounds(subject: Subject) -> None:
-    """The bounds are those of the surface. Nodes lie within the bounds, to 1e-9 of the extent, and reach each
-    of them to 2 %."""
+    """The bounds are those of the surface. Nodes lie within them and reach each to 2 %."""
     geometry, _, extent = _made(subject)
     nodes, _ = _joined(geometry.surfaces(SIDES[-1] * extent))
     lower, upper = geometry.bounds
@@ -175,8 +173,7 @@ def volume(subject: Subject) -> None:
 
 
 def centroid(subject: Subject) -> None:
-    """Surface and points have the body's centroid. Surface and points have the body's centroid, to 1 % of the
-    extent and of a point's size."""
+    """Surface and points have the body's centroid. To 1 % of the extent and of a point's size."""
     geometry, _, extent = _made(subject)
     true = np.asarray(geometry.centroid)
     nodes, facets = _joined(geometry.surfaces(SIDES[-1] * extent))
@@ -284,8 +281,7 @@ def moves(subject: Subject) -> None:
 
 
 def axes(subject: Subject) -> None:
-    """Sides are named along unit vectors at right angles. The axes along which sides are named are unit
-    vectors at right angles, right-handed, to 1e-12."""
+    """Sides are named along unit vectors at right angles. Right-handed, to 1e-12."""
     geometry, dim, _ = _made(subject)
     found = np.asarray(geometry.axes)
     if (

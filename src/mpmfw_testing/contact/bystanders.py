@@ -12,8 +12,7 @@ from mpmfw_testing.subject import Subject
 
 
 def one_body(subject: Subject) -> None:
-    """A body alone moves as if no contact were named, to the bit. A scene of one body runs bit by bit as
-    without contact, and does not call the law at all."""
+    """A body alone moves as if no contact were named, to the bit. The law is not called."""
 
     def trial(meeting: Meeting) -> None:
         mapping = meeting.mapping(gravity={"vector": [0.0, -5.0]})

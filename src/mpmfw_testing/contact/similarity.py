@@ -84,8 +84,7 @@ def in_units(mapping: dict[str, Any], length: float, time: float, density: float
 
 
 def outputs(subject: Subject) -> None:
-    """How often outputs are asked for does not matter, to the bit. A run that is asked for all series after
-    every step moves as one that is asked for none, to the bit."""
+    """How often outputs are asked for does not matter, to the bit."""
 
     def trial(slide: float) -> None:
         mapping = Meeting(gap=0.05, friction=0.3, slide=slide).mapping()

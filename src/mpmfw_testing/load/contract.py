@@ -54,8 +54,7 @@ def own_body(subject: Subject) -> None:
 
 
 def no_memory(subject: Subject) -> None:
-    """Its force is a function of time and motion. The forces of a time and a motion are the same bits,
-    whatever was asked before: a run that is resumed goes on alike."""
+    """Its force is a function of time and motion. The same bits, whatever was asked before."""
     for dim in dims_of(subject):
         fresh = [Bench(subject, dim).nodal_forces(time) for time in TIMES]
         bench = Bench(subject, dim)

@@ -18,8 +18,7 @@ ROUNDING = 1e-12
 
 
 def impulse(subject: Subject) -> None:
-    """A body gains the impulse of the load's forces, and nothing else. In a step the body gains Δt times the
-    sum of the forces, and nothing else, to 1e-12 of its momentum."""
+    """A body gains the impulse of the load's forces, and nothing else. To 1e-12 of its momentum."""
     for dim in dims_of(subject):
         force = Bench(subject, dim).nodal_forces().sum(axis=0)
         bench = Bench(subject, dim)

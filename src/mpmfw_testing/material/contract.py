@@ -16,8 +16,7 @@ WRITTEN = ("deformation_gradient", "volume", "stress")
 
 
 def runs(subject: Subject) -> None:
-    """The material can be set up, and answers with finite arrays of the right shape. Ten steps to 5 % of
-    strain give finite stresses, energies and full stresses of the right shape."""
+    """The material can be set up, and answers with finite arrays of the right shape."""
     for dim in dims_of(subject):
         bench = Bench(subject, dim, 4)
         for f in path(dim, 4, SIZE, 10):

@@ -90,8 +90,7 @@ def full_stress(subject: Subject) -> None:
 
 
 def plane_strain(subject: Subject) -> None:
-    """Two dimensions are plane strain. In 2D stress and energy are those of 3D with F_zz = 1, to 1e-12 of K +
-    4 G / 3."""
+    """Two dimensions are plane strain. As 3D with F_zz = 1, to 1e-12 of K + 4 G / 3."""
     if not {2, 3} <= set(dims_of(subject)):
         raise Inapplicable("the material does not work in both dimensions")
     plane, space = Bench(subject, 2, 4), Bench(subject, 3, 4)

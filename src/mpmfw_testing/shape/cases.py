@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -101,6 +102,16 @@ def search_dimensions(
 
         given = {"dim": hypothesis().strategies.just(dim), **cases(dim)}
         search(given, one, examples=examples, most=8 * examples)
+
+
+def of_one_point(look: Callable[[Placement], None]) -> Callable[[Subject], None]:
+    """Make a check of a function that looks at point 1 of a placement."""
+
+    @functools.wraps(look)
+    def check(subject: Subject) -> None:
+        search_dimensions(subject, points, lambda dim, case: look(one_point(subject, case, dim)))
+
+    return check
 
 
 def search_motions(

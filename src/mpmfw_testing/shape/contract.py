@@ -70,8 +70,7 @@ def structure(subject: Subject) -> None:
 
 
 def repeatable(subject: Subject) -> None:
-    """The same points give the same table, bit by bit. The same points give the same bits: filled again, and
-    by a fresh object after other points."""
+    """The same points give the same table, bit by bit. Filled again, and by a fresh object."""
 
     def trial(dim: int, case: dict[str, Any]) -> None:
         placed = _one_among_three(subject, dim, case)
@@ -126,8 +125,7 @@ def saved(subject: Subject) -> None:
 
 
 def changes_nothing_else(subject: Subject) -> None:
-    """Filling the table changes nothing but the table. ``particle_reach``, ``interpolate`` and
-    ``interpolate_surface`` leave every array of points and grid as it was."""
+    """Filling the table changes nothing but the table."""
 
     def trial(dim: int, case: dict[str, Any]) -> None:
         placed = _one_among_three(subject, dim, case)

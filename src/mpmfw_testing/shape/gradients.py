@@ -8,7 +8,8 @@ import numpy as np
 
 from mpmfw.state.fields import FloatArray
 from mpmfw_testing.searching import hypothesis, ladder
-from mpmfw_testing.shape.cases import AXES, MIDDLE, one_point, points, require, search_dimensions, two_points
+from mpmfw_testing.shape.cases import AXES, MIDDLE, of_one_point, require, search_dimensions, two_points
+from mpmfw_testing.shape.placement import Placement
 from mpmfw_testing.shape.sums import dense, gradient_errors
 from mpmfw_testing.subject import Subject
 
@@ -16,7 +17,8 @@ from mpmfw_testing.subject import Subject
 STEP = 1e-5
 
 
-def gradient_sums(subject: Subject) -> None:
+@of_one_point
+def gradient_sums(placed: Placement) -> None:
     """Σ ∇φ = 0 and Σ x_i ⊗ ∇φ = 1, in every dimension. h |Σ ∇φ| and |Σ x_i ⊗ ∇φ − 1| are at most 1e-10.
 
     They are the gradients of Σ φ = 1 and of Σ φ x_i = x. Domains of a tenth of a cell multiply rounding by 10
@@ -24,14 +26,9 @@ def gradient_sums(subject: Subject) -> None:
     to zero; with the second, a uniform velocity gradient is read as it is, and a gradient's sign and its 1/h
     are right.
     """
-
-    def trial(dim: int, case: dict[str, Any]) -> None:
-        placed = one_point(subject, case, dim)
-        constant, linear = gradient_errors(placed.table(), 1, placed.particles.position[1], placed.grid)
-        require(constant, 1e-10, "the gradients do not add up to zero: h |Σ ∇φ|", placed, 1)
-        require(linear, 1e-10, "a linear field has the wrong gradient: |Σ x_i ⊗ ∇φ − 1|", placed, 1)
-
-    search_dimensions(subject, points, trial)
+    constant, linear = gradient_errors(placed.table(), 1, placed.particles.position[1], placed.grid)
+    require(constant, 1e-10, "the gradients do not add up to zero: h |Σ ∇φ|", placed, 1)
+    require(linear, 1e-10, "a linear field has the wrong gradient: |Σ x_i ⊗ ∇φ − 1|", placed, 1)
 
 
 def gradient_is_derivative(subject: Subject) -> None:

@@ -168,8 +168,7 @@ def reach(subject: Subject) -> None:
 
 
 def independence(subject: Subject) -> None:
-    """A point's table does not depend on the other points. Weights and gradients h ∇φ differ by at most 1e-14
-    whether a point is alone or the last of five."""
+    """A point's table does not depend on the other points. To 1e-14, alone or among five."""
 
     def trial(dim: int, case: dict[str, Any]) -> None:
         centre = MIDDLE + within(case, dim)

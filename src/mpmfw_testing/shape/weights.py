@@ -11,6 +11,7 @@ from mpmfw_testing.searching import hypothesis
 from mpmfw_testing.shape.cases import (
     AXES,
     MIDDLE,
+    of_one_point,
     one_point,
     points,
     require,
@@ -18,6 +19,7 @@ from mpmfw_testing.shape.cases import (
     two_points,
     within,
 )
+from mpmfw_testing.shape.placement import Placement
 from mpmfw_testing.shape.sums import dense, entries_of, linear_error, spread, unity_error
 from mpmfw_testing.subject import Subject
 
@@ -25,46 +27,34 @@ from mpmfw_testing.subject import Subject
 ROUNDING = 1e-12
 
 
-def partition_of_unity(subject: Subject) -> None:
+@of_one_point
+def partition_of_unity(placed: Placement) -> None:
     """The weights of a point add up to 1, in every dimension. |Σ φ − 1| ≤ 1e-12: rounding alone; a part of a
     point's mass would otherwise be lost or made."""
-
-    def trial(dim: int, case: dict[str, Any]) -> None:
-        placed = one_point(subject, case, dim)
-        error = unity_error(placed.table(), 1)
-        require(error, ROUNDING, "the weights of a point do not add up to 1: |Σ φ − 1|", placed, 1)
-
-    search_dimensions(subject, points, trial)
+    error = unity_error(placed.table(), 1)
+    require(error, ROUNDING, "the weights of a point do not add up to 1: |Σ φ − 1|", placed, 1)
 
 
-def linear_reproduction(subject: Subject) -> None:
+@of_one_point
+def linear_reproduction(placed: Placement) -> None:
     """The weights' centroid is the point: Σ φ x_i = x_p, the centroid of its domain. |Σ φ x_i − x_p| ≤ 1e-12
     h: rounding alone.
 
     For a function that is averaged over a domain x_p is the domain's centroid, which is where layouts put
     points. Without it a linear velocity is read wrongly, and angular momentum changes with every transfer.
     """
-
-    def trial(dim: int, case: dict[str, Any]) -> None:
-        placed = one_point(subject, case, dim)
-        error = linear_error(placed.table(), 1, placed.particles.position[1], placed.grid)
-        message = "the weights' centroid is not the point: |Σ φ x_i − x_p| in cells"
-        require(error, ROUNDING, message, placed, 1)
-
-    search_dimensions(subject, points, trial)
+    error = linear_error(placed.table(), 1, placed.particles.position[1], placed.grid)
+    message = "the weights' centroid is not the point: |Σ φ x_i − x_p| in cells"
+    require(error, ROUNDING, message, placed, 1)
 
 
-def non_negative(subject: Subject) -> None:
+@of_one_point
+def non_negative(placed: Placement) -> None:
     """No weight is negative, so that lumped masses are positive. φ ≥ −1e-15, rounding alone: a negative
     weight can make a node's lumped mass zero or negative."""
-
-    def trial(dim: int, case: dict[str, Any]) -> None:
-        placed = one_point(subject, case, dim)
-        table = placed.table()
-        least = float(table.weight[entries_of(table, 1)].min())
-        require(-least, 1e-15, "a weight is negative: −φ", placed, 1)
-
-    search_dimensions(subject, points, trial)
+    table = placed.table()
+    least = float(table.weight[entries_of(table, 1)].min())
+    require(-least, 1e-15, "a weight is negative: −φ", placed, 1)
 
 
 def continuity(subject: Subject) -> None:
@@ -101,8 +91,7 @@ def continuity(subject: Subject) -> None:
 
 
 def translation(subject: Subject) -> None:
-    """A point that moves by whole cells keeps its weights and gradients. Weights and gradients h ∇φ change by
-    at most 1e-12 (rounding) when the point moves by whole cells."""
+    """A point that moves by whole cells keeps its weights and gradients. To 1e-12."""
 
     def trial(dim: int, case: dict[str, Any]) -> None:
         # away from roundings of positions, which decide on which side of a face a point is
