@@ -139,7 +139,7 @@ class Case:
 
     def show(self, *row: Any, **named: Any) -> None:
         """Record a value that decides nothing; arguments as of :meth:`gate`."""
-        self.gate(*row, **named, binds=False)
+        self.gate(*row, **{**named, "binds": False})
 
     def gate(
         self,
