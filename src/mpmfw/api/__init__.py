@@ -1,5 +1,5 @@
-"""What plug-ins may import, together with :mod:`mpmfw.kernels` and :mod:`mpmfw_testing`: all names of the
-modules below.
+"""Names that plug-ins may import: all names of the modules below, :mod:`mpmfw.kernels` and
+:mod:`mpmfw_testing`.
 
 A plug-in is a class with an ``Options`` model (pydantic), a constructor that takes those options as keywords,
 a ``name``, and implementations of the hooks of :class:`mpmfw.plugin.hookspecs.HookSpecs`, marked with

@@ -1,4 +1,4 @@
-"""What plug-ins of all kinds need: arrays and structs of a run, hooks and errors.
+"""Names for plug-ins of all kinds: arrays and structs of a run, hooks and errors.
 
 ``hookimpl``
     Marks a method as the implementation of the hook with its name; arguments that are not used may be left

@@ -1,4 +1,4 @@
-"""``mpmfw check``: does a plug-in keep what its kind must keep?"""
+"""``mpmfw check``: run the conformance kit on a plug-in."""
 
 from __future__ import annotations
 
@@ -162,9 +162,7 @@ def _run_with_bounds(arguments: list[str]) -> None:
 
 
 def _kind_of(text: str, kind: str | None) -> Kind:
-    """The kind that is asked for, or that of the class, or the only one of which there is a plug-in of this
-    name.
-    """
+    """Return the kind that is named, or that of the class, or the only one with a plug-in of this name."""
     from mpmfw.campaigns.measures import names_of_measures
     from mpmfw.plugin.discovery import available, choices, did_you_mean, load
     from mpmfw.scene.specification import parse_specification
@@ -200,7 +198,7 @@ def _options(texts: list[str] | None) -> dict[str, Any]:
 
 
 def _table(path: Path) -> dict[str, str]:
-    """The expected failures of a TOML file, at its top or in a table ``expected_failures``."""
+    """Return the expected failures of a TOML file, at its top or in a table ``expected_failures``."""
     try:
         document = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
@@ -216,7 +214,7 @@ def _table(path: Path) -> dict[str, str]:
 
 @contextmanager
 def _progress(total: int) -> Iterator[Callable[[Check], None] | None]:
-    """Name of the check that runs, on a terminal; nothing in a pipe."""
+    """Context with a function that shows the name of the running check; None in a pipe."""
     from rich.console import Console
 
     console = Console(stderr=True)

@@ -82,7 +82,7 @@ def _print_head(simulation: Simulation) -> None:
 
 
 def _of_threads(simulation: Simulation) -> str:
-    """How many threads share which work, and whether there are cores for them."""
+    """Return a sentence on the work that threads share, with a remark where cores are missing."""
     from mpmfw.runs.limits import remark_on_threads
 
     what = (

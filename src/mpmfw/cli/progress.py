@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 #: Called with the simulated time [s] and the number of steps done.
 RunReport: TypeAlias = Callable[[float, int], None]
 
-#: What a run does before its first step.
+#: Shown before the first step of a run.
 PREPARING = "compiling, settling"
 
 
@@ -55,7 +55,7 @@ def run_progress(end: float) -> Iterator[RunReport | None]:
 
 @contextmanager
 def outputs_progress(doing: str) -> Iterator[Callable[[int, int], None] | None]:
-    """How many outputs are done; None without a terminal."""
+    """Report of the number of outputs done; None without a terminal."""
     with _bar("{task.description}", "BarColumn", "MofNCompleteColumn", "left", "TimeRemainingColumn") as bar:
         if bar is None:
             yield None
@@ -68,9 +68,7 @@ def outputs_progress(doing: str) -> Iterator[Callable[[int, int], None] | None]:
 def campaign_progress(
     what: str = "runs",
 ) -> Iterator[tuple[Callable[[Event], None] | None, RunReport | None]]:
-    """How many runs of a campaign are done, and how far the one is that runs in this process; None in a
-    pipe.
-    """
+    """Reports of the runs of a campaign that are done, and of the run in this process; None in a pipe."""
     counts = (what, "BarColumn", "MofNCompleteColumn", "TimeElapsedColumn", "left", "TimeRemainingColumn")
     with _bar(*counts, "{task.description}", "{task.fields[inner]}") as bar:
         if bar is None:

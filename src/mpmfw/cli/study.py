@@ -41,7 +41,7 @@ _HEADS = {
 
 
 class Timing(StrEnum):
-    """How costs are measured."""
+    """Ways to measure costs."""
 
     shared = "shared"
     exclusive = "exclusive"

@@ -13,12 +13,12 @@ from typing import Annotated, Any, TypeAlias
 
 import typer
 
-#: Width that a column of words is wrapped to where there is no more room.
+#: Width of a wrapped column of words.
 _WRAPPED = 24
 
 
 class Format(StrEnum):
-    """How a table is printed."""
+    """Formats of a printed table."""
 
     table = "table"
     csv = "csv"

@@ -1,4 +1,4 @@
-"""Facts of a scene that the chosen methods do not look at."""
+"""Facts of a scene that have no effect with the chosen methods."""
 
 from __future__ import annotations
 
@@ -10,15 +10,13 @@ if TYPE_CHECKING:
 
 
 def unused_facts(simulation: Simulation) -> list[str]:
-    """Facts of the scene that have no effect in this run, one line each: alternatives for other runs among
-    them.
-    """
+    """Return the facts that have no effect in this run, one line each, options of other methods included."""
     groups = (_alternatives, _friction, _surfaces, _rotation, _diagnostics, _materials)
     return [line for group in groups for line in group(simulation)]
 
 
 def _alternatives(simulation: Simulation) -> Iterator[str]:
-    """Options of methods that do not run here; a comparison of several methods may use them."""
+    """Yield options of methods that do not run here; a comparison of several methods may use them."""
     from mpmfw.scene.options import CORE_KEYS
 
     scene = simulation.scene
@@ -56,7 +54,7 @@ def _surfaces(simulation: Simulation) -> Iterator[str]:
 
 
 def _rotation(simulation: Simulation) -> Iterator[str]:
-    """Asked for, but the other methods leave no room for it."""
+    """Yield bodies whose ``rotation`` has no effect beside the other methods."""
     bodies = simulation.scene.bodies
     for effect in simulation.effects:
         name = effect.name.removeprefix("rotation of ").removesuffix(": lumped")
@@ -65,7 +63,7 @@ def _rotation(simulation: Simulation) -> Iterator[str]:
 
 
 def _diagnostics(simulation: Simulation) -> Iterator[str]:
-    """What is asked for and not recorded; a default is not asked for."""
+    """Yield diagnostics that the scene names and the run does not record."""
     scene, contact = simulation.scene, simulation.contact
     effects = {effect.name: effect for effect in simulation.effects}
     ledger, gap = effects["energy ledger"], effects["least gap"]

@@ -127,7 +127,7 @@ def _check_places(cases: Sequence[Path], output: Path, document: Path | None, fo
 def _command(
     cases: list[str] | None, quick: bool, named: Path | None, jobs: int | None, scheduler: str | None
 ) -> str:
-    """What was asked for, but for where the results go, and a suite that is not mpmfw's own."""
+    """Return the command without its outputs; ``named`` is a suite other than the default."""
     given = {"--suite": named, "--jobs": jobs, "--scheduler": scheduler}
     options = [f"{name} {value}" for name, value in given.items() if value is not None]
     return " ".join(["mpmfw validate", *(cases or ()), *["--quick"] * quick, *options])

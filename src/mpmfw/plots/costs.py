@@ -1,4 +1,4 @@
-"""What each method costs, by stage of the step."""
+"""CPU time of each method by stage of the step."""
 
 from __future__ import annotations
 
@@ -89,9 +89,7 @@ def _finest(problem: xr.Dataset, resolution: str | None) -> xr.Dataset:
 
 
 def _places(rows: list[dict[str, Any]]) -> tuple[list[float], dict[float, str]]:
-    """Where the bars are, and the contacts' names above theirs; none where only one of contact and shape
-    varies.
-    """
+    """Return the places of the bars, and of the contacts' names where both contact and shape vary."""
     if not rows or not {"contact", "shape"} <= set(rows[0]["dims"]):
         return [float(k) for k in range(len(rows))], {}
     places: list[float] = []

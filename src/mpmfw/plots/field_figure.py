@@ -285,7 +285,7 @@ def _extend(found: Sequence[tuple[float, float]], low: float, high: float) -> st
 
 
 def _checked(limits: tuple[float, float]) -> tuple[float, float, str]:
-    """The scale that was asked for; white is zero if it is symmetric."""
+    """Return the given scale; zero is white if it is symmetric."""
     low, high = limits
     if not low < high:
         raise SceneError(f"limits {low:g}, {high:g}: expected the lower one first")

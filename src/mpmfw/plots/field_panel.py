@@ -20,7 +20,7 @@ from mpmfw.results.point_fields import point_field
 from mpmfw.results.selection import bodies_of, frame_of, times_of
 from mpmfw.state.fields import FloatArray
 
-#: Letters of a title that a panel of a journal's column has room for.
+#: Width of a title above a panel of a journal's column, in letters.
 TITLE_WIDTH = 44
 #: Length of the longest arrow, as shares of the drawing's width and height: the lesser counts.
 _ARROW = (0.12, 0.25)
@@ -32,7 +32,7 @@ Box = tuple[float, float, float, float]
 
 @dataclass(frozen=True)
 class Scales:
-    """What panels share: colours, lengths, arrows."""
+    """Colours, lengths and arrows that panels share."""
 
     norm: Normalize  #: of values divided by ``unit_size``
     colours: str  #: name of the colour map
@@ -129,7 +129,7 @@ class FieldPanel:
             )
 
     def show(self, axes: Any, frame: int, scales: Scales, title: str = "") -> Any:
-        """Draw one output in place of the one before; return what a colour bar belongs to."""
+        """Replace the drawn output by another; return the artist of the colour bar."""
         while self._drawn:
             self._drawn.pop().remove()
         first = None

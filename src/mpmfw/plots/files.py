@@ -89,13 +89,13 @@ def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
 
 
 def _overview(series: xr.Dataset) -> Figure:
-    """The main series of a run, a panel for each."""
+    """Draw the main series of a run, a panel for each."""
     present = [name for name in _OVERVIEW if name in series] or [str(name) for name in series.data_vars][:6]
     return history(xr.DataTree.from_dict({"series": series}), present)
 
 
 def _any_scene(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
-    """What a comparison without a closed form to draw shows: where, how far, and what acted."""
+    """Draw a comparison without a closed form: outlines, motion, forces, gaps and energies."""
     figures = {}
     if "outline" in dataset and np.isfinite(at_last(dataset)["outline"].values).any():
         figures["positions"] = (

@@ -22,7 +22,7 @@ from mpmfw.results.round_off import without_round_off
 from mpmfw.results.selection import Results, checked_name, opened, series_of
 from mpmfw.state.fields import FloatArray
 
-#: Letters of a legend that fit below one panel.
+#: Width of a legend below one panel, in letters.
 _LETTERS = 52
 #: Panels that a page holds.
 _MOST = 24

@@ -1,4 +1,4 @@
-"""Who wins at what price: the share of problems that each method solves within a cost."""
+"""Data profiles: the share of problems that each method solves within a cost."""
 
 from __future__ import annotations
 

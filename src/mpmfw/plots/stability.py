@@ -103,7 +103,7 @@ _MARKER: dict[str, Any] = {
 }
 
 
-#: Where the bulk's step is refused.
+#: Line of the Courant number above which the bulk's step is refused.
 _REFUSED: dict[str, Any] = {"color": "black", "linewidth": 0.8, "linestyle": (0, (4, 2))}
 
 

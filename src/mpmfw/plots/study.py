@@ -1,4 +1,4 @@
-"""What accuracy costs: error over CPU time with the Pareto front, and where the time goes."""
+"""Error over CPU time with the Pareto front, and the time by stage."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ def _failed(dataset: xr.Dataset) -> str:
 
 
 def _can_be_drawn(run: xr.Dataset) -> bool:
-    """Whether a run has an error and a cost that a logarithmic axis can show."""
+    """Return whether a logarithmic axis can show the error and the cost of a run."""
     return bool(np.isfinite(run["error"]) and run["error"] > 0.0 and np.isfinite(run["cpu_time"]))
 
 

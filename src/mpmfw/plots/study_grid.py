@@ -1,4 +1,4 @@
-"""The grid of a study as its figures see it: problems, runs, and the resolution."""
+"""Problems, runs and resolution of a study for its figures."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _RESOLUTIONS = ("cell_size", "particle_size", "particles_per_cell", "size", "seg
 
 
 def with_methods(dataset: xr.Dataset) -> xr.Dataset:
-    """The study with contact and shape as dimensions, even where there is one of each or none is known."""
+    """Return the study with contact and shape as dimensions, even where there is one of each or none."""
     for name in ("contact", "shape"):
         if name not in dataset.dims:
             label = dataset[name].item() if name in dataset.coords else "the scene's"
@@ -25,7 +25,7 @@ def with_methods(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def problems_of(dataset: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
-    """The parts of a study whose errors and costs may be compared, by their title."""
+    """Yield the parts of a study whose errors and costs may be compared, by their title."""
     dims = json.loads(dataset.attrs["problem_dims"])
     for labels in itertools.product(*(dataset[dim].values.tolist() for dim in dims)):
         title = ", ".join(
@@ -35,7 +35,7 @@ def problems_of(dataset: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
 
 
 def runs_of(dataset: xr.Dataset) -> Iterator[dict[str, Any]]:
-    """Every run with its labels."""
+    """Yield every run with its labels."""
     dims = [str(dim) for dim in dataset["error"].dims]
     for labels in itertools.product(*(dataset[dim].values.tolist() for dim in dims)):
         choice = dict(zip(dims, labels, strict=True))
@@ -43,7 +43,7 @@ def runs_of(dataset: xr.Dataset) -> Iterator[dict[str, Any]]:
 
 
 def resolution_of(dataset: xr.Dataset) -> str | None:
-    """The dimension that the size of the markers says; None where there is none of several values."""
+    """Return the dimension that the size of markers shows; None where none has several values."""
     problem_dims = json.loads(dataset.attrs["problem_dims"])
     dims = [
         str(dim)
@@ -55,7 +55,7 @@ def resolution_of(dataset: xr.Dataset) -> str | None:
 
 
 def order_of(dataset: xr.Dataset, resolution: str) -> list[Any]:
-    """Labels of the resolution, the coarsest first where they are numbers."""
+    """Return the labels of the resolution, the coarsest first where they are numbers."""
     labels = dataset[resolution].values.tolist()
     if all(isinstance(label, int | float) for label in labels):
         return sorted(labels, reverse=resolution != "particles_per_cell")
@@ -63,6 +63,6 @@ def order_of(dataset: xr.Dataset, resolution: str) -> list[Any]:
 
 
 def label_of(resolution: str, label: Any) -> str:
-    """``cell size 0.2 m``; a label that is a text has its unit."""
+    """Return a label such as ``cell size 0.2 m``; a text has its unit already."""
     unit = " m" if resolution in _LENGTHS and not isinstance(label, str) else ""
     return f"{resolution.replace('_', ' ')} {label}{unit}"

@@ -177,7 +177,7 @@ def drawn_values(dataset: xr.Dataset) -> str:
 
 
 def head(figure: Figure, dataset: xr.Dataset) -> None:
-    """Say above the panels which of the varied values are drawn."""
+    """Write above the panels which of the varied values are drawn."""
     text = drawn_values(dataset)
     if text:
         figure.suptitle(textwrap.fill(text, round(28 * figure.get_figwidth())))

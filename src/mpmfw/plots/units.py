@@ -8,7 +8,7 @@ import numpy as np
 
 _LARGE = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
 _SMALL = ((1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
-#: What is counted in thousands, and what in parts of a thousand; other units stay as they are.
+#: Units with large and with small prefixes; others have none.
 _WITH_LARGE, _WITH_SMALL = ("Pa", "N", "J", "W"), ("N", "J", "W", "m")
 
 
@@ -59,7 +59,7 @@ def scaled_label(axis: Any, words: str, unit: str) -> str:
 
 
 def count_in(axis: Any, size: float) -> None:
-    """Let ticks of a matplotlib axis count in units of ``size``."""
+    """Show ticks of a matplotlib axis in units of ``size``."""
     if size != 1.0:
         axis.set_major_formatter(lambda value, _: f"{value / size:.6g}".replace("-", "\N{MINUS SIGN}"))
 

@@ -1,4 +1,4 @@
-"""The measures of a comparison: what each column of its table is called, and how it is measured."""
+"""Columns of a comparison's table: headings, units and meanings."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ COLUMNS: dict[str, Column] = {
 #: with them.
 CHOICES = ("scheme", "transfer")
 
-#: Columns of a table of its own.
+#: Columns of the table of costs.
 COSTS = ("cpu_time", "cpu_time_spread", "settle_time", "cost", "steps", "material_points")
 
 

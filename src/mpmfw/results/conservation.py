@@ -1,4 +1,4 @@
-"""What a run keeps of energy and momentum, relative to what there is."""
+"""Relative errors of a run's energy and momentum."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def _series(run: xr.DataTree | xr.Dataset) -> xr.Dataset:
 
 
 def _has(series: xr.Dataset, name: str) -> bool:
-    """Whether it is there, and not only for other methods of a comparison."""
+    """Return whether the run has the series, not only other runs of a comparison."""
     return name in series and bool(series[name].notnull().any())
 
 

@@ -1,6 +1,4 @@
-"""What a stored run leaves out and its scene gives back: domains of CPDI and CPDI2 (2D), triangles of
-surfaces (3D).
-"""
+"""Geometry of a stored run that follows from its scene: domains of CPDI (2D), triangles of surfaces (3D)."""
 
 from __future__ import annotations
 

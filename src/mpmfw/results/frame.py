@@ -1,4 +1,4 @@
-"""What a run hands to the results' file: once a header, then one frame an output."""
+"""Header and frames of a results' file: one header a run, one frame an output."""
 
 from __future__ import annotations
 

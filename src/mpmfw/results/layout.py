@@ -1,4 +1,4 @@
-"""How fields lie in the file: dimensions, units, chunks."""
+"""Dimensions, units and chunks of fields in the file."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def unit(field: Field, dim: int, *, per_metre: bool = True) -> str:
 
 
 def is_static(field: Field) -> bool:
-    """Say whether the field is written once, without a time."""
+    """Return whether the field is written once, without a time."""
     return (field.group, field.name) in STATIC
 
 

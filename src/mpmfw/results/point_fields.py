@@ -12,7 +12,7 @@ from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import did_you_mean
 from mpmfw.state.fields import FloatArray
 
-#: Where the name with spaces is not what a reader calls it.
+#: Labels of fields that are not their names with spaces.
 _WORDS = {"von_mises": "von Mises stress"}
 
 

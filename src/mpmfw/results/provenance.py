@@ -1,4 +1,4 @@
-"""Where results come from: versions and commit."""
+"""Provenance of results: versions and commit."""
 
 from __future__ import annotations
 

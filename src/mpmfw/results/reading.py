@@ -18,10 +18,10 @@ from mpmfw.results.writers import is_written
 if TYPE_CHECKING:
     import xarray as xr  # half a second, which a run that nobody reads does without
 
-#: What is said of an HDF5 file that the library cannot read.
+#: Message on an HDF5 file that the library cannot read.
 _DAMAGED = "the file was cut short or is damaged"
 
-#: How many times its own length a file may have in memory, and bytes beside: numbers that were never written
+#: Largest size in memory over the length of a file, and bytes beside: numbers that were never written
 #: are NaN.
 LARGER, SPARE = 100, 100_000_000
 
@@ -68,7 +68,7 @@ def open(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree | x
 
 
 def unfinished(tree: xr.DataTree, path: str | os.PathLike[str]) -> str:
-    """What keeps the results of a run from being complete, in a sentence; empty if nothing does."""
+    """Return a sentence on results that are not complete; empty if they are."""
     status = str(tree.attrs.get("status", "ok"))
     if tree.attrs.get("kind") != "run" or is_complete(status):
         return ""
@@ -139,12 +139,12 @@ def read_run(path: str | os.PathLike[str]) -> xr.DataTree:
 
 
 def _reason(name: str, error: OSError | UnicodeError) -> str:
-    """Why a file cannot be read: of an HDF5 file that is not whole, the library says nothing of use."""
+    """Return why a file cannot be read; the library's own reason is of no use for damaged HDF5 files."""
     return _DAMAGED if is_hdf5(name) else str(getattr(error, "strerror", None) or error)
 
 
 def is_hdf5(path: str) -> bool:
-    """Whether a file begins as one of HDF5, whole or not."""
+    """Return whether a file begins as one of HDF5, whole or not."""
     try:
         with builtins.open(path, "rb") as file:
             return file.read(8) == b"\x89HDF\r\n\x1a\n"
@@ -153,12 +153,12 @@ def is_hdf5(path: str) -> bool:
 
 
 def _how_to_go_on(name: str) -> str:
-    """What to do with the file of a run that did not end, if it has a checkpoint."""
+    """Return the advice to resume a run that did not end, if it has a checkpoint."""
     return f"; mpmfw resume {name} goes on with it" if os.path.isfile(f"{name}.checkpoint") else ""
 
 
 def check_results(path: str | os.PathLike[str]) -> None:
-    """Ask that a file is a results' file.
+    """Check that a file is a results' file.
 
     Raises
     ------

@@ -26,7 +26,7 @@ from mpmfw.scene.override import merge, parse_value
 from mpmfw.state.fields import FloatArray
 from mpmfw.units import to_si
 
-#: Where the cylinder's motion is given.
+#: Source of the cylinder's motion.
 EQUATION = " (eq. 13 of Hamad, Giridharan & Moormann 2017, Procedia Engineering 175, 116-123)"
 
 
@@ -60,7 +60,7 @@ class Incline:
         return min(self.solution.time_to(self.distance), self.end)
 
     def describe(self) -> str:
-        """Say in one sentence what the results are compared with."""
+        """Return the reference in one sentence."""
         return self.says
 
 
@@ -83,7 +83,7 @@ class RingsReference:
     end: float = 3.2e-3  #: until which the motions are compared [s]
 
     def describe(self) -> str:
-        """Say in one sentence what the results are compared with."""
+        """Return the reference in one sentence."""
         return (
             "explicit total-Lagrangian plane-strain finite elements, nine-node quadrilaterals of 0.5 mm, one "
             "ring against a frictionless wall on the plane of symmetry; honest solutions differ by 2.4 % in "
@@ -110,7 +110,7 @@ class PressedBlocks:
     pressure: float
 
     def describe(self) -> str:
-        """Say in one sentence what the results are compared with."""
+        """Return the reference in one sentence."""
         return f"a uniform vertical stress of {-self.pressure:.4g} Pa, the pressure from above"
 
 
@@ -167,7 +167,7 @@ def own_references(dataset: xr.Dataset) -> list[Reference | None]:
 
 
 def described(dataset: xr.Dataset) -> str:
-    """What the rows of a comparison are compared with; empty if there is nothing."""
+    """Return the reference of a comparison's rows in words; empty if there is none."""
     texts = (str(array.attrs["against"]) for array in dataset.data_vars.values() if "against" in array.attrs)
     if text := "; ".join(dict.fromkeys(texts)):
         return text
@@ -417,7 +417,7 @@ def _is_plane(body: Body) -> bool:
 
 
 def at_rest(body: Body) -> bool:
-    """Whether a body neither moves nor turns at the start."""
+    """Return whether a body neither moves nor turns at the start."""
     spin = body.angular_velocity
     return not any(body.velocity or ()) and not np.any(0.0 if spin is None else spin)
 

@@ -87,7 +87,7 @@ class Timeline:
         self.frames += 1
 
     def forget_shapes(self) -> None:
-        """Ask for the sizes of dimensions again: one has grown."""
+        """Forget the sizes of dimensions, of which one has grown."""
         for column in self._columns.values():
             column.shape = None
 

@@ -73,7 +73,7 @@ def replace_claimed(part: str, path: str, descriptor: int | None) -> None:
 
 
 def is_written(path: str | os.PathLike[str]) -> bool:
-    """Whether a run is writing the file now."""
+    """Return whether a run is writing the file now."""
     if fcntl is None:
         return False
     if os.path.realpath(path) in _OWN:
@@ -89,7 +89,7 @@ def is_written(path: str | os.PathLike[str]) -> bool:
 
 
 def _locked(descriptor: int, kind: int) -> bool:
-    """Whether the lock is taken; a file system without locks lets everyone."""
+    """Return whether the lock was taken; a file system without locks refuses nobody."""
     command = getattr(fcntl, "F_OFD_SETLK", fcntl.F_SETLK)
     whole_file = struct.pack("hhqqi4x", kind, os.SEEK_SET, 0, 0, 0)
     try:
